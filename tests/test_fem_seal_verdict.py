@@ -345,7 +345,7 @@ def test_report_terminal_and_summary_say_the_same_verdict(capsys):
     result = required(leak_rate="1 ml/min")
     first = verdict_sentences(result)[0]
     assert first.startswith("Fail at 20 bar: at least ")
-    cli.show_verdict(result)
+    cli.show_answers(result)
     assert first in capsys.readouterr().out
     page = report(result)
     assert first in page and 'class="verdict fail"' in page

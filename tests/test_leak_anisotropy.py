@@ -254,9 +254,9 @@ def test_longer_patches_and_more_of_them():
 def test_gas_meets_the_same_patches():
     """A gas so dense that its molecules do not matter flows like a liquid."""
     contact, p = surface(peklenik=0.2), np.array([1e7, 1e9])
-    u = np.asarray(contact.effective_separation(p))
-    gas = contact.effective_gas_separation(p, 1e-9 * u[:, None])
-    np.testing.assert_allclose(gas[:, 0], u, rtol=1e-6)
+    u, log_rarefaction = contact.rarefied_separation(p, np.log(np.array([1e9])))
+    np.testing.assert_allclose(u, contact.effective_separation(p), rtol=1e-9)
+    np.testing.assert_allclose(log_rarefaction, 0.0, atol=1e-6)
 
 
 @pytest.mark.parametrize("contact", [0.05, 0.3, 0.41])

@@ -36,6 +36,8 @@ _SEPARATORS = (";", "\t", ",", None)
 _BETWEEN_NAMES = (r";", r"\t", r",(?![^\[(]*[\])])", r"\s{2,}", r"(?<=[\])])\s+", r"\s+(?![\[(])")
 # "deviation [um]", "deviation / um", "deviation in um", "deviation_um", "deviation um"
 _UNITS = (r"[\[(]\s*([^\])]+?)\s*[\])]", r"/\s*(\S+)$", r"\bin\s+(\S+)$", r"_([^_\s]+)$", r"\s(\S+)$")
+# What instruments write where they have no reading.
+_NOTHING = ("n/a", "#n/a", "na", "bad", "invalid", "null")
 _ANGLE_UNITS = {"°": "deg", "grad": "deg", "degree": "deg", "degrees": "deg", "radians": "rad"}
 _LENGTH_UNITS = {"microns": "micron", "µ": "um", "μ": "um", "uinch": "uin", "µinch": "uin"}
 
@@ -176,14 +178,7 @@ def _number(cell: str) -> float | None:
     try:
         number = float(cell)
     except ValueError:
-        nothing = not any(c.isalnum() for c in cell) or cell.lower() in (
-            "n/a",
-            "#n/a",
-            "na",
-            "bad",
-            "invalid",
-            "null",
-        )
+        nothing = not any(c.isalnum() for c in cell) or cell.lower() in _NOTHING
         return math.nan if nothing else None
     return number if math.isfinite(number) else math.nan
 

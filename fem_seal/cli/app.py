@@ -9,6 +9,7 @@ import shutil
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -18,6 +19,7 @@ from typer.core import TyperCommand
 from fem_seal.cli.explore import explore
 from fem_seal.cli.library import fluids, materials
 from fem_seal.cli.new import new
+from fem_seal.cli.options import CaseFile, Debug, Json, Quiet, ResultsFolder, output_option
 from fem_seal.cli.pdf import pdf
 from fem_seal.cli.study import app as study_app
 from fem_seal.cli.table import table
@@ -49,15 +51,6 @@ app.add_typer(study_app, name="study")
 for _command in (new, materials, fluids, table, pdf, explore):
     app.command()(_command)
 
-CaseFile = Annotated[Path, typer.Argument(metavar="CASE.toml", show_default=False, help="Case file.")]
-Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print warnings and errors only.")]
-Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON, in SI units.")]
-Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
-
-
-def _folder_option(default: str) -> Any:
-    return typer.Option("--output", "-o", metavar="DIR", show_default=default, help="Folder for the results.")
-
 
 @app.callback(invoke_without_command=True)
 def _version(
@@ -77,7 +70,7 @@ def _version(
 @app.command()
 def run(
     case_file: CaseFile,
-    output: Annotated[Path | None, _folder_option("[output] folder of the case, CASE.out")] = None,
+    output: Annotated[Path | None, output_option("[output] folder of the case, CASE.out")] = None,
     variants: Annotated[
         bool, typer.Option("--variants", help="Also calculate the leak rate with each reading of the theory.")
     ] = False,
@@ -118,10 +111,7 @@ def run(
     elif not quiet:
         show_leak_table(rows, case.title, result.loads, volume_of(case))
         show_leakage(case, result.loads)
-        show_memory(result)
-        show_form(result)
-        show_particles(result)
-        show_verdict(result)
+        show_answers(result)
         _list_files(folder)
 
 
@@ -193,7 +183,7 @@ def check(
 @app.command()
 def mesh(
     case_file: CaseFile,
-    output: Annotated[Path | None, _folder_option("[output] folder of the case, CASE.out")] = None,
+    output: Annotated[Path | None, output_option("[output] folder of the case, CASE.out")] = None,
     quiet: Quiet = False,
     json: Json = False,
     debug: Debug = False,
@@ -232,7 +222,7 @@ def leak(
         ),
     ],
     case_file: CaseFile,
-    output: Annotated[Path | None, _folder_option("PROFILE.leak")] = None,
+    output: Annotated[Path | None, output_option("PROFILE.leak")] = None,
     quiet: Quiet = False,
     json: Json = False,
     debug: Debug = False,
@@ -265,7 +255,7 @@ def leak(
 @app.command()
 def direct(
     case_file: CaseFile,
-    output: Annotated[Path | None, _folder_option("[direct] folder of the case, CASE.direct")] = None,
+    output: Annotated[Path | None, output_option("[direct] folder of the case, CASE.direct")] = None,
     jobs: Annotated[
         int | None,
         typer.Option("--jobs", min=1, show_default="one per core", help="Processes that calculate."),
@@ -304,7 +294,7 @@ def surface(
         list[Path],
         typer.Argument(metavar="FILE...", show_default=False, help="Scans or maps of one surface."),
     ],
-    output: Annotated[Path | None, _folder_option("FILE.surface")] = None,
+    output: Annotated[Path | None, output_option("FILE.surface")] = None,
     unit: Annotated[
         str | None,
         typer.Option(metavar="UNIT", help='If the file states none: "um", or "mm,um" for x and height.'),
@@ -374,9 +364,7 @@ def surface(
 
 @app.command()
 def view(
-    folder: Annotated[
-        Path, typer.Argument(metavar="DIR", show_default=False, help="Results folder of `fem-seal run`.")
-    ],
+    folder: ResultsFolder,
     png: Annotated[
         Path | None,
         typer.Option(metavar="FILE", help="Draw into a PNG file instead of a window; needs no display."),
@@ -643,60 +631,23 @@ def show_leakage(case: Case, loads: Sequence[LoadResult]) -> None:
         say(line)
 
 
-def show_memory(result: SealSolution) -> None:
-    """Print after which larger load the results hold, if one is given.
+def show_answers(result: SealSolution) -> None:
+    """Print in words after which larger load the results hold, and what form, particles, verdict and levers say.
 
     Parameters
     ----------
     result : SealSolution
     """
+    from fem_seal.output.report.form import form_in_words
+    from fem_seal.output.report.levers import lever_lines
+    from fem_seal.output.report.particles import particles_in_words
+    from fem_seal.output.report.verdict import verdict_lines
     from fem_seal.output.report.words import remembered
 
-    for line in remembered(result):
-        say(line)
-
-
-def show_form(result: SealSolution) -> None:
-    """Print what the form error of a seal means; nothing for a round one.
-
-    Parameters
-    ----------
-    result : SealSolution
-    """
-    if result.form is None:
-        return
-    from fem_seal.output.report.form import form_in_words
-
-    for line in form_in_words(result):
-        say(line)
-
-
-def show_particles(result: SealSolution) -> None:
-    """Print what particles in the fluid do to the leak; nothing without [fluid.particles].
-
-    Parameters
-    ----------
-    result : SealSolution
-    """
-    if not result.particles:
-        return
-    from fem_seal.output.report.particles import particles_in_words
-
-    for line in particles_in_words(result):
-        say(line)
-
-
-def show_verdict(result: SealSolution) -> None:
-    """Print whether the seal keeps what is required of it, without a requirement which class would be next; levers.
-
-    Parameters
-    ----------
-    result : SealSolution
-    """
-    from fem_seal.output.report.levers import lever_lines
-    from fem_seal.output.report.verdict import verdict_lines
-
-    for line in (*verdict_lines(result), *lever_lines(result)):
+    form = [] if result.form is None else form_in_words(result)
+    particles = particles_in_words(result) if result.particles else []
+    told = (remembered(result), form, particles, verdict_lines(result), lever_lines(result))
+    for line in chain.from_iterable(told):
         say(line)
 
 

@@ -8,28 +8,25 @@ from typing import Annotated
 
 import typer
 
+from fem_seal.cli.options import CaseFile, Debug, Quiet, output_option
 from fem_seal.cli.terminal import complain, say
 from fem_seal.errors import InputError, Problem, unexpected
 
 
 def explore(
-    case_file: Annotated[Path, typer.Argument(metavar="CASE.toml", show_default=False, help="Case file.")],
+    case_file: CaseFile,
     port: Annotated[
         int, typer.Option("--port", min=0, max=65535, help="Of the page; 0 for any that is free.")
     ] = 8050,
     no_browser: Annotated[bool, typer.Option("--no-browser", help="Do not open a browser.")] = False,
     output: Annotated[
         Path | None,
-        typer.Option(
-            "--output",
-            "-o",
-            metavar="DIR",
-            show_default="that of the case file",
-            help="Folder for case files and reports that are written from the page.",
+        output_option(
+            "that of the case file", "Folder for case files and reports that are written from the page."
         ),
     ] = None,
-    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print warnings and errors only.")] = False,
-    debug: Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")] = False,
+    quiet: Quiet = False,
+    debug: Debug = False,
 ) -> None:
     """Open a live page of a case on this machine: sliders, and the leak rate that follows them. Ctrl-C ends it."""
     from fem_seal.case.case import load_case

@@ -9,14 +9,14 @@ from typing import Annotated, Any
 
 import typer
 
+from fem_seal.cli.options import Debug, json_option
 from fem_seal.cli.terminal import cell, say, say_json, show
 
-Json = Annotated[bool, typer.Option("--json", help="Print the entries as JSON, in SI units.")]
+Json = Annotated[bool, json_option("the entries")]
 Csv = Annotated[bool, typer.Option("--csv", help="Print the entries as CSV, in SI units.")]
 Temperature = Annotated[
     str, typer.Option("--temperature", "-t", metavar="TEMPERATURE", help='Such as "60 degC".')
 ]
-Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
 # So wide a terminal has room for a column of words beside the numbers.
 _WIDE = 120
 

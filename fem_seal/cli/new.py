@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from fem_seal.cli.options import Debug, output_option
 from fem_seal.cli.terminal import complain, prompt, say
 from fem_seal.errors import InputError, NoLoadLeftError, Problem
 from fem_seal.former_names import say_once
@@ -30,10 +31,7 @@ def new(
         str | None,
         typer.Option("--template", "-t", metavar="NAME", show_default=False, help=f"{NAMES}; asks nothing."),
     ] = None,
-    output: Annotated[
-        Path | None,
-        typer.Option("--output", "-o", metavar="FILE", show_default="NAME.toml", help="Case file to write."),
-    ] = None,
+    output: Annotated[Path | None, output_option("NAME.toml", "Case file to write.", "FILE")] = None,
     title: Annotated[str | None, _option("Title of the report", "Valve 7")] = None,
     diameter: Annotated[str | None, _option("Diameter of the closure", "40 mm")] = None,
     bore: Annotated[str | None, _option("Diameter of the bore", "25 mm")] = None,
@@ -66,7 +64,7 @@ def new(
         ),
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace the file if there is one.")] = False,
-    debug: Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")] = False,
+    debug: Debug = False,
 ) -> None:
     """Write a commented case that runs: asks a handful of questions, or none with --template."""
     from fem_seal.case.new_case import template

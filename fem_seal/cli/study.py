@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperGroup
 
+from fem_seal.cli.options import Debug, Quiet, output_option
 from fem_seal.cli.terminal import say, say_json, warn
 from fem_seal.errors import NoLoadLeftError, Problem
 
@@ -39,20 +40,13 @@ app = typer.Typer(
 )
 
 StudyFolder = Annotated[Path, typer.Argument(metavar="DIR", show_default=False, help="Folder of a study.")]
-Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print warnings and errors only.")]
 Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
-Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
 
 
 @app.command()
 def run(
     study_file: Annotated[Path, typer.Argument(metavar="STUDY.toml", show_default=False, help="Study file.")],
-    output: Annotated[
-        Path | None,
-        typer.Option(
-            "--output", "-o", metavar="DIR", show_default="STUDY.study", help="Folder for the study."
-        ),
-    ] = None,
+    output: Annotated[Path | None, output_option("STUDY.study", "Folder for the study.")] = None,
     workers: Annotated[
         int | None,
         typer.Option(
@@ -112,10 +106,7 @@ def _leave() -> None:
 @app.command()
 def report(
     folder: StudyFolder,
-    output: Annotated[
-        Path | None,
-        typer.Option("--output", "-o", metavar="FILE", show_default="DIR/report.html", help="File to write."),
-    ] = None,
+    output: Annotated[Path | None, output_option("DIR/report.html", "File to write.", "FILE")] = None,
     quiet: Quiet = False,
     debug: Debug = False,
 ) -> None:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from fem_seal.cli.options import CaseFile, Debug, Quiet, json_option, output_option
 from fem_seal.cli.terminal import say, say_json, show, warn
 
 if TYPE_CHECKING:
@@ -16,13 +17,8 @@ _FORM = '"1 bar, 5 bar, 20 bar", or from, to and number of values: "1 bar : 20 b
 
 
 def table(
-    case_file: Annotated[Path, typer.Argument(metavar="CASE.toml", show_default=False, help="Case file.")],
-    output: Annotated[
-        Path | None,
-        typer.Option(
-            "--output", "-o", metavar="DIR", show_default="CASE.table", help="Folder for the tables."
-        ),
-    ] = None,
+    case_file: CaseFile,
+    output: Annotated[Path | None, output_option("CASE.table", "Folder for the tables.")] = None,
     pressure: Annotated[
         str | None,
         typer.Option(
@@ -33,9 +29,9 @@ def table(
         str | None,
         typer.Option(metavar="FORCES", show_default="those of the case", help='Such as "0 N : 2 kN : 5".'),
     ] = None,
-    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print warnings and errors only.")] = False,
-    json: Annotated[bool, typer.Option("--json", help="Print the points as JSON, in SI units.")] = False,
-    debug: Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")] = False,
+    quiet: Quiet = False,
+    json: Annotated[bool, json_option("the points")] = False,
+    debug: Debug = False,
 ) -> None:
     """Leak rate and equivalent leakage area over pressure and force: CSV, Modelica and MATLAB tables."""
     from fem_seal.answers.leak_map import leak_map

@@ -43,15 +43,12 @@ class Local(Protocol):
     @property
     def opens(self) -> bool:
         """Whether the surfaces part at a definite approach."""
-        ...
 
     def approach(self, line_load: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Approach along the normal [m] and its derivative over ln f [m]."""
-        ...
 
     def line_load(self, approach: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Line load [N/m] at an approach [m] and its derivative [N/m^2], of a contact that opens."""
-        ...
 
 
 def line_load_around(

@@ -21,19 +21,15 @@ class FluidPath(Protocol):
     @property
     def side(self) -> PressureSide:
         """Side of the high pressure."""
-        ...
 
     def bounds(self, line: ContactLine) -> tuple[float, float]:
         """Between which all unknowns lie."""
-        ...
 
     def share(self, line: ContactLine, unknowns: FloatArray) -> FloatArray:
         """Fluid pressure over the pressure difference at the points of the line, shape (m,)."""
-        ...
 
     def found(self, profile: PressureProfile, fluid_pressure: float) -> FloatArray:
         """The unknowns that belong to a profile of the solid contact pressure."""
-        ...
 
 
 def _itself(profile: PressureProfile) -> PressureProfile:

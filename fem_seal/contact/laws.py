@@ -18,11 +18,9 @@ class InterfaceLaw(Protocol):
 
     def gap(self, log_pressure: FloatArray) -> FloatArray:
         """Mean separation u [m] at ln(p/Pa)."""
-        ...
 
     def decay_length(self, log_pressure: FloatArray) -> FloatArray:
         """-du/d ln p [m], positive."""
-        ...
 
 
 @dataclass(frozen=True)

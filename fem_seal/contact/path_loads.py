@@ -26,7 +26,6 @@ class LoadOnPath(Protocol):
     @property
     def apart(self) -> FurtherLoads:
         """What acts on the bodies where they do not touch."""
-        ...
 
     def contact(self, model: ContactModel, law: Law, start: ContactSolution | None) -> ContactSolution | None:
         """The contact of linear bodies under this load; None where it leaves them apart.
@@ -37,23 +36,18 @@ class LoadOnPath(Protocol):
             If a fluid lifts the closure off.
         ConvergenceError
         """
-        ...
 
     def between(self, other: Self, way: float) -> Self:
         """The load a share `way` of the way to another one."""
-        ...
 
     def change(self, other: Self, touch_radius: float) -> float:
         """How far it is to another one, as a share of the larger; from nothing to a load it is one."""
-        ...
 
     def after(self, contacts: Sequence[ContactSolution]) -> Self:
         """The load after some contacts, which its fluid may remember."""
-        ...
 
     def rest(self, further: FurtherLoads) -> Self:
         """The same way of loading with nothing that presses, where these loads act."""
-        ...
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,8 @@ from leak.errors import DirectError
 
 # Pressures that displace the surface by more than so many rms heights are no first guess of a contact.
 _HILLS = 30.0
+# Each is one application of the body to the pressure and one to the direction of descent.
+_MOST_ITERATIONS = 3000
 
 
 class Compliance(Protocol):
@@ -57,7 +59,6 @@ def press(
     hardness: float | None = None,
     start: FloatArray | None = None,
     tolerance: float = 1e-4,
-    most_iterations: int = 3000,
 ) -> ContactState:
     """Press a map of heights against a rigid flat to a given mean pressure.
 
@@ -78,8 +79,6 @@ def press(
         A pressure to start from [Pa], such as that of a neighbouring load.
     tolerance : float
         Largest violation allowed of g = 0, g >= 0 or g <= 0 at any point, over the rms height.
-    most_iterations : int
-        Each is one application of `body` to the pressure and one to the direction of descent.
 
     Raises
     ------
@@ -105,7 +104,7 @@ def press(
     total = P * h.size
     p = _first_guess(body, h, total, H) if start is None else _with_load(start, start > 0.0, total, H)
     direction, last, restart, step = np.zeros_like(h), 1.0, True, 0.0
-    for iteration in range(most_iterations):
+    for iteration in range(_MOST_ITERATIONS):
         g = body.displacement(p)
         g -= h
         free, capped = (p > 0.0) & (p < H), p >= H
@@ -137,7 +136,7 @@ def press(
         p = np.clip(y, 0.0, H)
         p[takes] = _shifted(y[takes], total - stays, H)
     raise DirectError(
-        f"contact at the mean pressure {P:g} Pa did not converge in {most_iterations} iterations: "
+        f"contact at the mean pressure {P:g} Pa did not converge in {_MOST_ITERATIONS} iterations: "
         f"the largest error of the gap is {error:.1e} of the rms height, allowed are {tolerance:.1e}"
     )
 

@@ -19,13 +19,12 @@ def grid_study(
     points: Sequence[int],
     *,
     effective_modulus: float,
-    hardness: float | None = None,
 ) -> list[DirectResult]:
     """The same waves on grids of different fineness: what the grid itself changes.
 
     Parameters
     ----------
-    heights, size, pressures, effective_modulus, hardness
+    heights, size, pressures, effective_modulus
         See `simulate`.
     points : sequence of int
         Points along a side of each grid, enough for all waves of the map.
@@ -45,8 +44,7 @@ def grid_study(
     True
     """
     return [
-        simulate(refined(heights, n), size, pressures, effective_modulus=effective_modulus, hardness=hardness)
-        for n in points
+        simulate(refined(heights, n), size, pressures, effective_modulus=effective_modulus) for n in points
     ]
 
 
@@ -57,13 +55,12 @@ def cutoff_study(
     shortest_wavelengths: Sequence[float],
     *,
     effective_modulus: float,
-    hardness: float | None = None,
 ) -> list[DirectResult]:
     """The same map without its shortest waves, on the same grid: what the cutoff changes.
 
     Parameters
     ----------
-    heights, size, pressures, effective_modulus, hardness
+    heights, size, pressures, effective_modulus
         See `simulate`.
     shortest_wavelengths : sequence of float
         Of each map [m].
@@ -85,13 +82,7 @@ def cutoff_study(
     True
     """
     return [
-        simulate(
-            smoothed(heights, size, shortest),
-            size,
-            pressures,
-            effective_modulus=effective_modulus,
-            hardness=hardness,
-        )
+        simulate(smoothed(heights, size, shortest), size, pressures, effective_modulus=effective_modulus)
         for shortest in shortest_wavelengths
     ]
 
@@ -103,14 +94,13 @@ def size_study(
     *,
     seed: int,
     effective_modulus: float,
-    hardness: float | None = None,
 ) -> list[DirectResult]:
     """Samples of patches of different size with the same grid spacing: what longer waves and more asperities change.
 
     Parameters
     ----------
     patch : Patch
-    pressures, effective_modulus, hardness
+    pressures, effective_modulus
         See `simulate`.
     factors : sequence of float
         Side of each patch over that of `patch`; its points go with it.
@@ -140,7 +130,6 @@ def size_study(
                 piece.size,
                 pressures,
                 effective_modulus=effective_modulus,
-                hardness=hardness,
             )
         )
     return found

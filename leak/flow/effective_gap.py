@@ -41,22 +41,6 @@ def effective_gap(
     return anisotropic_medium(*_gaps(lost, rms_height, refinement), n, aspect).along
 
 
-def effective_gas_gap(
-    lost: LostArea,
-    rms_height: float,
-    n: float,
-    aspect: float | FloatArray,
-    flight: FloatArray,
-) -> FloatArray:
-    """u of the uniform gap without rarefaction that lets as much of a rarefied gas through as P(u), shape (P, m) [m].
-
-    The effective medium over the local conductivity u^3 f(u/l), f of `leak.flow.rarefied.flow_factor`, at m lengths
-    l = eta v0/p_f for each pressure, shape (P, m) [m].
-    """
-    gaps = _gaps(lost, rms_height, 1)
-    return _gas_gap(gaps, _continuum(gaps, n, aspect), n, aspect, flight)
-
-
 def effective_gaps(
     lost: LostArea,
     rms_height: float,
@@ -66,15 +50,15 @@ def effective_gaps(
     *,
     refinement: float = 1.0,
 ) -> tuple[FloatArray, FloatArray]:
-    """`effective_gap`, shape (P,), and `effective_gas_gap` at given D = u_eff/l, of shape (m,), shape (P, m) [m]."""
+    """`effective_gap`, shape (P,), and of a rarefied gas at given D = u_eff/l, of shape (m,), shape (P, m) [m].
+
+    The latter is the uniform gap that would let as much through without rarefaction: the effective medium over the
+    local conductivity u^3 f(u/l), f of `leak.flow.rarefied.flow_factor`, at lengths of flight l = eta v0/p_f.
+    """
     gaps = _gaps(lost, rms_height, refinement)
-    continuum = _continuum(gaps, n, aspect)
+    continuum = anisotropic_medium(*gaps, n, aspect)
     flight = np.maximum(continuum.along, gaps.separation[:, 0])[:, None] / inverse_knudsen
     return continuum.along, _gas_gap(gaps, continuum, n, aspect, flight)
-
-
-def _continuum(gaps: _Gaps, n: float, aspect: float | FloatArray) -> DirectionalGap:
-    return anisotropic_medium(*gaps, n, aspect)
 
 
 def _gas_gap(

@@ -21,7 +21,6 @@ from leak.flow.effective_gap import (
     critical_gap,
     effective_gap,
     effective_gaps,
-    effective_gas_gap,
 )
 from leak.flow.memory import LoadMemory
 from leak.flow.rarefied import log_flow_factor
@@ -550,28 +549,6 @@ class RoughContact:
         eta = positive(ConductivityError, "viscosity", viscosity, "Pa s")
         return _scalar(np.asarray(self.effective_separation(pressure, method)) ** 3 / (12.0 * eta))
 
-    def effective_gas_separation(self, pressure: ArrayLike, flight: ArrayLike) -> FloatArray:
-        """u of the uniform gap that, without rarefaction, would let as much of a rarefied gas through [m].
-
-        The gas conductivity is u^3/(12 eta). The effective medium is taken over the local conductivity
-        u^3 f(u/l), f the factor of slip and free molecules of `leak.flow.rarefied.flow_factor`.
-
-        Parameters
-        ----------
-        pressure : array_like
-            Nominal contact pressures between zero and the hardness, shape (n,) [Pa].
-        flight : array_like
-            l = eta v0/p_f, v0 = sqrt(2 R_s T), the mean free path times 2/sqrt(pi), shape (n, m) [m].
-        """
-        p, lengths = np.atleast_1d(_checked(pressure)), np.asarray(flight, dtype=float)
-        n = medium.dimension_number(self.percolation_threshold)
-        out = np.empty(lengths.shape)
-        for part in _parts(np.arange(p.size)):
-            acting = self.acting_pressure(p[part])
-            lost, aspect = self._channels(acting, self._seen(acting), 1)
-            out[part] = effective_gas_gap(lost, self.spectrum.rms_height, n, aspect, lengths[part])
-        return out
-
     def rarefied_separation(
         self, pressure: FloatArray, log_inverse_knudsen: FloatArray, *, refinement: float = 1.0
     ) -> tuple[FloatArray, FloatArray]:
@@ -718,12 +695,10 @@ class RoughContact:
             p / self.hardness, self.effective_modulus, self.hardness, self.spectrum.last_moment
         )
 
-    def _mean(self, p: FloatArray, seen: RoughnessSeen, refinement: float = 3.0) -> Separations:
+    def _mean(self, p: FloatArray, seen: RoughnessSeen) -> Separations:
         """Separations at the magnification where no roughness is seen yet."""
-        M = np.zeros((1, 1))
-        return separations(
-            self.spectrum, seen, p / self.effective_modulus, M, self.gamma, refinement=refinement
-        )
+        relative = p / self.effective_modulus
+        return separations(self.spectrum, seen, relative, np.zeros((1, 1)), self.gamma, refinement=3.0)
 
     def _over_pressure(
         self,

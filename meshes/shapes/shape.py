@@ -28,7 +28,6 @@ class Shape(Protocol):
     @property
     def outline(self) -> Outline:
         """Section whose contact face is named "closure_face" or "seat_face"; its height is free."""
-        ...
 
 
 @dataclass(frozen=True)
