@@ -8,6 +8,7 @@ Only cases whose asperities yield are asked; each example is told at its lowest 
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -20,6 +21,7 @@ from fem_seal.output.report.words import classes_in_words
 from fem_seal.seal.load_names import load_values
 from fem_seal.seal.load_result import highest_load
 from fem_seal.units import number, quantity
+from leak import Reading
 
 ROOT = Path(__file__).parent.parent
 PAGE = ROOT / "docs" / "verification" / "bracket.md"
@@ -80,9 +82,11 @@ def rows(case: Case, name: str) -> Iterator[tuple[str, ...]]:
 def row(result: SealSolution, n: int, name: str) -> tuple[str, ...]:
     """A load in figures."""
     load = result.loads[n]
-    assert load.leak_conserved is not None and load.leak_capped is not None and load.leak_elastic is not None
+    conserved, capped, elastic = (
+        math.nan if (leak := load.reading(one).leak) is None else leak.leak_rate
+        for one in (Reading.CONSERVED, Reading.CAPPED, Reading.ELASTIC)
+    )
     assert result.surface is not None and result.surface.hardness is not None
-    conserved, capped = load.leak_conserved.leak_rate, load.leak_capped.leak_rate
     return (
         f"`{name}`",
         load_values(load, result.loads),
@@ -90,7 +94,7 @@ def row(result: SealSolution, n: int, name: str) -> tuple[str, ...]:
         _rate(conserved),
         _rate(capped),
         number(capped / conserved, 3) if conserved else "–",
-        _rate(load.leak_elastic.leak_rate),
+        _rate(elastic),
         str(load.validity.level),
         classes_in_words(leakage_classes(result.case, load)),
     )

@@ -127,3 +127,4 @@ from .theory.persson import relative_contact_area as relative_contact_area
 from .theory.plasticity import AreaFractions as AreaFractions
 from .theory.plasticity import area_fractions as area_fractions
 from .theory.plasticity import remaining_fraction as remaining_fraction
+from .theory.reading import Reading as Reading

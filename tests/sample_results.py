@@ -11,6 +11,7 @@ import fem_seal
 from fem_seal.answers.accuracy import NOT_ESTIMATED
 from fem_seal.case.case import Case
 from fem_seal.result import SealResult
+from leak import Reading
 
 STEEL = {
     "name": "steel <1.4122>",
@@ -34,6 +35,11 @@ SMOOTH: dict[str, Any] = {
     "interface": {"law": "smooth"},
     "leak": {"plasticity": False},
 }
+
+
+def with_capped(load: Any, leak: Any) -> Any:
+    """A load whose leak is given if its yielding asperities change only where they touch."""
+    return load.with_readings({Reading.CAPPED: load.reading(Reading.CAPPED).knowing(leak=leak)})
 
 
 def ball(material: object = "steel", radius: str = "20 mm") -> dict[str, Any]:

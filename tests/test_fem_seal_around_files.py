@@ -19,6 +19,7 @@ from fem_seal.output import files, vtk
 from fem_seal.output.around import write_around_csv
 from fem_seal.output.files import write
 from fem_seal.output.vtk import write_around
+from leak import Reading
 
 COLUMNS = [
     "fluid_pressure_Pa",
@@ -66,7 +67,7 @@ def test_csv_has_every_angle_of_every_load(tmp_path):
             ("peak_pressure_Pa", around.peak_pressure),
             ("fwhm_m", around.fwhm),
             ("leak_rate_m3_per_s_per_rad", around.leak_rate),
-            ("leak_rate_capped_m3_per_s_per_rad", load.around_capped.leak_rate),
+            ("leak_rate_capped_m3_per_s_per_rad", load.reading(Reading.CAPPED).around.leak_rate),
         ):
             np.testing.assert_allclose([float(row[name]) for row in own], values, rtol=1e-9, atol=1e-300)
 

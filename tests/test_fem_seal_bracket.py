@@ -14,7 +14,7 @@ from around_results import oval_result
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from paper_surface import surface
-from sample_results import case, rough_result, run_loads, single_result, smooth_result
+from sample_results import case, rough_result, run_loads, single_result, smooth_result, with_capped
 
 import fem_seal
 import leak
@@ -31,11 +31,12 @@ from fem_seal.output.report.words import (
     readings_in_words,
 )
 from fem_seal.output.tables import leak_rows, leakage_table
-from fem_seal.seal.findings import Caution, Level, Validity, either_way
+from fem_seal.seal.bounds import Bounds
+from fem_seal.seal.findings import Caution, Level, Validity
 from fem_seal.seal.leak_model import RoughFlow
 from fem_seal.studies.responses import evaluate
 from fem_seal.units import leak_range_text
-from leak import LeakResult, leakage_class, leakage_limits
+from leak import LeakResult, Reading, leakage_class, leakage_limits
 
 LOW, HIGH = "leak_rate_low_m3_per_s", "leak_rate_high_m3_per_s"
 DEFAULT, ELASTIC = "leak_rate_m3_per_s", "leak_rate_elastic_m3_per_s"
@@ -78,20 +79,26 @@ def test_asperities_too_hard_to_yield_are_elastic_in_both_readings(pressure):
 @pytest.mark.usefixtures("unrendered")
 def test_elastic_asperities_have_one_reading():
     (load,) = single_result().loads
-    assert load.conserved is load.capped is load
-    assert load.leak_conserved is load.leak_capped is load.leak
+    assert load.reading(Reading.CONSERVED) is load.reading(Reading.CAPPED) is load
+    assert load.reading(Reading.CONSERVED).leak is load.reading(Reading.CAPPED).leak is load.leak
     assert load.leak_range is None and not load.yields
     (row,) = leak_rows(single_result())
     assert all(math.isnan(row[name]) for name in (LOW, HIGH, CONSERVED, CAPPED))
     text = report(single_result())
     assert "C_pl" not in headline(single_result()) and "changed only where it touches" not in text
     for nothing in smooth_result().loads:
-        assert nothing.leak_conserved is nothing.leak_capped is nothing.leak_range is None
+        assert (
+            nothing.reading(Reading.CONSERVED).leak
+            is nothing.reading(Reading.CAPPED).leak
+            is nothing.leak_range
+            is None
+        )
 
 
 def test_each_reading_is_that_of_its_surface_on_the_same_contact():
     result = rough_result()
-    for name, of in (("leak_conserved", result.surface), ("leak_capped", result.surface.capped)):
+    for reading in (Reading.CONSERVED, Reading.CAPPED):
+        of = result.surface.reading(reading)
         table = of.conductivity_table(1.0, 1e9, 90).at(result.problem.flow.viscosity)
         for load in result.loads:
             p = load.contact.profile
@@ -100,7 +107,7 @@ def test_each_reading_is_that_of_its_surface_on_the_same_contact():
                 p.x, p.pressure, table, load.fluid_pressure, p.radius, ends=p.ends, pressure_law=law
             )
             # another table of the same function
-            assert getattr(load, name).leak_rate == pytest.approx(own.leak_rate, rel=1e-3)
+            assert load.readings[reading].leak.leak_rate == pytest.approx(own.leak_rate, rel=1e-3)
 
 
 def test_the_table_of_each_reading_is_made_once_for_all_loads(monkeypatch):
@@ -135,27 +142,27 @@ def test_both_readings_go_the_same_way(tables):
     """A load whose surface is the capped one has as its leak what the other one has as its capped reading."""
     (load,) = run_loads(case(**tables)).loads
     swapped = replace(load, rough=replace(load.rough, surface=load.rough.surface.capped))
-    assert type(load.leak_capped) is type(load.leak) is type(swapped.leak)
-    assert swapped.leak.leak_rate == load.leak_capped.leak_rate
-    assert swapped.leak_conserved.leak_rate == load.leak.leak_rate
+    assert type(load.reading(Reading.CAPPED).leak) is type(load.leak) is type(swapped.leak)
+    assert swapped.leak.leak_rate == load.reading(Reading.CAPPED).leak.leak_rate
+    assert swapped.reading(Reading.CONSERVED).leak.leak_rate == load.leak.leak_rate
     assert swapped.leak_range == load.leak_range
-    assert load.leak_range[0] < load.leak_range[1] < 1.01 * load.leak_elastic.leak_rate
+    assert load.leak_range[0] < load.leak_range[1] < 1.01 * load.reading(Reading.ELASTIC).leak.leak_rate
 
 
 def test_a_form_error_and_its_answers_have_both_readings(tmp_path):
     result = oval_result()
     for load in result.loads:
         # the integral over the turn is the leak rate of the seal
-        angles = len(load.around_capped.angle)
-        total = float(load.around_capped.leak_rate.sum()) * 2 * math.pi / angles
-        assert total == pytest.approx(load.leak_capped.leak_rate, rel=1e-9)
-        assert load.around_capped.line_load is load.around.line_load
-        assert load.capped.leak_round.leak_rate < load.leak_capped.leak_rate
+        angles = len(load.reading(Reading.CAPPED).around.angle)
+        total = float(load.reading(Reading.CAPPED).around.leak_rate.sum()) * 2 * math.pi / angles
+        assert total == pytest.approx(load.reading(Reading.CAPPED).leak.leak_rate, rel=1e-9)
+        assert load.reading(Reading.CAPPED).around.line_load is load.around.line_load
+        assert load.reading(Reading.CAPPED).leak_round.leak_rate < load.reading(Reading.CAPPED).leak.leak_rate
     # solved once more, to the accuracy of a line load
     (same,) = [point for point in result.form.curve if point.factor == 1.0]
     highest = result.highest
-    assert (same.leak_rate, same.leak_rate_capped) == pytest.approx(
-        (highest.leak.leak_rate, highest.leak_capped.leak_rate), rel=1e-5
+    assert (same.leak_rate, same.others[Reading.CAPPED]) == pytest.approx(
+        (highest.leak.leak_rate, highest.reading(Reading.CAPPED).leak.leak_rate), rel=1e-5
     )
     from fem_seal.output.around import write_around_csv
 
@@ -164,7 +171,9 @@ def test_a_form_error_and_its_answers_have_both_readings(tmp_path):
         rows = list(csv.DictReader(lines))
     ratio = float(rows[0]["leak_rate_capped_m3_per_s_per_rad"]) / float(rows[0]["leak_rate_m3_per_s_per_rad"])
     first = result.loads[0]
-    assert ratio == pytest.approx(first.leak_capped.leak_rate / first.leak.leak_rate, rel=0.05)
+    assert ratio == pytest.approx(
+        first.reading(Reading.CAPPED).leak.leak_rate / first.leak.leak_rate, rel=0.05
+    )
 
 
 def test_a_target_takes_a_force_in_each_reading():
@@ -172,7 +181,7 @@ def test_a_target_takes_a_force_in_each_reading():
     load = {"fluid_pressure": "20 bar", "applied_force": "2 kN", "target_leak_rate": "0.2 cm^3/s"}
     result = fem_seal.run(case(load=load))
     (found,) = result.loads
-    forces = {DEFAULT: found.force_for_target, CAPPED: found.force_for_target_capped}
+    forces = {DEFAULT: found.force_for_target, CAPPED: found.reading(Reading.CAPPED).force_for_target}
     # more stays open where only what touches changes, so it takes more force
     assert forces[CAPPED] > forces[DEFAULT]
     for name, force in forces.items():
@@ -190,8 +199,8 @@ def test_file_terminal_report_and_study_tell_the_same_interval(capsys):
     result = rough_result()
     rows, table = leak_rows(result), result.table
     for row, load in zip(rows, result.loads, strict=True):
-        assert row[DEFAULT] == row[CONSERVED] == load.leak_conserved.leak_rate
-        assert row[CAPPED] == load.leak_capped.leak_rate
+        assert row[DEFAULT] == row[CONSERVED] == load.reading(Reading.CONSERVED).leak.leak_rate
+        assert row[CAPPED] == load.reading(Reading.CAPPED).leak.leak_rate
         assert load.leak_range == (row[CONSERVED], row[CAPPED])
         # and nothing besides, but for what the mesh leaves
         off = 1 + load.mesh_error.leak_rate
@@ -237,7 +246,7 @@ def test_the_interval_of_a_gas_is_told_in_its_own_unit():
     line, sentence, _, tested = leakage_lines(result.case, load, result.loads)
     assert "a test with air" in tested
     (ends,) = re.findall(r": ([\d.]+) to ([\d.]+) mbar l/s = ", line)
-    low, high = (one.throughput * 10 for one in load.leak_ends)
+    low, high = (one.leak.throughput * 10 for one in load.readings.values())
     assert [float(one) for one in ends] == pytest.approx([low, high], rel=TWO_DIGITS)
     assert re.search(r"to [\d.·⁻⁰-⁹−]+ kg/s", line)
     assert "two readings" in sentence
@@ -245,7 +254,7 @@ def test_the_interval_of_a_gas_is_told_in_its_own_unit():
 
 def test_readings_that_agree_are_told_as_one_number():
     load = rough_result().loads[0]
-    known = load.knowing(leak_capped=replace(load.leak, leak_rate=1.001 * load.leak.leak_rate))
+    known = with_capped(load, replace(load.leak, leak_rate=1.001 * load.leak.leak_rate))
     line, classes = leakage_lines(rough_result().case, known, [known])
     assert " to " not in line and classes.startswith("Leakage class")
 
@@ -256,7 +265,7 @@ def test_readings_that_agree_are_told_as_one_number():
 def interval(conserved, capped) -> LeakInterval:
     """Two loads with a few samples."""
     rates = [np.asarray(one, dtype=float) for one in (conserved, capped)]
-    return LeakInterval(("hardness",), 0.5, 1, 5, rates[0], np.ones((2, 1)), None, rates[1])
+    return LeakInterval(("hardness",), 0.5, 1, 5, rates[0], np.ones((2, 1)), None, {Reading.CAPPED: rates[1]})
 
 
 def test_the_interval_of_samples_reaches_from_the_smaller_reading_to_the_larger():
@@ -374,9 +383,9 @@ def test_ends_that_are_one_number_in_the_first_unit_are_one_in_all(low, over, fl
     if fluid == "helium":
         leaks = replace(leaks, throughput=1.0, standard_leak_rate=1.0)
     for error in (0.0, 0.7):
-        few = Validity.of([Caution("few", Level.DOUBTFUL, "few", "...", either_way(1 + error))])
+        few = Validity.of([Caution("few", Level.DOUBTFUL, "few", "...", Bounds.either_way(1 + error))])
         ends = [leaks.scaled(one * 1e-6 / 60) for one in (low, over * low)]
-        load = solved.knowing(leak=ends[0], leak_capped=ends[1], validity=few)
+        load = with_capped(solved.knowing(leak=ends[0], validity=few), ends[1])
         first, *others = leakage_text(load).split(" = ")
         assert " to " in first or not any(" to " in one for one in others)
 
@@ -400,5 +409,5 @@ def test_readings_that_are_read_as_one_number_are_not_told_as_two():
     """Two digits are what an interval is worth: 0.126 and 0.127 are one."""
     load = rough_result().highest
     for higher, same in ((1.27e-9, True), (1.9e-9, False)):
-        one = load.knowing(leak=load.leak.scaled(1.26e-9), leak_capped=load.leak.scaled(higher))
+        one = with_capped(load.knowing(leak=load.leak.scaled(1.26e-9)), load.leak.scaled(higher))
         assert ("agree" in readings_in_words(one)) == same

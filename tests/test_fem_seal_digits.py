@@ -15,7 +15,7 @@ from hypothesis import HealthCheck, assume, example, given, settings
 from hypothesis import strategies as st
 from judged_loads import SURFACE, judged
 from judged_loads import load as judged_load
-from sample_results import case, rough_result
+from sample_results import case, rough_result, with_capped
 
 from fem_seal.answers.closed_forms import derive
 from fem_seal.cli import app as cli
@@ -26,7 +26,8 @@ from fem_seal.output.pictures.surface import surface_picture
 from fem_seal.output.report.tables import comparison_table, variant_table
 from fem_seal.output.report.words import facts, headline, leakage_lines, reasons
 from fem_seal.output.tables import rows_of
-from fem_seal.seal.findings import Caution, Level, Validity, either_way
+from fem_seal.seal.bounds import Bounds
+from fem_seal.seal.findings import Caution, Level, Validity
 from fem_seal.seal.load_result import DiscretisationError
 from fem_seal.seal.problem import SealProblem
 from fem_seal.units import digits_beside, digits_within, quantity_worth, rounded, worth
@@ -220,7 +221,9 @@ def test_a_run_on_a_coarse_mesh_tells_the_digits_of_its_table_everywhere(tmp_pat
 
 
 def doubted(kind: str, leak_error: float) -> Validity:
-    return Validity.of([Caution(kind, Level.DOUBTFUL, "few channels", "...", either_way(1 + leak_error))])
+    return Validity.of(
+        [Caution(kind, Level.DOUBTFUL, "few channels", "...", Bounds.either_way(1 + leak_error))]
+    )
 
 
 @pytest.mark.parametrize(("error", "digits"), [(0.0, 4), (0.02, 3), (0.7, 1), (2.3, 1), (math.inf, 1)])
@@ -255,7 +258,7 @@ def test_nothing_is_no_number_with_a_unit(level, said):
     validity = Validity.of([Caution("hardness", level, "reason", "...")])
     load = rough_result().highest
     nothing = load.leak.scaled(0.0)
-    tight = load.knowing(leak=nothing, leak_capped=nothing, validity=validity)
+    tight = with_capped(load.knowing(leak=nothing, validity=validity), nothing)
     (first, *_) = leakage_lines(rough_result().case, tight, [tight])
     assert first.startswith(f"Leak rate at 20 bar: {said} ({level}")
 

@@ -20,6 +20,7 @@ from fem_seal.answers.leak_map import _with_memory
 from fem_seal.cli import app as cli
 from fem_seal.cli.table import grid
 from fem_seal.output.leak_map import matlab_text, modelica_text, tables_of
+from fem_seal.seal.bounds import Bounds
 from leak.flow.leakage_area import leakage_area_of_gas, leakage_area_of_liquid
 from leak.fluids.heat_capacity import HEAT_CAPACITIES, heat_capacity_ratio
 
@@ -339,9 +340,11 @@ def test_a_grid_that_is_none_is_refused(text):
 
 def test_the_terminal_shows_of_a_leak_rate_what_its_theory_leaves(capsys):
     from fem_seal.cli import table as cli_table
-    from fem_seal.seal.findings import VALID, Caution, Level, Validity, either_way
+    from fem_seal.seal.findings import VALID, Caution, Level, Validity
 
-    few = Validity.of([Caution("few channels", Level.DOUBTFUL, "few channels", "...", either_way(3.3))])
+    few = Validity.of(
+        [Caution("few channels", Level.DOUBTFUL, "few channels", "...", Bounds.either_way(3.3))]
+    )
     found = SimpleNamespace(
         applied_force=np.array([100.0, 200.0]),
         fluid_pressure=np.array([5e5]),

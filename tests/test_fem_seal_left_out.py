@@ -181,14 +181,18 @@ def test_a_later_step_that_fails_costs_neither_contact_nor_leak(broken, named, m
     ("broken", "named", "lost"),
     [
         ((LoadResult, "largest_stress"), "stress at 2 bar", ["max_von_mises_Pa"]),
-        ((LoadResult, "critical_separation"), "critical separation at 2 bar", ["critical_separation_m"]),
         (
-            (LoadResult, "critical_separation_elastic"),
+            (LoadResult, "critical_separation"),
+            "critical separation at 2 bar",
+            ["critical_separation_m", "critical_separation_elastic_m"],
+        ),
+        (
+            (LoadResult, "critical_separation"),
             "critical separation of elastic asperities at 2 bar",
             ["critical_separation_elastic_m"],
         ),
         (
-            (LoadResult, "leak_elastic"),
+            (LoadResult, "leak"),
             "leak rate of elastic asperities at 2 bar",
             ["leak_rate_elastic_m3_per_s"],
         ),
@@ -208,7 +212,11 @@ def test_a_later_step_that_fails_costs_neither_contact_nor_leak(broken, named, m
     ],
 )
 def test_a_number_of_a_load_that_fails_costs_no_other(broken, named, lost, monkeypatch, tmp_path):
+    works = getattr(*broken).func
+
     def failing(self):
+        if "elastic" in named and self.rough.surface.hardness is not None:
+            return works(self)
         raise ZeroDivisionError("float division by zero")
 
     whole, value = leak_table(rough_result()), cached_property(failing)

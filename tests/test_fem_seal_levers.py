@@ -15,6 +15,7 @@ from fem_seal.answers.chain import solve
 from fem_seal.answers.sensitivities import _round_step, levers
 from fem_seal.output.report.levers import lever_lines, ratio_in_words, step_in_words, told_levers
 from fem_seal.output.summary import summary
+from leak import Reading
 
 LOAD = {"fluid_pressure": "20 bar"}
 
@@ -27,7 +28,7 @@ def found():
 
 def rates(result):
     load = result.loads[0]
-    return load.leak.leak_rate, load.leak_capped.leak_rate
+    return load.leak.leak_rate, load.reading(Reading.CAPPED).leak.leak_rate
 
 
 @pytest.mark.parametrize(

@@ -34,6 +34,7 @@ from fem_seal.seal.load_solver import linearised_again, model_and_contacts, solv
 from fem_seal.seal.problem import SealProblem
 from fem_seal.studies.complete_runs import takes_complete_run
 from fem_seal.validity.checks import earlier_cautions, load_validity
+from leak import Reading
 
 EXAMPLES = Path(__file__).parent.parent / "examples"
 FORCES = ("300 N", "1 kN", "2 kN")
@@ -58,7 +59,7 @@ def solved(asked: fem_seal.Case) -> list[LoadResult]:
 
 def rates(loads: list[LoadResult]) -> np.ndarray:
     """Leak rates, shape (loads, 2): C_pl and capped."""
-    return np.array([[one.leak.leak_rate for one in (load.conserved, load.capped)] for load in loads])  # type: ignore[union-attr]
+    return np.array([[one.leak.leak_rate for one in load.readings.values()] for load in loads])  # type: ignore[union-attr]
 
 
 @cache
@@ -130,7 +131,10 @@ def test_critical_separation_and_table_know_it() -> None:
     surface, (x, peak) = load.rough.surface, profile.peak
     largest = float(np.interp(x, profile.x, profile.largest))  # type: ignore[arg-type]
     assert load.critical_separation == surface.critical_separation(peak, largest=largest)
-    assert load.capped.critical_separation < load.first_loading.capped.critical_separation  # type: ignore[operator]
+    assert (
+        load.reading(Reading.CAPPED).critical_separation
+        < load.first_loading.reading(Reading.CAPPED).critical_separation
+    )  # type: ignore[operator]
 
 
 def test_fluid_between_the_surfaces_follows_what_they_remember() -> None:
@@ -219,7 +223,7 @@ def oval() -> LoadResult:
 
 
 def test_every_place_of_the_circumference_remembers_its_own_load() -> None:
-    load = oval().capped
+    load = oval().reading(Reading.CAPPED)
     assert load.rough is not None and load.formed is not None and load.around is not None
     # the earlier load was more even around the axis
     assert load.formed.before is not None
@@ -236,7 +240,7 @@ def test_every_place_of_the_circumference_remembers_its_own_load() -> None:
 
 
 def test_scratches_lie_in_a_contact_that_remembers() -> None:
-    load = oval().capped
+    load = oval().reading(Reading.CAPPED)
     assert load.rough is not None and load.formed is not None
     flow = load.rough.at(load.fluid_pressure)
     assert flow is not None
@@ -364,7 +368,7 @@ def test_no_example_that_yields_leaks_more_than_on_first_loading(name: str) -> N
     loads = solved(fem_seal.load_case(EXAMPLES / f"{name}.toml"))
     assert all(isinstance(load.contact, ElastoplasticContact) for load in loads)
     for load in loads:
-        readings = [load.conserved, load.capped] if load.yields else [load]
+        readings = load.readings.values()
         for read in readings:
             assert read.leak.leak_rate <= read.first_loading.leak.leak_rate  # type: ignore[union-attr]
 
@@ -420,7 +424,7 @@ def test_a_run_of_a_path_says_that_it_remembers() -> None:
     # the table's row of each load is its own
     np.testing.assert_array_equal(
         loop().table.leak_rate_capped_m3_per_s,
-        [load.capped.leak.leak_rate for load in loop().loads],  # type: ignore[union-attr]
+        [load.reading(Reading.CAPPED).leak.leak_rate for load in loop().loads],  # type: ignore[union-attr]
     )
 
 

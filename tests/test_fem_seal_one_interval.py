@@ -24,9 +24,10 @@ from fem_seal.output.report.verdict import verdict_sentences
 from fem_seal.output.report.words import facts, headline, leakage_lines
 from fem_seal.output.summary import summary
 from fem_seal.output.tables import leak_rows
-from fem_seal.seal.findings import Caution, Level, Validity, either_way
+from fem_seal.seal.bounds import Bounds
+from fem_seal.seal.findings import Caution, Level, Validity
 from fem_seal.units import leak_range_text, range_text, worth
-from leak import millilitres_per_minute
+from leak import Reading, millilitres_per_minute
 
 LOW, HIGH = "leak_rate_low_m3_per_s", "leak_rate_high_m3_per_s"
 AGREE = 1.005
@@ -53,7 +54,7 @@ def known_as(result, factor, level, limit):
 @pytest.mark.parametrize("name", RESULTS)
 @settings(max_examples=25, deadline=None)
 @given(
-    factor=st.sampled_from([(1.0, 1.0), either_way(1.7), (0.4, 1.0), (1.0, 2.5), (0.0, math.inf)]),
+    factor=st.sampled_from([(1.0, 1.0), Bounds.either_way(1.7), (0.4, 1.0), (1.0, 2.5), (0.0, math.inf)]),
     level=st.sampled_from(list(Level)),
     limit=st.floats(-11.0, -3.0).map(lambda one: float(10.0**one)),
 )
@@ -97,13 +98,13 @@ def test_every_place_tells_the_same_ends(name, factor, level, limit):
 
 
 def test_what_widens_the_interval_is_said_beside_it():
-    few = known_as(rough_result(), either_way(3.3), Level.DOUBTFUL, 1e-3)
+    few = known_as(rough_result(), Bounds.either_way(3.3), Level.DOUBTFUL, 1e-3)
     load = few.highest
     held = leakage_lines(few.case, load, few.loads)[2]
     assert held == "  They also hold what the calculation may be off by: few channels."
     assert held.strip() in headline(few)
     assert "what the calculation may be off by: few channels" in facts(few)[0].remark
-    alone = known_as(single_result(), either_way(3.3), Level.DOUBTFUL, 1e-3)
+    alone = known_as(single_result(), Bounds.either_way(3.3), Level.DOUBTFUL, 1e-3)
     assert "The ends hold what the calculation may be off by: few channels." in headline(alone)
     plain = known_as(rough_result(), (1.0, 1.0), Level.VALID, 1e-3)
     assert not any("off by" in one for one in leakage_lines(plain.case, plain.highest, plain.loads))
@@ -112,7 +113,7 @@ def test_what_widens_the_interval_is_said_beside_it():
 def test_a_verdict_that_only_the_accuracy_decides_says_so_with_the_same_ends():
     solved = rough_result()
     _, high = solved.highest.leak_range
-    few = known_as(solved, either_way(3.3), Level.DOUBTFUL, 2 * high)
+    few = known_as(solved, Bounds.either_way(3.3), Level.DOUBTFUL, 2 * high)
     worst = few.judgement.worst
     assert worst.why is Why.ACCURACY and worst.ends[0] < 2 * high < worst.ends[1]
     assert few.margin == pytest.approx(2 * high / few.leak_ranges[-1][1], rel=1e-12)
@@ -184,5 +185,8 @@ def test_samples_of_helium_are_converted_one_by_one():
     assert least < 0.97 * most
     # samples that are calculated anew at the ends are other ones, where a polynomial stands for them
     assert in_the_test(helium.case, helium.highest) == pytest.approx(air.highest.leak_interval, rel=0.02)
-    assert helium.uncertainty.in_test.capped.shape == helium.uncertainty.capped.shape
+    assert (
+        helium.uncertainty.in_test.others[Reading.CAPPED].shape
+        == helium.uncertainty.others[Reading.CAPPED].shape
+    )
     assert air.uncertainty.in_test is None

@@ -22,6 +22,7 @@ from fem_seal.output.report.page import report
 from fem_seal.output.report.particles import particle_table, particles_in_words
 from fem_seal.result import SealResult
 from fem_seal.seal.findings import Caution, Level, Validity
+from leak import Reading
 
 DIRTY: dict[str, Any] = {"iso_4406": "15/13/10"}
 
@@ -100,7 +101,7 @@ def test_the_curve_falls_from_the_whole_leak_to_none():
         assert np.all(np.diff([one.gaps_below for one in answers.curve], axis=0) > 0)
         assert np.all(np.diff([one.particles for one in answers.curve], axis=0) < 0)
         # of each reading the first size that lets nothing through lies beyond the narrowest place, not the one before
-        narrowest = [one.critical_separation for one in (load.conserved, load.capped)]
+        narrowest = [one.critical_separation for one in load.readings.values()]
         assert answers.narrowest[0] < narrowest[0] < narrowest[1] == answers.narrowest[1]
         for end in (0, 1):
             sealed = next(one.size for one in answers.curve if one.leak_rate[end] == 0.0)
@@ -111,7 +112,9 @@ def test_the_curve_falls_from_the_whole_leak_to_none():
 
 def test_the_leak_that_is_left_is_that_of_the_shut_conductivity():
     answers = result().particles[-1]
-    for end, load in enumerate((result().loads[-1].conserved, result().loads[-1].capped)):
+    for end, load in enumerate(
+        (result().loads[-1].reading(Reading.CONSERVED), result().loads[-1].reading(Reading.CAPPED))
+    ):
         profile, table = load.contact.profile, load.rough.table
         for one in answers.curve[3::4]:
             shut = leak.shut_conductivity(table, load.rough.surface, one.size)
@@ -130,7 +133,11 @@ def test_the_leak_that_is_left_is_that_of_the_shut_conductivity():
 
 def test_the_filter_that_keeps_the_leak_keeps_it():
     for answers, both in zip(result().particles, result().loads, strict=True):
-        for size, load in zip(answers.keeping_filter, (both.conserved, both.capped), strict=True):
+        for size, load in zip(
+            answers.keeping_filter,
+            both.readings.values(),
+            strict=True,
+        ):
             shut = leak.shut_conductivity(load.rough.table, load.rough.surface, size)
             left = load.rough.flow.leak_of(shut, load.contact.profile, load.fluid_pressure).leak_rate
             # interpolated between sizes a fifth apart
@@ -138,7 +145,7 @@ def test_the_filter_that_keeps_the_leak_keeps_it():
 
 
 def test_without_yielding_there_is_one_reading():
-    elastic = [replace(one, rough=one.rough.elastic) for one in result().loads[-1:]]
+    elastic = [replace(one, rough=one.rough.reading(Reading.ELASTIC)) for one in result().loads[-1:]]
     (answers,) = particle_answers(elastic, leak.ParticleCounts.of_iso_4406("15/13/10"))
     assert answers.keeping_filter[0] == answers.keeping_filter[1]
     assert answers.leak_rate == (elastic[0].leak.leak_rate,) * 2
@@ -172,8 +179,8 @@ def test_a_power_more_of_particles_clogs_a_power_faster():
 
 
 def test_places_side_by_side_are_squares_at_least_and_particles_at_most():
-    load = result().loads[-1].conserved
-    elastic = replace(load, rough=load.rough.elastic)
+    load = result().loads[-1].reading(Reading.CONSERVED)
+    elastic = replace(load, rough=load.rough.reading(Reading.ELASTIC))
     (answers,) = particle_answers([elastic], leak.ParticleCounts.of_iso_4406("15/13/10"))
     around = 2 * math.pi * load.contact.model.touch_radius
     width = around / answers.places[0]

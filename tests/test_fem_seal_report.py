@@ -17,7 +17,7 @@ import pytest
 from matplotlib.axes import Axes
 from matplotlib.axis import Tick
 from matplotlib.textpath import TextToPath
-from sample_results import SPECTRUM, case, cone, rough_result, single_result, smooth_result
+from sample_results import SPECTRUM, case, cone, rough_result, single_result, smooth_result, with_capped
 
 import fem_seal
 from fem_seal.answers.closed_forms import derive, profile_sizes
@@ -31,6 +31,7 @@ from fem_seal.output.summary import summary
 from fem_seal.result import SealResult
 from fem_seal.seal.findings import Caution, Level, Validity
 from fem_seal.units import leak_range_text
+from leak import Reading
 
 FETCHING = {"src", "href", "srcset", "data", "action", "poster", "background"}
 ALL_PICTURES = {
@@ -173,7 +174,9 @@ def test_headline_and_table_say_the_same_as_the_result(page):
     assert f"{leak_range_text(highest.leak_range, beside=ends)} at 20 bar" in page.text
     assert f"{highest.leak.leak_rate * 6e7:.4g}" in page.text
     assert f"{highest.contact.profile.peak_pressure / 1e6:.1f} MPa" in page.text
-    least, most = (highest.leak_elastic.leak_rate / rate for rate in reversed(highest.leak_range))
+    least, most = (
+        highest.reading(Reading.ELASTIC).leak.leak_rate / rate for rate in reversed(highest.leak_range)
+    )
     assert f"never yielded, {least:.1f} to {most:.1f} times as much would leak" in page.text
     assert "elastic p(u) (used)" in page.text and "plastic p(u)" in page.text
 
@@ -199,16 +202,17 @@ def test_a_single_load_is_shown_without_curves_over_pressure():
     assert "The seal leaks" in page.text
 
 
+def nothing(load):
+    """A leak of nothing at all."""
+    return replace(load.leak, leak_rate=0.0, resistance=float("inf"))
+
+
 def sealed(result: SealResult, above: float) -> SealResult:
     """The result with every load above a fluid pressure sealed."""
     return replace(
         result,
         loads=tuple(
-            load.knowing(
-                leak=replace(load.leak, leak_rate=0.0, resistance=float("inf")),
-                leak_capped=replace(load.leak, leak_rate=0.0, resistance=float("inf")),
-                critical_separation=0.0,
-            )
+            with_capped(load.knowing(leak=nothing(load), critical_separation=0.0), nothing(load))
             if load.fluid_pressure > above
             else load
             for load in result.loads
@@ -300,11 +304,7 @@ def leakless(result):
     return replace(
         result,
         loads=tuple(
-            load.knowing(
-                leak=replace(load.leak, leak_rate=0.0),
-                leak_capped=replace(load.leak, leak_rate=0.0),
-                critical_separation=0.0,
-            )
+            with_capped(load.knowing(leak=nothing(load), critical_separation=0.0), nothing(load))
             for load in result.loads
         ),
     )
@@ -387,14 +387,14 @@ def test_peak_pressure_is_the_largest_of_the_profile(fitting):
 
 def test_critical_separation_and_interface_laws_are_told_in_both_readings(page):
     load = rough_result().highest
-    low, high = load.critical_separation, load.critical_separation_capped
-    assert low < high < load.critical_separation_elastic
-    assert high == load.capped.critical_separation
+    low, high = load.critical_separation, load.reading(Reading.CAPPED).critical_separation
+    assert low < high < load.reading(Reading.ELASTIC).critical_separation
+    assert high == load.reading(Reading.CAPPED).critical_separation
     assert f"{low * 1e6:.1f} to {high * 1e6:.1f} µm" in page.text
     for variant in rough_result().interface_variants:
-        assert variant.leak_rate < variant.leak_rate_capped
+        assert variant.leak_rate < variant.others[Reading.CAPPED]
     used = rough_result().interface_variants[0]
-    assert (used.leak_rate, used.leak_rate_capped) == pytest.approx(load.leak_range)
+    assert (used.leak_rate, used.others[Reading.CAPPED]) == pytest.approx(load.leak_range)
 
 
 def _figure():

@@ -43,7 +43,7 @@ from fem_seal.output.tables import variant_rows
 from fem_seal.sampling import LogNormal, Normal, UncertainInput
 from fem_seal.seal.conductivity_tables import family_table
 from fem_seal.seal.leak_model import Flow
-from leak import PowerSpectrum
+from leak import PowerSpectrum, Reading
 
 TEN_PER_CENT = Spread(relative=0.1)
 
@@ -54,7 +54,9 @@ def rates(result):
 
 def readings(result):
     """Leak rates of all loads in both readings, one after the other, as a sample has them."""
-    both = [(load.leak_conserved, load.leak_capped) for load in result.loads]
+    both = [
+        (load.reading(Reading.CONSERVED).leak, load.reading(Reading.CAPPED).leak) for load in result.loads
+    ]
     return np.array([leak.leak_rate for one in zip(*both, strict=True) for leak in one])
 
 

@@ -9,7 +9,7 @@ from dataclasses import replace
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from sample_results import STEEL, ball, case, cone, rough_result
+from sample_results import STEEL, ball, case, cone, rough_result, with_capped
 
 import fem_seal
 from fem_seal.answers.chain import _with_judgement
@@ -30,7 +30,8 @@ from fem_seal.output.report.verdict import (
 from fem_seal.output.report.words import facts, leakage_lines
 from fem_seal.output.summary import summary
 from fem_seal.output.tables import leak_table
-from fem_seal.seal.findings import Caution, Level, Validity, either_way
+from fem_seal.seal.bounds import Bounds
+from fem_seal.seal.findings import Caution, Level, Validity
 from fem_seal.studies.responses import LARGEST_MARGIN, evaluate
 from fem_seal.units import leak_range_text
 from leak import FluidError
@@ -48,7 +49,7 @@ def widened(ends, doubt):
 def with_ends(load, low, high):
     """A load both of whose readings are given, on a mesh that leaves no error."""
     of_low, of_high = (replace(load.leak, leak_rate=end) for end in (low, high))
-    return load.knowing(leak=of_low, leak_capped=of_high, mesh_error=None)
+    return with_capped(load.knowing(leak=of_low, mesh_error=None), of_high)
 
 
 def required(result=None, missing=None, **table):
@@ -115,10 +116,10 @@ def test_nothing_is_claimed_that_the_calculation_may_be_off_by(ends, limit, fact
     ("factor", "ends", "verdict"),
     [
         # a factor of two either way
-        (either_way(2.0), (0.5, 0.9), "pass"),
-        (either_way(2.0), (0.5, 1.1), "inconclusive"),
-        (either_way(2.0), (3.9, 9.0), "inconclusive"),
-        (either_way(2.0), (4.1, 9.0), "fail"),
+        (Bounds.either_way(2.0), (0.5, 0.9), "pass"),
+        (Bounds.either_way(2.0), (0.5, 1.1), "inconclusive"),
+        (Bounds.either_way(2.0), (3.9, 9.0), "inconclusive"),
+        (Bounds.either_way(2.0), (4.1, 9.0), "fail"),
         # only less can leak, or only more
         ((0.0, 1.0), (0.5, 1.9), "pass"),
         ((0.0, 1.0), (3.0, 9.0), "inconclusive"),
@@ -360,7 +361,9 @@ def test_each_way_to_a_verdict_has_its_sentence():
     opened = {(64e5, 10.0): LoadProblem("load.applied_force", "the seal is open")}
     unsolved = {(64e5, 0.0): LoadProblem("load", "no convergence", kind="solution")}
     outside = replace(solved, loads=tuple(load.knowing(validity=OUTSIDE) for load in solved.loads))
-    few = Validity.of([Caution("few channels", Level.DOUBTFUL, "few channels", "...", either_way(3.3))])
+    few = Validity.of(
+        [Caution("few channels", Level.DOUBTFUL, "few channels", "...", Bounds.either_way(3.3))]
+    )
     doubted = replace(solved, loads=tuple(load.knowing(validity=few) for load in solved.loads))
     low, high = solved.leak_ranges[-1]
     told = {
@@ -391,7 +394,9 @@ def test_limit_and_leak_rate_stand_in_one_unit(over):
 @pytest.mark.parametrize(("over", "told"), [(14.3, "a margin of 10."), (1 / 143, "100 times the allowed")])
 def test_a_factor_has_no_more_digits_than_the_leak_rate_it_is_made_of(over, told):
     solved = rough_result()
-    few = Validity.of([Caution("few channels", Level.DOUBTFUL, "few channels", "...", either_way(3.3))])
+    few = Validity.of(
+        [Caution("few channels", Level.DOUBTFUL, "few channels", "...", Bounds.either_way(3.3))]
+    )
     doubted = replace(solved, loads=tuple(load.knowing(validity=few) for load in solved.loads))
     low, high = doubted.leak_ranges[-1]
     judged = required(doubted, leak_rate=f"{over * (high if over > 1 else low)!r} m^3/s")
@@ -422,7 +427,7 @@ def test_next_class_is_the_loosest_one_that_is_missed():
     assert next_class(result.case, load.knowing(validity=OUTSIDE)) is None
     # a class that the calculated leak rate meets, but not twice as much
     few = load.knowing(
-        validity=Validity.of([Caution("channels", Level.DOUBTFUL, "few", "...", either_way(2.0))])
+        validity=Validity.of([Caution("channels", Level.DOUBTFUL, "few", "...", Bounds.either_way(2.0))])
     )
     for end, name, told in (
         (30e-9, "G", "ISO 5208 G is met as calculated, but not by as much as the calculation may be off by"),
@@ -607,7 +612,7 @@ def test_an_interval_that_cannot_be_calculated_leaves_the_verdict_inconclusive(m
 def test_of_several_doubts_the_sentence_names_all_and_what_they_come_to():
     few, thick = (
         Caution("x", Level.DOUBTFUL, reason, "...", factor)
-        for reason, factor in (("few channels", either_way(1.7)), ("thickens", (0.5, 1.6)))
+        for reason, factor in (("few channels", Bounds.either_way(1.7)), ("thickens", (0.5, 1.6)))
     )
     doubt = Validity.of([few, thick])
     assert doubt.leak_reason(more=True) == "together a factor 2.7: few channels; thickens"
@@ -631,7 +636,9 @@ def test_where_nothing_visible_may_leak_the_sentence_compares_with_no_number():
 
 
 def test_what_the_interval_holds_is_not_counted_again():
-    scatter = Validity.of([Caution("direct scatter", Level.DOUBTFUL, "scatter", "...", either_way(4.0))])
+    scatter = Validity.of(
+        [Caution("direct scatter", Level.DOUBTFUL, "scatter", "...", Bounds.either_way(4.0))]
+    )
     load = rough_result().highest.knowing(validity=scatter, mesh_error=None)
     assert load.leak_validity.leak_factor == (1.0, 1.0) and load.leak_digits == 1
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from fem_seal.bodies.supports import Supports
@@ -20,7 +20,7 @@ from meshes import GeometryError, MeshingError, SealMesh, Sizing, build_contact
 
 if TYPE_CHECKING:
     from fem_seal.profile import PressureProfile
-    from leak import LeakResult
+    from leak import LeakResult, Reading
 
 # Of a result whose estimate failed.
 NOT_ESTIMATED = DiscretisationError(math.nan, math.nan, math.nan, None)
@@ -41,8 +41,8 @@ class Comparison:
         [Pa], [m], [m]; relative where it says so.
     leak_rate : float or None
         [m^3/s]; None without one, and relative to one that is zero or infinite.
-    leak_rate_capped : float, optional
-        The other reading of yielding asperities, where it was asked for [m^3/s].
+    others : mapping
+        The leak rate in the other readings of yielding asperities, where it was asked for [m^3/s].
     """
 
     name: str
@@ -50,7 +50,7 @@ class Comparison:
     fwhm: float
     std: float
     leak_rate: float | None
-    leak_rate_capped: float | None = None
+    others: Mapping[Reading, float] = field(default_factory=dict)
 
     @classmethod
     def of(cls, name: str, profile: PressureProfile, leak: LeakResult | None) -> Comparison:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from fem_seal.answers.accuracy import (
     NOT_ESTIMATED,
@@ -31,10 +31,11 @@ from fem_seal.seal.leak_model import RoughFlow
 from fem_seal.seal.load_result import DiscretisationError, LoadResult, highest_load, strongest_load
 from fem_seal.seal.load_solver import Clock, LoadSolver, Progress, model_and_contacts
 from fem_seal.seal.problem import SealProblem
+from fem_seal.seal.readings import WORDS
 from fem_seal.seal.solved_seal import SolvedSeal
 from fem_seal.units import given
 from fem_seal.validity.checks import contact_cautions, earlier_cautions, load_validity
-from leak import LeakError
+from leak import LeakError, Reading
 
 if TYPE_CHECKING:
     from fem_seal.answers.particles import ParticleAnswers
@@ -43,19 +44,12 @@ if TYPE_CHECKING:
     from fem_seal.errors import LoadProblem
     from meshes import SealMesh
 
+Read = TypeVar("Read", LoadResult, RoughFlow)
+
 # What is worked out of each load, and what stands there where the stress could not be calculated.
-_LEAK = {
-    "leak": "leak rate",
-    "leak_capped": "leak rate of asperities that change only where they touch",
-    "leak_elastic": "leak rate of elastic asperities",
-}
-_READINGS = {"capped": "asperities that change only where they touch", "elastic": "elastic asperities"}
-_LEAK_AROUND = {"leak_round": "leak rate of the round seal", "around": "leak around the axis", **_LEAK}
-_SEPARATION = {
-    "critical_separation": "critical separation",
-    "critical_separation_capped": "critical separation of asperities that change only where they touch",
-    "critical_separation_elastic": "critical separation of elastic asperities",
-}
+_LEAK = {"leak": "leak rate"}
+_AROUND = {"leak_round": "leak rate of the round seal", "around": "leak around the axis"}
+_SEPARATION = {"critical_separation": "critical separation"}
 _STRESS = {"largest_stress": "stress"}
 # Where a body yields the force with which the verdict passes takes minutes: only if it is asked for.
 _TOO_DEAR = VerdictForce(
@@ -133,15 +127,17 @@ def solve(
         shown = [contact for load in bare for contact in load.contacts]
         rough = _with_tables(after, RoughFlow.of(problem.surface, problem.flow, shown))
         loads = tuple(
-            _settled(after, load.knowing(rough=rough), _LEAK if load.formed is None else _LEAK_AROUND)
+            _read(
+                after,
+                _settled(after, load.knowing(rough=rough), {} if load.formed is None else _AROUND),
+                _LEAK,
+            )
             for load in bare
         )
     with clock.step("stress", "stress in both bodies"):
         with suppress(MemoryError):  # one after the other they may fit
             move_together([load.contact for load in loads])
-        loads = tuple(
-            _settled(after, _settled(after, load, _SEPARATION), _STRESS, _NO_STRESS) for load in loads
-        )
+        loads = tuple(_settled(after, _read(after, load, _SEPARATION), _STRESS, _NO_STRESS) for load in loads)
     error, far = _on_coarser_elements(problem, seal_mesh, loads, clock, after)
     loads = tuple(load.knowing(mesh_error=error) for load in loads)
     solver = LoadSolver(problem, model)
@@ -347,12 +343,31 @@ def _with_tables(after: Afterwards, rough: RoughFlow | None) -> RoughFlow | None
     if rough is None:
         return None
     rough = after.settled(rough, {"table": "flow conductivity"})
-    for name, what in _READINGS.items():
-        if getattr(rough.surface, name) is rough.surface:
-            continue
-        read = after.settled(getattr(rough, name), {"table": f"flow conductivity of {what}"})
-        rough = rough.knowing(**{name: read})
-    return rough
+    return rough.with_readings(
+        {
+            reading: after.settled(other, {"table": f"flow conductivity of {WORDS[reading].asperities}"})
+            for reading, other in _others(rough)
+        }
+    )
+
+
+def _others(one: Read) -> Iterator[tuple[Reading, Read]]:
+    """A load, or its surfaces, in all other readings, with asperities that never yield to compare with."""
+    for reading in dict.fromkeys((*one.readings, Reading.ELASTIC)):
+        if (other := one.reading(reading)) is not one:
+            yield reading, other
+
+
+def _read(after: Afterwards, load: LoadResult, steps: Mapping[str, str]) -> LoadResult:
+    """A load with some of its values worked out in all readings."""
+    load = _settled(after, load, steps)
+    others = {
+        reading: _settled(
+            after, one, {name: f"{what} of {WORDS[reading].asperities}" for name, what in steps.items()}
+        )
+        for reading, one in _others(load)
+    }
+    return load.with_readings(others)
 
 
 def _settled(

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -24,6 +24,7 @@ from leak.numerics.roots import root_between
 if TYPE_CHECKING:
     from fem_seal.case.case import Case
     from fem_seal.seal.load_solver import LoadSolver
+    from leak import Reading
 
 # Sizes of the form error that the curve shows, over the one that is given.
 _FACTORS = (0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0)
@@ -54,15 +55,15 @@ class FormPoint:
     leak_rate : float or None
         [m^3/s]; None without roughness or fluid.
     line_load_min_over_mean : float
-    leak_rate_capped : float or None
-        Where asperities yield, in the other reading, see `LoadResult.capped` [m^3/s].
+    others : mapping
+        Where asperities yield, the leak rate in the other readings, see `LoadResult.others` [m^3/s].
     """
 
     factor: float
     height: float
     leak_rate: float | None
     line_load_min_over_mean: float
-    leak_rate_capped: float | None = None
+    others: Mapping[Reading, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -77,15 +78,15 @@ class WaveAlone:
     leak_rate : float or None
         [m^3/s]
     line_load_min_over_mean : float
-    leak_rate_capped : float or None
-        Where asperities yield, in the other reading [m^3/s].
+    others : mapping
+        Where asperities yield, the leak rate in the other readings [m^3/s].
     """
 
     waves: int
     amplitude: float
     leak_rate: float | None
     line_load_min_over_mean: float
-    leak_rate_capped: float | None = None
+    others: Mapping[Reading, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -138,10 +139,10 @@ class FormAnswers:
         Share by which more leaks because fluid goes round tight places; None if not asked.
     deepest_scratch : tuple of float or None
         Depth and width [m] of the deepest scratch in place of the widest, of its proportions, with which the limit
-        still holds beside all others, in both readings of yielding asperities; None without scratches or limit, or if
+        still holds beside all others, in all readings of yielding asperities; None without scratches or limit, or if
         none does.
-    allowed_capped : Allowed or None
-        What is allowed in the other reading of yielding asperities; None where there is but one.
+    allowed_others : mapping
+        What is allowed in the other readings of yielding asperities.
     """
 
     fluid_pressure: float
@@ -153,7 +154,7 @@ class FormAnswers:
     allowed: Allowed | None
     goes_round: float | None = None
     deepest_scratch: tuple[float, float] | None = None
-    allowed_capped: Allowed | None = None
+    allowed_others: Mapping[Reading, Allowed] = field(default_factory=dict)
 
 
 def form_answers(solver: LoadSolver, case: Case, load: LoadResult, given: FormError) -> FormAnswers:
@@ -174,7 +175,6 @@ def form_answers(solver: LoadSolver, case: Case, load: LoadResult, given: FormEr
     ConvergenceError
     """
     asked = _Formed(load)
-    capped = asked.capped
     waves = sorted(map(asked.alone, asked.form.felt), key=lambda one: one.line_load_min_over_mean)
     filled = None if given.tolerance is None else _filling(given, asked.form)
     return FormAnswers(
@@ -186,8 +186,12 @@ def form_answers(solver: LoadSolver, case: Case, load: LoadResult, given: FormEr
         _closing_force(solver, load),
         _allowed(case, load, asked, given),
         _goes_round(load) if case.form is not None and case.form.flow_around else None,
-        _shallower([_deepest_scratch(case, load, one) for one in (asked, capped) if one is not None]),
-        None if capped is None else _allowed(case, load, capped, given),
+        _shallower([_deepest_scratch(case, load, one) for one in (asked, *asked.others.values())]),
+        {
+            reading: allowed
+            for reading, one in asked.others.items()
+            if (allowed := _allowed(case, load, one, given)) is not None
+        },
     )
 
 
@@ -221,14 +225,15 @@ class _Formed:
         return None if flow is None else LeakCurve(self.formed.local, flow)
 
     @cached_property
-    def capped(self) -> _Formed | None:
-        """In the other reading of yielding asperities; None where there is but one."""
-        return _Formed(self.load.capped) if self.load.yields else None
+    def others(self) -> dict[Reading, _Formed]:
+        """In the other readings of yielding asperities."""
+        return {reading: _Formed(load) for reading, load in self.load.others.items()}
 
-    def rate_capped(self, formed: Around) -> float | None:
-        """Leak rate in that reading [m^3/s]."""
-        leaks = None if self.capped is None else self.capped.leaks
-        return None if leaks is None else _rate(formed.with_leak(leaks))
+    def other_rates(self, formed: Around) -> dict[Reading, float]:
+        """Leak rate in those readings [m^3/s]."""
+        leaks = {reading: one.leaks for reading, one in self.others.items()}
+        rates = {reading: _rate(formed.with_leak(one)) for reading, one in leaks.items() if one is not None}
+        return {reading: rate for reading, rate in rates.items() if rate is not None}
 
     def with_form(self, form: FormError) -> Around:
         before = None if self.formed.before is None else self.formed.before.local
@@ -244,14 +249,14 @@ class _Formed:
             except (ConvergenceError, OpenSealError):
                 break
             height = float(np.ptp(formed.gap_change))
-            least, capped = formed.least_over_mean, self.rate_capped(formed)
-            found.append(FormPoint(factor, height, _rate(formed), least, capped))
+            least, others = formed.least_over_mean, self.other_rates(formed)
+            found.append(FormPoint(factor, height, _rate(formed), least, others))
         return found
 
     def alone(self, wave: Wave) -> WaveAlone:
         formed = self.with_form(replace(self.form, waves=(wave,), highest=wave.waves))
-        least, capped = formed.least_over_mean, self.rate_capped(formed)
-        return WaveAlone(wave.waves, wave.amplitude, _rate(formed), least, capped)
+        least, others = formed.least_over_mean, self.other_rates(formed)
+        return WaveAlone(wave.waves, wave.amplitude, _rate(formed), least, others)
 
     def with_wave(self, number: int, amplitude: float) -> FormError:
         """One wave beside the eccentricity and tilt that there are, widest where they are."""

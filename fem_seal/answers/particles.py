@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 import leak
 from fem_seal.arrays import FloatArray
 from fem_seal.profile import PressureProfile
+from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.leak_model import RoughFlow, as_first_loaded
 from fem_seal.seal.load_result import LoadResult
 
@@ -26,14 +27,11 @@ _SIZES = tuple(float(f"{one}e{decade}") for decade in range(-9, -3) for one in _
 _PASSING = 0.2
 # More of the leak than one of them is all, and less than the other none; at most so many sizes lie between.
 _WHOLE, _NOTHING, _MOST = 0.99, 1e-3, 40
-_NEVER = (math.inf, math.inf)
+_NEVER = Bounds(math.inf, math.inf)
 # Share of the leak that a filter is to keep.
 KEPT = 0.9
 
 Shut = Callable[[RoughFlow, float], RoughFlow]
-
-
-Range: TypeAlias = tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -44,22 +42,22 @@ class ShutGaps:
     ----------
     size : float
         [m]
-    gaps_below : tuple of float
+    gaps_below : Bounds
         Share of the open area at the peak pressure whose gap is narrower, least and most.
-    leak_rate : tuple of float
+    leak_rate : Bounds
         Of all others, least and most [m^3/s].
-    remaining : tuple of float
+    remaining : Bounds
         The same over the leak rate of the clean fluid in the same reading.
-    particles : tuple of float
+    particles : Bounds
         Particles of at least this size per volume, as few and as many as the counts allow [1/m^3]; NaN where they say
         nothing.
     """
 
     size: float
-    gaps_below: Range
-    leak_rate: Range
-    remaining: Range
-    particles: Range
+    gaps_below: Bounds
+    leak_rate: Bounds
+    remaining: Bounds
+    particles: Bounds
 
 
 @dataclass(frozen=True)
@@ -70,43 +68,43 @@ class ParticleAnswers:
     ----------
     fluid_pressure, applied_force : float
         Of the load [Pa], [N].
-    leak_rate : tuple of float
+    leak_rate : Bounds
         Of the clean fluid [m^3/s].
-    narrowest : tuple of float
+    narrowest : Bounds
         Size from which on a particle finds no way through where the contact pressure is highest [m], by the effective
         medium and by the critical junction.
     curve : tuple of ShutGaps
         Over the size of the particles, increasing.
-    stopped : tuple of float
+    stopped : Bounds
         Particles that do not get through, per volume [1/m^3]; NaN, as what follows from it, where they are smaller than
         anything that the counts speak of.
-    places : tuple of float
+    places : Bounds
         Places side by side that one particle each can shut.
-    half_volume : tuple of float
+    half_volume : Bounds
         Volume that leaks until half of the leak is left [m^3]; infinite if nothing clogs, and where a filter keeps more
         than half.
-    half_time : tuple of float
+    half_time : Bounds
         Time until then [s].
-    keeping_filter : tuple of float or None
+    keeping_filter : Bounds or None
         Largest particles that cannot take more than a tenth of the leak, the rating of an absolute filter [m].
     filter : float or None
         The one that there is [m].
-    left : tuple of float or None
+    left : Bounds or None
         Share of the leak that the particles it lets through cannot shut.
     """
 
     fluid_pressure: float
     applied_force: float
-    leak_rate: Range
-    narrowest: Range
+    leak_rate: Bounds
+    narrowest: Bounds
     curve: tuple[ShutGaps, ...]
-    stopped: Range
-    places: Range
-    half_volume: Range
-    half_time: Range
-    keeping_filter: Range | None
+    stopped: Bounds
+    places: Bounds
+    half_volume: Bounds
+    half_time: Bounds
+    keeping_filter: Bounds | None
     filter: float | None
-    left: Range | None
+    left: Bounds | None
 
 
 def particle_answers(loads: Sequence[LoadResult], counts: ParticleCounts) -> tuple[ParticleAnswers, ...]:
@@ -165,11 +163,10 @@ class _Reading:
 
     @classmethod
     def of(cls, load: LoadResult, shut: Shut) -> list[_Reading]:
-        """Those of both readings that leak."""
-        both = (load.conserved, load.capped) if load.yields else (load,)
+        """Those of all readings that leak."""
         return [
             cls(one, one.rough, one.leak.leak_rate, shut)
-            for one in both
+            for one in load.readings.values()
             if one.rough is not None and one.leak is not None and 0 < one.leak.leak_rate < math.inf
         ]
 
@@ -222,30 +219,30 @@ def _answers(load: LoadResult, counts: ParticleCounts, shut: Shut) -> ParticleAn
     places = [one.places() for one in readings]
     decays = [leak.cloggings(*one) for one in zip((r.leak_rate for r in readings), each, places, strict=True)]
     filter_size = counts.largest if math.isfinite(counts.largest) else None
-    left = None if filter_size is None else _range(one.remaining(filter_size) for one in readings)
+    left = None if filter_size is None else Bounds.of(one.remaining(filter_size) for one in readings)
     # a scratch stays open, whatever is shut beside it
     halved = max(0.0 if left is None else left[1], *(share[-1] for share in shares)) < 0.5
     keeping = [_size_that_leaves(KEPT, sizes, share) for share in shares]
     return ParticleAnswers(
         load.fluid_pressure,
         load.applied_force,
-        _range(one.leak_rate for one in readings),
-        _range(size for one in readings for size in one.narrowest),
+        Bounds.of(one.leak_rate for one in readings),
+        Bounds.of(size for one in readings for size in one.narrowest),
         tuple(
             ShutGaps(
                 float(size),
-                _range(one.below(float(size)) for one in readings),
-                _range(one.leak_rate * share[n] for one, share in zip(readings, shares, strict=True)),
-                _range(share[n] for share in shares),
-                (float(particles.low[n]), float(particles.high[n])),
+                Bounds.of(one.below(float(size)) for one in readings),
+                Bounds.of(one.leak_rate * share[n] for one, share in zip(readings, shares, strict=True)),
+                Bounds.of(share[n] for share in shares),
+                Bounds(float(particles.low[n]), float(particles.high[n])),
             )
             for n, size in enumerate(sizes)
         ),
-        _range(float(end[0]) for one in each for end in (one.low, one.high)),
-        _range(count for one in places for count in one),
-        _range(decay.volume_to(0.5) for both in decays for decay in both) if halved else _NEVER,
-        _range(decay.time_to(0.5) for both in decays for decay in both) if halved else _NEVER,
-        _range(size for size in keeping if size is not None) if any(keeping) else None,
+        Bounds.of(float(end[0]) for one in each for end in (one.low, one.high)),
+        Bounds.of(count for one in places for count in one),
+        Bounds.of(decay.volume_to(0.5) for both in decays for decay in both) if halved else _NEVER,
+        Bounds.of(decay.time_to(0.5) for both in decays for decay in both) if halved else _NEVER,
+        Bounds.of(size for size in keeping if size is not None) if any(keeping) else None,
         filter_size,
         left,
     )
@@ -272,11 +269,6 @@ def _curve(readings: Sequence[_Reading]) -> tuple[FloatArray, list[FloatArray]]:
     sizes = sorted(found)
     # a few parts in a million of interpolation may not make a leak grow
     return np.array(sizes), list(np.minimum.accumulate([found[size] for size in sizes], axis=0).T)
-
-
-def _range(values: Iterable[float]) -> tuple[float, float]:
-    numbers = np.array(list(values), dtype=float)
-    return float(numbers.min()), float(numbers.max())
 
 
 def _size_that_leaves(kept: float, sizes: FloatArray, share: FloatArray) -> float | None:

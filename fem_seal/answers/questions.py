@@ -22,9 +22,11 @@ from fem_seal.seal.leak_model import RoughFlow
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.load_solver import LoadSolver
 from fem_seal.seal.problem import SealProblem, condensed, largest_force, sizing
+from fem_seal.seal.readings import WORDS
 from fem_seal.seal.seal_flow import SealFlow
 from fem_seal.units import briefly
 from fem_seal.validity.checks import target_cautions, target_validity
+from leak import Reading
 from leak.numerics.roots import root_between
 from meshes import Sizing, build_contact
 
@@ -35,7 +37,7 @@ _MARGIN = (0.7, 1.4)
 
 
 def contacts_at_target(
-    problem: SealProblem, target_leak_rate: float | None = None, *, capped: bool = False
+    problem: SealProblem, target_leak_rate: float | None = None, *, reading: Reading | None = None
 ) -> list[LoadResult]:
     """Loads with the smallest force of spring or actuator at which a seal leaks as a target, at each fluid pressure.
 
@@ -45,8 +47,8 @@ def contacts_at_target(
         With surface and flow.
     target_leak_rate : float, optional
         [m^3/s], of a gas at 101325 Pa and its temperature; the problem's own target unless given.
-    capped : bool
-        With yielding asperities read as changing the surface only where it touches, on the same contact.
+    reading : Reading, optional
+        Of yielding asperities, on the same contact; that of the problem unless given.
 
     Returns
     -------
@@ -75,8 +77,8 @@ def contacts_at_target(
         raise target_problem(
             problem, "needs [roughness] and [fluid]: without them there is no leak rate", target
         )
-    if capped:
-        flow = replace(flow, surface=flow.surface.capped)
+    if reading is not None:
+        flow = replace(flow, surface=flow.surface.reading(reading))
     # up and down again, or under several forces, a pressure may come more than once
     pressures = dict.fromkeys(problem.loads.fluid_pressure)
     expected = {pressure: expected_contact_force(flow, pressure, target) for pressure in pressures}
@@ -141,11 +143,14 @@ def with_answers(
         lambda: _forces_for_target(solver, len(loads)),
         _no_forces(len(loads)),
     )
-    capped, more = after.get(
-        "force for the target leak rate, asperities changing only where they touch",
-        lambda: _forces_capped(solver, loads),
-        ([None] * len(loads), ()),
-    )
+    read = {
+        reading: after.get(
+            f"force for the target leak rate of {WORDS[reading].asperities}",
+            partial(_forces_read, solver, reading, len(loads)),
+            ([None] * len(loads), ()),
+        )
+        for reading in loads[0].others
+    }
     # elastic bodies are the same after every load
     different = {_opening_of(solver, load): load for load in reversed(loads)} if asked else {}
     opens = {
@@ -161,11 +166,15 @@ def with_answers(
             effective_radius=effective_radius(load.contact, load.fluid_pressure) if penetrates else None,
             blow_off_pressure=opens.get(_opening_of(solver, load)),
             force_for_target=force,
-            force_for_target_capped=force_capped,
             target_validity=verdict,
+        ).with_readings(
+            {
+                reading: load.reading(reading).knowing(force_for_target=others[number])
+                for reading, (others, _) in read.items()
+            }
         )
-        for load, force, force_capped, verdict in zip(loads, forces, capped, verdicts, strict=True)
-    ), (*remarks, *more)
+        for number, (load, force, verdict) in enumerate(zip(loads, forces, verdicts, strict=True))
+    ), (*remarks, *(remark for _, more in read.values() for remark in more))
 
 
 def _opening_of(solver: LoadSolver, load: LoadResult) -> tuple[float, int | None]:
@@ -197,17 +206,16 @@ def _forces_for_target(solver: LoadSolver, count: int) -> Forces:
     return forces, verdicts, tuple(target_cautions(problem, surface, found))
 
 
-def _forces_capped(
-    solver: LoadSolver, loads: Sequence[LoadResult]
+def _forces_read(
+    solver: LoadSolver, reading: Reading, count: int
 ) -> tuple[list[float | None], tuple[Caution, ...]]:
-    """The same forces in the other reading of yielding asperities, as far as there is one."""
-    problem, count = solver.problem, len(loads)
-    if problem.loads.target_leak_rate is None or not loads[0].yields:
+    """The same forces in another reading of yielding asperities."""
+    if solver.problem.loads.target_leak_rate is None:
         return [None] * count, ()
     try:
-        return [one.applied_force for one in contacts_at_target(problem, capped=True)], ()
+        return [one.applied_force for one in contacts_at_target(solver.problem, reading=reading)], ()
     except InputError as error:
-        told = (f"if asperities that yield change only where they touch: {one}" for one in error.problems)
+        told = (f"{WORDS[reading].condition}: {one}" for one in error.problems)
         return [None] * count, tuple(Caution("target", Level.DOUBTFUL, text, text) for text in told)
 
 

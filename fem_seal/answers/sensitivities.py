@@ -371,7 +371,7 @@ def _round_step(length: float) -> float:
 
 def _rates(load: LoadResult) -> Rates:
     """Leak rate in each reading of yielding asperities, or the only one [m^3/s]."""
-    found = (load.leak, *((load.leak_capped,) if load.yields else ()))
+    found = (load.leak, *(one.leak for one in load.others.values()))
     return tuple(leak.leak_rate for leak in found if leak is not None)
 
 

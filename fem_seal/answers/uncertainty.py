@@ -28,6 +28,7 @@ from fem_seal.contact.laws import HardContact, ScaledLaw
 from fem_seal.errors import ConvergenceError, InputError, Problem
 from fem_seal.processes import in_copies
 from fem_seal.sampling import UncertainInput, sobol_points
+from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.leak_model import log_peaks, range_around
 from fem_seal.seal.load_result import LoadResult, leak_rates
 from fem_seal.seal.load_solver import LoadSolver, linearised_again, path_again, solved_again
@@ -42,7 +43,7 @@ if TYPE_CHECKING:
     from fem_seal.materials import Material
     from fem_seal.seal.leak_model import Conductivity, Flow
     from fem_seal.seal.problem import SealProblem
-    from leak import NearbyTables, PowerSpectrum, RoughContact
+    from leak import NearbyTables, PowerSpectrum, Reading, RoughContact
 
 _FIRST_RUNS = 16
 # Left-out runs must be predicted this well: an error that adds 0.05 % to the width of the interval.
@@ -87,9 +88,8 @@ class LeakInterval:
         Largest relative error of samples that were calculated anew beside them, at both ends of the interval, with
         conductivity tables of their own: of the polynomial and of tables from that of the case; a billionth of what the
         case itself leaks counts as nothing. None if every sample was calculated so.
-    capped : ndarray, shape (loads, samples), or None
-        The same samples with yielding asperities that change the surface only where it touches [m^3/s]; None where
-        none yields.
+    others : mapping of ndarray, shape (loads, samples)
+        The same samples in the other readings of yielding asperities [m^3/s].
     in_test : LeakInterval or None
         The same samples with the gas of the standards' tests; None where the fluid is one, and of a liquid.
     """
@@ -101,7 +101,7 @@ class LeakInterval:
     leak_rate: FloatArray = field(repr=False)
     shares: FloatArray
     error: float | None
-    capped: FloatArray | None = field(default=None, repr=False)
+    others: Mapping[Reading, FloatArray] = field(default_factory=dict, repr=False)
     in_test: LeakInterval | None = field(default=None, repr=False)
 
     @property
@@ -129,8 +129,7 @@ class LeakInterval:
         return [
             # between a finite and an infinite leak rate there is nothing to interpolate
             np.quantile(rates, share, axis=1, method="linear" if np.isfinite(rates).all() else "nearest")
-            for rates in (self.leak_rate, self.capped)
-            if rates is not None
+            for rates in (self.leak_rate, *self.others.values())
         ]
 
     @cached_property
@@ -139,9 +138,9 @@ class LeakInterval:
         return (self.leak_rate == 0).mean(axis=1)
 
     @property
-    def ends(self) -> list[tuple[float, float]]:
+    def ends(self) -> list[Bounds]:
         """`low` and `high` of each load [m^3/s]."""
-        return list(zip(self.low.tolist(), self.high.tolist(), strict=True))
+        return list(map(Bounds, self.low.tolist(), self.high.tolist()))
 
     def of(self, loads: Sequence[Load]) -> tuple[Load, ...]:
         """The loads of the samples, which know their ends.
@@ -300,8 +299,9 @@ def _told(
     """The interval of samples, shape (loads, samples) in each reading of the case's fluid, then of the tests' gas."""
     names = tuple(one.name for one in study.inputs)
 
-    def interval(conserved: FloatArray, capped: FloatArray | None = None) -> LeakInterval:
-        return LeakInterval(names, settings.confidence, settings.seed, runs, conserved, shares, error, capped)
+    def interval(own: FloatArray, *others: FloatArray) -> LeakInterval:
+        read = dict(zip(study.others, others, strict=True))
+        return LeakInterval(names, settings.confidence, settings.seed, runs, own, shares, error, read)
 
     own, *tested = (
         interval(*rates[first : first + study.readings]) for first in range(0, study.kinds, study.readings)
@@ -486,9 +486,14 @@ class _Study:
         return bool(self.result.problem.curves) and not self.whole_paths
 
     @property
+    def others(self) -> tuple[Reading, ...]:
+        """Readings of yielding asperities beside that of the case itself."""
+        return tuple(self.result.loads[0].others)
+
+    @property
     def readings(self) -> int:
-        """Leak rates of each sample and load: that of the case's own reading first, then the capped one, if any."""
-        return 2 if self.result.loads[0].yields else 1
+        """Leak rates of each sample and load: that of the case's own reading first, then the others."""
+        return 1 + len(self.others)
 
     @property
     def flows(self) -> tuple[Flow, ...]:
@@ -513,8 +518,8 @@ class _Study:
         """Leak rates of the case itself, as those of a sample."""
         own = self.result.loads
         fluids = (own, [load.in_test for load in own])[: len(self.flows)]
-        read = ("leak", "leak_capped")[: self.readings]
-        found = [getattr(load, name) for loads in fluids for name in read for load in loads]
+        read = [[one, *([load.reading(other) for load in one] for other in self.others)] for one in fluids]
+        found = [load.leak for readings in read for loads in readings for load in loads]
         return [math.nan if leak is None else leak.leak_rate for leak in found]
 
     @cached_property
@@ -576,7 +581,7 @@ class _Study:
 
     def _rates(self, surface: RoughContact, loads: Sequence[LoadResult]) -> list[float]:
         """Leak rates in each reading at each load."""
-        read, (flow, *_) = (surface, surface.capped)[: self.readings], self.flows
+        read, (flow, *_) = (surface, *map(surface.reading, self.others)), self.flows
         by_reading = (
             # with the range of the case itself, as long as it will do, the table's own error is that of all samples
             leak_rates(one, self.flows, loads, alike=self.result.loads)
@@ -604,7 +609,7 @@ class _Study:
         within = range_around(log_peaks([one for load in self.result.loads for one in load.contacts]))
         return {
             one.yielding: NearbyTables(one, flow.gas is not None, flow.conductivity, within)
-            for one in (surface, surface.capped)
+            for one in (surface, *map(surface.reading, self.others))
         }
 
     def _surface(self, sample: int, factors: dict[str, float]) -> RoughContact:

@@ -170,11 +170,6 @@ def interface_variants(solver: LoadSolver, loads: Sequence[LoadResult]) -> tuple
             formed = changed.around(contact)
             bare = LoadResult(*load.point, contact, formed=formed)
             told = replace(bare, rough=RoughFlow.of(surface, problem.flow, (*shown, *bare.contacts)))
-        capped = told.leak_capped if told.yields else None
-        variants.append(
-            replace(
-                Comparison.of(name, contact.profile, told.leak),
-                leak_rate_capped=None if capped is None else capped.leak_rate,
-            )
-        )
+        others = {reading: one.leak.leak_rate for reading, one in told.others.items() if one.leak is not None}
+        variants.append(replace(Comparison.of(name, contact.profile, told.leak), others=others))
     return tuple(variants)

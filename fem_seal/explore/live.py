@@ -337,7 +337,7 @@ class Session:
             if problem.surface is None or problem.flow is None:
                 return
             peak = max(log_peaks([load.contact for load in self._contacts(design, problem)]))
-            for one in dict.fromkeys((problem.surface.conserved, problem.surface.capped)):
+            for one in map(problem.surface.reading, problem.surface.readings):
                 try:
                     conductivity(problem.flow, one, peak, self.kept.get, family=self.one_shape)
                 except Missing as missing:

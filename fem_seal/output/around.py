@@ -9,6 +9,7 @@ import numpy as np
 
 from fem_seal.output.columns import AROUND_COLUMNS
 from fem_seal.output.tables import write_rows_csv
+from fem_seal.seal.readings import FURTHER
 
 if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
@@ -41,10 +42,10 @@ def around_rows(load: LoadResult) -> list[tuple[float | str, ...]]:
     if around is None:
         return []
     angles = len(around.angle)
-    leak, capped = (
-        [""] * angles if one is None or one.leak_rate is None else one.leak_rate.tolist()
-        for one in (around, load.around_capped)
-    )
+    read = (around, *(load.others[one].around if one in load.others else None for one in FURTHER))
+    leaks = [
+        [""] * angles if one is None or one.leak_rate is None else one.leak_rate.tolist() for one in read
+    ]
     return list(
         zip(
             [load.fluid_pressure] * angles,
@@ -53,8 +54,7 @@ def around_rows(load: LoadResult) -> list[tuple[float | str, ...]]:
             around.line_load.tolist(),
             np.where(around.line_load > 0, around.peak_pressure, 0.0).tolist(),
             around.fwhm.tolist(),
-            leak,
-            capped,
+            *leaks,
             strict=True,
         )
     )

@@ -14,7 +14,9 @@ import numpy as np
 
 from fem_seal.answers.judgement import JudgedLoad
 from fem_seal.seal.findings import VALIDITY_COLUMNS
+from fem_seal.seal.readings import FURTHER, OWN, WORDS, force_column, leak_rate_column
 from fem_seal.units import DIGITS, Unit, fixed_unit, quantity_worth, split_unit
+from leak import Reading
 
 if TYPE_CHECKING:
     from fem_seal.seal.load_result import LoadResult
@@ -137,6 +139,47 @@ class Column:
         of_force = DIGITS if self.spare_digits is None else load.digits + self.spare_digits
         of_error = load.digits_of(self.error_of) if self.error_of else DIGITS
         return min(of_force, of_error, self.most_digits)
+
+
+def _leak_rate_read(reading: Reading) -> Column:
+    """Leak rate in one reading of yielding asperities."""
+    further = reading != OWN
+
+    def of(row: Row) -> float | None:
+        return _rate(row.load.readings[reading].leak) if row.load.yields else None
+
+    return Column(
+        leak_rate_column(reading),
+        "flow",
+        f'where asperities yield and leak.theory = "paper": leak rate {WORDS[reading].column}',
+        of,
+        heading=f"leak rate, {reading}" if further else "",
+        title=f"leak rate, {WORDS[reading].title}",
+        unit_like="leak_rate_m3_per_s" if further else "",
+        spare_digits=0,
+        error_of="leak_rate",
+        needs=_FLOW,
+    )
+
+
+def _force_read(reading: Reading) -> Column:
+    """Force for the target in another reading of yielding asperities."""
+
+    def of(row: Row) -> float | None:
+        return row.load.others[reading].force_for_target if reading in row.load.others else None
+
+    return Column(
+        force_column(reading),
+        "force",
+        'where asperities yield and leak.theory = "paper": `force_for_target_leak_N` '
+        + WORDS[reading].condition,
+        of,
+        error_of="force_for_target",
+        heading=f"for the target, {reading}",
+        short=str(reading),
+        shown_in="N",
+        unit_like="force_for_target_leak_N",
+    )
 
 
 def _rate(leak: LeakResult | None) -> float | None:
@@ -288,7 +331,7 @@ COLUMNS = {
             "leak_rate_elastic_m3_per_s",
             "flow",
             "leak rate of the same contact with asperities that never yield",
-            lambda row: _rate(row.load.leak_elastic),
+            lambda row: _rate(row.load.reading(Reading.ELASTIC).leak),
             heading="leak rate, elastic",
             short="elastic",
             shown_in="mm³/s",
@@ -314,7 +357,7 @@ COLUMNS = {
             "critical_separation_elastic_m",
             "length",
             "u_c with asperities that never yield",
-            lambda row: row.load.critical_separation_elastic,
+            lambda row: row.load.reading(Reading.ELASTIC).critical_separation,
             heading="u_c, elastic",
             unit_like="critical_separation_m",
             spare_digits=1,
@@ -532,42 +575,8 @@ COLUMNS = {
             error_of="leak_rate",
             needs=_FLOW,
         ),
-        Column(
-            "leak_rate_conserved_m3_per_s",
-            "flow",
-            'where asperities yield and leak.theory = "paper": leak rate if their volume is conserved everywhere, '
-            "valleys included (C_pl)",
-            lambda row: _rate(row.load.leak_conserved) if row.load.yields else None,
-            title="leak rate, volume conserved",
-            spare_digits=0,
-            error_of="leak_rate",
-            needs=_FLOW,
-        ),
-        Column(
-            "leak_rate_capped_m3_per_s",
-            "flow",
-            'where asperities yield and leak.theory = "paper": leak rate of the same contact if the surface changes '
-            "only where it touches, under a pressure that the hardness limits",
-            lambda row: _rate(row.load.leak_capped) if row.load.yields else None,
-            heading="leak rate, capped",
-            title="leak rate, changed only where it touches",
-            unit_like="leak_rate_m3_per_s",
-            spare_digits=0,
-            error_of="leak_rate",
-            needs=_FLOW,
-        ),
-        Column(
-            "force_for_target_leak_capped_N",
-            "force",
-            'where asperities yield and leak.theory = "paper": `force_for_target_leak_N` if the surface changes only '
-            "where it touches",
-            lambda row: row.load.force_for_target_capped,
-            error_of="force_for_target",
-            heading="for the target, capped",
-            short="capped",
-            shown_in="N",
-            unit_like="force_for_target_leak_N",
-        ),
+        *(_leak_rate_read(one) for one in (OWN, *FURTHER)),
+        *(_force_read(one) for one in FURTHER),
         Column(
             "force_for_verdict_N",
             "force",
@@ -642,8 +651,7 @@ PROFILE_LEAK_COLUMNS = (
     "leak_rate_Pa_m3_per_s",
     "leak_rate_low_m3_per_s",
     "leak_rate_high_m3_per_s",
-    "leak_rate_conserved_m3_per_s",
-    "leak_rate_capped_m3_per_s",
+    *map(leak_rate_column, (OWN, *FURTHER)),
 )
 
 # What the terminal shows of the loads, where a row fills it.
@@ -668,7 +676,7 @@ LEAK_ON_TERMINAL = tuple(
         "effective_seal_radius_m",
         "blow_off_pressure_Pa",
         "force_for_target_leak_N",
-        "force_for_target_leak_capped_N",
+        *map(force_column, FURTHER),
         "force_for_verdict_N",
         "opening_margin_N",
         "opening_margin_Pa",
@@ -729,8 +737,10 @@ AROUND_MEANINGS = {
     "fwhm_m": "full width at half maximum at this angle",
     "leak_rate_m3_per_s_per_rad": "leak rate per angle; its integral over the turn is that of the seal; empty where "
     "none is calculated",
-    "leak_rate_capped_m3_per_s_per_rad": "the same where yielding asperities change the surface only where it touches; "
-    "empty where none yields",
+    **{
+        f"leak_rate_{one}_m3_per_s_per_rad": f"the same with {WORDS[one].taken}; empty where none yields"
+        for one in FURTHER
+    },
 }
 VARIANT_MEANINGS = {
     "interface_law": 'p(u): "plastic", "elastic" or "given"',

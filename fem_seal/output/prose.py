@@ -10,6 +10,9 @@ from functools import cache
 from importlib.resources import files
 from typing import Any
 
+from fem_seal.seal.readings import OWN, WORDS
+from leak import Reading
+
 
 @cache
 def prose() -> dict[str, Any]:
@@ -28,6 +31,20 @@ def definitions(*, readings: bool) -> list[tuple[str, str]]:
     """
     told = (one for one in prose()["definitions"] if readings or not one.get("readings", False))
     return [(one["term"], one["meaning"]) for one in told]
+
+
+def other_reading(reading: Reading, told: str) -> str:
+    """What something is in another reading of yielding asperities than the one it is told in.
+
+    Parameters
+    ----------
+    reading : Reading
+    told : str
+        A clause.
+    """
+    return said(
+        "readings.load", "other", taken=WORDS[OWN].taken, condition=WORDS[reading].condition, told=told
+    )
 
 
 def said(where: str, *parts: str, **values: object) -> str:

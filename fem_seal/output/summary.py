@@ -23,6 +23,7 @@ from fem_seal.output.report.words import far_field_sentence
 from fem_seal.output.sources import sources
 from fem_seal.output.tables import leak_rows, leakage_table, variant_rows
 from fem_seal.seal.problem import exponential_law
+from fem_seal.seal.readings import FURTHER
 from fem_seal.version import __version__
 
 if TYPE_CHECKING:
@@ -74,10 +75,10 @@ def summary(result: SealSolution) -> dict[str, Any]:
         "convergence": [_convergence(load) for load in result.loads],
         "discretisation_error": asdict(result.discretisation_error),
         "far_field": {
-            "changes": [asdict(change) for change in result.far_field],
+            "changes": [_by_reading(asdict(change)) for change in result.far_field],
             "says": far_field_sentence(result),
         },
-        "form": None if result.form is None else asdict(result.form),
+        "form": None if result.form is None else _by_reading(asdict(result.form)),
         "requirement": verdict_numbers(result),
         "verdict_force": [
             {"fluid_pressure_Pa": load.fluid_pressure, **asdict(load.verdict_force)}
@@ -89,12 +90,29 @@ def summary(result: SealSolution) -> dict[str, Any]:
             for one in result.levers
         ],
         "particles": [asdict(answers) for answers in result.particles],
-        "interface_variants": [asdict(variant) for variant in result.interface_variants],
+        "interface_variants": [_by_reading(asdict(variant)) for variant in result.interface_variants],
         "uncertainty": None if result.uncertainty is None else interval_numbers(result, result.uncertainty),
         "theory_variants": variant_rows(result),
         "warnings": list(result.warnings),
         "wall_times_s": dict(result.timings),
         "sources": [asdict(source) for source in sources(result)],
+    }
+
+
+# Where a dataclass has what something is in further readings, and what that is called in the file.
+_READ = {"others": "leak_rate", "allowed_others": "allowed"}
+
+
+def _by_reading(value: Any) -> Any:
+    """Entries of a dataclass, with one of its own for each further reading of yielding asperities."""
+    if isinstance(value, (list, tuple)):
+        return [_by_reading(one) for one in value]
+    if not isinstance(value, dict):
+        return value
+    found = {name: _by_reading(one) for name, one in value.items() if name not in _READ}
+    read = {name: value[name] for name in _READ if name in value}
+    return found | {
+        f"{_READ[name]}_{one}": others.get(one) for name, others in read.items() for one in FURTHER
     }
 
 

@@ -99,7 +99,7 @@ def write_around(result: SealSolution, folder: Path) -> list[Path]:
             continue
         files.append(file)
         times.append(time)
-        points, quads, data = _around_the_axis(load.around, load.around_capped, height)
+        points, quads, data = _around_the_axis(load, load.around, height)
         written.append(
             write_surface(folder / file, points, quads, point_data=data, field_data=_load_data(load))
         )
@@ -111,7 +111,7 @@ def write_around(result: SealSolution, folder: Path) -> list[Path]:
 
 
 def _around_the_axis(
-    around: Around, capped: Around | None, height: Callable[[FloatArray], FloatArray]
+    load: LoadResult, around: Around, height: Callable[[FloatArray], FloatArray]
 ) -> tuple[NDArray[np.float32], NDArray[np.int64], dict[str, NDArray[np.float32]]]:
     """Points, quadrilaterals and point data of the seat's face, closed around the axis."""
     every = math.ceil(len(around.angle) / _ANGLES)
@@ -132,10 +132,10 @@ def _around_the_axis(
         "gap_change_m": around.gap_change[::every],
         "local_line_load_N_per_m": around.line_load[::every],
     }
-    if around.leak_rate is not None:
-        of_angle["leak_rate_m3_per_s_per_rad"] = around.leak_rate[::every]
-    if capped is not None and capped.leak_rate is not None:
-        of_angle["leak_rate_capped_m3_per_s_per_rad"] = capped.leak_rate[::every]
+    read = {"": load, **{f"_{reading}": one for reading, one in load.others.items()}}
+    for name, one in read.items():
+        if one.around is not None and one.around.leak_rate is not None:
+            of_angle[f"leak_rate{name}_m3_per_s_per_rad"] = one.around.leak_rate[::every]
     data |= {name: values[:, None] for name, values in of_angle.items()}
     with np.errstate(under="ignore"):
         single = {

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
 
+from fem_seal.seal.bounds import EXACT, Bounds
 from fem_seal.units import rounded
 
 
@@ -41,7 +42,7 @@ class Caution:
         A clause with the number behind it, about one load that need not be named.
     text : str
         The whole sentence: which load, where, what to do.
-    leak_factor : tuple of float, optional
+    leak_factor : Bounds, optional
         What really leaks over the calculated leak rate, at least and at most, where that is known: 0 and infinity
         where it may be orders of magnitude.
     """
@@ -50,24 +51,13 @@ class Caution:
     level: Level
     reason: str
     text: str
-    leak_factor: tuple[float, float] = (1.0, 1.0)
+    leak_factor: Bounds = EXACT
 
     @property
     def leak_error(self) -> float:
         """Relative error of the leak rate, where it is known; infinite if that may be orders of magnitude more."""
         low, high = self.leak_factor
         return max(high - 1.0, 1.0 - low)
-
-
-def either_way(factor: float) -> tuple[float, float]:
-    """The leak factors of a leak rate that may be so many times too large or too small.
-
-    Parameters
-    ----------
-    factor : float
-        One at least.
-    """
-    return 1.0 / factor, factor
 
 
 def worst_first(cautions: Iterable[Caution]) -> tuple[Caution, ...]:
@@ -124,13 +114,13 @@ class Validity:
         return max((one.leak_error for one in self.cautions), default=0.0)
 
     @property
-    def leak_factor(self) -> tuple[float, float]:
+    def leak_factor(self) -> Bounds:
         """What may really leak over the calculated leak rate, at least and at most: one lies between.
 
         Orders of magnitude count as `ORDERS_OF_MAGNITUDE`.
         """
         low, high = (math.prod(one.leak_factor[n] for one in self.cautions) for n in range(2))
-        return min(max(low, 1.0 / ORDERS_OF_MAGNITUDE), 1.0), max(min(high, ORDERS_OF_MAGNITUDE), 1.0)
+        return Bounds(min(max(low, 1.0 / ORDERS_OF_MAGNITUDE), 1.0), max(min(high, ORDERS_OF_MAGNITUDE), 1.0))
 
     def leak_reason(self, *, more: bool) -> str:
         """Why more may leak than calculated, or why less; empty if nothing is known.

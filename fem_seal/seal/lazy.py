@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cached_property
 from typing import Any, Self, TypeVar
+
+from leak import Reading
 
 T = TypeVar("T")
 
@@ -23,6 +26,39 @@ class Lazy:
             raise AttributeError(f"{type(self).__name__} has no optional {', '.join(strange)}")
         other = object.__new__(type(self))
         vars(other).update(vars(self), **known)
+        return other
+
+
+class ByReading(Lazy):
+    """What is something else in each reading of yielding asperities, made when it is asked for."""
+
+    def reading(self, reading: Reading) -> Self:
+        """The same, its yielding asperities read in another way; itself where that is how they are read.
+
+        Parameters
+        ----------
+        reading : Reading
+        """
+        known = vars(self)
+        if reading.name not in known:
+            other = self._read_as(reading)
+            if other is self:
+                return self
+            known[reading.name] = other
+        return known[reading.name]
+
+    def _read_as(self, reading: Reading) -> Self:
+        raise NotImplementedError
+
+    def with_readings(self, known: Mapping[Reading, Self]) -> Self:
+        """A copy that knows what it is in other readings.
+
+        Parameters
+        ----------
+        known : mapping
+        """
+        other = self.knowing()
+        vars(other).update({reading.name: one for reading, one in known.items()})
         return other
 
 

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any, Literal, Protocol, TypeAlias
 import numpy as np
 
 import leak
-from fem_seal.seal.lazy import Lazy, variant
+from fem_seal.seal.lazy import ByReading, variant
+from leak import Reading
 
 if TYPE_CHECKING:
     from fem_seal.arrays import FloatArray
@@ -416,7 +417,7 @@ def _table_of(rough: RoughFlow, flow: Flow, surface: RoughContact) -> Conductivi
     if flow.end:
         return rough.make(flow, surface)
     # of one surface there are readings that differ in nothing else
-    readings = (rough, rough.conserved, rough.capped, rough.elastic)
+    readings = (rough, *map(rough.reading, Reading))
     reading = surface.yielding, surface.hardness
     known = next(one for one in readings if (one.surface.yielding, one.surface.hardness) == reading)
     assert known.table is not None  # there is a fluid
@@ -441,7 +442,7 @@ def log_peaks(contacts: Sequence[ContactSolution]) -> list[float]:
 
 
 @dataclass(frozen=True, eq=False)
-class RoughFlow(Lazy):
+class RoughFlow(ByReading):
     """Rough surfaces and the fluid between them, with what contacts share of it, made when it is asked for.
 
     Parameters
@@ -483,22 +484,12 @@ class RoughFlow(Lazy):
         make = partial(_made, table or Flow.table_around, log_peaks(contacts))
         return cls(surface, flow, make, tuple(contact.profile.peak_pressure for contact in contacts))
 
-    @variant
-    def elastic(self) -> RoughFlow:
-        """The same with asperities that never yield."""
-        rough = self._between(self.surface.elastic)
-        flow = None if self.flow is None else self.flow.elastic
-        return rough if flow is self.flow else replace(rough, flow=flow)
-
-    @variant
-    def conserved(self) -> RoughFlow:
-        """The same where yielding conserves the volume everywhere (C_pl)."""
-        return self._between(self.surface.conserved)
-
-    @variant
-    def capped(self) -> RoughFlow:
-        """The same where yielding changes the surface only where it touches."""
-        return self._between(self.surface.capped)
+    def _read_as(self, reading: Reading) -> RoughFlow:
+        surface, flow = self.surface.reading(reading), self.flow
+        if reading is Reading.ELASTIC and flow is not None:
+            flow = flow.elastic
+        same = surface is self.surface and flow is self.flow
+        return self if same else replace(self, surface=surface, flow=flow)
 
     @cached_property
     def ends(self) -> tuple[RoughFlow, ...]:
@@ -508,13 +499,10 @@ class RoughFlow(Lazy):
         return tuple(replace(self, flow=replace(self.flow, end=end)) for end in (-1, 1))
 
     @property
-    def two_readings(self) -> bool:
-        """Whether asperities yield and the theory reads that in two ways; a simulation has its own interval."""
-        yields = self.surface.hardness is not None and not self.ends
-        return yields and self.surface.conserved is not self.surface.capped
-
-    def _between(self, surface: RoughContact) -> RoughFlow:
-        return self if surface is self.surface else replace(self, surface=surface)
+    def readings(self) -> tuple[Reading, ...]:
+        """Those of its theory; only its own with a simulation, which has an interval of its own."""
+        known = self.surface.readings
+        return tuple(one for one in known if not self.ends or self.surface.reading(one) is self.surface)
 
     @variant
     def in_test(self) -> RoughFlow:
@@ -531,7 +519,7 @@ class RoughFlow(Lazy):
         flow : Flow
         """
         # what is shared is worked out before; a copy of it does not know the other, which would hold it in turn
-        _ = self.table, self.elastic, self.conserved, self.capped
+        _ = self.table, *map(self.reading, Reading)
         return replace(self, flow=flow, make=partial(_table_of, self.knowing()))
 
     @cached_property

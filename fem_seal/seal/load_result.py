@@ -10,13 +10,15 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 
 from fem_seal.former_names import former_attribute
-from fem_seal.seal.findings import DIRECT_SCATTER, VALID, Caution, Level, Validity, either_way
-from fem_seal.seal.lazy import Lazy, variant
+from fem_seal.seal.bounds import AGREE, Bounds
+from fem_seal.seal.findings import DIRECT_SCATTER, VALID, Caution, Level, Validity
+from fem_seal.seal.lazy import ByReading, variant
 from fem_seal.seal.leak_model import Conductivity, RoughFlow
 from fem_seal.units import DIGITS, digits_within, given, leak_range_text, quantity_worth, share_text
+from leak import Reading
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from numpy.typing import NDArray
 
@@ -28,7 +30,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class LoadResult(Lazy):
+class LoadResult(ByReading):
     """One load of a case, which works out what it is asked for.
 
     Parameters
@@ -49,8 +51,6 @@ class LoadResult(Lazy):
         Fluid pressure that lifts the closure off at this applied force [Pa], infinite if none does; None if not asked.
     force_for_target : float or None
         Smallest applied force for which the leak rate stays below the target [N]; None if not asked or not found.
-    force_for_target_capped : float or None
-        The same in the other reading of yielding asperities, see `capped` [N]; None where there is but one.
     validity : Validity
         How far the numbers can be trusted, and why no further; see guide/validity in the manual.
     target_validity : Validity or None
@@ -59,9 +59,9 @@ class LoadResult(Lazy):
         How far the load is from opening the seal; None where neither fluid nor spring opens it, or it is not known.
     mesh_error : DiscretisationError or None
         What the mesh leaves uncertain; None where nobody asked.
-    sampled : tuple of float or None
+    sampled : Bounds or None
         Ends of the samples of uncertain inputs, in all readings [m^3/s]; None where none is sampled.
-    sampled_in_test : tuple of float or None
+    sampled_in_test : Bounds or None
         The same with the gas of the standards' tests, see `in_test` [m^3/s].
     """
 
@@ -76,10 +76,9 @@ class LoadResult(Lazy):
     validity: Validity = VALID
     target_validity: Validity | None = None
     opening: OpeningMargin | None = None
-    force_for_target_capped: float | None = None
     mesh_error: DiscretisationError | None = None
-    sampled: tuple[float, float] | None = None
-    sampled_in_test: tuple[float, float] | None = None
+    sampled: Bounds | None = None
+    sampled_in_test: Bounds | None = None
 
     def __repr__(self) -> str:
         at = f"{given('fluid pressure', self.fluid_pressure)}, {given('force', self.applied_force)} applied"
@@ -96,8 +95,8 @@ class LoadResult(Lazy):
         # a line is not worth working the leak rate out
         leak: LeakResult | None = vars(self).get("leak")
         if leak is not None:
-            known = self.leak_interval if vars(self).get("leak_capped") is not None else None
-            told = known if known is not None and self.has_interval else leak.leak_rate
+            known = all("leak" in vars(one) for one in self.others.values()) and self.has_interval
+            told = self.leak_interval if known and self.leak_interval is not None else leak.leak_rate
             claimed = not self.validity.outside
             parts.append(f"leak rate {leak_range_text(told, self.leak_digits, claimed=claimed)}")
         return ", ".join([*parts, str(self.validity.level)])
@@ -133,7 +132,7 @@ class LoadResult(Lazy):
         if share is None or not share > 0.0:
             return theory
         told = f"the mesh leaves an error of {share_text(share)}"
-        mesh = Caution("mesh", Level.VALID, told, told, either_way(1.0 + share))
+        mesh = Caution("mesh", Level.VALID, told, told, Bounds.either_way(1.0 + share))
         return Validity.of((*theory.cautions, mesh))
 
     @property
@@ -191,39 +190,27 @@ class LoadResult(Lazy):
 
         return formed.with_leak(LeakCurve(formed.local, flow))
 
-    @cached_property
-    def leak_elastic(self) -> LeakResult | None:
-        """The same with asperities that never yield, on the same contact."""
-        if self.rough is None or self.rough.elastic is self.rough:
-            return self.leak
-        return replace(self, rough=self.rough.elastic).leak
+    def _read_as(self, reading: Reading) -> Self:
+        rough = None if self.rough is None else self.rough.reading(reading)
+        if rough is self.rough:
+            return self
+        return replace(self, rough=rough, force_for_target=None, target_validity=None)
 
     @property
-    def conserved(self) -> Self:
-        """The same load, its yielding asperities read as conserving their volume everywhere (C_pl)."""
-        return self if self.rough is None or self.rough.conserved is self.rough else self._other_reading
+    def readings(self) -> Mapping[Reading, Self]:
+        """The same contact in each reading of its yielding asperities, or in the only one; the default first."""
+        known = (Reading.ELASTIC,) if self.rough is None else self.rough.readings
+        return {one: self.reading(one) for one in known}
 
     @property
-    def capped(self) -> Self:
-        """The same load, its yielding asperities read as changing the surface only where it touches."""
-        return self if self.rough is None or self.rough.capped is self.rough else self._other_reading
-
-    @cached_property
-    def _other_reading(self) -> Self:
-        """The same contact with the surface read as it is not."""
-        assert self.rough is not None  # of both that ask
-        rough = self.rough.conserved if self.rough.capped is self.rough else self.rough.capped
-        return replace(self, rough=rough)
+    def others(self) -> Mapping[Reading, Self]:
+        """`readings` but the one of the load itself."""
+        return {reading: load for reading, load in self.readings.items() if load is not self}
 
     @property
-    def leak_conserved(self) -> LeakResult | None:
-        """Leak of `conserved`."""
-        return self.conserved.leak
-
-    @cached_property
-    def leak_capped(self) -> LeakResult | None:
-        """Leak of `capped`."""
-        return self.capped.leak
+    def yields(self) -> bool:
+        """Whether asperities yield by a theory that reads this in several ways."""
+        return len(self.readings) > 1
 
     @variant
     def first_loading(self) -> Self:
@@ -242,56 +229,37 @@ class LoadResult(Lazy):
         )
 
     @property
-    def around_capped(self) -> Around | None:
-        """`around` of `capped`; None for a round seal, and where no asperities yield."""
-        return self.capped.around if self.yields and self.leak_capped is not None else None
+    def leak_range(self) -> Bounds | None:
+        """Leak rates of all readings of yielding asperities [m^3/s]; None where there is but one reading.
 
-    @property
-    def yields(self) -> bool:
-        """Whether asperities yield by a theory that reads this in two ways."""
-        return self.rough is not None and self.rough.two_readings
-
-    @property
-    def leak_ends(self) -> tuple[LeakResult, LeakResult] | None:
-        """Smaller and larger leak of both readings of yielding asperities; None where there is but one reading.
-
-        With a direct simulation instead of the theory they are the ends of its interval.
+        With a direct simulation instead of the theory the ends of its interval.
         """
-        both = self._simulated_ends or ((self.leak_conserved, self.leak_capped) if self.yields else ())
-        found = sorted((leak for leak in both if leak is not None), key=lambda leak: leak.leak_rate)
-        return (found[0], found[1]) if len(found) == 2 else None
+        read = self.readings.values() if self.yields else self._simulated_ends
+        leaks = [one.leak for one in read]
+        return Bounds.of(leak.leak_rate for leak in leaks if leak) if leaks and all(leaks) else None
 
     @cached_property
-    def _simulated_ends(self) -> tuple[LeakResult | None, ...]:
-        return () if self.rough is None else tuple(replace(self, rough=end).leak for end in self.rough.ends)
+    def _simulated_ends(self) -> tuple[Self, ...]:
+        return () if self.rough is None else tuple(replace(self, rough=end) for end in self.rough.ends)
 
     @property
-    def leak_range(self) -> tuple[float, float] | None:
-        """Leak rates of `leak_ends` [m^3/s]."""
-        ends = self.leak_ends
-        return None if ends is None else (ends[0].leak_rate, ends[1].leak_rate)
-
-    @property
-    def leak_interval(self) -> tuple[float, float] | None:
+    def leak_interval(self) -> Bounds | None:
         """Ends of the leak rate, wherever they are told or judged [m^3/s]; None without a leak rate.
 
-        They hold both readings of yielding asperities or what a simulation leaves open, the samples of uncertain
+        They hold all readings of yielding asperities or what a simulation leaves open, the samples of uncertain
         inputs, and what the calculation may be off by (`leak_validity`).
         """
         if self.leak is None:
             return None
-        rate = self.leak.leak_rate
-        known = ((rate, rate), self.leak_range, self.sampled)
-        low, high = zip(*(one for one in known if one is not None), strict=True)
-        least, most = self.leak_validity.leak_factor
-        return min(low) * least, max(high) * most
+        known = [self.leak.leak_rate, *(self.leak_range or ()), *(self.sampled or ())]
+        return Bounds.of(known).widened(self.leak_validity.leak_factor)
 
     @property
     def has_interval(self) -> bool:
         """Whether the ends of `leak_interval` are told as two numbers, or made of what could be two."""
         ends = self.leak_interval
         made = self.leak_range is not None or self.sampled is not None
-        return ends is not None and (made or ends[1] > AGREE * ends[0])
+        return ends is not None and (made or ends.apart)
 
     @property
     def in_test(self) -> Self:
@@ -316,20 +284,6 @@ class LoadResult(Lazy):
     def critical_separation(self) -> float | None:
         """u_c at the peak pressure [m]; None without roughness."""
         return None if self.rough is None else self.rough.critical_separation(self.contact.profile)
-
-    @cached_property
-    def critical_separation_capped(self) -> float | None:
-        """u_c with yielding asperities that change the surface only where it touches [m]."""
-        if self.rough is None or not self.yields:
-            return self.critical_separation
-        return self.rough.capped.critical_separation(self.contact.profile)
-
-    @cached_property
-    def critical_separation_elastic(self) -> float | None:
-        """u_c with asperities that never yield [m]."""
-        if self.rough is None or self.rough.surface.hardness is None:
-            return self.critical_separation
-        return self.rough.elastic.critical_separation(self.contact.profile)
 
     @cached_property
     def largest_stress(self) -> tuple[float, tuple[str, float, float]]:
@@ -447,10 +401,6 @@ class DiscretisationError:
     fwhm: float
     std: float
     leak_rate: float | None
-
-
-# Ratio of leak rates up to which two readings are told as one number.
-AGREE = 1.005
 
 
 @dataclass(frozen=True)

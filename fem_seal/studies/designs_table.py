@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from fem_seal.answers.judgement import Verdict
 from fem_seal.arrays import FloatArray
 from fem_seal.seal.findings import Level
+from fem_seal.seal.readings import FURTHER, OWN, leak_rate_column
 from fem_seal.studies.designs import MORRIS_LEVELS, SENSITIVITY, unit_points
 from fem_seal.studies.expressions import Constraint, Expression
 from fem_seal.studies.store import FILE, Store, open_to_read
@@ -22,9 +23,11 @@ from fem_seal.studies.tables import Design
 if TYPE_CHECKING:
     import pandas as pd
 
-LEAK_RATE, LEAK_RATE_CAPPED = "leak_rate_m3_per_s", "leak_rate_capped_m3_per_s"
+    from leak import Reading
+
+LEAK_RATE = "leak_rate_m3_per_s"
 # What a design leaks at most.
-_UPPER_ENDS = (LEAK_RATE, LEAK_RATE_CAPPED, "leak_rate_conserved_m3_per_s", "leak_rate_high_m3_per_s")
+_UPPER_ENDS = (LEAK_RATE, *map(leak_rate_column, (*FURTHER, OWN)), "leak_rate_high_m3_per_s")
 QUANTILES = (0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99)
 # Columns that differ by less, relative to their size, are equal.
 _ROUND_OFF = 1e-9
@@ -263,11 +266,11 @@ def quantiles(values: FloatArray, shares: Sequence[float] = QUANTILES) -> dict[f
     return dict(zip(shares, np.quantile(values, shares).tolist(), strict=True))
 
 
-def capped_leak_rates(designs: Designs) -> FloatArray:
-    """Leak rates with yielding asperities that change the surface only where it touches [m^3/s]; maybe none."""
-    if LEAK_RATE_CAPPED not in designs.done:
-        return np.empty(0)
-    return np.asarray(designs.done[LEAK_RATE_CAPPED].dropna(), dtype=float)
+def other_leak_rates(designs: Designs) -> dict[Reading, FloatArray]:
+    """Leak rates in the other readings of yielding asperities, as far as some design has them [m^3/s]."""
+    known = {one: column for one in FURTHER if (column := leak_rate_column(one)) in designs.done}
+    found = {one: designs.done[column].dropna().to_numpy(dtype=float) for one, column in known.items()}
+    return {one: rates for one, rates in found.items() if len(rates)}
 
 
 def class_shares(designs: Designs) -> list[tuple[str, float, float]]:

@@ -17,6 +17,7 @@ from fem_seal.case.paths import Value
 from fem_seal.errors import InputError, Problem
 from fem_seal.output.columns import COLUMNS, LEAK_COLUMNS
 from fem_seal.sampling import LogNormal, Normal
+from fem_seal.seal.readings import FURTHER, OWN, force_column, leak_rate_column
 from fem_seal.studies.designs import SENSITIVITY
 from fem_seal.studies.expressions import Constraint, Expression, ExpressionError, unit_of, unknown_name
 from fem_seal.studies.parameters import Parameter
@@ -171,12 +172,12 @@ def read_goals(study: StudyPlan, read: StudyTables) -> dict[str, Expression]:
     return goals
 
 
-# Where asperities yield in two readings, a leak rate never stands without the other one.
-_LEAK_RATE, _BESIDE = "leak_rate_m3_per_s", "leak_rate_capped_m3_per_s"
+# Where asperities yield in several readings, a leak rate never stands without the others.
+_LEAK_RATE, _BESIDE = "leak_rate_m3_per_s", tuple(map(leak_rate_column, FURTHER))
 # The verdict is a word, which stands in the table of the designs wherever its number does.
 _VERDICT, _MARGIN = "verdict", "margin"
 # Columns that one reading leaves empty, and those that uncertain inputs fill all the same.
-_OF_YIELDING = (_BESIDE, "leak_rate_conserved_m3_per_s", "force_for_target_leak_capped_N")
+_OF_YIELDING = (*_BESIDE, leak_rate_column(OWN), *map(force_column, FURTHER))
 _SAMPLED = ("leak_rate_low_m3_per_s", "leak_rate_high_m3_per_s")
 
 
@@ -192,7 +193,7 @@ def needed_columns(study: StudyPlan, responses: Sequence[str]) -> tuple[str, ...
     """The responses asked for, those that formulas need, and what stands beside them, in the order of leak.csv."""
     wanted = _asked(study, responses)
     if _LEAK_RATE in wanted and not _missing_for_readings(study):
-        wanted.add(_BESIDE)
+        wanted.update(_BESIDE)
     if _VERDICT in wanted:
         wanted.add(_MARGIN)
     return tuple(name for name in LEAK_COLUMNS if name in wanted)

@@ -29,6 +29,7 @@ from fem_seal.seal.leak_model import Conductivity, Flow, RoughFlow
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.load_solver import LoadSolver
 from fem_seal.seal.problem import SealProblem, expected_contacts, expected_forces, sizing
+from fem_seal.seal.readings import FURTHER, leak_rate_column
 from fem_seal.seal.shared_bodies import shared_model, with_shared_law
 from fem_seal.studies.batch import Batch
 from fem_seal.studies.complete_runs import takes_complete_run
@@ -44,7 +45,7 @@ T = TypeVar("T")
 _TOLERANCE = 1e-6
 # A margin counts up to here: a sealed design, whose margin is infinite, can be compared with others.
 LARGEST_MARGIN = 1e6
-_OTHER_READING = "leak_rate_capped_m3_per_s"
+_OTHER_READINGS = {leak_rate_column(one) for one in FURTHER}
 # What takes the interval of the leak rate, and with it what the calculation may be off by.
 _INTERVAL = frozenset({"leak_rate_low_m3_per_s", "leak_rate_high_m3_per_s", "margin"})
 
@@ -113,7 +114,7 @@ def evaluate_many(
     leaks = any(column.startswith(("leak_rate", "lift_off", "margin")) for column in columns)
     if leaks:
         bare = loads
-        for step in _leaks(other="margin" in columns or _OTHER_READING in columns):
+        for step in _leaks(other="margin" in columns or not _OTHER_READINGS.isdisjoint(columns)):
             batch.each(bare, lambda number: step(bare[number]))  # noqa: B023
 
     def with_validity(number: int) -> JudgedLoad:
@@ -154,7 +155,7 @@ def _leaks(*, other: bool) -> Iterator[Callable[[LoadResult], object]]:
     """Leak rate of a load, and that of the other reading of yielding asperities, each kind of work by itself."""
 
     def readings(load: LoadResult) -> tuple[LoadResult, ...]:
-        return (load.conserved, load.capped) if other and load.yields else (load,)
+        return (load, *(load.others.values() if other else ()))
 
     yield lambda load: [one.rough and one.rough.table for one in readings(load)]
     yield lambda load: load.contact.profile.contact

@@ -14,7 +14,8 @@ from fem_seal.contact.load_path import yielding_bodies
 from fem_seal.contact.model import ContactModel
 from fem_seal.contact.yielding import PlasticZone, YieldedZone, yielding_of
 from fem_seal.materials import creep_remarks
-from fem_seal.seal.findings import DIRECT_SCATTER, Caution, Level, Validity, either_way
+from fem_seal.seal.bounds import EXACT, Bounds
+from fem_seal.seal.findings import DIRECT_SCATTER, Caution, Level, Validity
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.problem import LARGEST_TURNING, TURNED
 from fem_seal.units import DIGITS, beside, briefly, number, rounded, share_text
@@ -291,7 +292,7 @@ def _of_surface(problem: SealProblem) -> Iterator[Caution]:
             'conductivity = "direct", for given pressure profiles, or for designs of a study without '
             "leak_rate_high_m3_per_s among their responses: the leak rate is that of the usual surface and may be off "
             "by a factor of ten",
-            leak_factor=either_way(10.0),
+            leak_factor=Bounds.either_way(10.0),
         )
     for text in problem.remarks:
         yield Caution("roughness", Level.DOUBTFUL, text, text)
@@ -590,7 +591,7 @@ def _sealed(problem: SealProblem, surface: Surface, loads: Sequence[LoadResult])
         first = load_name(min(tight, key=lambda load: load.point), loads)
         limit = rounded(sealing / 1e6, DIGITS)
         own = problem.surface
-        readings = () if own is None or own.hardness is None else (own.conserved, own.capped)
+        readings = () if own is None or own.hardness is None else map(own.reading, own.readings)
         leaky = any(_sealing_pressure(problem, one) > peak for one in readings)
         yield Caution(
             "sealed",
@@ -601,7 +602,7 @@ def _sealed(problem: SealProblem, surface: Surface, loads: Sequence[LoadResult])
             f"touches and no leak path is open (from {first} on, of the loads calculated). A leak rate of "
             "zero is only as certain as this percolation threshold",
             # the reading that is not sealed is next to it
-            (0.0, math.inf) if leaky else (1.0, 1.0),
+            Bounds(0.0, math.inf) if leaky else EXACT,
         )
 
 
@@ -633,7 +634,7 @@ def _nearly_sealed(problem: SealProblem, surface: Surface, loads: Sequence[LoadR
             f"A/A0 = {area:.2g} of the area touches under the peak pressure at {load_name(load, loads)}. The roughness "
             f"has a lay (peklenik = {surface.peklenik:.3g}), for which the theory's flow conductivity differs from "
             f"direct numerical results with elastic asperities by up to a factor {lay:.2g} either way{beyond}",
-            leak_factor=either_way(lay),
+            leak_factor=Bounds.either_way(lay),
         )
     elif area > _DIRECT_END:
         yield Caution(
@@ -644,7 +645,7 @@ def _nearly_sealed(problem: SealProblem, surface: Surface, loads: Sequence[LoadR
             f"A/A0 = {area:.2g} of the area touches under the peak pressure at {load_name(load, loads)}, close to "
             f"{surface.percolation_threshold:.2g}, where no leak path is open. The leak rate falls there by orders of "
             f"magnitude. Direct numerical results end at {_DIRECT_END:g}: no bound on the error is known",
-            leak_factor=(0.0, math.inf),
+            leak_factor=Bounds(0.0, math.inf),
         )
     elif area > _FEW_CHANNELS:
         yield Caution(
@@ -654,7 +655,7 @@ def _nearly_sealed(problem: SealProblem, surface: Surface, loads: Sequence[LoadR
             f"A/A0 = {area:.2g} of the area touches under the peak pressure at {load_name(load, loads)}. "
             f"Above {_FEW_CHANNELS:g} few channels are left, and the theory's flow conductivity differs from direct "
             f"numerical results by up to a factor {factor:g} either way",
-            leak_factor=either_way(factor),
+            leak_factor=Bounds.either_way(factor),
         )
 
 
@@ -699,7 +700,7 @@ def _simulated(table: DirectTable, load: LoadResult, loads: Sequence[LoadResult]
             f"near the peak pressure {at} at {load_name(load, loads)} the conductivity of the direct simulation may be "
             f"a factor {down:.2g} smaller or {up:.2g} larger: {_samples(row.samples)}, and waves too short for the "
             f"grid, of which the last octave that it holds {octave}",
-            leak_factor=(1.0 / down, up),
+            leak_factor=Bounds(1.0 / down, up),
         )
 
 
@@ -775,7 +776,7 @@ def _fluid_opens(problem: SealProblem, surface: Surface, loads: Sequence[LoadRes
             f"at {load_name(load, loads)} the fluid pressure is {share:.2g} of the peak contact pressure. "
             'How far it opens the gap is not calculated here. [load] closing = "penetration" calculates it; the '
             f'upper bound, [leak] fluid_in_gap = "local", is {most}',
-            leak_factor=(1.0, 1.0 + 1.7 * share if share < _FLUID_LIFTS else math.inf),
+            leak_factor=Bounds(1.0, 1.0 + 1.7 * share if share < _FLUID_LIFTS else math.inf),
         )
 
 

@@ -6,7 +6,8 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from fem_seal.seal.findings import Caution, Level, either_way
+from fem_seal.seal.bounds import Bounds
+from fem_seal.seal.findings import Caution, Level
 from fem_seal.seal.load_names import load_name
 from fem_seal.units import rounded, share_text
 
@@ -71,7 +72,7 @@ def molecule_cautions(flow: Flow, loads: Sequence[LoadResult]) -> Iterator[Cauti
             f"the critical separation {(load.critical_separation or 0.0) * 1e9:.2g} nm at "
             f"{load_name(load, loads)} is below the size of a molecule of the fluid, {size * 1e9:.2g} nm. "
             "The theory treats the fluid as a continuum; in reality the seal is tight there",
-            leak_factor=(0.0, 1.0),
+            leak_factor=Bounds(0.0, 1.0),
         )
 
 
@@ -102,7 +103,7 @@ def _thickening(flow: Flow, loads: Sequence[LoadResult]) -> Iterator[Caution]:
             f"at {load_name(load, loads)} how much {flow.fluid} thickens under pressure is known to "
             f"{share_text(law.uncertainty)} of the logarithm of its viscosity: the leak rate is uncertain by "
             f"{share_text(share)}. [fluid] pressure_viscosity or roelands_z takes a measured coefficient",
-            leak_factor=either_way(1.0 + share),
+            leak_factor=Bounds.either_way(1.0 + share),
         )
 
 
@@ -128,7 +129,7 @@ def _unknown_thickening(flow: Flow, load: LoadResult, loads: Sequence[LoadResult
         f"pressure is used. Liquids thicken by {1e9 * little.coefficient:.2g} (with water) to "
         f"{1e9 * much.coefficient:.2g} 1/GPa (oils as viscous as this): in truth {share} times as much "
         "leaks. Give [fluid] pressure_viscosity or roelands_z",
-        leak_factor=(least, most),
+        leak_factor=Bounds(least, most),
     )
 
 
@@ -186,7 +187,7 @@ def _not_ideal(flow: Flow, gas: Gas, highest: float) -> Iterator[Caution]:
         f"{gas.name} at {highest / 1e5:.4g} bar is not a dilute ideal gas: above "
         f"{gas.dilute_pressure / 1e5:.4g} bar its density or viscosity differs by more than 5 %, "
         f"which the leak rate does not take into account{said}{remedy}",
-        leak_factor=(min(ratio, 1.0), max(ratio, 1.0)),
+        leak_factor=Bounds(min(ratio, 1.0), max(ratio, 1.0)),
     )
 
 
@@ -227,7 +228,7 @@ def _fastest(
         f"{share_text(numbers.acceleration)} of what drives the flow (limit {100 * _ACCELERATED:.0f} %), and inertia "
         f"over friction along the gap is {_two(reduced)} (limit {_REDUCED:g}). Viscous flow is assumed: in truth "
         f"{chokes}less leaks" + (" than the upper end says" if end else ""),
-        (1.0 if end else least, 1.0),
+        Bounds(1.0 if end else least, 1.0),
     )
 
 
@@ -249,7 +250,7 @@ def _liquid_inertia(flow: Flow, loads: Sequence[LoadResult]) -> Iterator[Caution
             f"through the effective gap (limit {_TURBULENT:g}), and inertia over friction along the gap is "
             f"{_two(reduced)} (limit {_REDUCED:g}). Viscous flow is assumed: in truth less leaks"
             + (" than the upper end says" if end else ""),
-            (1.0 if end else 1.0 / (1.0 + _PRESSURE_SHARE * reduced), 1.0),
+            Bounds(1.0 if end else 1.0 / (1.0 + _PRESSURE_SHARE * reduced), 1.0),
         )
         return
 
@@ -272,8 +273,8 @@ def _of_liquid(flow: Flow, load: LoadResult) -> tuple[float, float] | None:
 
 
 def _other_reading(loads: Sequence[LoadResult]) -> list[tuple[LoadResult, LoadResult]]:
-    """Loads with their other reading of yielding asperities, as far as somebody has asked for its leak."""
-    return [(load, load.capped) for load in loads if load.yields and _leak_known(load.capped)]
+    """Loads with their other readings of yielding asperities, as far as somebody has asked for its leak."""
+    return [(load, other) for load in loads for other in load.others.values() if _leak_known(other)]
 
 
 def _leak_known(load: LoadResult) -> bool:

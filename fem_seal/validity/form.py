@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.findings import Caution, Level
 from fem_seal.seal.load_names import load_name
 from fem_seal.units import DIGITS, beside, rounded, share_text
@@ -115,7 +116,7 @@ def _fluid_opens(problem: SealProblem, loads: Sequence[LoadResult], formed: _For
             "line load is least; what the fluid does to the gap is taken from the mean line load, which is too little "
             "there",
             # several times as much there
-            (1.0, math.inf),
+            Bounds(1.0, math.inf),
         )
 
 

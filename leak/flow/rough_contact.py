@@ -50,11 +50,10 @@ from leak.theory.plasticity import (
     remaining_moment,
     touching_area,
 )
+from leak.theory.reading import READINGS, Reading
 from leak.theory.separation import LostArea, SeparationGrid, density, lost_area
 
 _WIDTHS = ("effective", "plain")
-# What each theory takes for metal that yields, its default first.
-_YIELDING = {"paper": ("conserved", "capped"), "corrected": ("von-mises",)}
 # Pressures are treated a few at a time, so that the work arrays stay in the processor's cache.
 _CHUNK = 8
 # P(u) itself is asked for far into its tails, where a flow conductivity does not look.
@@ -140,9 +139,9 @@ class RoughContact:
         positive(SurfaceError, "effective_modulus", self.effective_modulus, "Pa")
         if self.hardness is not None:
             positive(SurfaceError, "hardness", self.hardness, "Pa")
-        if self.theory not in _YIELDING:
-            raise SurfaceError(f"theory = {self.theory!r}: must be one of {tuple(_YIELDING)}")
-        allowed = _YIELDING[self.theory]
+        if self.theory not in READINGS:
+            raise SurfaceError(f"theory = {self.theory!r}: must be one of {tuple(READINGS)}")
+        allowed = tuple(map(str, READINGS[self.theory]))
         if not self.yielding:
             object.__setattr__(self, "yielding", allowed[0])
         if self.yielding not in allowed:
@@ -164,27 +163,40 @@ class RoughContact:
     # ---------------------------------------------------------------- variants
 
     @property
-    def elastic(self) -> RoughContact:
-        """The same surface without asperity plasticity."""
-        return self if self.hardness is None else self._never_yielding
+    def readings(self) -> tuple[Reading, ...]:
+        """What its theory may make of metal that yields; "elastic" alone without a hardness."""
+        return (Reading.ELASTIC,) if self.hardness is None else READINGS[self.theory]
+
+    def reading(self, reading: Reading) -> RoughContact:
+        """The same surface with metal that yields read in another way; itself where its theory does not know that.
+
+        Parameters
+        ----------
+        reading : Reading
+        """
+        if reading is Reading.ELASTIC:
+            return self if self.hardness is None else self._never_yielding
+        known = reading in self.readings and reading != self.yielding
+        return replace(self, yielding=str(reading)) if known else self
 
     @cached_property
     def _never_yielding(self) -> RoughContact:
         return replace(self, hardness=None, yielding="")
 
     @property
+    def elastic(self) -> RoughContact:
+        """The same surface without asperity plasticity."""
+        return self.reading(Reading.ELASTIC)
+
+    @property
     def conserved(self) -> RoughContact:
-        """The same surface, its volume conserved everywhere; itself in the corrected theory, which has one reading."""
-        return self if self.yielding != "capped" else replace(self, yielding="conserved")
+        """The same surface, its volume conserved everywhere; itself where there is but one reading."""
+        return self.reading(Reading.CONSERVED)
 
     @property
     def capped(self) -> RoughContact:
         """The same surface, changed only where it touches; itself where there is but one reading."""
-        return (
-            replace(self, yielding="capped")
-            if self.hardness is not None and self.yielding == "conserved"
-            else self
-        )
+        return self.reading(Reading.CAPPED)
 
     @cached_property
     def stand_in(self) -> RoughContact | None:
@@ -195,12 +207,12 @@ class RoughContact:
         if self.theory == "corrected":
             paper = replace(self, hardness=None, theory="paper", yielding="")
             return paper if self.peklenik == 1.0 else _OfEqualGap(**vars(paper))
-        return self.elastic if self.hardness is not None and self.yielding == "capped" else None
+        return None if self.hardness is None or self._smoothed else self.elastic
 
     @property
     def _smoothed(self) -> bool:
         """Whether C_pl stands in for C."""
-        return self.hardness is not None and self.yielding == "conserved"
+        return self.hardness is not None and self.yielding == Reading.CONSERVED
 
     def acting_pressure(self, pressure: ArrayLike) -> FloatArray:
         """Nominal pressure at which the theory is asked for the gaps: that of `stand_in` [Pa]."""

@@ -182,11 +182,10 @@ def leak_around_picture(result: SealSolution) -> Picture | None:
         turn, values = _closed(angle / _DEGREE, rate / unit.size, 360.0)
         values = np.where(values > 0, values, np.nan)
         axes.plot(turn, values, color=colour(n), label=over.names[result.loads.index(load)])
-        if load.around_capped is not None and load.around_capped.leak_rate is not None:
-            capped = load.around_capped.leak_rate * _DEGREE
-            _, values = _closed(angle / _DEGREE, capped / unit.size, 360.0)
+        for other in _in_others(load):
+            _, values = _closed(angle / _DEGREE, other * _DEGREE / unit.size, 360.0)
             axes.plot(turn, np.where(values > 0, values, np.nan), "--", color=colour(n), linewidth=1.0)
-            rates = np.concatenate([rates, capped])
+            rates = np.concatenate([rates, other * _DEGREE])
     if spans_decades(rates):
         logarithmic(axes, "y")
     else:
@@ -203,11 +202,20 @@ def leak_around_picture(result: SealSolution) -> Picture | None:
         said(
             "captions.leak_around",
             "lines",
-            "capped" if any(load.around_capped for load, _, _ in shown) else "",
+            "readings" if any(_in_others(load) for load, _, _ in shown) else "",
             "sealed" if sealed else "",
             "scratches" if scratched else "",
         ),
     )
+
+
+def _in_others(load: LoadResult) -> list[FloatArray]:
+    """Leak around the axis in the other readings of yielding asperities [m^3/s/rad]."""
+    return [
+        one.around.leak_rate
+        for one in load.others.values()
+        if one.around and one.around.leak_rate is not None
+    ]
 
 
 def _shown(result: SealSolution) -> list[tuple[LoadResult, Around]]:

@@ -24,14 +24,19 @@ from fem_seal.output.pictures.style import (
 )
 from fem_seal.output.prose import said
 from fem_seal.seal.load_names import load_axis, load_name
+from fem_seal.seal.readings import FURTHER, OWN, WORDS
 from fem_seal.units import LeakVolume, Unit, percent, unit_for, worth
+from leak import Reading
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from fem_seal.answers.solution import SealSolution
     from fem_seal.arrays import FloatArray
+    from fem_seal.seal.load_result import LoadResult
 
 
 def leak_picture(result: SealSolution) -> Picture | None:
@@ -49,15 +54,15 @@ def leak_picture(result: SealSolution) -> Picture | None:
         return None
     over = load_axis(loads)
     outside = np.array([load.validity.outside for load in loads])
-    rates = np.array([load.leak.leak_rate if load.leak else np.nan for load in loads])
-    elastic = np.array([load.leak_elastic.leak_rate if load.leak_elastic else np.nan for load in loads])
+    rates = _rates(loads)
+    elastic = _rates([load.reading(Reading.ELASTIC) for load in loads])
     plastic = result.surface is not None and result.surface.hardness is not None
     two = any(load.yields for load in loads)
-    yielded = "asperities yield, C_pl (result)" if two else "asperities yield (result)"
+    yielded = f"{WORDS[OWN].curve if two else 'asperities yield'} (result)"
     series = [(yielded if plastic else "elastic asperities (result)", rates, BLUE, 2.2)]
-    capped = np.array([load.leak_capped.leak_rate if load.leak_capped else np.nan for load in loads])
-    if two and np.isfinite(capped).any():
-        series.append(("changed only where they touch", capped, GREEN, 1.5))
+    others = [(WORDS[one], _rates([load.reading(one) for load in loads])) for one in (FURTHER if two else ())]
+    others = [(words, values) for words, values in others if np.isfinite(values).any()]
+    series += [(words.curve, values, GREEN, 1.5) for words, values in others]
     if plastic and np.isfinite(elastic).any():
         series.append(("elastic asperities, for comparison", elastic, ORANGE, 1.5))
     shown = np.concatenate([rates for _, rates, _, _ in series])
@@ -99,9 +104,8 @@ def leak_picture(result: SealSolution) -> Picture | None:
     axes.legend(loc="best")
     label(axes, "Leak rate", over.label, f"leak rate  [{volume.named(unit).name}]")
     if factor is not None:
-        readings = [("C_pl" if two else "", rates, BLUE)]
-        if np.isfinite(capped).any():
-            readings.append(("only where they touch", capped, GREEN))
+        readings = [(WORDS[OWN].short if two else "", rates, BLUE)]
+        readings += [(words.short, values, GREEN) for words, values in others]
         _reduction(factor, over.shown, elastic, readings, "x" in scales)
         label(factor, "Reduction by yielding asperities", over.label, "elastic over yielded")
     words = ("plastic_both" if two else "plastic", "plastic_elastic") if plastic else ()
@@ -111,6 +115,10 @@ def leak_picture(result: SealSolution) -> Picture | None:
         said("captions.leak", "alt", over=over.name),
         said("captions.leak", "all", over.order, *words, over=over.name),
     )
+
+
+def _rates(loads: Sequence[LoadResult]) -> FloatArray:
+    return np.array([load.leak.leak_rate if load.leak else np.nan for load in loads])
 
 
 def _single_leak(

@@ -24,7 +24,9 @@ from fem_seal.output.pictures.style import (
 )
 from fem_seal.output.prose import said
 from fem_seal.seal.load_names import load_name
+from fem_seal.seal.readings import FURTHER, OWN, WORDS
 from fem_seal.units import number, percent, unit_for
+from leak import Reading
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -55,20 +57,16 @@ def separation_picture(result: SealSolution) -> Picture | None:
     p = np.geomspace(low, high, 30)
     pressure = unit_for("contact pressure", float(peaks.max()))
     two = any(load.yields for load in result.loads)
-    at_loads = [load.critical_separation_elastic for load in result.loads]
-    curves = [("elastic asperities", surface.elastic, ORANGE, at_loads)]
-    if two:
-        at_loads = [load.critical_separation_capped for load in result.loads]
-        curves.insert(0, ("changed only where they touch", surface.capped, GREEN, at_loads))
+    curves = [(WORDS[one].curve, one, GREEN) for one in (FURTHER if two else ())]
+    curves.append((WORDS[Reading.ELASTIC].curve, Reading.ELASTIC, ORANGE))
     if surface.hardness is not None:
-        at_loads = [load.critical_separation for load in result.loads]
-        curves.insert(0, ("asperities yield, C_pl" if two else "asperities yield", surface, BLUE, at_loads))
-    values = [np.asarray(contact.critical_separation(p)) for _, contact, _, _ in curves]
+        curves.insert(0, (WORDS[OWN].curve if two else "asperities yield", surface.readings[0], BLUE))
+    values = [np.asarray(surface.reading(one).critical_separation(p)) for _, one, _ in curves]
     unit = unit_for("length", float(max(u.max() for u in values)))
     figure, (axes, shares) = panels(2, height=3.5)
-    for (name, _, colour, found), u in zip(curves, values, strict=True):
+    for (name, reading, colour), u in zip(curves, values, strict=True):
         axes.plot(p / pressure.size, np.where(u > 0, u, np.nan) / unit.size, color=colour, label=name)
-        dots = np.array(found, dtype=float)
+        dots = np.array([load.reading(reading).critical_separation for load in result.loads], dtype=float)
         dots[dots <= 0] = np.nan
         axes.plot(peaks / pressure.size, dots / unit.size, "o", color=colour, ms=3.8)
     axes.set_ylim(0.0)
@@ -128,7 +126,7 @@ def surface_picture(result: SealSolution, load: LoadResult) -> Picture | None:
         wavelength_axis(view, 1.0 if view is spectrum else surface.spectrum.q_low)
     plastic = surface.hardness is not None
     share = float(surface.plastic_area(peak)) / float(surface.contact_area(peak)) if plastic else 0.0
-    smoothed = plastic and surface.yielding == "conserved"
+    smoothed = plastic and surface.yielding == Reading.CONSERVED
     return Picture(
         "surface",
         svg(figure),
@@ -190,7 +188,7 @@ def _spectrum_curves(axes: Axes, surface: RoughContact, peak: float) -> None:
     C = np.asarray(surface.spectrum(q))
     axes.plot(q, C, color=BLUE, linewidth=2.0, label="as measured or given")
     bottom = float(C[C > 0].min())
-    if surface.hardness is not None and surface.yielding == "conserved" and peak < surface.hardness:
+    if surface.hardness is not None and surface.yielding == Reading.CONSERVED and peak < surface.hardness:
         smoothed = C * np.asarray(surface.smoothing(peak, q))
         bottom *= 0.05
         axes.plot(q, np.where(smoothed > bottom, smoothed, np.nan), color=PURPLE, label="after yielding")

@@ -3,21 +3,23 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.answers.solution import SealSolution
 from fem_seal.answers.verdict import OF_LEAK_RATE
-from fem_seal.output.prose import said
+from fem_seal.output.prose import other_reading, said
 from fem_seal.output.report.tables import ReadableTable
+from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.load_names import load_name
-from fem_seal.seal.load_result import AGREE, LoadResult
+from fem_seal.seal.load_result import LoadResult
 from fem_seal.units import given, leak_range_text, number, percent, quantity
 
 if TYPE_CHECKING:
     from fem_seal.answers.form import Allowed, FormAnswers, FormPoint, WaveAlone
     from fem_seal.case.form import BodyForm, Form
+    from leak import Reading
 
 _DIRECTIONS = {"radial": "roundness", "axial": "flatness"}
 
@@ -34,7 +36,7 @@ def _said(result: SealSolution, answers: FormAnswers) -> Iterator[str]:
     if load.leak is not None and load.leak_round is not None:
         own, as_round = (
             [leak.leak_rate for leak in leaks if leak is not None]
-            for leaks in zip(*((one.leak, one.leak_round) for one in _readings(load)), strict=True)
+            for leaks in zip(*((one.leak, one.leak_round) for one in load.readings.values()), strict=True)
         )
         yield said(
             "form.leak",
@@ -54,23 +56,18 @@ def _said(result: SealSolution, answers: FormAnswers) -> Iterator[str]:
         )
     yield from _closing(answers, load)
     if answers.allowed is not None and not load.validity.outside:
-        yield from _allowed(answers.allowed, answers.allowed_capped, load)
+        yield from _allowed(answers.allowed, answers.allowed_others, load)
     yield from _scratches(answers, load)
     if answers.goes_round is not None:
         yield said("form.round", "share", share=percent(answers.goes_round), load=at)
 
 
-def _readings(load: LoadResult) -> list[LoadResult]:
-    """The load in both readings of yielding asperities, or in the only one."""
-    return [load.conserved, load.capped] if load.yields else [load]
-
-
 def _rate(load: LoadResult, *rates: float | None, beside: Sequence[float] = ()) -> str:
     """One leak rate, or the ends of several, in the unit of what stands beside them."""
-    known = [rate for rate in rates if rate is not None]
-    low, high = min(known), max(known)
-    told = low if high <= AGREE * low else (low, high)
-    return leak_range_text(told, load.leak_digits, claimed=not load.validity.outside, beside=beside)
+    ends = Bounds.of(rate for rate in rates if rate is not None)
+    return leak_range_text(
+        ends if ends.apart else ends.low, load.leak_digits, claimed=not load.validity.outside, beside=beside
+    )
 
 
 def _closing(answers: FormAnswers, load: LoadResult) -> Iterator[str]:
@@ -95,8 +92,8 @@ def _closing(answers: FormAnswers, load: LoadResult) -> Iterator[str]:
     )
 
 
-def _allowed(allowed: Allowed, capped: Allowed | None, load: LoadResult) -> Iterator[str]:
-    """How large the form error may be, and directly behind it what the other reading of yielding asperities says."""
+def _allowed(allowed: Allowed, others: Mapping[Reading, Allowed], load: LoadResult) -> Iterator[str]:
+    """How large the form error may be, and directly behind it what other readings of yielding asperities say."""
     limit, rate = allowed.limit, given("flow", allowed.leak_rate)
     limit = {"target": "target", OF_LEAK_RATE: "required leak rate"}.get(limit, f"limit of {limit}")
     if allowed.factor is None:
@@ -110,10 +107,13 @@ def _allowed(allowed: Allowed, capped: Allowed | None, load: LoadResult) -> Iter
             limit=limit,
             rate=rate,
         )
-    if capped is not None and capped.factor is None:
-        yield said("form.allowed", "capped_round_leaks_more")
-    elif capped is not None and capped.factor is not None and math.isfinite(capped.factor):
-        yield from _capped(allowed.factor, capped.factor, lambda one: number(one, 2), "capped_size")
+    for reading, other in others.items():
+        if other.factor is None:
+            yield other_reading(reading, "even the round seal leaks more")
+        elif math.isfinite(other.factor):
+            first, told = (number(_down(one), 2) for one in (allowed.factor, other.factor))
+            if first != told:
+                yield other_reading(reading, f"the form error may be {told} times as large")
     if load.around is not None and load.around.scratches is not None:
         yield said("form.allowed", "aside")
     if allowed.zone == 0:
@@ -127,22 +127,15 @@ def _allowed(allowed: Allowed, capped: Allowed | None, load: LoadResult) -> Iter
             waves=allowed.waves,
             limit=limit,
         )
-    if capped is not None and capped.zone is not None and math.isfinite(capped.zone):
-        yield from _capped(allowed.zone, capped.zone, lambda one: quantity("length", one, 2), "capped_zone")
-
-
-def _capped(
-    allowed: float | None, capped: float | None, written: Callable[[float], str], what: str
-) -> Iterator[str]:
-    """What the other reading allows, where it is something else."""
-    first, other = (written(_down(one or 0.0)) for one in (allowed, capped))
-    if first != other:
-        key = {"capped_size": "factor", "capped_zone": "zone"}[what]
-        yield said("form.allowed", what, **{key: other})
+    for reading, other in others.items():
+        if other.zone is not None and math.isfinite(other.zone):
+            first, told = (quantity("length", _down(one or 0.0), 2) for one in (allowed.zone, other.zone))
+            if first != told:
+                yield other_reading(reading, f"the tolerance is {told}")
 
 
 def _scratches(answers: FormAnswers, load: LoadResult) -> Iterator[str]:
-    added = [one.around.scratches for one in _readings(load) if one.around is not None]
+    added = [one.around.scratches for one in load.readings.values() if one.around is not None]
     known = [bounds for bounds in added if bounds is not None]
     if not known:
         return
@@ -170,7 +163,7 @@ def _down(value: float) -> float:
 
 
 def _of_point(load: LoadResult, point: FormPoint | WaveAlone) -> str:
-    return "–" if point.leak_rate is None else _rate(load, point.leak_rate, point.leak_rate_capped)
+    return "–" if point.leak_rate is None else _rate(load, point.leak_rate, *point.others.values())
 
 
 def curve_table(result: SealSolution) -> ReadableTable:

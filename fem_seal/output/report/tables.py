@@ -18,12 +18,14 @@ from fem_seal.contact.load_path import ElastoplasticContact
 from fem_seal.contact.yielding import PlasticZone, yielding_of
 from fem_seal.output.case_words import law_word
 from fem_seal.output.columns import COLUMNS, Column
-from fem_seal.output.prose import said
+from fem_seal.output.prose import other_reading, said
 from fem_seal.output.report.verdict import force_to_pass, verdict_force_sentences
 from fem_seal.output.tables import rows_of
+from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.findings import Level
 from fem_seal.seal.load_names import load_name
-from fem_seal.seal.load_result import AGREE, LoadResult, highest_load
+from fem_seal.seal.load_result import LoadResult, highest_load
+from fem_seal.seal.readings import FURTHER, force_column, leak_rate_column
 from fem_seal.units import (
     LIQUID,
     LeakVolume,
@@ -43,6 +45,7 @@ from fem_seal.units import (
 if TYPE_CHECKING:
     from fem_seal.answers.judgement import JudgedLoad
     from fem_seal.materials import HardeningCurve
+    from leak import Reading
 
 
 @dataclass(frozen=True)
@@ -71,7 +74,7 @@ _OF_LOADS = (
     "critical_separation_m",
     "critical_separation_elastic_m",
     "leak_rate_m3_per_s",
-    "leak_rate_capped_m3_per_s",
+    *(leak_rate_column(one) for one in FURTHER),
     "leak_rate_elastic_m3_per_s",
     "leak_rate_round_m3_per_s",
     "max_von_mises_Pa",
@@ -85,7 +88,7 @@ _ASKED = (
     "opening_margin_N",
     "opening_margin_Pa",
     "force_for_target_leak_N",
-    "force_for_target_leak_capped_N",
+    *(force_column(one) for one in FURTHER),
     "force_for_verdict_N",
 )
 
@@ -239,7 +242,7 @@ def _difference(share: float, load: LoadResult, measure: str) -> str:
 
 def variant_table(result: SealSolution) -> ReadableTable:
     """What the interface law does to the load with the largest contact force; no rows if there was no choice."""
-    ends = [rate for one in result.interface_variants for rate in (one.leak_rate, one.leak_rate_capped)]
+    ends = [rate for one in result.interface_variants for rate in (one.leak_rate, *one.others.values())]
     rates = [rate for rate in ends if rate is not None]
     volume = volume_of(result.case)
     unit = volume.named(unit_for("flow", max(rates, default=0.0)))
@@ -264,12 +267,11 @@ def _both_readings(variant: Comparison, unit: Unit, load: LoadResult, volume: Le
     claimed = not load.validity.outside
     if variant.leak_rate is None:
         return "–"
-    other = variant.leak_rate if variant.leak_rate_capped is None else variant.leak_rate_capped
-    low, high = sorted((variant.leak_rate, other))
-    digits = min(load.leak_digits, 3 if high <= AGREE * low else 2)
+    ends = Bounds.of([variant.leak_rate, *variant.others.values()])
+    digits = min(load.leak_digits, 2 if ends.apart else 3)
     told = [
         worth(unit.of(one), digits) if one else leak_rate_text(0.0, claimed=claimed)
-        for one in map(volume.measurable, (low, high))
+        for one in map(volume.measurable, ends)
     ]
     return range_text(*told)
 
@@ -431,9 +433,7 @@ def valve_facts(result: SealSolution, load: JudgedLoad) -> Iterator[tuple[str, s
     target = result.case.load.target_leak_rate
     if target is not None and load.force_for_target is not None:
         both = [
-            _target_force(load, force)
-            for force in (load.force_for_target, load.force_for_target_capped)
-            if force is not None
+            _target_force(load, force) for force in (load.force_for_target, *_other_forces(load).values())
         ]
         named = "; the two ends are readings of asperities that yield" if both[0] != both[-1] else ""
         yield (
@@ -476,19 +476,28 @@ def _what_the_target_takes(result: SealSolution, load: LoadResult) -> Iterator[s
         return
     acting = load.applied_force
     compared = ("more" if force > acting else "less") if acting else "none"
-    yield said(
+    told = said(
         "reasons.target",
         "force",
         compared,
         "fluid" if force < 0 else "",
-        "capped" if load.force_for_target_capped is not None else "",
-        capped=_target_force(load, load.force_for_target_capped),
         target=_target(result, target),
         pressure=given("fluid pressure", load.fluid_pressure),
         force=_target_force(load, force),
         difference=quantity_worth("force", abs(force - acting), load.digits_of("force_for_target")),
         acting=given("force", acting),
     )
+    others = [
+        other_reading(reading, f"{_target_force(load, one)} are needed")
+        for reading, one in _other_forces(load).items()
+    ]
+    yield " ".join([told, *others])
+
+
+def _other_forces(load: LoadResult) -> dict[Reading, float]:
+    """Force for the target in the other readings of yielding asperities, where one is found [N]."""
+    found = {reading: one.force_for_target for reading, one in load.others.items()}
+    return {reading: force for reading, force in found.items() if force is not None}
 
 
 def _target(result: SealSolution, leak_rate: float) -> str:

@@ -23,9 +23,11 @@ from fem_seal.output.report.tables import (
     what_opens,
     what_yielded,
 )
+from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.findings import Level, Validity
 from fem_seal.seal.load_names import load_name, load_values
-from fem_seal.seal.load_result import AGREE, LoadResult, highest_load
+from fem_seal.seal.load_result import LoadResult, highest_load
+from fem_seal.seal.readings import WORDS
 from fem_seal.units import (
     LIQUID,
     LeakVolume,
@@ -42,6 +44,7 @@ from fem_seal.validity.checks import FLUID_OPENS
 from leak import (
     CoupledLeakResult,
     LeakResult,
+    Reading,
     drops_per_minute,
     millibar_litres_per_second,
     millilitres_per_minute,
@@ -141,9 +144,8 @@ def _facts(result: SealSolution, load: JudgedLoad) -> list[Fact]:
 
 def _narrowest(load: LoadResult) -> tuple[str, str]:
     """u_c in both readings of yielding asperities, and what it is."""
-    assert load.critical_separation is not None
-    other = load.critical_separation_capped
-    ends = sorted((load.critical_separation, load.critical_separation if other is None else other))
+    known = (one.critical_separation for one in load.readings.values())
+    ends = Bounds.of(one for one in known if one is not None)
     closed = "calculated as zero" if load.validity.outside else "sealed"
     unit = unit_for("length", ends[1])
     digits = min(COLUMNS["critical_separation_m"].digits(load), 3 if ends[0] == ends[1] else 2)
@@ -157,10 +159,12 @@ def _least(load: LoadResult) -> str:
     """That a leak rate with scratches is the upper of two bounds, and the lower one; empty without scratches."""
     if load.leak is None or load.around is None or load.around.scratches is None:
         return ""
-    read = [load.conserved, load.capped] if load.yields else [load]
-    rates = [least_with_scratches(one) for one in read]
-    ends = rates[0] if max(rates) <= AGREE * min(rates) else (min(rates), max(rates))
-    told = leak_range_text(ends, load.leak_digits, claimed=not load.validity.outside)
+    ends = Bounds.of(map(least_with_scratches, load.readings.values()))
+    told = leak_range_text(
+        ends if ends.apart else least_with_scratches(load),
+        load.leak_digits,
+        claimed=not load.validity.outside,
+    )
     return f"upper bound of what scratches add; the lower one gives {told}"
 
 
@@ -172,16 +176,16 @@ def least_with_scratches(load: LoadResult) -> float:
     return load.leak.leak_rate - (high - low)
 
 
-def ends_told(load: LoadResult) -> tuple[LeakResult, LeakResult] | None:
-    """Leak of both readings of yielding asperities, the smaller first; None where two digits do not tell them apart."""
-    ends = load.leak_ends
-    return None if ends is None or ends[1].leak_rate <= AGREE * ends[0].leak_rate else ends
+def ends_told(load: LoadResult) -> Bounds | None:
+    """Leak rate in all readings of yielding asperities [m^3/s]; None where two digits do not tell them apart."""
+    ends = load.leak_range
+    return ends if ends is not None and ends.apart else None
 
 
 def _told_apart(load: LoadResult) -> bool:
-    """Whether both readings of yielding asperities are read as two numbers."""
+    """Whether the readings of yielding asperities are read as two numbers."""
     ends = ends_told(load)
-    return ends is not None and len({worth(one.leak_rate, min(load.leak_digits, 2)) for one in ends}) == 2
+    return ends is not None and len({worth(one, min(load.leak_digits, 2)) for one in ends}) == 2
 
 
 def rate_of(load: LoadResult) -> float | tuple[float, float]:
@@ -189,15 +193,12 @@ def rate_of(load: LoadResult) -> float | tuple[float, float]:
     ends = load.leak_interval
     if load.leak is None or ends is None:
         return math.nan
-    return load.leak.leak_rate if ends[1] <= AGREE * ends[0] else ends
+    return ends if ends.apart else load.leak.leak_rate
 
 
 def usual_rate_of(load: LoadResult) -> float | tuple[float, float]:
-    """The same with the inputs as given: both readings of yielding asperities, or the only one [m^3/s]."""
-    ends = ends_told(load)
-    if ends is None:
-        return math.nan if load.leak is None else load.leak.leak_rate
-    return ends[0].leak_rate, ends[1].leak_rate
+    """The same with the inputs as given: all readings of yielding asperities, or the only one [m^3/s]."""
+    return ends_told(load) or (math.nan if load.leak is None else load.leak.leak_rate)
 
 
 def state_in_words(volume: LeakVolume) -> str:
@@ -231,16 +232,17 @@ def volumes_of_gas(gas: bool) -> str:
 
 def readings_in_words(load: LoadResult, volume: LeakVolume = LIQUID) -> str:
     """Which reading of yielding asperities gives which leak rate; empty where there is but one."""
-    if not load.yields or load.leak_conserved is None or load.leak_capped is None:
+    if not load.yields or load.leak_range is None:
         return ""
     if not _told_apart(load):
         return said("readings.load", "same")
     digits, claimed = min(load.leak_digits, 2), not load.validity.outside
-    rates = load.leak_conserved.leak_rate, load.leak_capped.leak_rate
-    conserved, capped = (
-        leak_range_text(one, digits, claimed=claimed, beside=rates, volume=volume) for one in rates
+    rates = {reading: one.leak.leak_rate for reading, one in load.readings.items() if one.leak is not None}
+    beside = tuple(rates.values())
+    return ", ".join(
+        f"{leak_range_text(rate, digits, claimed=claimed, beside=beside, volume=volume)} {WORDS[reading].condition}"
+        for reading, rate in rates.items()
     )
-    return said("readings.load", "both", conserved=conserved, capped=capped)
 
 
 def _peak_fact(load: LoadResult) -> tuple[str, str]:
@@ -531,11 +533,13 @@ def _what_yields(result: SealSolution, load: LoadResult) -> Iterator[str]:
 
 def _less_by_yielding(load: LoadResult) -> tuple[str, str]:
     """By which factor yielding lowers the leak rate, in both readings, and which sentence says it; empty if unknown."""
-    ends = (ends_told(load) if load.yields else None) or (load.leak, load.leak)
-    low, high = (math.nan if one is None else one.leak_rate for one in ends)
-    if load.leak_elastic is None or not high > 0:
+    own, never = load.leak, load.reading(Reading.ELASTIC).leak
+    if own is None or never is None:
         return "", ""
-    elastic, digits = load.leak_elastic.leak_rate, min(load.leak_digits, 2)
+    low, high = (ends_told(load) if load.yields else None) or (own.leak_rate, own.leak_rate)
+    if not high > 0:
+        return "", ""
+    elastic, digits = never.leak_rate, min(load.leak_digits, 2)
     if low == 0:
         return worth(elastic / high, digits), "never_sealed"
     factor = range_text(worth(elastic / high, digits), worth(elastic / low, digits))

@@ -16,13 +16,14 @@ from fem_seal.files import write_text
 from fem_seal.output.prose import said
 from fem_seal.output.report.words import volumes_of_gas
 from fem_seal.seal.findings import Level
+from fem_seal.seal.readings import WORDS
 from fem_seal.studies.designs import SENSITIVITY
 from fem_seal.studies.designs_table import (
     LEAK_RATE,
     Designs,
     Sensitivity,
-    capped_leak_rates,
     class_shares,
+    other_leak_rates,
     quantiles,
     sensitivities,
 )
@@ -106,7 +107,7 @@ def _headline(designs: Designs, counts: dict[str, int]) -> str:
     levels = "".join(f"; {count} {level}" for level, count in designs.levels.items())
     levels += "".join(f"; {count} {_VERDICTS[word]}" for word, count in designs.verdicts.items())
     both = ""
-    if LEAK_RATE in designs.done and len(capped_leak_rates(designs)):
+    if LEAK_RATE in designs.done and other_leak_rates(designs):
         both = (
             " The leak rate is that of yielding asperities that conserve their volume everywhere (C_pl, as in the "
             "paper); the one of a surface that changes only where it touches is the other end of its interval."
@@ -363,10 +364,10 @@ def _distribution(display: Display) -> Iterator[Section]:
     rows: list[tuple[str, ...]] = [
         (f"{100 * share:g} %", leak_rate_text(value), short(value)) for share, value in found.items()
     ]
-    capped, other = capped_leak_rates(designs), ""
-    if len(capped):
-        headings += ("changed only where it touches", "[m³/s]")
-        ends = quantiles(capped).values()
+    other = ""
+    for reading, rates in other_leak_rates(designs).items():
+        headings += (WORDS[reading].title, "[m³/s]")
+        ends = quantiles(rates).values()
         rows = [(*row, leak_rate_text(end), short(end)) for row, end in zip(rows, ends, strict=True)]
         other = f" {said('readings.ends', 'what')}"
     yield Section(
@@ -383,7 +384,7 @@ def _classes(designs: Designs) -> Iterator[Section]:
         return
     seal, standard, shares = designs.about["seal"], designs.about["standard"], class_shares(designs)
     unclaimed = " Outside the theory no class is claimed." if designs.outside.any() else ""
-    if len(capped_leak_rates(designs)):
+    if other_leak_rates(designs):
         unclaimed += " A class is met if both readings of asperities that yield meet it."
     base = f"DN {1e3 * seal['nominal_size']:.4g} and {seal['fluid'] or 'the fluid'} of the base case"
     if not shares:

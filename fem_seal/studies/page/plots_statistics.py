@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem_seal.studies.designs_table import LEAK_RATE, Sensitivity, capped_leak_rates
+from fem_seal.seal.readings import WORDS
+from fem_seal.studies.designs_table import LEAK_RATE, Sensitivity, other_leak_rates
 from fem_seal.studies.page.display import BLUE, GREY, LAYOUT, ORANGE, Display
 
 if TYPE_CHECKING:
@@ -49,17 +50,16 @@ def distribution_plot(display: Display) -> Figure | None:
             ),
         ]
     )
-    capped = capped_leak_rates(display.designs)
-    if len(capped):
+    for reading, rates in other_leak_rates(display.designs).items():
         # in the unit of the other curve
-        values = np.sort(display.shown(LEAK_RATE, capped))
+        values = np.sort(display.shown(LEAK_RATE, rates))
         picked = np.unique(np.append(np.arange(0, len(values), step), len(values) - 1))
         figure.add_trace(
             Scatter(
                 x=values[picked].tolist(),
                 y=((picked + 1) / len(values)).tolist(),
                 mode="lines",
-                name="share below, surface changed only where it touches",
+                name=f"share below, surface {WORDS[reading].title}",
                 line={"color": BLUE, "shape": "hv", "dash": "dash"},
             )
         )

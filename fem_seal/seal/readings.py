@@ -1,0 +1,85 @@
+"""Words for the readings of asperities that yield, all of them here."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from leak.theory.reading import READINGS, Reading
+
+OWN, *FURTHER = READINGS["paper"]
+"""The reading that a case takes, and those that stand beside it."""
+
+
+def leak_rate_column(reading: Reading) -> str:
+    """Column of the leak rate in a reading.
+
+    Parameters
+    ----------
+    reading : Reading
+    """
+    return f"leak_rate_{reading}_m3_per_s"
+
+
+def force_column(reading: Reading) -> str:
+    """Column of the force for a target leak rate in a reading.
+
+    Parameters
+    ----------
+    reading : Reading
+    """
+    return f"force_for_target_leak_{reading}_N"
+
+
+@dataclass(frozen=True)
+class ReadingWords:
+    """What a reading is called where.
+
+    Parameters
+    ----------
+    asperities : str
+        A noun, such as "elastic asperities".
+    curve : str
+        In the legend of a picture.
+    short : str
+        The same beside a name.
+    condition : str
+        A clause that begins with "if".
+    taken : str
+        What a number is calculated with.
+    column : str
+        Behind "leak rate" in the description of its column.
+    title : str
+        Behind "leak rate, " on an axis.
+    """
+
+    asperities: str
+    curve: str
+    short: str = ""
+    condition: str = ""
+    taken: str = ""
+    column: str = ""
+    title: str = ""
+
+
+WORDS = {
+    Reading.CONSERVED: ReadingWords(
+        "asperities that conserve their volume everywhere",
+        "asperities yield, C_pl",
+        "C_pl",
+        "if yielding asperities conserve their volume everywhere (C_pl)",
+        "the volume of yielding asperities conserved everywhere (C_pl)",
+        "if their volume is conserved everywhere, valleys included (C_pl)",
+        "volume conserved",
+    ),
+    Reading.CAPPED: ReadingWords(
+        "asperities that change only where they touch",
+        "changed only where they touch",
+        "only where they touch",
+        "if the surface changes only where it touches",
+        "yielding asperities that change the surface only where it touches",
+        "of the same contact if the surface changes only where it touches, under a pressure that the hardness limits",
+        "changed only where it touches",
+    ),
+    Reading.VON_MISES: ReadingWords("asperities that flow by von Mises", "asperities yield"),
+    Reading.ELASTIC: ReadingWords("elastic asperities", "elastic asperities"),
+}
