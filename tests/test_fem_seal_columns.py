@@ -48,6 +48,11 @@ def test_what_a_column_is_fits_the_unit_in_its_name(column):
         assert COLUMNS[column.unit_like].kind == column.kind
 
 
+def test_the_terminal_shows_all_that_have_a_heading_there():
+    shown = {one.name for one in (*LEAK_ON_TERMINAL, *CHECK_ON_TERMINAL)}
+    assert shown & COLUMNS.keys() == {name for name, column in COLUMNS.items() if column.short}
+
+
 @pytest.mark.parametrize("shown", [*LEAK_ON_TERMINAL, *CHECK_ON_TERMINAL], ids=lambda shown: shown.name)
 def test_the_terminal_shows_each_column_in_a_unit_of_its_kind(shown):
     assert shown.heading
