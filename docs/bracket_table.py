@@ -90,7 +90,7 @@ def row(result: SealSolution, n: int, name: str) -> tuple[str, ...]:
     return (
         f"`{name}`",
         load_values(load, result.loads),
-        number(load.contact.profile.peak_pressure / result.surface.hardness, 2),
+        number(load.peak_pressure / result.surface.hardness, 2),
         _rate(conserved),
         _rate(capped),
         number(capped / conserved, 3) if conserved else "–",

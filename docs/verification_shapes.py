@@ -162,12 +162,12 @@ def hydrostatic_section() -> Section:
     line_load = force / (2 * math.pi * contact.touch_radius * math.cos(contact.angle))
     sizing = element_sizes(law, [line_load], contact, effective_modulus(_STEEL, _STEEL))
     model = condense(build_contact(contact, sizing), {"closure": _STEEL, "seat": _STEEL})
-    all_around = FurtherLoads.of_fluid(pressure, pressure, np.full(len(model.line.x), pressure), 0.0)
+    all_around = FurtherLoads.of_fluid((pressure, pressure), np.full(len(model.line.x), pressure), 0.0)
     lift = all_around.lift(model) / (math.pi * contact.touch_radius**2 * pressure)
     radii, rows, figures = np.array([-1.0, 0.0, 1.0]) * 2e-4, [], []
     for x in radii:
         share = np.where(model.line.x >= x, pressure, 0.0)
-        loads = FurtherLoads.of_fluid(0.0, pressure, share, 0.0)
+        loads = FurtherLoads.of_fluid((0.0, pressure), share, 0.0)
         radius = math.sqrt(-loads.lift(model) / (math.pi * pressure))
         # Between two points of the line a step in the pressure is known to the distance of the points.
         near = np.abs(model.line.radius - contact.radius(np.array(x))).min()

@@ -11,6 +11,8 @@ import numpy as np
 from fem_seal.arrays import FloatArray
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from leak.flow.contact_profile import ContactProfile
 
 # Of Newton's method, with halving where it leaves the interval.
@@ -249,3 +251,13 @@ def _root(curve: _Curve, a: float, b: float) -> float:
     roots = (np.polynomial.polynomial.polyroots(curve.coefficients) - offset) / scale
     outside = np.maximum(0, np.maximum(a - roots.real, roots.real - b)) + np.abs(roots.imag)
     return float(roots.real[np.argmin(outside)])
+
+
+def tightest(profiles: Sequence[PressureProfile]) -> PressureProfile:
+    """The one of several contact lines that is pressed hardest.
+
+    Parameters
+    ----------
+    profiles : sequence of PressureProfile
+    """
+    return max(profiles, key=lambda one: one.peak_pressure) if len(profiles) > 1 else profiles[0]

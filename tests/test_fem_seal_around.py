@@ -453,7 +453,7 @@ def test_what_is_looked_for_near_a_neighbour_is_the_same(rough: LocalContact, sh
 def test_further_loads_act_at_every_line_load(rough: LocalContact) -> None:
     """Fluid that holds the faces apart shifts every approach by as much: the ladder keeps the loads of the mean."""
     model = rough.mean.model
-    fluid = FurtherLoads({"inner": 20e5}, {"inner": 20e5}, np.where(model.line.x < 0, 20e5, 0.0))
+    fluid = FurtherLoads({0: 20e5}, {0: 20e5}, np.where(model.line.x < 0, 20e5, 0.0))
     local = LocalContact(solve(model, LAW, contact_force=rough.mean.contact_force, loads=fluid), LAW)
     for share in (0.05, 2.2):
         solved = solve(model, LAW, contact_force=share * rough.mean.contact_force, loads=fluid)

@@ -198,7 +198,7 @@ def test_a_body_without_curve_does_not_yield() -> None:
 def test_below_the_yield_stress_the_result_is_the_elastic_one(law: Law) -> None:
     """Both bodies as yielding ones that never yield, under fluid on all surfaces and with a fixed, moved wall."""
     model, force = seal(law, 2e6, closure=STRONG, seat=STRONG, supports=Supports(wall="fixed"))
-    fluid = FurtherLoads.of_fluid(2e6, 1e5, np.full(len(model.line.x), 5e5), FurtherLoads.press_fit(2e-6))
+    fluid = FurtherLoads.of_fluid((2e6, 1e5), np.full(len(model.line.x), 5e5), FurtherLoads.press_fit(2e-6))
     elastic = solve(model, law, contact_force=force, loads=fluid)
     fit = FurtherLoads.press_fit(2e-6)
     path = load_path(model, law, [PathLoad(force, fluid)], at_rest=fit, settings=PlasticSettings(steps=1))

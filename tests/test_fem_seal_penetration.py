@@ -70,7 +70,7 @@ def places(body):
 
 def test_fluid_all_around_the_closure_lifts_nothing_and_shrinks_it_evenly():
     closure, line, p = model().closure, model().line, 100e5
-    loads = FurtherLoads.of_fluid(p, p, np.full_like(line.x, p))
+    loads = FurtherLoads.of_fluid((p, p), np.full_like(line.x, p))
     # of 12.6 kN on the ball's section
     assert abs(loads.lift(model())) < 1e-9
     moved = loads.displacement(closure, model())[node_dofs(closure.basis)]
@@ -104,7 +104,7 @@ def wetted(closure, seat, refine=1.0, **load):
 
 def unevenness(model, p):
     """How far the stress of the closure is from -p at each node under fluid all around, over p."""
-    loads = FurtherLoads.of_fluid(p, p, np.full_like(model.line.x, p))
+    loads = FurtherLoads.of_fluid((p, p), np.full_like(model.line.x, p))
     # round-off of places on faces that fit to a thousandth
     assert abs(loads.lift(model)) < 1e-8 * p * math.pi * 0.01**2
     stress = model.closure.recovery.stress(loads.displacement(model.closure, model))
@@ -141,7 +141,7 @@ def test_fluid_all_around_a_closure_with_facets_across_the_ends_of_the_line_lift
     drawn = {"shape": "profile", "file": str(tmp_path / "coarse.msh")}
     _, model = wetted(drawn, cone, applied_force="1.5 kN")
     p = 10e5
-    loads = FurtherLoads.of_fluid(p, p, np.full_like(model.line.x, p))
+    loads = FurtherLoads.of_fluid((p, p), np.full_like(model.line.x, p))
     # round-off of 310 N on the ball's section; the strips beyond the line would be 5 N
     assert abs(loads.lift(model)) < 1e-6
 
@@ -167,7 +167,7 @@ def test_fluid_all_around_a_seat_whose_wall_gives_way_shrinks_it_evenly():
     p = 100e5
     strain = p * (1 - 2 * STEEL.poissons_ratio) / STEEL.youngs_modulus
     loads = FurtherLoads(
-        seat={"inner": p, "outer": p, "wall": strain * cone.outer_radius},
+        seat={0: p, 1: p, "wall": strain * cone.outer_radius},
         gap_pressure=np.full_like(held.line.x, p),
     )
     seat = held.seat
@@ -189,7 +189,7 @@ def test_fluid_up_to_a_circle_acts_on_the_area_of_that_circle(side):
     rising = np.clip((line.radius - a) / (b - a), 0.0, 1.0)
     share = rising if side == "outer" else 1 - rising
     inner, outer = (PRESSURE, 0.0) if side == "inner" else (0.0, PRESSURE)
-    lift = FurtherLoads.of_fluid(inner, outer, PRESSURE * share).lift(model())
+    lift = FurtherLoads.of_fluid((inner, outer), PRESSURE * share).lift(model())
     # Divergence theorem: pi int r^2 dp, p linear in r between the circles a and b.
     area = math.pi * (a**2 + a * b + b**2) / 3
     assert lift == pytest.approx((1 if side == "inner" else -1) * PRESSURE * area, rel=1e-10)
@@ -197,7 +197,7 @@ def test_fluid_up_to_a_circle_acts_on_the_area_of_that_circle(side):
 
 def test_bodies_move_as_in_one_solve_under_all_loads():
     line = model().line
-    loads = FurtherLoads.of_fluid(0.0, PRESSURE, PRESSURE * (line.x > 0))
+    loads = FurtherLoads.of_fluid((0.0, PRESSURE), PRESSURE * (line.x > 0))
     solution = solve(model(), LAW, contact_force=1000.0, loads=loads)
     seat = model().seat
     dofs = node_dofs(seat.basis)

@@ -159,7 +159,7 @@ def test_even_pressure_all_around_makes_nothing_yield() -> None:
     places = seat.basis.doflocs[0][seat.wall]
     strain = p * (1 - 2 * STEEL.poissons_ratio) / E
     tight = FurtherLoads.press_fit(strain * float(places.max()))
-    fluid = FurtherLoads.of_fluid(p, p, np.full_like(model.line.x, p), tight)
+    fluid = FurtherLoads.of_fluid((p, p), np.full_like(model.line.x, p), tight)
     few = PlasticSettings(steps=2)
     alone, wet = (
         load_path(model, LAW, [PathLoad(force, loads)], settings=few, unload=False).contacts[0]
@@ -184,7 +184,7 @@ def test_spring_fluid_and_contact_are_in_balance_at_every_load() -> None:
     for contact in relief().contacts:
         # contact and fluid on the ring, the fluid on the closure inside of it, by hand
         loads = contact.loads
-        pressure = loads.closure.get("inner", 0.0)
+        pressure = loads.closure.get(0, 0.0)
         gap = np.zeros_like(line.x) if loads.gap_pressure is None else loads.gap_pressure
         ring = 2 * math.pi * float(line.arc_weight @ (line.radius * (contact.pressure + gap)))
         inner = 0.02 * math.sin(math.radians(45)) + line.vertices[0] * math.cos(math.radians(45))
@@ -195,14 +195,14 @@ def test_spring_fluid_and_contact_are_in_balance_at_every_load() -> None:
         body = contact.bodies["seat"]
         internal = body.solid.internal_forces(contact.states["seat"].stress)
         bottom = np.asarray(body.held.basis.get_dofs("seat_bottom").all(["u^2"]))
-        on_faces = pressure * body.held.further["inner"][node_dofs(body.held.basis)[1]].sum()
+        on_faces = pressure * body.held.further[0][node_dofs(body.held.basis)[1]].sum()
         carried = contact.contact_force + float(line.normal[1] @ (line.area_weight * gap)) - on_faces
         assert internal[bottom].sum() == pytest.approx(carried, rel=1e-7)
 
 
 def test_the_fluid_is_the_one_that_flows_through_the_contact_it_leaves() -> None:
     for contact in relief().contacts[1:]:
-        pressure = contact.loads.closure["inner"]
+        pressure = contact.loads.closure[0]
         again = flowing("inner").found(contact.profile, pressure)
         assert contact.loads.gap_pressure / pressure == pytest.approx(again, abs=2e-9)
 
@@ -338,7 +338,7 @@ def test_a_relief_valve_from_its_case() -> None:
     # 450 bar is more than the spring holds on a radius of 7.07 mm; the loads after it go on
     assert list(solved.failures) == [2]
     assert "give an applied_force above" in solved.problems[2].message
-    assert [contact.loads.closure["inner"] for contact in solved.contacts] == [100e5, 350e5, 100e5]
+    assert [contact.loads.closure[0] for contact in solved.contacts] == [100e5, 350e5, 100e5]
     assert solved.unloaded is not None and "seat" in solved.unloaded.imprints
     assert solved.earlier is not None and solved.earlier.contact_force == 6000.0
     # the path of the case is that of the solver called by hand

@@ -13,13 +13,13 @@ from fem_seal.contact.model import ContactModel
 from fem_seal.contact.plastic_step import PlasticSettings
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError, InputError
+from fem_seal.profile import tightest
 from fem_seal.seal.load_result import DiscretisationError
 from fem_seal.seal.load_solver import LoadSolver, solve_load
 from fem_seal.seal.problem import SealProblem, condensed
 from meshes import GeometryError, MeshingError, SealMesh, Sizing, build_contact
 
 if TYPE_CHECKING:
-    from fem_seal.profile import PressureProfile
     from leak import LeakResult, Reading
 
 # Of a result whose estimate failed.
@@ -53,8 +53,9 @@ class Comparison:
     others: Mapping[Reading, float] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, name: str, profile: PressureProfile, leak: LeakResult | None) -> Comparison:
-        """The numbers of a contact that are compared."""
+    def of(cls, name: str, contact: ContactSolution, leak: LeakResult | None) -> Comparison:
+        """The numbers of a contact that are compared: of the line that is pressed hardest."""
+        profile = tightest(contact.profiles)
         rate = None if leak is None else leak.leak_rate
         return cls(name, profile.peak_pressure, profile.fwhm, profile.std, rate)
 
@@ -101,9 +102,9 @@ class CoarserLoad:
 
     def compared(self, name: str, contact: ContactSolution) -> Comparison:
         """What is compared of this load on some contact."""
-        flow, profile = self.solver.flow, contact.profile
+        flow = self.solver.flow
         pressure = self.solver.problem.loads.fluid_pressure[self.number]
-        return Comparison.of(name, profile, None if flow is None else flow.leak_of(contact, pressure))
+        return Comparison.of(name, contact, None if flow is None else flow.leak_of(contact, pressure))
 
 
 def on_coarser_mesh(problem: SealProblem, sizing: Sizing, number: int) -> CoarserLoad:

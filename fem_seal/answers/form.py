@@ -319,7 +319,7 @@ def _goes_round(load: LoadResult) -> float | None:
     step = max(len(formed.angle) // _ANGLES, 1)
     table = rough.table
     pressure = np.array([as_first_loaded(table, profile).pressure for profile in formed.profiles(step)])
-    return rough.flow.goes_round(table, load.contact.profile, pressure, load.fluid_pressure)
+    return rough.flow.goes_round(table, load.tightest, pressure, load.fluid_pressure)
 
 
 def _shallower(scratches: Sequence[tuple[float, float] | None]) -> tuple[float, float] | None:

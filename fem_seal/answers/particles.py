@@ -174,7 +174,7 @@ class _Reading:
     def profile(self) -> PressureProfile:
         """At the pressures of first loading that leave the same gaps."""
         assert self.rough.table is not None  # the load leaks
-        return as_first_loaded(self.rough.table, self.load.contact.profile)
+        return as_first_loaded(self.rough.table, self.load.tightest)
 
     @cached_property
     def gaps(self) -> GapDistribution:

@@ -171,5 +171,5 @@ def interface_variants(solver: LoadSolver, loads: Sequence[LoadResult]) -> tuple
             bare = LoadResult(*load.point, contact, formed=formed)
             told = replace(bare, rough=RoughFlow.of(surface, problem.flow, (*shown, *bare.contacts)))
         others = {reading: one.leak.leak_rate for reading, one in told.others.items() if one.leak is not None}
-        variants.append(replace(Comparison.of(name, contact.profile, told.leak), others=others))
+        variants.append(replace(Comparison.of(name, contact, told.leak), others=others))
     return tuple(variants)

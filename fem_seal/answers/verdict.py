@@ -188,7 +188,7 @@ def _shares(loads: Sequence[LoadResult], hardness: float | None) -> Shares:
     stress, body = max(stressed, default=(None, ""))
     openings = [load.opening.share for load in loads if load.opening is not None]
     peaks = [
-        load.contact.profile.peak_pressure if load.formed is None else float(load.formed.peak_pressure.max())
+        load.peak_pressure if load.formed is None else float(load.formed.peak_pressure.max())
         for load in loads
     ]
     return Shares(

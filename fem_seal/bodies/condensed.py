@@ -23,7 +23,7 @@ from scipy.sparse import csr_matrix
 from fem_seal.arrays import FloatArray
 from fem_seal.bodies.elasticity import lame_parameters, node_dofs
 from fem_seal.bodies.fields import BodyField
-from fem_seal.bodies.held_body import HeldBody
+from fem_seal.bodies.held_body import HeldBody, LoadName
 from fem_seal.bodies.stress_recovery import StressRecovery
 from fem_seal.materials import Material
 
@@ -54,30 +54,30 @@ class BoundaryLoad:
 
 
 @dataclass(frozen=True, eq=False)
-class BoundaryLoads(Mapping[str, BoundaryLoad]):
+class BoundaryLoads(Mapping[LoadName, BoundaryLoad]):
     """Answers of a body to its loads, found when the first of them is asked for: many contacts ask for none.
 
     Parameters
     ----------
-    names : tuple of str
+    names : tuple of str or int
     find : callable
         Gives all of them.
     """
 
-    names: tuple[str, ...]
-    find: Callable[[], Mapping[str, BoundaryLoad]]
+    names: tuple[LoadName, ...]
+    find: Callable[[], Mapping[LoadName, BoundaryLoad]]
 
-    def __getitem__(self, name: str) -> BoundaryLoad:
+    def __getitem__(self, name: LoadName) -> BoundaryLoad:
         return self._found[name]
 
-    def __iter__(self) -> Iterator[str]:
+    def __iter__(self) -> Iterator[LoadName]:
         return iter(self.names)
 
     def __len__(self) -> int:
         return len(self.names)
 
     @cached_property
-    def _found(self) -> dict[str, BoundaryLoad]:
+    def _found(self) -> dict[LoadName, BoundaryLoad]:
         return dict(self.find())
 
     def __reduce__(self) -> tuple[object, ...]:
@@ -96,8 +96,8 @@ class CondensedBody:
     compliance : ndarray, shape (n, n)
         Normal displacement of the trace nodes under unit forces at them along the normal [m/N].
     loads : mapping of BoundaryLoad
-        "inner" and "outer": a fluid pressure of 1 Pa on the wetted surface inside and outside the contact line, the
-        top of the closure being outside; of a seat with fixed wall also "wall": the wall moved inwards by 1 m; of the
+        0, 1: a fluid pressure of 1 Pa on the wetted surface inside and outside the contact line, the top of the
+        closure being outside; of a seat with fixed wall also "wall": the wall moved inwards by 1 m; of the
         closure also "expansion": all of it grown by a strain of 1 beyond that of the seat.
     solve : callable or None
         From nodal forces (dofs,) [N] to displacements [m]; None where only the contact line matters.
@@ -105,7 +105,7 @@ class CondensedBody:
 
     held: HeldBody
     compliance: FloatArray
-    loads: Mapping[str, BoundaryLoad]
+    loads: Mapping[LoadName, BoundaryLoad]
     solve: Callable[[FloatArray], FloatArray] | None
 
     def __getstate__(self) -> dict[str, object]:
@@ -188,9 +188,10 @@ def condense_body(
         displacement[held.free] = solve_free(nodal[held.free])
         return displacement
 
-    named = {**held.further, **(forces or {})}
+    named = dict(held.further)
+    named.update(forces or {})
 
-    def answers() -> Iterator[tuple[str, BoundaryLoad]]:
+    def answers() -> Iterator[tuple[LoadName, BoundaryLoad]]:
         # all at once, which takes hardly longer than one of them
         responses = solve(np.stack([held.balanced(force) for force in named.values()], axis=1))
         for (name, force), response in zip(named.items(), responses.T, strict=True):
@@ -233,7 +234,7 @@ def with_wall_held(body: CondensedBody) -> CondensedBody:
     def load(one: BoundaryLoad, response: FloatArray) -> BoundaryLoad:
         return replace(one, opening=held.trace @ held.retreat(response), response=response)
 
-    def answers() -> Iterator[tuple[str, BoundaryLoad]]:
+    def answers() -> Iterator[tuple[LoadName, BoundaryLoad]]:
         for name, one in body.loads.items():
             yield name, load(one, brought_back(one.response))
         inwards = -by_motion.sum(axis=1)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,10 @@ if TYPE_CHECKING:
     from skfem import Basis
 
     from fem_seal.bodies.supports import Supports
+
+
+LoadName: TypeAlias = str | int
+"""A load of a body: the number of a wetted surface, from the axis outwards, or "wall", "expansion", "heat"."""
 
 
 @dataclass(frozen=True)
@@ -62,8 +66,8 @@ class HeldBody:
         Nodal forces of what holds a floating body, of unit axial sum: the closing load on the closure's top. Motion
         is counted from there, the mean displacement weighted with this load being zero. All zero if supports hold it.
     further : mapping of ndarray, shape (dofs,)
-        Nodal forces [N] of a unit of each further load, such as 1 Pa on the "inner" and "outer" wetted surface; not
-        balanced.
+        Nodal forces [N] of a unit of each further load, such as 1 Pa on a wetted surface, by its number from the
+        axis outwards; not balanced.
     wall : ndarray of int
         Radial dofs of an outer wall that is held and can be moved.
     free_strain : mapping of ndarray, shape (nodes,)
@@ -81,7 +85,7 @@ class HeldBody:
     trace: csr_matrix
     free: NDArray[np.int64]
     balance: FloatArray
-    further: Mapping[str, FloatArray]
+    further: Mapping[LoadName, FloatArray]
     wall: NDArray[np.int64]
     free_strain: Mapping[str, FloatArray] = field(default_factory=dict)
     temperature: FloatArray | None = None
@@ -182,28 +186,30 @@ def held_body(
     # Towards the body's inside: up into the closure, down into the seat.
     normal = contact.normal(contact_x) * (1.0 if name == "closure" else -1.0)
     balance, wall = np.zeros(basis.N), np.zeros(0, dtype=np.int64)
-    further = {side: pressure_load(basis, f"{name}_{side}") for side in ("inner", "outer")}
+    further: dict[LoadName, FloatArray] = {
+        region: pressure_load(basis, f"{name}_{side}") for region, side in enumerate(("inner", "outer"))
+    }
     # Between the surfaces fluid acts on both bodies along the contact normal. What a face that leans away from it feels
     # more or less belongs to the fluid at that end of the line, so that fluid all around is even pressure.
     on_line = node_dofs(basis)[:, nodes]
     lacking = pressure_load(basis, f"{name}_contact")[on_line] - normal * (trace.T @ area_weight)
-    for side, beyond in (("inner", contact_x < 0), ("outer", contact_x > 0)):
-        further[side][on_line] += np.where(beyond, lacking, 0.0)
+    for region, beyond in enumerate((contact_x < 0, contact_x > 0)):
+        further[region][on_line] += np.where(beyond, lacking, 0.0)
     if name == "closure":
         closing = pressure_load(basis, "closure_top")
-        further["outer"] += closing
+        further[1] += closing
         axial = node_dofs(basis)[1]
         balance = closing / closing[axial].sum()
         # Fluid all around must lift nothing, and that up to first touch acts on the area of its circle. What is left to
         # that is the node there, which stands on both sides, or of a ready mesh its facets across the ends of the line.
         in_gap, sealed = area_weight * (trace @ normal[1]), np.pi * contact.touch_radius**2
         middle = int(np.argmin(np.abs(contact_x)))
-        for side, end, area in (
-            ("inner", 0, sealed - in_gap[x < 0].sum()),
-            ("outer", -1, -sealed - in_gap[x > 0].sum()),
+        for region, end, area in (
+            (0, 0, sealed - in_gap[x < 0].sum()),
+            (1, -1, -sealed - in_gap[x > 0].sum()),
         ):
             node = on_line[1, end if contact.has_ready_mesh else middle]
-            further[side][node] += area - further[side][axial].sum()
+            further[region][node] += area - further[region][axial].sum()
         held = np.append(_dofs(basis, "closure_axis", 1), _dofs(basis, "closure_top", 2)[0])
     else:
         held = _dofs(basis, "seat_bottom", 2)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from fem_seal.arrays import FloatArray
 from fem_seal.bodies.condensed import CondensedBody
 from fem_seal.bodies.fields import von_mises
+from fem_seal.bodies.held_body import LoadName
 
 # Points of the contact line to one spline: three points lie in an element, ten elements in the narrowest contact.
 _POINTS_PER_PATTERN, _FEWEST = 8, 8
@@ -41,7 +42,7 @@ class StressScreen:
     patterns: FloatArray
     fit: FloatArray
     stress: NDArray[np.float32]
-    further: Mapping[str, FloatArray]
+    further: Mapping[LoadName, FloatArray]
     alone: FloatArray
 
     @classmethod
@@ -76,7 +77,7 @@ class StressScreen:
             von_mises(np.moveaxis(stress, 1, -1)).max(axis=0),
         )
 
-    def stays_below(self, stress: float, pressure: FloatArray, magnitudes: Mapping[str, float]) -> bool:
+    def stays_below(self, stress: float, pressure: FloatArray, magnitudes: Mapping[LoadName, float]) -> bool:
         """Whether it is certain that no von Mises stress is above a value [Pa].
 
         Parameters
@@ -98,7 +99,7 @@ class StressScreen:
         shares = self.fit @ pressure
         return shares, float(np.abs(pressure - self.patterns @ shares).max())
 
-    def highest_von_mises(self, pressure: FloatArray, magnitudes: Mapping[str, float]) -> float:
+    def highest_von_mises(self, pressure: FloatArray, magnitudes: Mapping[LoadName, float]) -> float:
         """The von Mises stress is nowhere higher than this [Pa]; infinite where that takes a field.
 
         Parameters

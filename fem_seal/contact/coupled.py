@@ -54,11 +54,17 @@ class FluidAndContact:
     path: FluidPath
     at_rest: FurtherLoads = NO_LOADS
 
+    @property
+    def pressurised(self) -> int:
+        """Number of the wetted surface with the high pressure, from the axis outwards."""
+        return 0 if self.path.side == "inner" else len(self.model.lines)
+
     def loads(self, fluid_pressure: float, unknowns: FloatArray) -> FurtherLoads:
         """Fluid on the wetted surfaces and in the gap, and what acts without it."""
-        inner, outer = (fluid_pressure if self.path.side == side else 0.0 for side in ("inner", "outer"))
+        regions = range(len(self.model.lines) + 1)
+        wetted = [fluid_pressure if region == self.pressurised else 0.0 for region in regions]
         share = self.path.share(self.model.line, unknowns)
-        return FurtherLoads.of_fluid(inner, outer, fluid_pressure * share, self.at_rest)
+        return FurtherLoads.of_fluid(wetted, fluid_pressure * share, self.at_rest)
 
 
 # Its public name.

@@ -372,7 +372,7 @@ class LocalContact:
         """Change of ln p_peak for each 1/m by which the gap is bent [m]."""
         line, bend = contact.model.line, _BEND / contact.model.relative_radius
         bent = replace(line, initial_gap=line.initial_gap + bend * line.x**2)
-        changed = replace(contact, model=replace(contact.model, line=bent))
+        changed = replace(contact, model=replace(contact.model, lines=(bent,)))
         peak = self._solved(contact.contact_force, changed).profile.peak_pressure
         return math.log(peak / contact.profile.peak_pressure) / bend
 

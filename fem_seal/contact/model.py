@@ -30,7 +30,7 @@ from fem_seal.bodies.condensed import (
 from fem_seal.bodies.dissected_body import DissectedBody
 from fem_seal.bodies.elasticity import at_quadrature_points, grown_by_one, stiffness_matrix, thermal_load
 from fem_seal.bodies.harmonics import HarmonicBody, harmonic_body
-from fem_seal.bodies.held_body import Heat, HeldBody, held_body
+from fem_seal.bodies.held_body import Heat, HeldBody, LoadName, held_body
 from fem_seal.bodies.stress_screen import StressScreen
 from fem_seal.bodies.supports import Supports
 from fem_seal.materials import Material, effective_modulus
@@ -133,10 +133,12 @@ class ContactLine:
 
 @dataclass(frozen=True)
 class ContactModel:
-    """Compliance of both bodies on one contact line; independent of load, roughness and interface law.
+    """Compliance of both bodies on their contact lines; independent of load, roughness and interface law.
 
     Parameters
     ----------
+    lines : tuple of ContactLine
+        From the axis outwards; the seals of today have one.
     compliance : ndarray, shape (m, m)
         Opening of the gap at point i per unit normal force at point j [m/N], both bodies together.
     touch_radius : float
@@ -164,7 +166,7 @@ class ContactModel:
     20006
     """
 
-    line: ContactLine
+    lines: tuple[ContactLine, ...]
     closure: CondensedBody
     seat: CondensedBody
     compliance: FloatArray
@@ -180,6 +182,12 @@ class ContactModel:
             f"first touch at r = {quantity('length', self.touch_radius)}, "
             f"{len(self.line.x)} points on the contact line>"
         )
+
+    @property
+    def line(self) -> ContactLine:
+        """The only contact line."""
+        (only,) = self.lines
+        return only
 
     @property
     def effective_modulus(self) -> float:
@@ -266,7 +274,7 @@ def condense(
     hollow = contact if contact.normal_turns and contact.closure_curvature > 0 else None
     line = ContactLine(x, radius, weight, normal, facing, gap, bend, vertices, contact.reach, hollow)
     return ContactModel(
-        line,
+        (line,),
         closure,
         seat,
         line_compliance(closure, seat),
@@ -341,7 +349,7 @@ def _condense_body(held: HeldBody) -> CondensedBody:
     return replace(body, loads=loads)
 
 
-def _heated(body: CondensedBody) -> Iterator[tuple[str, BoundaryLoad]]:
+def _heated(body: CondensedBody) -> Iterator[tuple[LoadName, BoundaryLoad]]:
     """Answer of an elastic body to a unit of each way to be heated, by name."""
     held = body.held
     for name, strain in held.free_strain.items():

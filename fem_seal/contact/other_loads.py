@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from fem_seal.arrays import FloatArray
 from fem_seal.bodies.condensed import CondensedBody
+from fem_seal.bodies.held_body import LoadName
 from fem_seal.contact.model import ContactModel
+
+# What the wetted surfaces of a seal with one contact line may be called as well.
+_WETTED = {"inner": 0, "outer": 1}
 
 
 @dataclass(frozen=True)
@@ -19,10 +23,10 @@ class FurtherLoads:
     Parameters
     ----------
     closure, seat : mapping
-        Magnitude of each of the body's `fem_seal.bodies.condensed.CondensedBody.loads`: fluid pressure [Pa] on the
-        "inner" and the "outer" wetted surface; of a seat with fixed wall also "wall", its motion inwards [m]; of a
-        closure also "expansion", its thermal strain beyond that of the seat [-]; of bodies whose temperature differs
-        from place to place "heat", a share of it.
+        Magnitude of each of the body's `fem_seal.bodies.condensed.CondensedBody.loads`: fluid pressure [Pa] on each
+        wetted surface, by its number from the axis outwards, "inner" and "outer" being 0 and 1; of a seat with fixed
+        wall also "wall", its motion inwards [m]; of a closure also "expansion", its thermal strain beyond that of the
+        seat [-]; of bodies whose temperature differs from place to place "heat", a share of it.
     gap_pressure : ndarray, shape (m,), optional
         Fluid pressure at the points of the contact line [Pa].
     temperature : mapping, optional
@@ -36,28 +40,36 @@ class FurtherLoads:
     FurtherLoads(closure={}, seat={'wall': 2e-05})
     """
 
-    closure: Mapping[str, float] = field(default_factory=dict)
-    seat: Mapping[str, float] = field(default_factory=dict)
+    closure: Mapping[LoadName, float] = field(default_factory=dict)
+    seat: Mapping[LoadName, float] = field(default_factory=dict)
     gap_pressure: FloatArray | None = field(default=None, repr=False)
     temperature: Mapping[str, FloatArray | float] = field(default_factory=dict, repr=False)
 
+    def __post_init__(self) -> None:
+        for body in ("closure", "seat"):
+            given: Mapping[LoadName, float] = getattr(self, body)
+            if not given.keys().isdisjoint(_WETTED):
+                numbered = {_WETTED.get(str(name), name): size for name, size in given.items()}
+                object.__setattr__(self, body, numbered)
+
     @classmethod
     def of_fluid(
-        cls, inner: float, outer: float, gap_pressure: FloatArray, at_rest: FurtherLoads | None = None
+        cls, wetted: Sequence[float], gap_pressure: FloatArray, at_rest: FurtherLoads | None = None
     ) -> FurtherLoads:
         """Fluid on both bodies, and what acts on them without any.
 
         Parameters
         ----------
-        inner, outer : float
-            Fluid pressure inside and outside the contact line [Pa].
+        wetted : sequence of float
+            Fluid pressure on each wetted surface, from the axis outwards: one more than there are contact lines [Pa].
         gap_pressure : ndarray, shape (m,)
             Fluid pressure between the surfaces [Pa].
         at_rest : FurtherLoads, optional
             Such as a press fit; without a pressure in the gap.
         """
-        wetted, rest = {"inner": inner, "outer": outer}, at_rest or cls()
-        return cls({**wetted, **rest.closure}, {**wetted, **rest.seat}, gap_pressure, rest.temperature)
+        rest = at_rest or cls()
+        fluid: dict[LoadName, float] = dict(enumerate(wetted))
+        return cls({**fluid, **rest.closure}, {**fluid, **rest.seat}, gap_pressure, rest.temperature)
 
     @classmethod
     def press_fit(cls, interference: float) -> FurtherLoads:
@@ -121,7 +133,7 @@ class FurtherLoads:
         weight = model.line.area_weight * pressure
         return float(weight @ (body.trace @ np.asarray(known)[body.contact_nodes]) / weight.sum())
 
-    def _by_body(self, model: ContactModel) -> tuple[tuple[CondensedBody, Mapping[str, float]], ...]:
+    def _by_body(self, model: ContactModel) -> tuple[tuple[CondensedBody, Mapping[LoadName, float]], ...]:
         return (model.closure, self.closure), (model.seat, self.seat)
 
 

@@ -10,6 +10,7 @@ from typing import Protocol, Self
 import numpy as np
 
 from fem_seal.arrays import FloatArray
+from fem_seal.bodies.held_body import LoadName
 from fem_seal.contact.coupled import FluidAndContact
 from fem_seal.contact.fluid_path import FluidPath
 from fem_seal.contact.laws import Law
@@ -189,7 +190,9 @@ def _between(first: FurtherLoads, second: FurtherLoads, way: float) -> FurtherLo
     )
 
 
-def _mixed(first: Mapping[str, float], second: Mapping[str, float], way: float) -> dict[str, float]:
+def _mixed(
+    first: Mapping[LoadName, float], second: Mapping[LoadName, float], way: float
+) -> dict[LoadName, float]:
     return {
         name: (1 - way) * first.get(name, 0.0) + way * second.get(name, 0.0) for name in {*first, *second}
     }

@@ -214,7 +214,7 @@ def _step(seal: FluidAndContact, applied_force: float, share: float, before: _St
         expected = (applied_force - force) / (math.pi * seal.model.touch_radius**2)
         unknowns = dry_unknowns(seal, force, expected, None)
     contact = coupled_contact(seal, balance, unknowns, before.contact)
-    pressure = contact.loads.closure[seal.path.side]
+    pressure = contact.loads.closure[seal.pressurised]
     return _Step(share, pressure, contact, seal.path.found(contact.profile, pressure))
 
 

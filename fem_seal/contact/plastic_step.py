@@ -20,7 +20,7 @@ from fem_seal.bodies.condensed import BoundaryLoad, CondensedBody, condense_body
 from fem_seal.bodies.dissected_body import DissectedBody
 from fem_seal.bodies.elasticity import at_quadrature_points
 from fem_seal.bodies.elastoplastic import BodyState, ElastoplasticBody
-from fem_seal.bodies.held_body import HeldBody
+from fem_seal.bodies.held_body import HeldBody, LoadName
 from fem_seal.bodies.plastic_flow import Flow
 from fem_seal.contact.laws import Law
 from fem_seal.contact.model import ContactModel, line_compliance
@@ -253,7 +253,7 @@ class _Step:
             gap = gap + body.held.trace @ body.held.retreat(at_rest[name])
         linear = replace(
             model,
-            line=replace(model.line, initial_gap=gap),
+            lines=(replace(model.line, initial_gap=gap),),
             closure=bodies["closure"],
             seat=bodies["seat"],
             compliance=line_compliance(**bodies),
@@ -308,15 +308,15 @@ class _Step:
         return found
 
 
-def _further_forces(held: HeldBody, magnitudes: Mapping[str, float]) -> FloatArray:
+def _further_forces(held: HeldBody, magnitudes: Mapping[LoadName, float]) -> FloatArray:
     """Balanced nodal forces of loads away from the contact line."""
     forces = (size * held.further[name] for name, size in magnitudes.items() if name in held.further)
     return held.balanced(sum(forces, np.zeros(held.basis.N)))
 
 
-def _heat(held: HeldBody, magnitudes: Mapping[str, float]) -> dict[str, float]:
+def _heat(held: HeldBody, magnitudes: Mapping[LoadName, float]) -> dict[str, float]:
     """Those of the loads that heat a body."""
-    return {name: size for name, size in magnitudes.items() if name in held.free_strain}
+    return {name: magnitudes[name] for name in held.free_strain if name in magnitudes}
 
 
 def _solve_from(

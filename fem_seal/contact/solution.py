@@ -15,7 +15,7 @@ from fem_seal.bodies.fields import BodyField
 from fem_seal.contact.model import ContactModel
 from fem_seal.contact.other_loads import NO_LOADS, FurtherLoads
 from fem_seal.former_names import former_attribute
-from fem_seal.profile import PressureProfile, remembered
+from fem_seal.profile import PressureProfile, remembered, tightest
 from fem_seal.units import quantity
 
 
@@ -188,11 +188,25 @@ class ContactSolution:
         return self.model.line_load(self.contact_force)
 
     @cached_property
-    def profile(self) -> PressureProfile:
-        """Nominal pressure profile."""
-        line, p = self.model.line, self.pressure
+    def profiles(self) -> tuple[PressureProfile, ...]:
+        """Nominal pressure profile on each contact line, from the axis outwards."""
+        p = self.pressure
         before = None if self.largest is None else remembered(p, self.largest)
-        return PressureProfile(line.x, line.radius, p, self.gap, line.arc_weight, line.reach, before)
+        ends = np.cumsum([len(line.x) for line in self.model.lines])
+        found = []
+        for line, part in zip(self.model.lines, map(slice, (0, *ends), ends), strict=True):
+            largest = None if before is None else before[part]
+            found.append(
+                PressureProfile(
+                    line.x, line.radius, p[part], self.gap[part], line.arc_weight, line.reach, largest
+                )
+            )
+        return tuple(found)
+
+    @property
+    def profile(self) -> PressureProfile:
+        """Nominal pressure profile on the line that is pressed hardest."""
+        return tightest(self.profiles)
 
     def after(self, earlier: ContactSolution | None) -> Self:
         """The same contact after an earlier one on the same line, and after all that this one remembers.

@@ -315,8 +315,7 @@ def profile_of(load: LoadResult) -> ShownProfile:
     ----------
     load : LoadResult
     """
-    contact = load.contact
-    line = contact.profile
+    line = load.tightest
     x = np.asarray(line.x)
     carries = np.flatnonzero(line.pressure > 1e-3 * line.pressure.max())
     # as wide again to both sides: what the gap does there is what a drawing would show
@@ -331,7 +330,7 @@ def profile_of(load: LoadResult) -> ShownProfile:
     return ShownProfile(
         _thinned(x, span, step),
         _thinned(line.pressure, span, step),
-        _thinned(contact.gap, span, step),
+        _thinned(line.gap, span, step),
         [] if pressure is None else _thinned(pressure, span, step),
     )
 

@@ -188,7 +188,7 @@ def _rate(leak: LeakResult | None) -> float | None:
 
 
 def _contact_radius(row: Row) -> float:
-    profile = row.load.contact.profile
+    profile = row.load.tightest
     return float(np.interp(profile.centroid, profile.x, profile.radius))
 
 
@@ -254,10 +254,10 @@ _OF: dict[str, Callable[[Row], float | None]] = {
     "fluid_pressure_Pa": lambda row: row.load.fluid_pressure,
     "contact_force_N": lambda row: row.load.contact_force,
     "line_load_N_per_m": lambda row: row.load.line_load,
-    "peak_pressure_Pa": lambda row: row.load.contact.profile.peak_pressure,
+    "peak_pressure_Pa": lambda row: row.load.peak_pressure,
     "contact_radius_m": _contact_radius,
-    "fwhm_m": lambda row: row.load.contact.profile.fwhm,
-    "std_m": lambda row: row.load.contact.profile.std,
+    "fwhm_m": lambda row: row.load.fwhm,
+    "std_m": lambda row: row.load.std,
     "leak_rate_m3_per_s": lambda row: _rate(row.load.leak),
     "leak_rate_elastic_m3_per_s": lambda row: _rate(row.load.reading(Reading.ELASTIC).leak),
     "critical_separation_m": lambda row: row.load.critical_separation,

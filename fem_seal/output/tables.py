@@ -121,11 +121,12 @@ def profile_array(result: SealSolution) -> NDArray[np.float64]:
     """
     blocks = []
     for load in result.loads:
-        profile = load.contact.profile
-        fluid = np.full(len(profile.x), math.nan) if load.gap_pressure is None else load.gap_pressure
-        pressure = np.full(len(profile.x), load.fluid_pressure)
-        along = [profile.x, profile.radius, profile.pressure, profile.gap]
-        blocks.append(np.column_stack([pressure, *along, fluid, load.contact.force_per_length]))
+        along = np.concatenate(
+            [np.stack([one.x, one.radius, one.pressure, one.gap], 1) for one in load.profiles]
+        )
+        fluid = np.full(len(along), math.nan) if load.gap_pressure is None else load.gap_pressure
+        pressure = np.full(len(along), load.fluid_pressure)
+        blocks.append(np.column_stack([pressure, along, fluid, load.contact.force_per_length]))
     return np.concatenate(blocks)
 
 

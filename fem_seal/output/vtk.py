@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_seal.bodies.fields import BodyField, ElastoplasticField
-from fem_seal.output.vtk_xml import QUADRATIC_TRIANGLE, write_grid, write_line, write_series, write_surface
+from fem_seal.output.vtk_xml import QUADRATIC_TRIANGLE, write_grid, write_lines, write_series, write_surface
 
 if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
@@ -65,12 +65,20 @@ def write_contact_line(result: SealSolution, folder: Path) -> list[Path]:
     height = result.seal_mesh.contact.height
     written = []
     for load, file in zip(result.loads, files, strict=True):
-        profile = load.contact.profile
-        points = _in_space(np.column_stack([profile.radius, height(profile.x)]))
-        data = {"x_m": profile.x, "contact_pressure_Pa": profile.pressure, "gap_m": profile.gap}
+        x, radius, pressure, gap = (
+            np.concatenate(one)
+            for one in zip(
+                *((one.x, one.radius, one.pressure, one.gap) for one in load.profiles), strict=True
+            )
+        )
+        points = _in_space(np.column_stack([radius, height(x)]))
+        data = {"x_m": x, "contact_pressure_Pa": pressure, "gap_m": gap}
         if load.gap_pressure is not None:
             data["fluid_pressure_in_gap_Pa"] = load.gap_pressure
-        written.append(write_line(folder / file, points, point_data=data, field_data=_load_data(load)))
+        parts = [len(one.x) for one in load.profiles]
+        written.append(
+            write_lines(folder / file, points, parts, point_data=data, field_data=_load_data(load))
+        )
     series = write_series(folder / "contact_line.pvd", files, _times(result.loads))
     _remove_stale(folder, "contact_line", "vtp", files)
     return [series, *written]
@@ -116,7 +124,7 @@ def _around_the_axis(
     """Points, quadrilaterals and point data of the seat's face, closed around the axis."""
     every = math.ceil(len(around.angle) / _ANGLES)
     pressure, gap = around.pressure_and_gap(every)
-    line, angle = around.local.mean.model.line, around.angle[::every]
+    line, angle = around.local.mean.model.lines[0], around.angle[::every]
     shape = pressure.shape
     r, z = line.radius, height(line.x)
     points = np.stack(

@@ -66,15 +66,23 @@ def write_grid(
     return _write(path, "UnstructuredGrid", block.section("FieldData", field_data) + piece, block)
 
 
-def write_line(path: Path, points: NDArray[np.float64], *, point_data: Arrays, field_data: Arrays) -> Path:
-    """Write one line through `points`, shape (n, 3) [m], as .vtp, replacing `path` in one step."""
+def write_lines(
+    path: Path,
+    points: NDArray[np.float64],
+    parts: Sequence[int],
+    *,
+    point_data: Arrays,
+    field_data: Arrays,
+) -> Path:
+    """Write lines through `points`, shape (n, 3) [m], as many in each as `parts` says, as .vtp, in one step."""
     n = len(points)
     block = _Appended()
     topology = block.array("connectivity", np.arange(n, dtype=np.int32)) + block.array(
-        "offsets", np.array([n], dtype=np.int32)
+        "offsets", np.cumsum(parts, dtype=np.int32)
     )
     piece = (
-        f'<Piece NumberOfPoints="{n}" NumberOfVerts="0" NumberOfLines="1" NumberOfStrips="0" NumberOfPolys="0">\n'
+        f'<Piece NumberOfPoints="{n}" NumberOfVerts="0" NumberOfLines="{len(parts)}" NumberOfStrips="0" '
+        'NumberOfPolys="0">\n'
         + block.section("PointData", point_data)
         + f"<Points>\n{block.array('Points', points)}</Points>\n"
         + f"<Lines>\n{topology}</Lines>\n</Piece>\n"

@@ -87,10 +87,9 @@ class LoadResult(ByReading):
     @property
     def in_brief(self) -> str:
         """Peak pressure, width, leak rate and validity in a line, with units and no more digits than they are worth."""
-        profile = self.contact.profile
         parts = [
-            f"peak {quantity_worth('contact pressure', profile.peak_pressure, self.pressure_digits)}",
-            f"FWHM {quantity_worth('length', profile.fwhm, self.digits_of('fwhm'))}",
+            f"peak {quantity_worth('contact pressure', self.peak_pressure, self.pressure_digits)}",
+            f"FWHM {quantity_worth('length', self.fwhm, self.digits_of('fwhm'))}",
         ]
         # a line is not worth working the leak rate out
         leak: LeakResult | None = vars(self).get("leak")
@@ -154,6 +153,31 @@ class LoadResult(ByReading):
     def point(self) -> tuple[float, float]:
         """Fluid pressure [Pa] and force of spring or actuator [N]."""
         return self.fluid_pressure, self.applied_force
+
+    @property
+    def profiles(self) -> tuple[PressureProfile, ...]:
+        """Nominal pressure profile on each contact line, from the axis outwards."""
+        return self.contact.profiles
+
+    @property
+    def tightest(self) -> PressureProfile:
+        """The profile on the line that is pressed hardest."""
+        return self.contact.profile
+
+    @property
+    def peak_pressure(self) -> float:
+        """Highest contact pressure [Pa]."""
+        return self.tightest.peak_pressure
+
+    @property
+    def fwhm(self) -> float:
+        """Full width at half maximum on that line [m]."""
+        return self.tightest.fwhm
+
+    @property
+    def std(self) -> float:
+        """Square root of the second central moment of the pressure on that line [m]."""
+        return self.tightest.std
 
     @property
     def contact_force(self) -> float:
@@ -372,6 +396,11 @@ class GivenContact:
     """
 
     profile: PressureProfile
+
+    @property
+    def profiles(self) -> tuple[PressureProfile, ...]:
+        """The only one."""
+        return (self.profile,)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

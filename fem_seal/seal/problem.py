@@ -28,6 +28,7 @@ from meshes import ContactGeometry, SealMesh, Sizing, build_contact
 
 if TYPE_CHECKING:
     from fem_seal.arrays import FloatArray
+    from fem_seal.bodies.held_body import LoadName
     from fem_seal.case.direct import Direct
     from fem_seal.case.tables import CaseTables
     from fem_seal.contact.laws import Law
@@ -313,7 +314,7 @@ class SealProblem:
         bodies = (model.closure, model.seat)
         found = {body.held.name: body.held.temperature for body in bodies}
         if self.heating is None:
-            expansion = {"expansion": self.expansion} if self.expansion else {}
+            expansion: dict[LoadName, float] = {"expansion": self.expansion} if self.expansion else {}
             fit = FurtherLoads.press_fit(self.interference)
             return FurtherLoads(expansion, fit.seat, temperature=self.temperatures)
         wall = self.interference + self.heating.wall_motion(model.seat.held, self.materials["seat"])

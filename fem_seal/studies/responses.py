@@ -158,8 +158,8 @@ def _leaks(*, other: bool) -> Iterator[Callable[[LoadResult], object]]:
         return (load, *(load.others.values() if other else ()))
 
     yield lambda load: [one.rough and one.rough.table for one in readings(load)]
-    yield lambda load: load.contact.profile.contact
-    yield lambda load: load.contact.profile.contact.panels
+    yield lambda load: [one.contact for one in load.profiles]
+    yield lambda load: [one.contact.panels for one in load.profiles]
     yield lambda load: [one.leak for one in readings(load)]
 
 

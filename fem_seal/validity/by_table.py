@@ -71,7 +71,7 @@ def validity_by_table(problem: SealProblem, load: LoadResult) -> Validity:
     if problem.surface is None or not isinstance(table, ConductivityTable) or table.acting is not None:
         return load_validity(problem, load, problem.surface)
     # u_eff falls over the pressure: that of the next one in the table is a bound
-    beyond = table.separation[table.pressure.searchsorted(load.contact.profile.peak_pressure) :]
+    beyond = table.separation[table.pressure.searchsorted(load.peak_pressure) :]
     if len(beyond) and beyond[0] >= _NARROW:
         load = load.knowing(critical_separation=None)
     return load_validity(problem, load, TabulatedSurface(problem.surface, table.sealing_pressure))

@@ -411,7 +411,8 @@ def _turned(problem: SealProblem, model: ContactModel, loads: Sequence[LoadResul
 
 def _cut_off(problem: SealProblem, model: ContactModel, loads: Sequence[LoadResult]) -> Iterator[Caution]:
     for end, side in ((0, "bore"), (-1, "outer")):
-        shares = [float(load.contact.pressure[end]) / load.contact.profile.peak_pressure for load in loads]
+        ends = [load.profiles[end] for load in loads]
+        shares = [float(one.pressure[end]) / one.peak_pressure for one in ends]
         if max(shares) > _CUT_OFF:
             load = loads[shares.index(max(shares))]
             # where faces fit each other along a stretch, that they end is part of the contact
@@ -423,13 +424,13 @@ def _cut_off(problem: SealProblem, model: ContactModel, loads: Sequence[LoadResu
                 level,
                 f"contact cut off at the {side} end of the seat's face with {max(shares):.2g} of its peak pressure",
                 f"at {load_name(load, loads)} the contact reaches the {side} end of the seat's face with "
-                f"{max(shares):.2g} of its peak pressure (x = {model.line.x[end] * 1e3:.4g} mm); it is cut off there",
+                f"{max(shares):.2g} of its peak pressure (x = {1e3 * ends[0].x[end]:.4g} mm); it is cut off there",
             )
 
 
 def _wide(problem: SealProblem, model: ContactModel, loads: Sequence[LoadResult]) -> Iterator[Caution]:
-    load = max(loads, key=lambda load: load.contact.profile.std)
-    share = 2 * load.contact.profile.std / model.touch_radius
+    load = max(loads, key=lambda load: load.std)
+    share = 2 * load.std / model.touch_radius
     if share > _NARROW:
         yield Caution(
             "wide contact",
@@ -441,11 +442,11 @@ def _wide(problem: SealProblem, model: ContactModel, loads: Sequence[LoadResult]
 
 
 def _thick_layer(problem: SealProblem, model: ContactModel, loads: Sequence[LoadResult]) -> Iterator[Caution]:
-    line = model.line
+    bend = np.concatenate([line.bend for line in model.lines])
     shares = []
     for load in loads:
         forces = load.contact.point_forces
-        shares.append(float(np.maximum(load.contact.gap, 0.0) * line.bend @ forces / forces.sum()))
+        shares.append(float(np.maximum(load.contact.gap, 0.0) * bend @ forces / forces.sum()))
     share = max(shares)
     if share > _THICK_LAYER:
         load = loads[shares.index(share)]
@@ -535,13 +536,13 @@ def _um(length: float, load: LoadResult, most: int = DIGITS) -> str:
 
 def _highest_pressure(load: LoadResult) -> float:
     """Also before, where it is remembered; of a seal that is not round the highest around its axis [Pa]."""
-    before = load.contact.profile.highest
+    before = load.tightest.highest
     return before if load.formed is None else max(before, float(load.formed.peak_pressure.max()))
 
 
 def _named_pressure(load: LoadResult) -> str:
     """What `_highest_pressure` is, in words."""
-    profile = load.contact.profile
+    profile = load.tightest
     return (
         "peak pressure"
         if profile.highest <= profile.peak_pressure * (1.0 + 1e-9)
@@ -577,7 +578,7 @@ def _sealing_pressure(problem: SealProblem, surface: Surface) -> float:
 
 def _is_sealed(load: LoadResult, sealing: float) -> bool:
     """By the pressure that it carries, or by what a larger one before has left."""
-    profile = load.contact.profile
+    profile = load.tightest
     stays = profile.highest >= sealing and load.leak is not None and load.leak.leak_rate == 0.0
     return profile.peak_pressure >= sealing or stays
 
@@ -586,8 +587,8 @@ def _sealed(problem: SealProblem, surface: Surface, loads: Sequence[LoadResult])
     sealing = _sealing_pressure(problem, surface)
     tight = [load for load in loads if _is_sealed(load, sealing)]
     if tight:
-        load = max(tight, key=lambda load: load.contact.profile.peak_pressure)
-        peak = load.contact.profile.highest
+        load = max(tight, key=lambda load: load.peak_pressure)
+        peak = load.tightest.highest
         first = load_name(min(tight, key=lambda load: load.point), loads)
         limit = rounded(sealing / 1e6, DIGITS)
         own = problem.surface
@@ -608,17 +609,17 @@ def _sealed(problem: SealProblem, surface: Surface, loads: Sequence[LoadResult])
 
 def _nearly_sealed(problem: SealProblem, surface: Surface, loads: Sequence[LoadResult]) -> Iterator[Caution]:
     sealing = _sealing_pressure(problem, surface)
-    leaky = [load for load in loads if load.contact.profile.peak_pressure < sealing]
+    leaky = [load for load in loads if load.peak_pressure < sealing]
     if not leaky:
         return
-    load = max(leaky, key=lambda load: load.contact.profile.peak_pressure)
+    load = max(leaky, key=lambda load: load.peak_pressure)
     if problem.flow is not None and problem.flow.simulated is not None and problem.surface is not None:
         yield from _simulated(problem.flow.simulated.table(problem.surface), load, loads)
         return
-    most = surface.most_contact_area(load.contact.profile.peak_pressure)
+    most = surface.most_contact_area(load.peak_pressure)
     if surface.peklenik == 1.0 and most <= _FEW_CHANNELS:
         return
-    area = float(surface.contact_area(load.contact.profile.peak_pressure))
+    area = float(surface.contact_area(load.peak_pressure))
     factor = next(factor for limit, factor in _FACTORS if area <= limit) if area > _FEW_CHANNELS else 1.0
     lay = _lay_factor(area, surface.peklenik)
     if lay > _WORTH_SAYING and area <= _DIRECT_END:
@@ -661,7 +662,7 @@ def _nearly_sealed(problem: SealProblem, surface: Surface, loads: Sequence[LoadR
 
 def _simulated(table: DirectTable, load: LoadResult, loads: Sequence[LoadResult]) -> Iterator[Caution]:
     """What a direct simulation says against the conductivity that was taken from it."""
-    peak, (low, high) = load.contact.profile.peak_pressure, table.range
+    peak, (low, high) = load.peak_pressure, table.range
     ends = [rounded(one / 1e6, DIGITS) for one in (low, high)]
     at = f"{_mpa(peak, load, min(ends, key=lambda end: abs(end - peak / 1e6)))} MPa"
     simulated = f"{ends[0]:g} to {ends[1]:g} MPa"
@@ -717,8 +718,8 @@ def _lay_factor(area: float, peklenik: float) -> float:
 
 
 def _range(problem: SealProblem, surface: Surface, loads: Sequence[LoadResult]) -> Iterator[Caution]:
-    load = max(loads, key=lambda load: load.contact.profile.std)
-    std, q_low = load.contact.profile.std, surface.spectrum.q_low
+    load = max(loads, key=lambda load: load.std)
+    std, q_low = load.std, surface.spectrum.q_low
     if q_low * std > 1 and problem.cutoff is not None:
         yield Caution(
             "waviness",
@@ -743,8 +744,8 @@ def _range(problem: SealProblem, surface: Surface, loads: Sequence[LoadResult]) 
 
 
 def _long_waves(problem: SealProblem, surface: Surface, loads: Sequence[LoadResult]) -> Iterator[Caution]:
-    load = min(loads, key=lambda load: load.contact.profile.std)
-    std, spectrum = load.contact.profile.std, surface.spectrum
+    load = min(loads, key=lambda load: load.std)
+    std, spectrum = load.std, surface.spectrum
     above = float(spectrum.height_variance_above(1 / std)) / spectrum.rms_height**2
     if 1 - above > _LONG_WAVES:
         yield Caution(
@@ -763,8 +764,8 @@ def _fluid_opens(problem: SealProblem, surface: Surface, loads: Sequence[LoadRes
         yield from _blown_open(loads)
     if local or problem.loads.closing == "penetration":
         return
-    load = max(loads, key=lambda load: load.fluid_pressure / load.contact.profile.peak_pressure)
-    share = load.fluid_pressure / load.contact.profile.peak_pressure
+    load = max(loads, key=lambda load: load.fluid_pressure / load.peak_pressure)
+    share = load.fluid_pressure / load.peak_pressure
     if share > FLUID_OPENS:
         most = (
             f"about {1 + 1.7 * share:.2g} times as much" if share < _FLUID_LIFTS else "several times as much"
@@ -784,7 +785,7 @@ def _blown_open(loads: Sequence[LoadResult]) -> Iterator[Caution]:
     blown = [load for load in loads if load.leak is not None and math.isinf(load.leak.leak_rate)]
     if blown:
         load = min(blown, key=lambda load: load.point)
-        peak = _mpa(load.contact.profile.peak_pressure, load, load.fluid_pressure / 1e6)
+        peak = _mpa(load.peak_pressure, load, load.fluid_pressure / 1e6)
         yield Caution(
             "lifted open",
             Level.OUTSIDE,
@@ -811,7 +812,7 @@ def _coarse(model: ContactModel, error: DiscretisationError) -> Iterator[Caution
                 "and the highest one, and a smaller [mesh] contact_size, reduce it",
             )
     elif worst > _LARGEST_ERROR:
-        size = float(np.diff(model.line.vertices).min())
+        size = min(float(np.diff(line.vertices).min()) for line in model.lines)
         yield Caution(
             "mesh",
             Level.DOUBTFUL,

@@ -287,7 +287,7 @@ def _where_most_leaks(load: LoadResult) -> tuple[PressureProfile, LeakResult] | 
     import numpy as np
 
     if load.formed is None:
-        return None if load.leak is None else (load.contact.profile, load.leak)
+        return None if load.leak is None else (load.tightest, load.leak)
     around = load.around
     if around is None or around.leak is None or around.leak_rate is None:
         return None

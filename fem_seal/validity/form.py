@@ -61,8 +61,8 @@ def _short_waves(loads: Sequence[LoadResult], formed: _Formed) -> Iterator[Cauti
     felt = formed[0][1].form.felt
     total = sum(abs(one.amplitude) for one in felt)
     waves = max(one.waves for one in felt if abs(one.amplitude) > _COUNTS * total)
-    load, _ = max(formed, key=lambda one: one[0].contact.profile.std)
-    std, r0 = load.contact.profile.std, load.contact.model.touch_radius
+    load, _ = max(formed, key=lambda one: one[0].std)
+    std, r0 = load.std, load.contact.model.touch_radius
     share = waves * std / r0
     if share > _LONG:
         yield Caution(
@@ -126,7 +126,7 @@ def _crest(problem: SealProblem, loads: Sequence[LoadResult], formed: _Formed) -
     if not limits:
         return
     load, around = max(formed, key=lambda one: float(one[1].peak_pressure.max()))
-    ratio = float(around.peak_pressure.max()) / load.contact.profile.peak_pressure
+    ratio = float(around.peak_pressure.max()) / load.peak_pressure
     stress = ratio * load.max_von_mises
     if load.max_von_mises <= min(limits) < stress:
         limit = rounded(min(limits) / 1e6, DIGITS)

@@ -63,7 +63,7 @@ def unrolled_picture(result: SealSolution) -> Picture | None:
     around, name = load.around, load_name(load, result.loads)
     every = math.ceil(len(around.angle) / _ANGLES)
     angle, (pressure, _) = around.angle[::every], around.pressure_and_gap(every)
-    profile = around.local.mean.profile
+    profile = around.local.mean.profiles[0]
     strongest = replace(profile, pressure=pressure[int(np.argmax(pressure.max(axis=1)))])
     reach = min(_REACH * strongest.std + abs(strongest.centroid), float(np.abs(profile.x).max()))
     length, unit = unit_for("length", reach), unit_for("contact pressure", float(pressure.max()))

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 
     from fem_seal.answers.closed_forms import Derived, DerivedLoad, Sizes
     from fem_seal.answers.solution import SealSolution
+    from fem_seal.arrays import FloatArray
     from fem_seal.seal.load_result import LoadResult
 
 # More lines than this get a scale of colours instead of names.
@@ -105,20 +106,20 @@ def all_profiles(
     length, unit : float, str
         What x is divided by, and its name.
     """
-    pressure = unit_for("contact pressure", max(load.contact.profile.peak_pressure for load in loads))
+    pressure = unit_for("contact pressure", max(load.peak_pressure for load in loads))
     colour = load_colours(len(order))
     over = load_axis(loads)
     drawn = few(len(order), _DRAWN_LOADS)
     named = [drawn[n] for n in few(len(drawn), _NAMED_LOADS if len(drawn) <= _NAMED_LOADS else 4)]
     for n in drawn:
-        profile = loads[order[n]].contact.profile
-        axes.plot(
-            profile.x / length,
-            profile.pressure / pressure.size,
-            color=colour(n),
-            linewidth=1.2,
-            label=over.names[order[n]] if n in named else None,
-        )
+        for number, profile in enumerate(loads[order[n]].profiles):
+            axes.plot(
+                profile.x / length,
+                profile.pressure / pressure.size,
+                color=colour(n),
+                linewidth=1.2,
+                label=over.names[order[n]] if n in named and not number else None,
+            )
     reach = _reach(loads) / length
     axes.set_xlim(-reach, reach)
     axes.set_ylim(0.0)
@@ -135,9 +136,8 @@ def _against_closed_forms(
     axes: Axes, load: LoadResult, name: str, closed: DerivedLoad, length: float, unit: str
 ) -> None:
     reach = _reach([load])
-    profile = load.contact.profile
     # Hertz may be many times higher; drawn in full it would flatten everything else.
-    top = 1.75 * profile.peak_pressure
+    top = 1.75 * load.peak_pressure
     pressure = unit_for("contact pressure", top)
     for key, (form_name, colour, dashes) in _CLOSED_FORMS.items():
         form = getattr(closed, key)
@@ -151,9 +151,14 @@ def _against_closed_forms(
             axes.plot(
                 x / length, y, color=colour, linestyle=dashes, linewidth=1.4, label=form_name + peak, zorder=3
             )
-    axes.plot(
-        profile.x / length, profile.pressure / pressure.size, color=BLUE, linewidth=2.4, label="calculated"
-    )
+    for profile in load.profiles:
+        axes.plot(
+            profile.x / length,
+            profile.pressure / pressure.size,
+            color=BLUE,
+            linewidth=2.4,
+            label="calculated",
+        )
     axes.set_xlim(-reach / length, reach / length)
     axes.set_ylim(0.0, top / pressure.size)
     axes.legend(loc="upper right", handlelength=1.9, borderpad=0.1)
@@ -227,14 +232,15 @@ def gap_picture(result: SealSolution) -> Picture:
     colour = load_colours(len(chosen))
     length = unit_for("length", _reach(loads))
     reach = _reach(loads) / length.size
-    inside = [load.contact.profile.gap[np.abs(load.contact.profile.x) <= _reach(loads)] for load in chosen]
+    inside = [one.gap[np.abs(one.x) <= _reach(loads)] for load in chosen for one in load.profiles]
     gap = unit_for("length", max(float(part.max(initial=0.0)) for part in inside))
     for n, load in enumerate(chosen):
-        profile, name = load.contact.profile, over.names[drawn[n]]
-        axes[0].plot(profile.x / length.size, profile.gap / gap.size, color=colour(n), label=name)
+        name = over.names[drawn[n]]
+        for profile in load.profiles:
+            axes[0].plot(profile.x / length.size, profile.gap / gap.size, color=colour(n), label=name)
         if load in flowing and load.leak is not None:
-            share = load.leak.fluid_pressure / load.fluid_pressure
-            axes[1].plot(profile.x / length.size, 100 * share, color=colour(n), label=name)
+            x, share = _points(load), load.leak.fluid_pressure / load.fluid_pressure
+            axes[1].plot(x / length.size, 100 * share, color=colour(n), label=name)
     axes[0].set_ylim(0.0, 1.08 * max(float(part.max(initial=0.0)) for part in inside) / gap.size or 1.0)
     label(axes[0], "Mean gap between the surfaces", f"x  [{length.name}]", f"gap  [{gap.name}]")
     if flowing:
@@ -249,7 +255,12 @@ def gap_picture(result: SealSolution) -> Picture:
     return Picture("gap", svg(figure), alt, said("captions.gap", left, smooth, right))
 
 
+def _points(load: LoadResult) -> FloatArray:
+    """x of all points of the contact lines [m]."""
+    return np.concatenate([profile.x for profile in load.profiles])
+
+
 def _reach(loads: Sequence[LoadResult]) -> float:
     """How far from first touch the profiles are worth showing [m]."""
-    profiles = [load.contact.profile for load in loads]
+    profiles = [profile for load in loads for profile in load.profiles]
     return float(min(3.8 * max(p.std for p in profiles), max(np.abs(p.x).max() for p in profiles)))

@@ -47,7 +47,7 @@ def simulation_pictures(result: SealSolution) -> tuple[Picture, ...]:
     if flow is None or flow.simulated is None or surface is None:
         return ()
     table = flow.simulated.table(surface)
-    peak = result.highest.contact.profile.peak_pressure
+    peak = result.highest.peak_pressure
     nearest = min(table.simulation.pressures, key=lambda pressure: abs(np.log(pressure / peak)))
     return curves_picture(table), map_picture(table, nearest)
 

@@ -64,7 +64,7 @@ def mesh_picture(result: SealSolution, load: LoadResult) -> Picture:
     label(whole, "Both bodies", "r  [mm]", "z  [mm]")
     whole.plot(1e3 * contact.touch_radius, 0.0, "o", mfc="none", mec=ORANGE, ms=9, mew=1.6)
     frame_zone(zone, half / unit.size, unit.name, "Contact zone, turned so that the contact lies flat")
-    smallest = float(np.diff(result.model.line.vertices).min())
+    smallest = min(float(np.diff(line.vertices).min()) for line in result.model.lines)
     return Picture(
         "mesh",
         svg(figure),
@@ -192,8 +192,7 @@ def _mark_largest(axes: Axes, result: SealSolution, load: LoadResult) -> None:
 
 def half_width(load: LoadResult) -> float:
     """Half of what the enlarged views show along the contact [m]."""
-    profile = load.contact.profile
-    return 4.2 * profile.std
+    return 4.2 * load.std
 
 
 def turned(seal_mesh: SealMesh, points: FloatArray) -> FloatArray:

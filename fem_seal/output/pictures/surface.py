@@ -50,7 +50,7 @@ def separation_picture(result: SealSolution) -> Picture | None:
     surface = result.surface
     if surface is None:
         return None
-    peaks = np.array([load.contact.profile.peak_pressure for load in result.loads])
+    peaks = np.array([load.peak_pressure for load in result.loads])
     low, high = 0.2 * peaks.min(), 4.0 * peaks.max()
     if surface.hardness is not None:
         high = min(high, max(0.98 * surface.hardness, 1.01 * peaks.max()))
@@ -118,7 +118,7 @@ def surface_picture(result: SealSolution, load: LoadResult) -> Picture | None:
     surface = result.surface
     if surface is None:
         return None
-    peak = load.contact.profile.peak_pressure
+    peak = load.peak_pressure
     figure, (areas, spectrum) = panels(2, height=4.1, head=0.85)
     _area_curves(areas, surface, peak)
     _spectrum_curves(spectrum, surface, peak)
@@ -231,7 +231,7 @@ def law_picture(result: SealSolution) -> Picture | None:
     result : SealSolution
     """
     surface, interface = result.surface, result.case.interface
-    peaks = np.array([load.contact.profile.peak_pressure for load in result.loads])
+    peaks = np.array([load.peak_pressure for load in result.loads])
     if interface.law == "smooth":
         return None
     p = np.geomspace(1e-5 * peaks.min(), 8 * peaks.max(), 90)

@@ -201,7 +201,7 @@ def seal_picture(result: SealSolution, image: bytes | None) -> Picture | None:
     from matplotlib.image import imread
 
     load = result.highest
-    peak = load.contact.profile.pressure.max()
+    peak = max(profile.pressure.max() for profile in load.profiles)
     if load.around is not None:
         peak = load.around.pressure_and_gap()[0].max()
     unit = unit_for("contact pressure", float(peak))

@@ -195,7 +195,7 @@ def _interface(result: SealSolution) -> list[tuple[str, str]]:
         rows.append((f"p_c{when}", quantity("contact pressure", p_c)))
     law = result.problem.law
     if interface.law == "spectrum" and u0 is None and not isinstance(law, HardContact):
-        peak = max(load.contact.profile.peak_pressure for load in result.loads)
+        peak = max(load.peak_pressure for load in result.loads)
         found = law.decay_length(np.array([math.log(peak)]))
         rows.append(("decay length at the highest peak pressure", quantity("length", float(found[0]))))
     return rows

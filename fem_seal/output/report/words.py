@@ -459,15 +459,14 @@ def reasons(result: SealSolution, derived: Derived) -> list[str]:
 
 def _what_sets_the_width(result: SealSolution, derived: Derived, load: LoadResult) -> Iterator[str]:
     hertz = derived.loads[result.loads.index(load)].hertz
-    profile = load.contact.profile
     if hertz is None:
         yield said("reasons.width", "conforming", contact=_contact(load))
         return
     smooth = result.case.interface.law == "smooth"
-    bulk = min((hertz.std / profile.std) ** 2, 1.0)
+    bulk = min((hertz.std / load.std) ** 2, 1.0)
     if any(isinstance(zone, PlasticZone) for zone in yielding_of(load.contact).values()):
         parts = ["yielding" if smooth else "rough_yielding"]
-    elif _leaves_curvature(result, hertz, profile.peak_pressure):
+    elif _leaves_curvature(result, hertz, load.peak_pressure):
         parts = ["other_curvature"]
     elif smooth:
         parts = ["smooth"]
@@ -496,13 +495,13 @@ def _what_throttles(load: LoadResult) -> Iterator[str]:
     if not math.isfinite(load.leak.leak_rate):
         yield said("reasons.fluid", "forced_open")
         return
-    x, share = load.contact.profile.x, load.leak.fluid_pressure / load.fluid_pressure
+    x, share = load.tightest.x, load.leak.fluid_pressure / load.fluid_pressure
     rising = share if share[-1] > share[0] else 1 - share
     ends = np.interp(_MIDDLE, rising, x)
     # as good as the width of the contact
     middle = quantity_worth("length", float(ends[1] - ends[0]), load.digits_of("fwhm"))
     yield said("reasons.fluid", "middle", share=percent(_MIDDLE[1] - _MIDDLE[0]), width=middle)
-    ratio = load.fluid_pressure / load.contact.profile.peak_pressure
+    ratio = load.fluid_pressure / load.peak_pressure
     if isinstance(load.leak, CoupledLeakResult):
         effect = "local"
     elif load.effective_radius is not None:
@@ -516,7 +515,7 @@ def _what_yields(result: SealSolution, load: LoadResult) -> Iterator[str]:
     surface = result.surface
     if surface is None:
         return
-    peak = load.contact.profile.peak_pressure
+    peak = load.peak_pressure
     if surface.hardness is None:
         if load.leak is not None:
             yield said("reasons.asperities", "elastic")
