@@ -124,8 +124,12 @@ def test_theory_stands_beside_it():
     found = table()
     first = found.rows[0]
     held = found.simulation.held
-    assert first.theory.capped == pytest.approx(float(held.capped.effective_separation(first.pressure)))
-    assert first.theory.conserved == pytest.approx(float(held.conserved.effective_separation(first.pressure)))
+    assert first.theory.gap[Reading.CAPPED] == pytest.approx(
+        float(held.capped.effective_separation(first.pressure))
+    )
+    assert first.theory.gap[Reading.CONSERVED] == pytest.approx(
+        float(held.conserved.effective_separation(first.pressure))
+    )
     # elastic asperities, most of those of this smooth patch: the theory's area is 20 to 40 % below direct ones, and
     # four points per wave add some 6 %
     for row in found.loading:

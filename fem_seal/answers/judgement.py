@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 from enum import StrEnum
 
+from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.findings import VALID, Validity
 from fem_seal.seal.load_result import LoadResult
 
@@ -122,11 +123,11 @@ class Judgement:
         """
         if any(map(math.isnan, (*ends, limit.leak_rate))):
             return cls(Verdict.INCONCLUSIVE, math.nan, Why.UNKNOWN, limit)
-        tested = ends[0] * limit.ratio[0], ends[1] * limit.ratio[1]
+        tested = Bounds(*ends).widened(limit.ratio)
         if math.isinf(ends[0]):
             return cls(Verdict.FAIL, 0.0, Why.OPEN, limit, tested)
         verdict, why = _decided(limit, ends, tested)
-        margin = _margin(limit, tested[1])
+        margin = _margin(limit, tested.high)
         if validity.outside:
             # of what may not be claimed to be sealed there is no margin
             margin = math.nan if math.isinf(margin) else margin
@@ -134,8 +135,7 @@ class Judgement:
         if not sampled:
             return cls(Verdict.INCONCLUSIVE, math.nan, Why.UNSAMPLED, limit, tested)
         if verdict is Verdict.INCONCLUSIVE:
-            least, most = validity.leak_factor
-            calculated = tested[0] / least, tested[1] / most
+            calculated = tested.ratio_to(validity.leak_factor)
             without, _ = _decided(limit, calculated, calculated)
             if without is not Verdict.INCONCLUSIVE:
                 reason = validity.leak_reason(more=without is Verdict.PASS)

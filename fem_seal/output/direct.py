@@ -13,7 +13,9 @@ from fem_seal.files import as_json, write_bytes, write_text
 from fem_seal.output.prose import said
 from fem_seal.output.tables import write_rows_csv
 from fem_seal.seal.direct import QUANTILES, DirectRow, DirectSimulation, DirectTable
+from fem_seal.seal.readings import FURTHER, OWN
 from fem_seal.units import number, percent, quantity
+from leak import Reading
 
 TABLE, GAPS, ABOUT = "direct.csv", "direct_gaps.csv", "direct.json"
 
@@ -37,6 +39,7 @@ def _row(table: DirectTable, row: DirectRow, viscosity: float | None) -> dict[st
     def conductivity(gap: float) -> float:
         return nan if viscosity is None else gap**3 / (12.0 * viscosity)
 
+    readings = OWN, *FURTHER
     return {
         "branch": row.branch,
         "pressure_Pa": row.pressure,
@@ -57,14 +60,15 @@ def _row(table: DirectTable, row: DirectRow, viscosity: float | None) -> dict[st
         "conductivity_ratio_half_cutoff": row.cutoff_ratio,
         "theory_contact_area": nan if theory is None else theory.contact_area,
         "theory_mean_gap_m": nan if theory is None else theory.mean_gap,
-        "theory_conductivity_conserved_m3_per_Pa_s": nan
-        if theory is None
-        else conductivity(theory.conserved),
-        "theory_conductivity_capped_m3_per_Pa_s": nan if theory is None else conductivity(theory.capped),
-        "theory_effective_gap_conserved_m": nan if theory is None else theory.conserved,
-        "theory_effective_gap_capped_m": nan if theory is None else theory.capped,
-        "theory_conductivity_ratio_all_waves_conserved": nan if theory is None else theory.cut_conserved,
-        "theory_conductivity_ratio_all_waves_capped": nan if theory is None else theory.cut,
+        **{
+            f"theory_conductivity_{one}_m3_per_Pa_s": nan if theory is None else conductivity(theory.gap[one])
+            for one in readings
+        },
+        **{f"theory_effective_gap_{one}_m": nan if theory is None else theory.gap[one] for one in readings},
+        **{
+            f"theory_conductivity_ratio_all_waves_{one}": nan if theory is None else theory.cut(one)
+            for one in readings
+        },
     }
 
 
@@ -147,13 +151,12 @@ def direct_lines(table: DirectTable) -> list[str]:
         _asperities(simulation),
     ]
     theory = [row.theory for row in table.loading if row.theory is not None]
-    readings = {"capped": [one.cut for one in theory], "conserved": [one.cut_conserved for one in theory]}
-    if simulation.surface.conserved is simulation.surface.capped:
-        readings = {"elastic": readings["capped"]}
-    for reading, found in readings.items():
-        cuts = [one for one in found if math.isfinite(one)]
+    readings = [OWN] if len(simulation.surface.readings) == 1 else [*FURTHER, OWN]
+    for reading in readings:
+        cuts = [cut for one in theory if math.isfinite(cut := one.cut(reading))]
         if cuts:
-            lines.append(said("direct.cost", reading, low=number(min(cuts), 2), high=number(max(cuts), 2)))
+            told = reading if len(readings) > 1 else Reading.ELASTIC
+            lines.append(said("direct.cost", told, low=number(min(cuts), 2), high=number(max(cuts), 2)))
     halves = [row.cutoff_ratio for row in table.loading if math.isfinite(row.cutoff_ratio)]
     if halves:
         lines.append(said("direct.cost", "half", low=number(min(halves), 2), high=number(max(halves), 2)))
@@ -210,7 +213,7 @@ def shown_rows(rows: Sequence[Mapping[str, Any]]) -> tuple[list[str], list[list[
     """
     headings = [
         "branch", "p\nMPa", "A/A0", "yielded", "mean gap\num", "u_eff\num", "scatter\nof ln", "tight", "A/A0\ntheory",
-        "mean gap\ntheory, um", "conserved\nu_eff, um", "capped\nu_eff, um",
+        "mean gap\ntheory, um", *(f"{one}\nu_eff, um" for one in (OWN, *FURTHER)),
     ]  # fmt: skip
     return headings, [
         [
@@ -224,8 +227,7 @@ def shown_rows(rows: Sequence[Mapping[str, Any]]) -> tuple[list[str], list[list[
             f"{row['blocked_samples']}/{row['samples']}",
             _shown(row["theory_contact_area"]),
             _shown(1e6 * row["theory_mean_gap_m"]),
-            _shown(1e6 * row["theory_effective_gap_conserved_m"]),
-            _shown(1e6 * row["theory_effective_gap_capped_m"]),
+            *(_shown(1e6 * row[f"theory_effective_gap_{one}_m"]) for one in (OWN, *FURTHER)),
         ]
         for row in rows
     ]

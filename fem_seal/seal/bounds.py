@@ -76,15 +76,6 @@ class Bounds(NamedTuple):
         """
         return Bounds(self.low / by[0], self.high / by[1])
 
-    def holds(self, value: float) -> bool:
-        """Whether a value lies between both ends.
-
-        Parameters
-        ----------
-        value : float
-        """
-        return self.low <= value <= self.high
-
 
 EXACT = Bounds(1.0, 1.0)
 """Factors of what is off by nothing."""

@@ -32,6 +32,7 @@ from leak.direct import (
     smoothed,
     streams,
 )
+from leak.theory.reading import READINGS, Reading
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -475,28 +476,20 @@ class TheoryRow:
     ----------
     contact_area, mean_gap
         Of the waves that the patch holds, asperities that yield in the reading "capped" [-], [m].
-    conserved, capped : float
-        u_eff of the waves that the patch holds, in both readings of asperities that yield [m].
-    whole_conserved, whole_capped : float
-        The same of the whole spectrum [m].
+    gap, whole : mapping
+        u_eff of the waves that the patch holds, and of the whole spectrum, in each reading of asperities that yield
+        [m].
     """
 
     contact_area: float
     mean_gap: float
-    conserved: float
-    capped: float
-    whole_conserved: float
-    whole_capped: float
+    gap: Mapping[Reading, float]
+    whole: Mapping[Reading, float]
 
-    @property
-    def cut(self) -> float:
-        """Conductivity of the whole spectrum over that of the patch's waves, in the reading "capped" [-]."""
-        return (self.whole_capped / self.capped) ** 3 if self.capped > 0.0 else math.nan
-
-    @property
-    def cut_conserved(self) -> float:
-        """The same in the reading "conserved" [-]."""
-        return (self.whole_conserved / self.conserved) ** 3 if self.conserved > 0.0 else math.nan
+    def cut(self, reading: Reading) -> float:
+        """Conductivity of the whole spectrum over that of the patch's waves in a reading [-]."""
+        gap = self.gap[reading]
+        return (self.whole[reading] / gap) ** 3 if gap > 0.0 else math.nan
 
 
 @dataclass(frozen=True, eq=False)
@@ -577,8 +570,8 @@ class DirectTable:
             # without its shorter waves the patch may be tight
             changes.append(-math.log(row.cutoff_ratio) if row.cutoff_ratio > 0.0 else math.inf)
         theory = row.theory
-        if theory is not None and theory.cut > 0.0:
-            changes.append(math.log(theory.cut))
+        if theory is not None and (cut := theory.cut(Reading.CAPPED)) > 0.0:
+            changes.append(math.log(cut))
         low, high = scatter - min(changes) + math.log(row.samples / row.open_samples), scatter + max(changes)
         if self.simulation.yield_stress is not None:
             high += LOAD_STEP_ERROR
@@ -587,10 +580,8 @@ class DirectTable:
             step = 3.0 * math.log(before[-1].effective_gap / row.effective_gap)
             high = min(high, max(scatter, step + self.log_error(before[-1])[1]))
         elif math.isinf(high):
-            known = (
-                [math.log(one) for one in (theory.cut, theory.cut_conserved) if one > 1.0] if theory else []
-            )
-            high = scatter + max([math.log(_UNKNOWN), *known])
+            known = [] if theory is None else map(theory.cut, theory.gap)
+            high = scatter + max([math.log(_UNKNOWN), *(math.log(one) for one in known if one > 1.0)])
         return low, high
 
     def ends(self, row: DirectRow) -> tuple[float, float]:
@@ -919,14 +910,12 @@ def _density(simulation: DirectSimulation, records: Sequence[PieceRecord]) -> Fl
 
 
 def _theory(simulation: DirectSimulation, pressure: float) -> TheoryRow:
-    held, whole = simulation.held, simulation.surface
+    held, whole, readings = simulation.held, simulation.surface, READINGS["paper"]
     return TheoryRow(
         contact_area=float(held.capped.contact_area(pressure)),
         mean_gap=float(held.capped.mean_separation(pressure)),
-        conserved=float(held.conserved.effective_separation(pressure)),
-        capped=float(held.capped.effective_separation(pressure)),
-        whole_conserved=float(whole.conserved.effective_separation(pressure)),
-        whole_capped=float(whole.capped.effective_separation(pressure)),
+        gap={one: float(held.reading(one).effective_separation(pressure)) for one in readings},
+        whole={one: float(whole.reading(one).effective_separation(pressure)) for one in readings},
     )
 
 

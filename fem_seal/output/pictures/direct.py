@@ -25,6 +25,7 @@ from fem_seal.output.pictures.style import (
 from fem_seal.output.prose import said
 from fem_seal.seal.direct import DirectTable, PressedMap
 from fem_seal.units import quantity, unit_for
+from leak.theory.reading import READINGS, Reading
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -97,16 +98,12 @@ def curves_picture(table: DirectTable) -> Picture:
     flows = u > 0.0
     flow.fill_between(p[flows], low[flows], high[flows], color=FILL, lw=0)
     flow.plot(p[flows], u[flows], "o", color=BLUE, ms=3.8, label="simulated")
-    readings = [
-        ("theory, conserved", [one.conserved for one in theory], PURPLE, "-"),
-        ("theory, capped", [one.capped for one in theory], ORANGE, "-"),
-    ]
-    surface = table.simulation.surface
-    if surface.conserved is surface.capped:
-        readings = [("theory", [one.capped for one in theory], ORANGE, "-")]
-    for name, values, colour, line in readings:
-        shown = np.array(values) / length.size
-        flow.plot(p, np.where(shown > 0.0, shown, np.nan), line, color=colour, label=name)
+    readings = READINGS["paper"] if len(table.simulation.surface.readings) > 1 else (Reading.CAPPED,)
+    for reading in readings:
+        shown = np.array([one.gap[reading] for one in theory]) / length.size
+        name = f"theory, {reading}" if len(readings) > 1 else "theory"
+        colour = PURPLE if reading is Reading.CONSERVED else ORANGE
+        flow.plot(p, np.where(shown > 0.0, shown, np.nan), "-", color=colour, label=name)
     after = np.array([row.effective_gap for row in back]) / length.size
     flow.plot(
         q, np.where(after > 0.0, after, np.nan), "v", color=GREEN, ms=4.2, label="unloading" if back else None

@@ -1,0 +1,53 @@
+"""Readings of yielding asperities: each has its words, and one more needs nothing but its name."""
+
+import pytest
+from sample_results import rough_result
+
+from fem_seal.answers.form import _Formed
+from fem_seal.seal.bounds import Bounds
+from fem_seal.seal.leak_model import RoughFlow
+from fem_seal.seal.load_result import LoadResult
+from fem_seal.seal.readings import FURTHER, OWN, WORDS
+from leak import Reading
+from leak.theory.reading import READINGS
+
+
+@pytest.mark.parametrize("reading", Reading)
+def test_every_reading_has_its_words(reading):
+    words = WORDS[reading]
+    assert words.asperities and words.curve
+    if reading in (OWN, *FURTHER):
+        assert words.condition.startswith("if ") and words.taken and words.column and words.title
+
+
+def test_a_load_reads_itself_as_it_is_and_back():
+    load = rough_result().highest
+    assert list(load.readings) == [Reading.CONSERVED, Reading.CAPPED]
+    assert load.reading(Reading.CONSERVED) is load
+    # its theory does not know this one
+    assert load.reading(Reading.VON_MISES) is load
+    capped = load.reading(Reading.CAPPED)
+    assert capped is load.others[Reading.CAPPED] and capped.contact is load.contact
+    assert capped.reading(Reading.CONSERVED).leak.leak_rate == load.leak.leak_rate
+    assert load.reading(Reading.ELASTIC).rough.surface.hardness is None
+
+
+def test_a_further_reading_is_one_more_name(monkeypatch):
+    """Of the paper's theory there are three for once: the last stands in all that asks for all."""
+    monkeypatch.setitem(READINGS, "paper", (Reading.CONSERVED, Reading.CAPPED, Reading.VON_MISES))
+    result = rough_result()
+    rough = RoughFlow.of(result.surface, result.problem.flow, result.contact)
+    load = LoadResult(*result.highest.point, result.highest.contact, rough)
+    third = load.reading(Reading.VON_MISES)
+    assert list(load.others) == [Reading.CAPPED, Reading.VON_MISES]
+    assert third.rough.surface.yielding == "von-mises" and third.leak.leak_rate > 0
+    rates = {one.leak.leak_rate for one in load.readings.values()}
+    assert load.leak_range == Bounds(min(rates), max(rates))
+    assert list(_Formed(load).others) == list(load.others)
+
+
+def test_bounds_are_widened_and_back():
+    ends = Bounds.of([3.0, 1.0, 2.0])
+    assert ends == (1.0, 3.0) and ends.apart and not Bounds(1.0, 1.004).apart
+    wide = ends.widened(Bounds.either_way(4.0))
+    assert wide == (0.25, 12.0) and wide.ratio_to(Bounds.either_way(4.0)) == ends
