@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem_seal.answers import questions
+from fem_seal.answers import opening, target
+from fem_seal.answers.answer import Wanted
 from fem_seal.answers.chain import solve
 from fem_seal.answers.solution import SealSolution
 from fem_seal.arrays import FloatArray
@@ -250,7 +251,7 @@ def run(
     192 MPa
     """
     with given_back():
-        solution = solve(case_of(case), progress, levers=levers, verdict_force=verdict_force)
+        solution = solve(case_of(case), progress, Wanted(levers, verdict_force))
     return SealResult(**{field.name: getattr(solution, field.name) for field in fields(solution)})
 
 
@@ -281,7 +282,7 @@ def applied_force_for_leak(case: CaseSource, target_leak_rate: float | None = No
     >>> fem_seal.applied_force_for_leak(case, 1e-9)     # doctest: +SKIP
     array([312.6])
     """
-    found = questions.contacts_at_target(SealProblem.of(case_of(case)), target_leak_rate)
+    found = target.contacts_at_target(SealProblem.of(case_of(case)), target_leak_rate)
     return np.array([one.applied_force for one in found])
 
 
@@ -313,7 +314,7 @@ def blow_off_pressures(case: CaseSource) -> FloatArray:
     >>> print(f"{fem_seal.blow_off_pressures(against)[0] / 1e5:.1f} bar")
     31.8 bar
     """
-    return questions.blow_off_pressures(SealProblem.of(case_of(case)))
+    return opening.blow_off_pressures(SealProblem.of(case_of(case)))
 
 
 def direct(

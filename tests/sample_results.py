@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from typing import Any
+from unittest.mock import Mock
 
 import pytest
 
 import fem_seal
 from fem_seal.answers.accuracy import NOT_ESTIMATED
+from fem_seal.answers.answer import Inquiry
+from fem_seal.answers.verdict import VERDICT
 from fem_seal.case.case import Case
 from fem_seal.result import SealResult
 from leak import Reading
@@ -78,9 +82,10 @@ def run_loads(of: Case, *, interval: bool = False) -> SealResult:
     Without an estimated error no load is valid.
     """
     instead = {
-        "answers.chain.on_coarser_mesh": None,
-        "answers.chain.discretisation_error": NOT_ESTIMATED,
-        "answers.chain.interface_variants": (),
+        "answers.accuracy.on_coarser_mesh": None,
+        "answers.accuracy.discretisation_error": NOT_ESTIMATED,
+        "answers.accuracy.far_field": (),
+        "answers.variants.interface_variants": (),
         "answers.form.form_answers": None,
         **({} if interval else {"answers.uncertainty.leak_interval": None}),
     }
@@ -94,6 +99,12 @@ def run_loads(of: Case, *, interval: bool = False) -> SealResult:
 def rough_result() -> SealResult:
     """Three loads with yielding asperities and water."""
     return fem_seal.run(case())
+
+
+def judged_anew(result: SealResult) -> SealResult:
+    """A result whose case or loads were changed, judged as a run does."""
+    found = VERDICT.compute(result, Inquiry(Mock(), Mock(), answers=dict(result.answers)))
+    return replace(result.answered(verdict=found), loads=tuple(VERDICT.told(result.loads, found)))  # type: ignore[arg-type]
 
 
 def single_case() -> Case:

@@ -367,7 +367,6 @@ def test_a_run_loads_nothing_that_only_other_results_need(main_job):
         "scipy.ndimage",
         "scipy.stats",
         "leak.direct",
-        "fem_seal.answers.form",
         "leak.flow.particles",
         "fem_seal.output.pictures.three_d",
     }

@@ -191,10 +191,10 @@ def other_contact(result):
 def test_what_is_allowed_is_rounded_down():
     result = oval_result()
     allowed = Allowed("target", 1e-6, 1.49, 5.06e-6, "radial", 15)
-    told = " ".join(form_in_words(replace(result, form=replace(result.form, allowed=allowed))))
+    told = " ".join(form_in_words(result.answered(form=replace(result.form, allowed=allowed))))
     assert "up to 1.4 times" in told and "tolerance of 5.0 µm" in told
     none = replace(allowed, zone=0.0)
-    told = " ".join(form_in_words(replace(result, form=replace(result.form, allowed=none))))
+    told = " ".join(form_in_words(result.answered(form=replace(result.form, allowed=none))))
     assert "No roundness tolerance on the drawing keeps the target" in told
 
 
@@ -218,7 +218,7 @@ def test_the_form_error_is_judged_by_what_the_case_requires():
     assert asked(requirement={"leak_rate": "1 ml/min"}, load=target) == ("leak rate", millilitre)
     assert asked(load=target) == ("target", pytest.approx(2e-6 / 60))
     allowed = Allowed("leak rate", 1e-6 / 60, 1.49, 5.06e-6, "radial", 15)
-    told = " ".join(form_in_words(replace(result, form=replace(result.form, allowed=allowed))))
+    told = " ".join(form_in_words(result.answered(form=replace(result.form, allowed=allowed))))
     assert "tolerance of 5.0 µm on the drawing keeps the required leak rate" in told
 
 

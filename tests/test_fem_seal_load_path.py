@@ -16,7 +16,7 @@ from sample_results import STEEL as STEEL_TABLE
 import fem_seal
 import meshes
 from fem_seal.answers.closed_forms import derive
-from fem_seal.answers.target import target_remarks
+from fem_seal.answers.expected_force import target_remarks
 from fem_seal.bodies.elasticity import node_dofs, quadratic_nodes
 from fem_seal.bodies.supports import Supports
 from fem_seal.contact.model import condense

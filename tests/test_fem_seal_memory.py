@@ -15,11 +15,10 @@ from sample_results import SPECTRUM, STEEL, case, cone
 
 import fem_seal
 import leak
-from fem_seal.answers import chain
 from fem_seal.answers.accuracy import NOT_ESTIMATED
-from fem_seal.answers.afterwards import Afterwards
+from fem_seal.answers.findings import validity_after
 from fem_seal.answers.profile_leak import leak_of_profiles
-from fem_seal.answers.questions import contacts_at_target
+from fem_seal.answers.target import contacts_at_target
 from fem_seal.contact.load_path import ElastoplasticContact
 from fem_seal.errors import InputError
 from fem_seal.output.pictures.memory import memory_picture
@@ -175,8 +174,7 @@ def test_a_body_that_would_have_yielded_under_the_earlier_load_is_doubtful_at_ev
 
 def _judged(problem: SealProblem, found: Any, before: list[Caution]) -> Validity:
     load = LoadResult(*problem.loads.points[0], found.contacts[0])
-    (judged,) = chain._judged(Afterwards(), problem, [load], NOT_ESTIMATED, before)
-    return judged.validity
+    return validity_after(problem, load, NOT_ESTIMATED, tuple(before))
 
 
 def test_a_zero_that_an_earlier_load_has_left_is_as_doubtful_as_its_own() -> None:

@@ -9,10 +9,9 @@ from functools import cache
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from sample_results import case, rough_result, run_loads, single_result
+from sample_results import case, judged_anew, rough_result, run_loads, single_result
 
 import fem_seal
-from fem_seal.answers.chain import _with_judgement
 from fem_seal.answers.judgement import Why
 from fem_seal.answers.leakage_class import fluid_of_test, in_the_test
 from fem_seal.answers.leakage_class import test_of as ratios_of
@@ -47,7 +46,7 @@ def known_as(result, factor, level, limit):
     validity = Validity.of([Caution("x", level, "few channels", "...", factor)])
     loads = tuple(load.knowing(validity=validity) for load in result.loads)
     of = result.case.replace({"requirement": {"leak_rate": f"{limit!r} m^3/s"}})
-    return _with_judgement(replace(result, case=of, loads=loads), {})
+    return judged_anew(replace(result, case=of, loads=loads))
 
 
 @pytest.mark.usefixtures("unrendered")

@@ -226,9 +226,8 @@ def test_with_a_filter_that_stops_all_nothing_is_said_to_clog():
     counts = leak.ParticleCounts.counted([1e-6, 2e-6], [1e9, 1e8], largest=1e-8)
     table = {"sizes": ["1 um", "2 um"], "per_ml": [1000, 100], "filter": "10 nm"}
     changed = replace(
-        result(),
+        result().answered(particles=particle_answers(result().loads, counts)),
         case=result().case.replace({"fluid.particles": None}).replace({"fluid.particles": table}),
-        particles=particle_answers(result().loads, counts),
     )
     told = " ".join(particles_in_words(changed))
     assert "lets no particle through that would be stopped" in told and "half of the leak" not in told
@@ -239,9 +238,8 @@ def test_a_seal_far_narrower_than_what_was_counted_gets_no_number():
     counts = leak.ParticleCounts.counted([50e-6, 200e-6], [1e9, 1e8])
     table = {"sizes": ["50 um", "200 um"], "per_ml": [1000, 100]}
     changed = replace(
-        result(),
+        result().answered(particles=particle_answers(result().loads, counts)),
         case=result().case.replace({"fluid.particles": None}).replace({"fluid.particles": table}),
-        particles=particle_answers(result().loads, counts),
     )
     answers = changed.particles[-1]
     assert np.isnan([*answers.stopped, *answers.half_volume, *answers.half_time]).all()
@@ -265,7 +263,7 @@ def test_files_have_what_the_answers_say(tmp_path):
     told = json.loads((tmp_path / "summary.json").read_text())["particles"]
     assert len(told) == 2 and tuple(told[-1]["keeping_filter"]) == result().particles[-1].keeping_filter
     # a run without particles into the same folder leaves none behind
-    replace(result(), particles=()).write(tmp_path)
+    result().answered(particles=()).write(tmp_path)
     assert not (tmp_path / "particles.csv").exists()
 
 

@@ -13,7 +13,7 @@ import pytest
 from sample_results import case
 
 import fem_seal
-from fem_seal.answers import accuracy, chain
+from fem_seal.answers import accuracy, opening, variants
 from fem_seal.answers.variants import interface_variants
 from fem_seal.cli.quick_start import POSTPONED
 from leak.flow.rough_contact import _conductivity_table
@@ -41,7 +41,7 @@ def test_other_bodies_stand_one_at_a_time_and_are_gone_when_the_run_goes_on(monk
     def count() -> int:
         return sum(model() is not None for model in made)
 
-    condensed, answers = accuracy.condensed, chain.with_answers
+    condensed, margins = accuracy.condensed, opening.with_margins
 
     @wraps(condensed)
     def counted(*asked):
@@ -52,10 +52,10 @@ def test_other_bodies_stand_one_at_a_time_and_are_gone_when_the_run_goes_on(monk
 
     def go_on(*asked):
         assert count() == 0
-        return answers(*asked)
+        return margins(*asked)
 
     monkeypatch.setattr(accuracy, "condensed", counted)
-    monkeypatch.setattr(chain, "with_answers", go_on)
+    monkeypatch.setattr(opening, "with_margins", go_on)
     result = fem_seal.run(case(load={"fluid_pressure": "5 bar"}))
     assert len(result.far_field) == 2
     # on coarser elements stands while the other two are compared with it
@@ -73,7 +73,7 @@ def test_the_comparison_of_laws_needs_no_table_of_its_own(monkeypatch):
         made.extend([before, _conductivity_table.cache_info().misses - before])
         return found
 
-    monkeypatch.setattr(chain, "interface_variants", compared)
+    monkeypatch.setattr(variants, "interface_variants", compared)
     _conductivity_table.cache_clear()
     first, second = fem_seal.run(case(load={"fluid_pressure": ["2 bar", "20 bar"]})).interface_variants
     of_the_loads, of_the_comparison = made

@@ -9,10 +9,9 @@ from dataclasses import replace
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from sample_results import STEEL, ball, case, cone, rough_result, with_capped
+from sample_results import STEEL, ball, case, cone, judged_anew, rough_result, with_capped
 
 import fem_seal
-from fem_seal.answers.chain import _with_judgement
 from fem_seal.answers.judgement import Judgement, Limit, Verdict, Why
 from fem_seal.answers.leakage_class import leakage_classes, next_class
 from fem_seal.answers.verdict import limits, seal_judgement
@@ -52,11 +51,17 @@ def with_ends(load, low, high):
     return with_capped(load.knowing(leak=of_low, mesh_error=None), of_high)
 
 
+def with_worst(result, judged):
+    """A judged result whose load that decides is judged like that."""
+    of = replace(result.judgement, worst=judged)
+    return result.answered(verdict=replace(result.answers["verdict"], seal=of))
+
+
 def required(result=None, missing=None, **table):
     """A solved result with a requirement, judged as the chain does."""
     result = rough_result() if result is None else result
     changed = replace(result, case=result.case.replace({"requirement": table}))
-    return _with_judgement(changed, missing or {})
+    return judged_anew(replace(changed, missing=missing or {}))
 
 
 @pytest.mark.parametrize(
@@ -657,7 +662,7 @@ def test_less_than_a_molecule_per_hour_is_told_as_none_measurable():
     # the number itself is kept
     assert judged.verdict == "pass" and judged.margin == pytest.approx(1e-9 / 8e-62)
     solved = required(leak_rate="1e-3 m^3/s")
-    said = verdict_sentences(replace(solved, judgement=replace(solved.judgement, worst=judged)))[0]
+    said = verdict_sentences(with_worst(solved, judged))[0]
     assert said.startswith("Pass at 20 bar: none measurable, less than a cubic nanometre per hour, and ")
     assert said.endswith("a margin of more than a million.")
 
@@ -703,6 +708,6 @@ def test_a_gas_has_one_state_on_its_page_and_a_limit_in_another_says_so():
     judged = Judgement.of(limit, (1e-9, 2e-9))
     solved = required(leak_rate="1e-3 m^3/s")
     shown = replace(solved, case=solved.case.replace({"fluid": {"name": "nitrogen"}}))
-    sentences = verdict_sentences(replace(shown, judgement=replace(solved.judgement, worst=judged)))
+    sentences = verdict_sentences(with_worst(shown, judged))
     assert "is allowed (required, 1 Nml/min)" in sentences[0]
     assert "Volumes are those of the gas at 20 °C and 1.01325 bar." in sentences

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from pathlib import Path
+from unittest.mock import Mock
 
 import pytest
 from sample_results import STEEL, ball, case, cone, run_loads
@@ -122,7 +123,7 @@ def test_of_a_body_that_yields_it_is_not_looked_for_unless_asked(monkeypatch):
         {**{f"load.{key}": value for key, value in load.items()}, "mesh.contact_size": "40 um"}
     )
     # the forces without the interval are not what this is about
-    monkeypatch.setattr("fem_seal.answers.chain.with_answers", lambda solver, loads, after: (loads, ()))
+    monkeypatch.setattr("fem_seal.answers.target.contacts_at_target", Mock(side_effect=KeyError("not asked")))
     told = []
 
     def search(result, alone, *, progress):
@@ -144,10 +145,10 @@ def test_of_a_body_that_yields_it_is_not_looked_for_unless_asked(monkeypatch):
     (tile,) = [one for one in valve_facts(plain, plain.loads[0]) if one[0] == "Force for a pass"]
     assert tile[1] == "not looked for"
     with pytest.MonkeyPatch.context() as few:
-        few.setattr("fem_seal.answers.chain.on_coarser_mesh", lambda *given: None)
-        few.setattr("fem_seal.answers.chain.discretisation_error", lambda *given: NOT_ESTIMATED)
-        few.setattr("fem_seal.answers.chain.far_field", lambda *given: ())
-        few.setattr("fem_seal.answers.chain.interface_variants", lambda *given: ())
+        few.setattr("fem_seal.answers.accuracy.on_coarser_mesh", lambda *given: None)
+        few.setattr("fem_seal.answers.accuracy.discretisation_error", lambda *given: NOT_ESTIMATED)
+        few.setattr("fem_seal.answers.accuracy.far_field", lambda *given: ())
+        few.setattr("fem_seal.answers.variants.interface_variants", lambda *given: ())
         asked = fem_seal.run(of, progress, levers=False, verdict_force=True)
     # a run of the search tells what it does, and who is told may leave it
     assert told[told.index("trying") + 1] == "meshing closure and seat"

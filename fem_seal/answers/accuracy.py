@@ -6,17 +6,20 @@ import math
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
+from fem_seal.answers.answer import Answer, Inquiry, Loads
 from fem_seal.bodies.supports import Supports
 from fem_seal.contact.model import ContactModel
 from fem_seal.contact.plastic_step import PlasticSettings
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError, InputError
 from fem_seal.profile import tightest
-from fem_seal.seal.load_result import DiscretisationError
+from fem_seal.seal.load_result import DiscretisationError, strongest_load
 from fem_seal.seal.load_solver import LoadSolver, solve_load
 from fem_seal.seal.problem import SealProblem, condensed
+from fem_seal.seal.solved_seal import SolvedSeal
 from meshes import GeometryError, MeshingError, SealMesh, Sizing, build_contact
 
 if TYPE_CHECKING:
@@ -207,3 +210,37 @@ def _variations(solver: LoadSolver, mesh: SealMesh) -> Iterator[tuple[str, Calla
         "holding its wall" if free else "leaving its wall free",
         lambda: condensed(other, mesh, known),
     )
+
+
+@dataclass(frozen=True)
+class Accuracy:
+    """How far the strongest load can be trusted.
+
+    Parameters
+    ----------
+    error : DiscretisationError
+    far_field : tuple of Comparison
+        What another housing and another support of its wall do to it.
+    """
+
+    error: DiscretisationError = NOT_ESTIMATED
+    far_field: tuple[Comparison, ...] = ()
+
+
+def _compute(seal: SolvedSeal, ask: Inquiry) -> Accuracy:
+    # the bodies on coarser elements are gone when this is done
+    sizing, strongest = seal.seal_mesh.sizing, strongest_load(seal.loads)
+    with ask.step("error", "estimating the discretisation error"):
+        coarser = on_coarser_mesh(seal.problem, sizing, strongest)
+        estimate = partial(discretisation_error, seal.loads[strongest].contact, coarser, sizing)
+        error = ask.steps.compute(ACCURACY.what, estimate, NOT_ESTIMATED)
+    with ask.step("far field", "comparing sizes and supports far from the contact"):
+        far = ask.steps.compute("influence of the far field", partial(far_field, coarser), ())
+    return Accuracy(error, far)
+
+
+def _told(loads: Loads, found: Accuracy) -> Loads:
+    return [load.knowing(mesh_error=found.error) for load in loads]
+
+
+ACCURACY = Answer[Accuracy]("accuracy", "discretisation error", _compute, Accuracy(), told=_told)

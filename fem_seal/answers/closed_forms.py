@@ -289,7 +289,7 @@ def _force_for_target(problem: SealProblem, fluid_pressure: float) -> float | No
     target = problem.loads.target_leak_rate
     if target is None:
         return None
-    from fem_seal.answers.target import expected_contact_force
+    from fem_seal.answers.expected_force import expected_contact_force
     from fem_seal.seal.seal_flow import SealFlow
 
     flow = SealFlow.of(problem)

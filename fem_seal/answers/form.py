@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem_seal.answers.answer import Answer, Inquiry
 from fem_seal.answers.leakage_class import leakage_classes, test_of
 from fem_seal.answers.verdict import limits
 from fem_seal.errors import ConvergenceError, OpenSealError
@@ -18,6 +19,7 @@ from fem_seal.seal.circumference import Around, LeakCurve, around_after
 from fem_seal.seal.leak_model import as_first_loaded
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.problem import largest_force
+from fem_seal.seal.solved_seal import SolvedSeal
 from leak import Scratch, deepest_scratch
 from leak.numerics.roots import root_between
 
@@ -416,3 +418,16 @@ def _largest(leak_rate: Callable[[float], float], allowed: float, start: float, 
         if above > high:
             return math.inf
     return math.exp(root_between(excess, low, above, xtol=_ACCURACY))
+
+
+def _compute(seal: SolvedSeal, ask: Inquiry) -> FormAnswers:
+    case = seal.case
+    assert case.form is not None  # of `applies`
+    with ask.step("form", "what the form error means"):
+        given = case.form.error(case.contact.angle, case.touch_radius)
+        return form_answers(ask.solver, case, seal.highest, given)
+
+
+FORM = Answer[FormAnswers | None](
+    "form", "answers about the form error", _compute, None, lambda seal, wanted: seal.case.form is not None
+)

@@ -1,16 +1,102 @@
-"""How far a load is from opening the seal, in force and in pressure, and how many digits its numbers are worth."""
+"""The fluid pressure that opens the seal, and how far a load is from it, in force and in pressure."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
+from functools import partial
 
-from fem_seal.loads import PressureSide
+import numpy as np
+
+from fem_seal.answers.answer import Answer, Inquiry, Loads
+from fem_seal.arrays import FloatArray
+from fem_seal.contact.penetration import effective_radius
+from fem_seal.loads import PressureSide, blow_off_of_sealed_area
 from fem_seal.seal.load_result import LoadResult, OpeningMargin
+from fem_seal.seal.load_solver import LoadSolver
+from fem_seal.seal.problem import SealProblem, condensed, sizing
+from fem_seal.seal.solved_seal import SolvedSeal
+from meshes import build_contact
 
-if TYPE_CHECKING:
-    from fem_seal.seal.load_solver import LoadSolver
+
+@dataclass(frozen=True)
+class Opening:
+    """What opens the seal at one load; each as the attribute of `LoadResult` of its name.
+
+    Parameters
+    ----------
+    effective_radius, blow_off_pressure : float or None
+        [m], [Pa]
+    opening : OpeningMargin or None
+    """
+
+    effective_radius: float | None
+    blow_off_pressure: float | None
+    opening: OpeningMargin | None
+
+
+def _compute(seal: SolvedSeal, ask: Inquiry) -> tuple[Opening, ...]:
+    solver, of = ask.solver, seal.problem.loads
+    penetrates = of.closing == "penetration"
+
+    def key(load: LoadResult) -> tuple[float, int | None]:
+        """What the pressure depends on: the applied force, and of bodies that yield the contact."""
+        return load.applied_force, id(load.contact) if solver.yields else None
+
+    with ask.step("questions", "blow-off and force for the target leak rate"):
+        asked = penetrates or of.pressure_side == "inner"
+        # elastic bodies are the same after every load
+        different = {key(load): load for load in reversed(seal.loads)} if asked else {}
+        opens = {
+            one: ask.steps.compute(
+                f"pressure that opens the seal under {load.applied_force:.6g} N",
+                partial(solver.blow_off_pressure, load.applied_force, load.contact),
+                None,
+            )
+            for one, load in different.items()
+        }
+        loads = tuple(
+            load.knowing(
+                effective_radius=effective_radius(load.contact, load.fluid_pressure) if penetrates else None,
+                blow_off_pressure=opens.get(key(load)),
+            )
+            for load in seal.loads
+        )
+        loads = ask.steps.compute(OPENING.what, partial(with_margins, solver, loads), loads)
+    return tuple(Opening(one.effective_radius, one.blow_off_pressure, one.opening) for one in loads)
+
+
+def _told(loads: Loads, found: tuple[Opening, ...]) -> Loads:
+    return [load.knowing(**vars(one)) for load, one in zip(loads, found, strict=True)] if found else loads
+
+
+OPENING = Answer[tuple[Opening, ...]]("opening", "margin to opening", _compute, (), told=_told)
+
+
+def blow_off_pressures(problem: SealProblem) -> FloatArray:
+    """Fluid pressure at which the seal opens under the force of spring or actuator of each load [Pa], shape (loads,).
+
+    Infinite where the fluid does not lift the closure.
+
+    Parameters
+    ----------
+    problem : SealProblem
+        Its fluid pressures only size the mesh.
+
+    Raises
+    ------
+    ConvergenceError
+    """
+    applied = [force for _, force in problem.loads.points]
+    forces = [share * abs(force) for force in applied for share in (1.0, 0.1) if force]
+    if problem.loads.closing == "sealed-area" or not forces:
+        radius, side = problem.touch_radius, problem.loads.pressure_side
+        return np.array([blow_off_of_sealed_area(radius, force, side) for force in applied])
+    mesh = build_contact(problem.contact, sizing(problem, forces=forces))
+    solver = LoadSolver(problem, condensed(problem, mesh))
+    known = {force: solver.blow_off_pressure(force) for force in dict.fromkeys(applied)}
+    return np.array([known[force] for force in applied])
 
 
 def with_margins(solver: LoadSolver, loads: Sequence[LoadResult]) -> tuple[LoadResult, ...]:

@@ -11,11 +11,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 import leak
+from fem_seal.answers.answer import Answer, Inquiry, Wanted
 from fem_seal.arrays import FloatArray
 from fem_seal.profile import PressureProfile
 from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.leak_model import RoughFlow, as_first_loaded
 from fem_seal.seal.load_result import LoadResult
+from fem_seal.seal.solved_seal import SolvedSeal
 
 if TYPE_CHECKING:
     from leak import GapDistribution, ParticleCounts, Paths
@@ -282,3 +284,19 @@ def _size_that_leaves(kept: float, sizes: FloatArray, share: FloatArray) -> floa
         math.log(1.0 - kept), np.log(np.maximum(lost[k - 1 : k + 1], 1e-9)), np.log(sizes[k - 1 : k + 1])
     )
     return math.exp(float(at))
+
+
+def _applies(seal: SolvedSeal, wanted: Wanted) -> bool:
+    return seal.case.fluid is not None and seal.case.fluid.particles is not None
+
+
+def _compute(seal: SolvedSeal, ask: Inquiry) -> tuple[ParticleAnswers, ...]:
+    fluid = seal.case.fluid
+    assert fluid is not None and fluid.particles is not None  # of `applies`
+    with ask.step("particles", "what particles in the fluid do to the leak"):
+        return particle_answers(seal.loads, fluid.particles.counts)
+
+
+PARTICLES = Answer[tuple[ParticleAnswers, ...]](
+    "particles", "answers about particles in the fluid", _compute, (), _applies
+)

@@ -14,7 +14,9 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+from fem_seal.answers.answer import Answer, Inquiry, Wanted
 from fem_seal.answers.uncertainty import changed_surface, stiffer, stiffer_bodies
+from fem_seal.answers.verdict import VERDICT
 from fem_seal.case.fields import Quantity, quantities_of
 from fem_seal.case.roughness import self_affine_part
 from fem_seal.errors import SealError
@@ -386,3 +388,18 @@ def _exponents(before: Rates, after: Rates, factor: float) -> tuple[float, float
         return math.nan, math.nan
     found = [math.log(far / near) / math.log(factor) for near, far in zip(before, after, strict=True)]
     return found[0], found[-1]
+
+
+def _compute(seal: SolvedSeal, ask: Inquiry) -> tuple[Lever, ...]:
+    judged = VERDICT.of(ask.answers).seal
+    with ask.step("levers", "what changes the leak rate most"):
+        return levers(seal, None if judged is None else judged.number)
+
+
+def _applies(seal: SolvedSeal, wanted: Wanted) -> bool:
+    # of a path of loads they take as long as a dozen paths: only if they are asked for
+    unasked = seal.case.requirement is not None and not seal.problem.curves
+    return unasked if wanted.levers is None else wanted.levers
+
+
+LEVERS = Answer[tuple[Lever, ...]]("levers", "levers on the leak rate", _compute, (), _applies)

@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, Self
 
+from fem_seal.answers.accuracy import ACCURACY
+from fem_seal.answers.form import FORM
+from fem_seal.answers.particles import PARTICLES
+from fem_seal.answers.sensitivities import LEVERS
+from fem_seal.answers.uncertainty import UNCERTAINTY
+from fem_seal.answers.variants import INTERFACE_VARIANTS, THEORY_VARIANTS
+from fem_seal.answers.verdict import VERDICT
 from fem_seal.seal.load_result import highest_load, strongest_load
 from fem_seal.seal.solved_seal import SolvedSeal
 
 if TYPE_CHECKING:
     from fem_seal.answers.accuracy import Comparison
-    from fem_seal.answers.form import FormAnswers
     from fem_seal.answers.judgement import JudgedLoad, Judgement, SealJudgement, Verdict
-    from fem_seal.answers.particles import ParticleAnswers
-    from fem_seal.answers.sensitivities import Lever
-    from fem_seal.answers.uncertainty import LeakInterval
-    from fem_seal.answers.variants import TheoryVariant
     from fem_seal.seal.load_result import DiscretisationError
 
 
@@ -23,21 +26,40 @@ if TYPE_CHECKING:
 class SealSolution(SolvedSeal):
     """Everything that a case gave, as numbers.
 
-    `SealResult` has its table and its files besides; see there for the fields.
+    `SealResult` has its table and its files besides; see there for the answers.
     """
 
     loads: tuple[JudgedLoad, ...]
-    discretisation_error: DiscretisationError
-    far_field: tuple[Comparison, ...] = ()
-    form: FormAnswers | None = None
-    particles: tuple[ParticleAnswers, ...] = ()
-    interface_variants: tuple[Comparison, ...] = ()
-    theory_variants: tuple[TheoryVariant, ...] = ()
-    uncertainty: LeakInterval | None = None
-    judgement: SealJudgement | None = None
-    levers: tuple[Lever, ...] = ()
+    answers: Mapping[str, Any] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
     timings: dict[str, float] = field(default_factory=dict)
+
+    accuracy = ACCURACY
+    form = FORM
+    particles = PARTICLES
+    interface_variants = INTERFACE_VARIANTS
+    theory_variants = THEORY_VARIANTS
+    uncertainty = UNCERTAINTY
+    levers = LEVERS
+
+    def answered(self, **answers: object) -> Self:
+        """The same with other answers, by their names."""
+        return replace(self, answers={**self.answers, **answers})
+
+    @property
+    def discretisation_error(self) -> DiscretisationError:
+        """Of the strongest load."""
+        return self.accuracy.error
+
+    @property
+    def far_field(self) -> tuple[Comparison, ...]:
+        """What another housing and another support of its wall do to the strongest load."""
+        return self.accuracy.far_field
+
+    @property
+    def judgement(self) -> SealJudgement | None:
+        """Whether the seal keeps what [requirement] asks of it; None without one."""
+        return VERDICT.of(self.answers).seal
 
     @property
     def strongest(self) -> JudgedLoad:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
+from fem_seal.answers.answer import Answer, Inquiry
 from fem_seal.answers.response_surface import ResponseSurface, fit
 from fem_seal.arrays import FloatArray
 from fem_seal.case.checks import problems_with_uncertainty
@@ -863,3 +864,18 @@ def _reshaped(case: Case, key: str, factors: Mapping[str, float]) -> PowerSpectr
         q_rolloff=min(max(given.q_rolloff * factors.get("q_rolloff", 1.0), given.q_low), q_high),
         q_high=q_high,
     )
+
+
+def _compute(seal: SolvedSeal, ask: Inquiry) -> LeakInterval:
+    with ask.step("uncertainty", "leak rates of uncertain inputs"):
+        return leak_interval(seal, progress=ask.clock.progress)
+
+
+UNCERTAINTY = Answer[LeakInterval | None](
+    "uncertainty",
+    "interval of the leak rates",
+    _compute,
+    None,
+    lambda seal, wanted: seal.case.sampled is not None,
+    lambda loads, found: loads if found is None else found.of(loads),
+)

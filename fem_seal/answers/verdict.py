@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from fem_seal.answers.answer import Answer, Inquiry, Loads
 from fem_seal.answers.judgement import (
     JudgedLoad,
     Judgement,
@@ -17,7 +19,9 @@ from fem_seal.answers.judgement import (
     severity,
 )
 from fem_seal.answers.leakage_class import nominal_size, test_of
+from fem_seal.answers.uncertainty import UNCERTAINTY
 from fem_seal.case.leak_rate import Bubbles
+from fem_seal.seal.solved_seal import SolvedSeal
 
 if TYPE_CHECKING:
     from fem_seal.case.case import Case
@@ -203,3 +207,41 @@ def _yield_stress(load: LoadResult, body: str) -> float | None:
     return {"closure": load.contact.model.closure, "seat": load.contact.model.seat}[
         body
     ].material.yield_stress
+
+
+@dataclass(frozen=True)
+class Judgements:
+    """What is said of a seal and of each of its loads.
+
+    Parameters
+    ----------
+    seal : SealJudgement or None
+    of_loads : tuple of Judgement or None
+    """
+
+    seal: SealJudgement | None = None
+    of_loads: tuple[Judgement | None, ...] = ()
+
+
+def _compute(seal: SolvedSeal, ask: Inquiry) -> Judgements:
+    open_inputs = seal.problem.usual_only or seal.case.sampled is not None
+    sampled = UNCERTAINTY.of(ask.answers) is not None or not open_inputs
+    loads = with_judgements(seal.case, seal.loads, sampled=sampled)
+    found = seal_judgement(seal.case, loads, seal.missing, seal.problem.hardness)
+    return Judgements(found, tuple(load.judgement for load in loads))
+
+
+def _told(loads: Loads, found: Judgements) -> Loads:
+    if not found.of_loads:
+        return loads
+    return [load.knowing(judgement=one) for load, one in zip(loads, found.of_loads, strict=True)]
+
+
+VERDICT = Answer[Judgements](
+    "verdict",
+    "verdict on the requirement",
+    _compute,
+    Judgements(),
+    lambda seal, wanted: seal.case.requirement is not None,
+    _told,
+)

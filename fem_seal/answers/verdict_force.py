@@ -3,32 +3,35 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
+from fem_seal.answers.accuracy import discretisation_error, on_coarser_mesh
+from fem_seal.answers.answer import Answer, Inquiry, Loads, Wanted
+from fem_seal.answers.expected_force import expected_contact_force
+from fem_seal.answers.findings import of_earlier, validity_after
 from fem_seal.answers.judgement import Judgement, Verdict, VerdictForce
-from fem_seal.answers.target import expected_contact_force
+from fem_seal.answers.uncertainty import leak_interval
 from fem_seal.answers.verdict import judgements
 from fem_seal.contact.refit import solve_fitted
 from fem_seal.errors import ConvergenceError, InputError, OpenSealError
 from fem_seal.seal.leak_model import RoughFlow
 from fem_seal.seal.load_result import LoadResult
-from fem_seal.seal.load_solver import LoadSolver, Progress
+from fem_seal.seal.load_solver import Clock, LoadSolver, Progress, model_and_contacts
 from fem_seal.seal.problem import condensed, largest_force, sizing
 from fem_seal.seal.seal_flow import SealFlow
+from fem_seal.seal.solved_seal import SolvedSeal
 from fem_seal.units import briefly
 from fem_seal.validity.checks import load_validity
 from leak.numerics.roots import root_between
 from meshes import build_contact
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from fem_seal.contact.solution import ContactSolution
     from fem_seal.seal.problem import SealProblem
-    from fem_seal.seal.solved_seal import SolvedSeal
     from meshes import Sizing
 
 # ln of the upper end over the limit is kept within this: sealed and open are something, too.
@@ -319,3 +322,58 @@ def _excess(judged: Judgement) -> float:
         # of what must not be seen there is no margin
         return 1.0 if math.isnan(judged.margin) else _FAR
     return min(-math.log(judged.margin), _FAR)
+
+
+# Where a body yields the force takes minutes: only if it is asked for.
+_TOO_DEAR = VerdictForce(
+    None,
+    "where a body yields every force that is tried is a whole path of loads; in Python "
+    "fem_seal.run(case, verdict_force=True) asks for it",
+    looked_for=False,
+)
+
+
+def _compute(seal: SolvedSeal, ask: Inquiry) -> Sequence[VerdictForce]:
+    if ask.wanted.verdict_force is None and seal.problem.curves:
+        return [_TOO_DEAR] * len(seal.loads)
+    progress = ask.clock.progress
+    with ask.step("verdict force", VERDICT_FORCE.what):
+        return forces_for_verdict(seal, partial(_alone, seal, progress), progress=progress)
+
+
+def _alone(seal: SolvedSeal, progress: Progress, fluid_pressure: float, applied_force: float) -> LoadResult:
+    """One load of a case that has no other, with validity, mesh error and samples."""
+    point = fluid_pressure, applied_force
+    loads = replace(seal.problem.loads, points=(point,), refused={}, target_leak_rate=None)
+    problem = replace(seal.problem, loads=loads)
+    clock = Clock(progress)
+    seal_mesh, model, solved = model_and_contacts(problem, clock)
+    (formed,) = solved.around
+    load = LoadResult(*point, solved.contacts[0], formed=formed)
+    load = load.knowing(rough=RoughFlow.of(problem.surface, problem.flow, load.contacts))
+    with clock.step("error", "estimating the discretisation error"):
+        coarser = on_coarser_mesh(problem, seal_mesh.sizing, 0)
+        error = discretisation_error(load.contact, coarser, seal_mesh.sizing)
+    validity = validity_after(problem, load, error, of_earlier(problem, solved.earlier, error))
+    load = load.knowing(mesh_error=error, validity=validity)
+    if seal.case.sampled is None or validity.outside:
+        return load
+    alone = SolvedSeal(seal.case, problem, seal_mesh, model, (load,), earlier=solved.earlier)
+    (load,) = leak_interval(alone, progress=progress).of(alone.loads)
+    return load
+
+
+def _applies(seal: SolvedSeal, wanted: Wanted) -> bool:
+    asked = wanted.verdict_force is not False and seal.case.load.target_leak_rate is not None
+    return asked and seal.problem.leaks
+
+
+def _told(loads: Loads, found: Sequence[VerdictForce]) -> Loads:
+    if not found:
+        return loads
+    return [load.knowing(verdict_force=one) for load, one in zip(loads, found, strict=True)]
+
+
+VERDICT_FORCE = Answer[Sequence[VerdictForce]](
+    "verdict_force", "force with which the verdict passes", _compute, (), _applies, _told
+)

@@ -418,8 +418,8 @@ def _made(folder: Path) -> Path:
 
 
 def _remarks(case: Case) -> list[str]:
-    from fem_seal.answers.left_out import left_out
     from fem_seal.materials import creep_remarks
+    from fem_seal.seal.left_out import left_out
     from fem_seal.seal.problem import SealProblem
     from fem_seal.validity.materials import temperature_cautions
 
@@ -441,7 +441,7 @@ def _remarks(case: Case) -> list[str]:
     remarks.extend(one.text for one in temperature_cautions(problem))
     remarks.extend(one.text for one in left_out(problem.loads, problem.loads.refused))
     if case.load.target_leak_rate is not None:
-        from fem_seal.answers.target import target_remarks
+        from fem_seal.answers.expected_force import target_remarks
 
         remarks.extend(target_remarks(problem))
     return remarks

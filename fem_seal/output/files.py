@@ -7,7 +7,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from fem_seal.answers.afterwards import Afterwards
 from fem_seal.output.around import write_around_csv
 from fem_seal.output.folders import replaced_together
 from fem_seal.output.particles import write_particles_csv
@@ -15,6 +14,7 @@ from fem_seal.output.report.page import write_report
 from fem_seal.output.summary import write_summary
 from fem_seal.output.tables import write_imprint_csv, write_leak_csv, write_profile_csv, write_variants_csv
 from fem_seal.output.vtk import write_around, write_contact, write_contact_line, write_unloaded
+from fem_seal.seal.optional_steps import OptionalSteps
 
 if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
@@ -42,18 +42,18 @@ def write(result: SealSolution, folder: Path) -> tuple[str, ...]:
     OutputError
         If a file cannot be written.
     """
-    folder, after = Path(folder), Afterwards()
+    folder, steps = Path(folder), OptionalSteps()
     with replaced_together(folder) as draft:
         write_leak_csv(result, draft / "leak.csv")
         write_profile_csv(result, draft / "profile.csv")
         for name, write_one in _FILES.items():
             # a full disc concerns the other files as well
-            with after.going_on(name, but=OSError):
+            with steps.attempt(name, but=OSError):
                 write_one(result, draft)
-        with after.going_on("summary.json", but=OSError):
-            told = (*result.warnings, *after.failures)
+        with steps.attempt("summary.json", but=OSError):
+            told = (*result.warnings, *steps.failures)
             write_summary(replace(result, warnings=told), draft / "summary.json", folder)
-    return tuple(after.failures)
+    return tuple(steps.failures)
 
 
 def _vtk(result: SealSolution, folder: Path) -> None:

@@ -595,11 +595,14 @@ class Clock:
 
     @contextmanager
     def step(self, name: str, text: str) -> Iterator[None]:
-        """Time what happens inside; a step that comes again adds to its time."""
-        self.progress(text)
+        """Time what happens inside, told in words unless these are empty; a step that comes again adds to its time."""
+        if text:
+            self.progress(text)
         start = time.perf_counter()
-        yield
-        self.timings[name] = self.timings.get(name, 0.0) + time.perf_counter() - start
+        try:
+            yield
+        finally:
+            self.timings[name] = self.timings.get(name, 0.0) + time.perf_counter() - start
 
 
 def model_and_contacts(

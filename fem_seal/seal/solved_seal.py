@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Self
 
@@ -13,7 +13,9 @@ if TYPE_CHECKING:
     from fem_seal.contact.load_path import Unloaded
     from fem_seal.contact.model import ContactModel
     from fem_seal.contact.solution import ContactSolution
+    from fem_seal.errors import LoadProblem
     from fem_seal.profile import PressureProfile
+    from fem_seal.seal.findings import Caution
     from fem_seal.seal.problem import SealProblem
     from leak import RoughContact
     from meshes import SealMesh
@@ -37,6 +39,10 @@ class SolvedSeal:
         Residual stress and imprint after the last load; None if both bodies are elastic.
     earlier : ContactSolution or None
         At the largest load before those of the case; None without one.
+    missing : mapping
+        Fluid pressure [Pa] and applied force [N] of each load without a result, with the reason.
+    left_out : tuple of Caution
+        The same in words.
     """
 
     case: Case
@@ -46,6 +52,8 @@ class SolvedSeal:
     loads: tuple[LoadResult, ...]
     unloaded: Unloaded | None = None
     earlier: ContactSolution | None = None
+    missing: Mapping[tuple[float, float], LoadProblem] = field(default_factory=dict)
+    left_out: tuple[Caution, ...] = ()
 
     def with_loads(self, loads: Sequence[LoadResult]) -> Self:
         """The same seal, whose loads know more."""

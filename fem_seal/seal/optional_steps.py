@@ -1,4 +1,4 @@
-"""What comes after contact and leak: a step that fails is named, and costs none of the other results."""
+"""Optional steps: a failure becomes a warning, not an error."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ Other = TypeVar("Other")
 
 
 @dataclass(frozen=True)
-class Afterwards:
-    """Steps of which each may fail without harm to the others.
+class OptionalSteps:
+    """Steps each of which may fail without harm to the others.
 
     Parameters
     ----------
@@ -28,7 +28,7 @@ class Afterwards:
 
     failures: list[str] = field(default_factory=list)
 
-    def get(self, what: str, calculate: Callable[[], Value], otherwise: Other) -> Value | Other:
+    def compute(self, what: str, calculate: Callable[[], Value], otherwise: Other) -> Value | Other:
         """What `calculate` gives or, if it fails, `otherwise`.
 
         Parameters
@@ -38,26 +38,26 @@ class Afterwards:
         calculate : callable
         otherwise : object
         """
-        with self.going_on(what):
+        with self.attempt(what):
             return calculate()
         return otherwise
 
-    def settled(self, one: Asked, steps: Mapping[str, str], otherwise: object = None) -> Asked:
+    def compute_values(self, one: Asked, steps: Mapping[str, str], otherwise: object = None) -> Asked:
         """A lazy object with some of its values worked out; those that fail are known to be `otherwise`.
 
         Parameters
         ----------
         one : Lazy
         steps : mapping
-            Name of each value, with what it is for `get`.
+            Name of each value, with what it is for `compute`.
         otherwise : object
         """
         for name, what in steps.items():
-            one = one.knowing(**{name: self.get(what, partial(getattr, one, name), otherwise)})
+            one = one.knowing(**{name: self.compute(what, partial(getattr, one, name), otherwise)})
         return one
 
     @contextmanager
-    def going_on(self, what: str, *, but: type[Exception] = OutputError) -> Iterator[None]:
+    def attempt(self, what: str, *, but: type[Exception] = OutputError) -> Iterator[None]:
         """Name what fails inside, and go on after it.
 
         A file that cannot be written is not told here but to the caller, as is an interruption: the disc or the user
@@ -66,7 +66,7 @@ class Afterwards:
         Parameters
         ----------
         what : str
-            See `get`.
+            See `compute`.
         but : type of exception
             What stops everything.
         """
@@ -76,9 +76,9 @@ class Afterwards:
             raise
         except Exception as error:
             # any: what is shown beside a result must never be the reason for having none
-            self.name(what, error)
+            self.name_failure(what, error)
 
-    def name(self, what: str, error: Exception) -> None:
+    def name_failure(self, what: str, error: Exception) -> None:
         """Name a failure that was met elsewhere."""
         self.failures.append(
             f"{what}: could not be calculated ({error_text(error)}); all else is not affected"

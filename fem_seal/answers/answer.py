@@ -1,0 +1,121 @@
+"""What all answers have in common: a name, when they apply, and how they are computed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractContextManager
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Any, Generic, TypeVar, overload
+
+from fem_seal.seal.load_result import LoadResult
+from fem_seal.seal.load_solver import Clock, LoadSolver
+from fem_seal.seal.optional_steps import OptionalSteps
+from fem_seal.seal.solved_seal import SolvedSeal
+
+T = TypeVar("T")
+Loads = Sequence[LoadResult]
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What is asked for beside what the case itself asks; None leaves it to the answer.
+
+    Parameters
+    ----------
+    levers, verdict_force : bool or None
+        See `fem_seal.run`.
+    """
+
+    levers: bool | None = None
+    verdict_force: bool | None = None
+
+
+NOTHING_ELSE = Wanted()
+
+
+@dataclass(frozen=True)
+class Inquiry:
+    """What an answer may use besides the solved seal.
+
+    Parameters
+    ----------
+    solver : LoadSolver
+        Of the seal's model, shared by all answers.
+    clock : Clock
+    wanted : Wanted
+    steps : OptionalSteps
+        For parts of an answer that may fail by themselves.
+    answers : dict
+        Those before it, by name.
+    """
+
+    solver: LoadSolver
+    clock: Clock
+    wanted: Wanted = NOTHING_ELSE
+    steps: OptionalSteps = field(default_factory=OptionalSteps)
+    answers: dict[str, Any] = field(default_factory=dict)
+
+    def step(self, name: str, text: str = "") -> AbstractContextManager[None]:
+        """Time what happens inside under a name, and tell in words what is being done."""
+        return self.clock.step(name, text)
+
+
+def _unchanged(loads: Loads, found: object) -> Loads:
+    return loads
+
+
+@dataclass(frozen=True)
+class Answer(Generic[T]):
+    """One thing that is asked of a solved seal.
+
+    As an attribute of a class with ``answers`` it is what was found, or `otherwise`.
+
+    Parameters
+    ----------
+    name : str
+        Under which it stands in `SealResult.answers`.
+    what : str
+        Subject of the sentence where it fails.
+    compute : callable
+        Gives the answer to a solved seal and an `Inquiry`; it times itself with `Inquiry.step`.
+    otherwise : object
+        The answer where it does not apply or fails.
+    applies : callable
+        Whether it is asked of a solved seal; always unless given.
+    told : callable
+        Gives the loads with what the answer knows of each of them; the same loads unless given.
+    """
+
+    name: str
+    what: str
+    compute: Callable[[SolvedSeal, Inquiry], T]
+    otherwise: T
+    applies: Callable[[SolvedSeal, Wanted], bool] = lambda seal, wanted: True
+    told: Callable[[Loads, T], Loads] = _unchanged
+
+    def found(self, seal: SolvedSeal, ask: Inquiry) -> T:
+        """The answer; a failure becomes a warning.
+
+        Parameters
+        ----------
+        seal : SolvedSeal
+        ask : Inquiry
+        """
+        if not self.applies(seal, ask.wanted):
+            return self.otherwise
+        return ask.steps.compute(self.what, partial(self.compute, seal, ask), self.otherwise)
+
+    def of(self, answers: Mapping[str, Any]) -> T:
+        """Itself among the answers of a result."""
+        found: T = answers.get(self.name, self.otherwise)
+        return found
+
+    @overload
+    def __get__(self, result: None, owner: type[Any]) -> Answer[T]: ...
+
+    @overload
+    def __get__(self, result: Any, owner: type[Any]) -> T: ...
+
+    def __get__(self, result: Any, owner: type[Any]) -> T | Answer[T]:
+        return self if result is None else self.of(result.answers)
