@@ -11,13 +11,14 @@ from sample_results import case, rough_result
 from fem_seal.answers.profile_leak import leak_of_profiles
 from fem_seal.cli import app as cli
 from fem_seal.errors import InputError
+from fem_seal.output.answers.target import valve_table
 from fem_seal.output.columns import (
     CHECK_ON_TERMINAL,
     COLUMNS,
     LEAK_ON_TERMINAL,
     PROFILE_LEAK_COLUMNS,
 )
-from fem_seal.output.report.tables import load_table, valve_table
+from fem_seal.output.report.tables import load_table
 from fem_seal.output.report.words import headline
 from fem_seal.output.tables import leak_rows, profile_leak_rows, write_profile_csv
 from fem_seal.seal.load_result import highest_load

@@ -13,7 +13,7 @@ from sample_results import case, run_loads, smooth_result
 import fem_seal
 from fem_seal.answers.chain import solve
 from fem_seal.answers.sensitivities import _round_step, levers
-from fem_seal.output.report.levers import lever_lines, ratio_in_words, step_in_words, told_levers
+from fem_seal.output.answers.sensitivities import lever_lines, ratio_in_words, step_in_words, told_levers
 from fem_seal.output.summary import summary
 from leak import Reading
 

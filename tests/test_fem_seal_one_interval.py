@@ -17,9 +17,9 @@ from fem_seal.answers.leakage_class import fluid_of_test, in_the_test
 from fem_seal.answers.leakage_class import test_of as ratios_of
 from fem_seal.explore.screen import shown_load
 from fem_seal.explore.words import leak_words
+from fem_seal.output.answers.uncertainty import interval_table
+from fem_seal.output.answers.verdict import verdict_sentences
 from fem_seal.output.report.page import report
-from fem_seal.output.report.tables import interval_table
-from fem_seal.output.report.verdict import verdict_sentences
 from fem_seal.output.report.words import facts, headline, leakage_lines
 from fem_seal.output.summary import summary
 from fem_seal.output.tables import leak_rows

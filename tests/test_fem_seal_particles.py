@@ -18,8 +18,8 @@ import leak
 from fem_seal import InputError
 from fem_seal.answers.particles import KEPT, particle_answers
 from fem_seal.cli.app import main
+from fem_seal.output.answers.particles import particle_table, particles_in_words
 from fem_seal.output.report.page import report
-from fem_seal.output.report.particles import particle_table, particles_in_words
 from fem_seal.result import SealResult
 from fem_seal.seal.findings import Caution, Level, Validity
 from leak import Reading

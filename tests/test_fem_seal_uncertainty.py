@@ -37,9 +37,9 @@ from fem_seal.answers.variants import theory_variants
 from fem_seal.case.roughness import UncertainHeight
 from fem_seal.case.uncertainty import Spread, Uncertainty
 from fem_seal.errors import InputError
+from fem_seal.output.answers.variants import variant_rows
 from fem_seal.output.report.page import report
 from fem_seal.output.summary import summary
-from fem_seal.output.tables import variant_rows
 from fem_seal.sampling import LogNormal, Normal, UncertainInput
 from fem_seal.seal.conductivity_tables import family_table
 from fem_seal.seal.leak_model import Flow

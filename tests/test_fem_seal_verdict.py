@@ -17,8 +17,7 @@ from fem_seal.answers.leakage_class import leakage_classes, next_class
 from fem_seal.answers.verdict import limits, seal_judgement
 from fem_seal.cli import app as cli
 from fem_seal.errors import ConvergenceError, InputError, LoadProblem
-from fem_seal.output.report.page import report
-from fem_seal.output.report.verdict import (
+from fem_seal.output.answers.verdict import (
     factor_text,
     next_class_in_words,
     requirement_lines,
@@ -26,6 +25,7 @@ from fem_seal.output.report.verdict import (
     verdict_lines,
     verdict_sentences,
 )
+from fem_seal.output.report.page import report
 from fem_seal.output.report.words import facts, leakage_lines
 from fem_seal.output.summary import summary
 from fem_seal.output.tables import leak_table

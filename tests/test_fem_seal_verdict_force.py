@@ -15,8 +15,8 @@ from fem_seal.answers.accuracy import NOT_ESTIMATED
 from fem_seal.answers.closed_forms import derive
 from fem_seal.answers.judgement import VerdictForce
 from fem_seal.answers.verdict_force import _begins
-from fem_seal.output.report.tables import valve_facts
-from fem_seal.output.report.verdict import force_to_pass, verdict_force_sentences, verdict_lines
+from fem_seal.output.answers.target import valve_facts
+from fem_seal.output.answers.verdict import force_to_pass, verdict_force_sentences, verdict_lines
 from fem_seal.output.report.words import reasons
 from fem_seal.output.summary import summary
 from leak import Reading

@@ -146,9 +146,9 @@ def check(
     """Check a case file and print the closed-form results, without solving."""
     from fem_seal.answers.closed_forms import closed_form_limits, derive, nearly_open, strain_limit
     from fem_seal.case.case import load_case
+    from fem_seal.output.answers.verdict import requirement_lines
     from fem_seal.output.derived import derived_numbers, requirement_numbers
     from fem_seal.output.finish import finish_rows
-    from fem_seal.output.report.verdict import requirement_lines
     from fem_seal.output.temperature import temperature_rows
     from fem_seal.seal.heating import warmed
 
@@ -638,15 +638,10 @@ def show_answers(result: SealSolution) -> None:
     ----------
     result : SealSolution
     """
-    from fem_seal.output.report.form import form_in_words
-    from fem_seal.output.report.levers import lever_lines
-    from fem_seal.output.report.particles import particles_in_words
-    from fem_seal.output.report.verdict import verdict_lines
+    from fem_seal.output import shown_answers
     from fem_seal.output.report.words import remembered
 
-    form = [] if result.form is None else form_in_words(result)
-    particles = particles_in_words(result) if result.particles else []
-    told = (remembered(result), form, particles, verdict_lines(result), lever_lines(result))
+    told = (remembered(result), *(one.lines(result) for one in shown_answers.SHOWN))
     for line in chain.from_iterable(told):
         say(line)
 

@@ -2,36 +2,25 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fem_seal.output.columns import AROUND_COLUMNS
-from fem_seal.output.tables import write_rows_csv
 from fem_seal.seal.readings import FURTHER
 
 if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
+    from fem_seal.output.tables import CsvTable
     from fem_seal.seal.load_result import LoadResult
 
 
-def write_around_csv(result: SealSolution, path: Path) -> Path | None:
-    """Write around.csv, atomically; None, and an old one is removed, if no load is known around the axis.
-
-    Parameters
-    ----------
-    result : SealSolution
-    path : pathlib.Path
-    """
-    rows = [row for load in result.loads for row in around_rows(load)]
-    if not rows:
-        path.unlink(missing_ok=True)
-        return None
-    return write_rows_csv(path, AROUND_COLUMNS, rows)
+def around_rows(result: SealSolution) -> CsvTable:
+    """Headings and rows, one for each angle of each load; none of a round seal."""
+    return AROUND_COLUMNS, [row for load in result.loads for row in _rows(load)]
 
 
-def around_rows(load: LoadResult) -> list[tuple[float | str, ...]]:
+def _rows(load: LoadResult) -> list[tuple[float | str, ...]]:
     """Rows of a load with `AROUND_COLUMNS`, one for each angle; none if it is that of a round seal.
 
     Parameters

@@ -7,12 +7,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from fem_seal.output.around import write_around_csv
+from fem_seal.output import shown_answers
+from fem_seal.output.around import around_rows
 from fem_seal.output.folders import replaced_together
-from fem_seal.output.particles import write_particles_csv
 from fem_seal.output.report.page import write_report
 from fem_seal.output.summary import write_summary
-from fem_seal.output.tables import write_imprint_csv, write_leak_csv, write_profile_csv, write_variants_csv
+from fem_seal.output.tables import CsvTable, imprint_rows, write_leak_csv, write_profile_csv, write_rows_csv
 from fem_seal.output.vtk import write_around, write_contact, write_contact_line, write_unloaded
 from fem_seal.seal.optional_steps import OptionalSteps
 
@@ -46,10 +46,18 @@ def write(result: SealSolution, folder: Path) -> tuple[str, ...]:
     with replaced_together(folder) as draft:
         write_leak_csv(result, draft / "leak.csv")
         write_profile_csv(result, draft / "profile.csv")
+        # a full disc concerns the other files as well
         for name, write_one in _FILES.items():
-            # a full disc concerns the other files as well
             with steps.attempt(name, but=OSError):
                 write_one(result, draft)
+        for name, table in [
+            *_TABLES.items(),
+            *(one for shown in shown_answers.SHOWN for one in shown.tables.items()),
+        ]:
+            with steps.attempt(name, but=OSError):
+                columns, rows = table(result)
+                if rows:
+                    write_rows_csv(draft / name, columns, rows)
         with steps.attempt("summary.json", but=OSError):
             told = (*result.warnings, *steps.failures)
             write_summary(replace(result, warnings=told), draft / "summary.json", folder)
@@ -63,18 +71,13 @@ def _vtk(result: SealSolution, folder: Path) -> None:
     write_unloaded(result, folder)
 
 
-def _variants(result: SealSolution, folder: Path) -> None:
-    if result.theory_variants:
-        write_variants_csv(result, folder / "variants.csv")
-
-
 # Files besides those of contact and leak: one that cannot be made costs none of the others.
 _FILES: dict[str, Callable[[SealSolution, Path], object]] = {
     "mesh.msh": lambda result, folder: result.seal_mesh.write(folder / "mesh.msh"),
     "VTK files": _vtk,
-    "imprint.csv": lambda result, folder: write_imprint_csv(result, folder / "imprint.csv"),
-    "around.csv": lambda result, folder: write_around_csv(result, folder / "around.csv"),
-    "variants.csv": _variants,
-    "particles.csv": lambda result, folder: write_particles_csv(result, folder / "particles.csv"),
     "report.html": lambda result, folder: write_report(result, folder / "report.html"),
+}
+_TABLES: dict[str, Callable[[SealSolution], CsvTable]] = {
+    "imprint.csv": imprint_rows,
+    "around.csv": around_rows,
 }

@@ -2,33 +2,26 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import asdict
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-
-import numpy as np
 
 from fem_seal.answers.closed_forms import derive
 from fem_seal.case.case import input_tables
 from fem_seal.contact.load_path import ElastoplasticContact, Unloaded
 from fem_seal.contact.yielding import PlasticZone, YieldedZone, yielding_of
 from fem_seal.files import as_json, write_text
+from fem_seal.output import shown_answers
 from fem_seal.output.case_words import chosen_dimensions
 from fem_seal.output.derived import derived_numbers
-from fem_seal.output.report.levers import ratio_in_words, step_in_words
-from fem_seal.output.report.verdict import verdict_sentences
-from fem_seal.output.report.words import far_field_sentence
 from fem_seal.output.sources import sources
-from fem_seal.output.tables import leak_rows, leakage_table, variant_rows
+from fem_seal.output.tables import leak_rows, leakage_table
 from fem_seal.seal.problem import exponential_law
-from fem_seal.seal.readings import FURTHER
 from fem_seal.version import __version__
 
 if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
-    from fem_seal.answers.uncertainty import LeakInterval
     from fem_seal.seal.load_result import LoadResult
 
 # Raised when a key of summary.json changes its meaning or goes away; new keys do not count.
@@ -73,46 +66,10 @@ def summary(result: SealSolution) -> dict[str, Any]:
         "yielding": [_yielding(load) for load in result.loads],
         "imprint": None if result.unloaded is None else _imprints(result.unloaded),
         "convergence": [_convergence(load) for load in result.loads],
-        "discretisation_error": asdict(result.discretisation_error),
-        "far_field": {
-            "changes": [_by_reading(asdict(change)) for change in result.far_field],
-            "says": far_field_sentence(result),
-        },
-        "form": None if result.form is None else _by_reading(asdict(result.form)),
-        "requirement": verdict_numbers(result),
-        "verdict_force": [
-            {"fluid_pressure_Pa": load.fluid_pressure, **asdict(load.verdict_force)}
-            for load in result.loads
-            if load.verdict_force is not None
-        ],
-        "levers": [
-            asdict(one) | {"says": f"{step_in_words(case, one)}: {ratio_in_words(one)}"}
-            for one in result.levers
-        ],
-        "particles": [asdict(answers) for answers in result.particles],
-        "interface_variants": [_by_reading(asdict(variant)) for variant in result.interface_variants],
-        "uncertainty": None if result.uncertainty is None else interval_numbers(result, result.uncertainty),
-        "theory_variants": variant_rows(result),
+        **{key: value for shown in shown_answers.SHOWN for key, value in shown.summary(result).items()},
         "warnings": list(result.warnings),
         "wall_times_s": dict(result.timings),
         "sources": [asdict(source) for source in sources(result)],
-    }
-
-
-# Where a dataclass has what something is in further readings, and what that is called in the file.
-_READ = {"others": "leak_rate", "allowed_others": "allowed"}
-
-
-def _by_reading(value: Any) -> Any:
-    """Entries of a dataclass, with one of its own for each further reading of yielding asperities."""
-    if isinstance(value, (list, tuple)):
-        return [_by_reading(one) for one in value]
-    if not isinstance(value, dict):
-        return value
-    found = {name: _by_reading(one) for name, one in value.items() if name not in _READ}
-    read = {name: value[name] for name in _READ if name in value}
-    return found | {
-        f"{_READ[name]}_{one}": others.get(one) for name, others in read.items() for one in FURTHER
     }
 
 
@@ -158,51 +115,6 @@ def mesh_numbers(result: SealSolution) -> dict[str, Any]:
         "smallest_shape": quality.smallest,
         "mean_shape": quality.mean,
         "area_error": quality.area_error,
-    }
-
-
-def interval_numbers(result: SealSolution, interval: LeakInterval) -> dict[str, Any]:
-    """Leak rates with their interval, and what is said about them; one entry per load in each list."""
-    low, high = np.transpose([ends or (math.nan, math.nan) for ends in result.leak_ranges]).tolist()
-    return {
-        "samples": interval.samples,
-        "seed": interval.seed,
-        "confidence": interval.confidence,
-        "calculated_samples": interval.runs,
-        "error_of_the_others": interval.error,
-        "leak_rate_low_m3_per_s": low,
-        "leak_rate_median_m3_per_s": interval.median.tolist(),
-        "leak_rate_high_m3_per_s": high,
-        "sealed_share": interval.sealed.tolist(),
-        "shares_of_variance": {
-            name: interval.shares[:, n].tolist() for n, name in enumerate(interval.inputs)
-        },
-    }
-
-
-def verdict_numbers(result: SealSolution) -> dict[str, Any] | None:
-    """The verdict on the requirement with what it rests on; None without a requirement."""
-    found = result.judgement
-    if found is None:
-        return None
-    worst, shares = found.worst, found.shares
-    return {
-        "verdict": str(found.verdict),
-        "margin": found.margin,
-        "says": verdict_sentences(result),
-        "limit": worst.limit.name,
-        "allowed_m3_per_s": worst.limit.leak_rate,
-        "test_fluid": worst.limit.test_fluid or None,
-        "leak_rate_low_m3_per_s": worst.ends[0],
-        "leak_rate_high_m3_per_s": worst.ends[1],
-        "decided_by": str(worst.why),
-        "fluid_pressure_Pa": found.fluid_pressure,
-        "applied_force_N": found.applied_force,
-        "judged_loads": len(found.judged),
-        "loads_without_result": found.left_out,
-        "share_of_yield_stress": shares.yield_stress,
-        "share_of_hardness": shares.hardness,
-        "margin_to_opening": shares.opening,
     }
 
 

@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem_seal.answers.leakage_class import leakage_classes, nominal_size
-from fem_seal.answers.variants import ratio_to_case
-from fem_seal.files import write_bytes, write_text
+from fem_seal.files import write_bytes
 from fem_seal.output.columns import (
     COLUMNS,
     IMPRINT_COLUMNS,
@@ -21,7 +20,6 @@ from fem_seal.output.columns import (
     PROFILE_COLUMNS,
     PROFILE_LEAK_COLUMNS,
     TEXT_COLUMNS,
-    VARIANT_COLUMNS,
     Row,
 )
 from fem_seal.seal.findings import VALIDITY_COLUMNS, validity_entries
@@ -35,6 +33,8 @@ if TYPE_CHECKING:
     from fem_seal.seal.load_result import GivenLoad
 
 
+# Headings and rows of a CSV file; without rows there is no file.
+CsvTable = tuple[Sequence[str], Sequence[Sequence[float | str]]]
 # Ten digits: more than any of the numbers is good for, and the files stay readable.
 _NUMBER = ".10g"
 # What summary.json says of a leak rate in the units of leak testing.
@@ -145,16 +145,14 @@ def write_rows_csv(path: Path, columns: Sequence[str], rows: Sequence[Sequence[f
     return write_bytes(path, text.getvalue().encode())
 
 
-def write_imprint_csv(result: SealSolution, path: Path) -> Path | None:
-    """Write imprint.csv, atomically: body, x [m], depth [m]; None, and an old one is removed, if nothing yielded."""
+def imprint_rows(result: SealSolution) -> CsvTable:
+    """Body, x [m] and depth [m] of each imprint; no rows if nothing yielded."""
     imprints = {} if result.unloaded is None else result.unloaded.imprints
-    if not imprints:
-        path.unlink(missing_ok=True)
-        return None
-    lines = [",".join(IMPRINT_COLUMNS)]
-    for name, imprint in imprints.items():
-        lines += [f"{name},{x:.10g},{depth:.10g}" for x, depth in zip(imprint.x, imprint.depth, strict=True)]
-    return write_bytes(path, ("\n".join(lines) + "\n").encode("ascii"))
+    return IMPRINT_COLUMNS, [
+        (name, x, depth)
+        for name, imprint in imprints.items()
+        for x, depth in zip(imprint.x.tolist(), imprint.depth.tolist(), strict=True)
+    ]
 
 
 def write_profile_csv(result: SealSolution, path: Path) -> Path:
@@ -194,45 +192,6 @@ def standards_used(result: SealSolution) -> list[Standard]:
     """The standards that the leak rates are classed by."""
     classes = (one for load in result.loads for one in leakage_classes(result.case, load))
     return [STANDARDS[name] for name in dict.fromkeys(one.standard for one in classes)]
-
-
-def variant_rows(result: SealSolution) -> list[dict[str, object]]:
-    """Rows with `VARIANT_COLUMNS`, one per reading and load.
-
-    Parameters
-    ----------
-    result : SealSolution
-        With its `theory_variants`.
-    """
-    return [
-        dict(
-            zip(
-                VARIANT_COLUMNS,
-                (
-                    variant.interface_law,
-                    variant.conductivity,
-                    variant.separation_width or "",
-                    variant.percolation_threshold,
-                    load.fluid_pressure,
-                    rate,
-                    ratio_to_case(rate, load.leak.leak_rate if load.leak else 0.0),
-                ),
-                strict=True,
-            )
-        )
-        for variant in result.theory_variants
-        for load, rate in zip(result.loads, variant.leak_rate, strict=True)
-    ]
-
-
-def write_variants_csv(result: SealSolution, path: Path) -> Path:
-    """Write variants.csv, atomically."""
-    lines = [",".join(VARIANT_COLUMNS)]
-    lines += [
-        ",".join(f"{value:.10g}" if isinstance(value, float) else str(value) for value in row.values())
-        for row in variant_rows(result)
-    ]
-    return write_text(path, "\n".join(lines) + "\n")
 
 
 def write_rows(rows: Sequence[Mapping[str, Any]], path: Path) -> None:

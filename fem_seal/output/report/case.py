@@ -12,6 +12,8 @@ import numpy as np
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.case.tables import curves
 from fem_seal.contact.laws import HardContact
+from fem_seal.output.answers.form import form_rows
+from fem_seal.output.answers.particles import particle_rows
 from fem_seal.output.case_words import (
     earlier_load,
     listed_dimensions,
@@ -19,9 +21,7 @@ from fem_seal.output.case_words import (
     section_text,
 )
 from fem_seal.output.finish import finish_rows
-from fem_seal.output.report.form import form_rows
-from fem_seal.output.report.particles import particle_rows
-from fem_seal.output.report.tables import curve_in_words, path_accuracy
+from fem_seal.output.report.tables import curve_in_words
 from fem_seal.output.temperature import celsius, temperature_rows
 from fem_seal.seal.problem import exponential_law
 from fem_seal.units import given, number, percent, quantity, trimmed
@@ -270,31 +270,6 @@ def _leak(case: Case) -> list[tuple[str, str]]:
             else []
         ),
     ]
-
-
-def accuracy(result: SealSolution) -> list[tuple[str, str]]:
-    """How far the numbers can be trusted: discretisation and convergence."""
-    error = result.discretisation_error
-    iterations = [load.contact.iterations for load in result.loads]
-    residuals = [load.contact.residuals[-1] for load in result.loads if load.contact.residuals]
-    rows = [
-        ("mesh error of the peak pressure", _error(error.peak_pressure)),
-        ("mesh error of the width (FWHM)", _error(error.fwhm)),
-        ("mesh error of the std. deviation", _error(error.std)),
-    ]
-    if error.leak_rate is not None:
-        rows.append(("mesh error of the leak rate", _error(error.leak_rate)))
-    rows.append(("iterations per load", f"{min(iterations)} to {max(iterations)}"))
-    if residuals:
-        rows.append(("residual of the gap", f"{number(max(residuals), 1)} decay lengths"))
-    force = max(abs(load.contact.force_error) for load in result.loads)
-    rows.append(("error of the contact force", _error(force)))
-    return [*rows, *path_accuracy(result)]
-
-
-def _error(share: float) -> str:
-    """A relative error, without digits that mean nothing."""
-    return "below 10⁻⁹ %" if share < 1e-11 else percent(share, 1)
 
 
 _STEPS = {

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from fem_seal.answers.closed_forms import Derived, Sizes, derive, profile_sizes
 from fem_seal.files import write_text
+from fem_seal.output import shown_answers
 from fem_seal.output.pictures.contact import gap_picture, profile_picture, size_picture
 from fem_seal.output.pictures.fields import (
     imprint_picture,
@@ -19,18 +20,11 @@ from fem_seal.output.pictures.fields import (
 )
 from fem_seal.output.pictures.leak import leak_picture
 from fem_seal.output.pictures.memory import memory_picture
-from fem_seal.output.pictures.particles import particle_picture
 from fem_seal.output.pictures.sketch import sketch
 from fem_seal.output.pictures.style import Picture, style
 from fem_seal.output.pictures.surface import law_picture, separation_picture, surface_picture
 from fem_seal.output.prose import definitions
 from fem_seal.output.report import case, tables, words
-from fem_seal.output.report.around import around_in_words
-from fem_seal.output.report.form import curve_table, form_in_words, waves_table
-from fem_seal.output.report.levers import lever_lines, lever_note, lever_table
-from fem_seal.output.report.particles import particle_table, particles_in_words
-from fem_seal.output.report.verdict import next_class_of, verdict_facts, verdict_sentences
-from fem_seal.output.report.words import far_field_sentence
 from fem_seal.output.sources import sources
 from fem_seal.seal.load_names import load_name
 from fem_seal.version import __version__
@@ -108,7 +102,6 @@ def _drawn(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes]) -
     yield law_picture(result)
     yield leak_picture(result)
     yield memory_picture(result)
-    yield particle_picture(result)
     yield from _around(result)
     yield separation_picture(result)
     yield surface_picture(result, top)
@@ -116,6 +109,8 @@ def _drawn(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes]) -
     yield stress_picture(result, max(result.loads, key=lambda load: load.max_von_mises))
     yield temperature_picture(result, top)
     yield imprint_picture(result)
+    for shown in shown_answers.SHOWN:
+        yield from shown.pictures(result)
 
 
 def _around(result: SealSolution) -> tuple[Picture | None, ...]:
@@ -152,39 +147,21 @@ def _words(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes]) -
     load = result.highest
     return {
         "headline": words.headline(result),
-        "verdict": result.verdict,
-        "verdict_says": verdict_sentences(result),
-        "verdict_facts": verdict_facts(result),
-        "next_class": next_class_of(result),
-        "levers": lever_table(result),
-        "strongest_levers": lever_lines(result)[1:],
-        "lever_note": lever_note(result),
         "highest": load_name(load, result.loads),
         "strongest": load_name(result.strongest, result.loads),
         "facts": words.facts(result),
         "reasons": words.reasons(result, derived),
         "warnings": result.warnings,
-        "marks": tables.marks_in_words(result),
-        "validity": tables.validity_table(result),
         "seal_groups": case.seal_groups(result),
         "surface_groups": case.surface_groups(result),
         "loads": tables.load_table(result),
-        "valve": tables.valve_table(result),
         "comparison_note": tables.comparison_note(result),
         "comparison": tables.comparison_table(result, sizes),
-        "variants": tables.variant_table(result),
-        "interval": tables.interval_table(result),
-        "interval_note": tables.interval_note(result),
-        "theory": tables.theory_table(result),
-        "theory_note": tables.theory_note(result),
         "yielding": tables.yielding_table(result),
-        "form_curve": curve_table(result),
-        "form_waves": waves_table(result),
-        "around": [*around_in_words(result), *form_in_words(result)],
-        "particles": particles_in_words(result),
-        "particle_table": particle_table(result),
-        "accuracy": case.accuracy(result),
-        "far_field": far_field_sentence(result),
+        "sections": [
+            one for one in (shown.section(result) for shown in shown_answers.SHOWN) if one is not None
+        ],
+        **{name: value for shown in shown_answers.SHOWN for name, value in shown.words(result).items()},
         "timings": case.times(result),
         "definitions": definitions(readings=any(load.yields for load in result.loads)),
     }

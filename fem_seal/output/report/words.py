@@ -12,20 +12,14 @@ import numpy as np
 from fem_seal.answers.leakage_class import leakage_classes, nominal_size, test_of, volume_of
 from fem_seal.answers.solution import SealSolution
 from fem_seal.contact.yielding import PlasticZone, yielding_of
+from fem_seal.output.answers.target import TARGET_FORCE, opens_at, valve_facts, what_opens
 from fem_seal.output.case_words import earlier_load
 from fem_seal.output.columns import COLUMNS, in_words
 from fem_seal.output.prose import said
-from fem_seal.output.report.tables import (
-    TARGET_FORCE,
-    imprint_in_words,
-    opens_at,
-    valve_facts,
-    what_opens,
-    what_yielded,
-)
+from fem_seal.output.report.tables import imprint_in_words, what_yielded
 from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.findings import Level, Validity
-from fem_seal.seal.load_names import load_name, load_values
+from fem_seal.seal.load_names import load_values
 from fem_seal.seal.load_result import LoadResult, highest_load
 from fem_seal.seal.readings import WORDS
 from fem_seal.units import (
@@ -646,30 +640,3 @@ def _as_given(case: Case, load: LoadResult) -> str:
     # in the unit of the line above
     rate = _text_of(load, usual_rate_of(load), volume_of(case)).split(" = ")[0]
     return said("readings.as_given", "finish" if has_finish(case) else "inputs", rate=rate)
-
-
-# Relative changes below this are not worth a number.
-_LEAST = 1e-5
-
-
-def far_field_sentence(result: SealSolution) -> str:
-    """The influence of the far field in one sentence; empty if nothing was compared."""
-    if not result.far_field:
-        return ""
-    changes = "; ".join(
-        said(
-            "notes.far_field",
-            "peak" if change.leak_rate is None else "both",
-            change=change.name,
-            peak=_in_words(change.peak_pressure),
-            leak_rate="" if change.leak_rate is None else _in_words(change.leak_rate),
-        )
-        for change in result.far_field
-    )
-    which = "one" if len(result.loads) == 1 else "strongest"
-    load = load_name(result.strongest, result.loads)
-    return said("notes.far_field", which, load=load, changes=changes)
-
-
-def _in_words(change: float) -> str:
-    return f"{100 * change:+.2g} %" if abs(change) >= _LEAST else f"less than {100 * _LEAST:g} %"

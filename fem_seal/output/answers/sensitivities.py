@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 from fem_seal.output.prose import said
-from fem_seal.output.report.tables import ReadableTable
+from fem_seal.output.readable import ReadableTable
+from fem_seal.output.shown import Shown
 from fem_seal.seal.load_names import load_name
 from fem_seal.units import number, percent, quantity, range_text, trimmed, unit_for, worth
 
@@ -152,3 +154,19 @@ def lever_note(result: SealSolution) -> str:
     """
     both = "note_both" if result.highest.yields else ""
     return said("levers.said", "note", both, load=_load(result))
+
+
+SHOWN = Shown(
+    summary=lambda result: {
+        "levers": [
+            asdict(one) | {"says": f"{step_in_words(result.case, one)}: {ratio_in_words(one)}"}
+            for one in result.levers
+        ]
+    },
+    words=lambda result: {
+        "levers": lever_table(result),
+        "strongest_levers": lever_lines(result)[1:],
+        "lever_note": lever_note(result),
+    },
+    lines=lever_lines,
+)

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.answers.solution import SealSolution
 from fem_seal.answers.verdict import OF_LEAK_RATE
+from fem_seal.output.answers.around import around_in_words
 from fem_seal.output.prose import other_reading, said
-from fem_seal.output.report.tables import ReadableTable
+from fem_seal.output.readable import ReadableTable
+from fem_seal.output.shown import Section, Shown, by_reading
 from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.load_result import LoadResult
@@ -253,3 +256,32 @@ def _deviations(part: BodyForm) -> Iterator[tuple[str, str]]:
 
 def _degrees(angle: float) -> str:
     return f"{number(math.degrees(angle), 3)}°" if angle else "0°"
+
+
+def _section(result: SealSolution) -> Section | None:
+    sentences = [*around_in_words(result), *form_in_words(result)]
+    at = load_name(result.highest, result.loads)
+    if not sentences:
+        return None
+    return Section(
+        "around",
+        "Around the axis",
+        "Around the axis",
+        sentences,
+        ("line_load_around", "unrolled", "leak_around"),
+        (
+            (
+                curve_table(result),
+                f"The same form error, smaller and larger, at {at}, without scratches and lay.",
+            ),
+            (waves_table(result), "Each wave of the form error alone."),
+        ),
+        ("around.csv", "around.pvd (ParaView)"),
+    )
+
+
+SHOWN = Shown(
+    summary=lambda result: {"form": None if result.form is None else by_reading(asdict(result.form))},
+    section=_section,
+    lines=form_in_words,
+)

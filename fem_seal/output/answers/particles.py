@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.answers.particles import KEPT, answers_of
 from fem_seal.output.prose import said
-from fem_seal.output.report.tables import ReadableTable
+from fem_seal.output.readable import ReadableTable
+from fem_seal.output.shown import Section, Shown
 from fem_seal.seal.load_names import load_name
 from fem_seal.units import given, number, percent, quantity, quantity_worth, worth
 
@@ -17,6 +19,22 @@ if TYPE_CHECKING:
     from fem_seal.answers.particles import ParticleAnswers
     from fem_seal.answers.solution import SealSolution
     from fem_seal.case.fluid import Particles
+from typing import TYPE_CHECKING
+
+from fem_seal.output.columns import PARTICLE_COLUMNS
+
+if TYPE_CHECKING:
+    from fem_seal.answers.particles import ParticleAnswers
+    from fem_seal.answers.solution import SealSolution
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem_seal.output.pictures.style import BLUE, FILL, GREY, ORANGE, Picture, label, logarithmic, panels, svg
+from fem_seal.units import unit_for
+
+if TYPE_CHECKING:
+    from fem_seal.answers.solution import SealSolution
 
 _PER_ML = 1e-6
 
@@ -149,3 +167,110 @@ def particle_rows(particles: Particles) -> list[tuple[str, str]]:
     if particles.filter is not None:
         rows.append(("filter", given("length", particles.filter)))
     return rows
+
+
+def _rows(answers: ParticleAnswers) -> list[tuple[float, ...]]:
+    """Rows of a load with `PARTICLE_COLUMNS`, one for each size.
+
+    Parameters
+    ----------
+    answers : ParticleAnswers
+    """
+    return [
+        (
+            answers.fluid_pressure,
+            answers.applied_force,
+            one.size,
+            *one.gaps_below,
+            *one.leak_rate,
+            *one.remaining,
+            *one.particles,
+        )
+        for one in answers.curve
+    ]
+
+
+def particle_picture(result: SealSolution) -> Picture | None:
+    """Leak that is left over the size of the gaps that are shut, and how many particles are that large.
+
+    None without particles.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    answers = answers_of(result.highest, result.particles)
+    if answers is None:
+        return None
+    sizes = np.array([one.size for one in answers.curve])
+    left = np.array([one.remaining for one in answers.curve]).T
+    below = np.array([one.gaps_below for one in answers.curve]).T
+    unit = unit_for("length", float(sizes.max()))
+    figure, (share, counts) = panels(2, height=3.5)
+    share.axvspan(
+        *(one / unit.size for one in answers.narrowest), color=FILL, label="no way through from here on"
+    )
+    for both, colour, style, name in (
+        (left, BLUE, "o-", "leak with narrower gaps shut"),
+        (below, ORANGE, "--", "area with narrower gaps"),
+    ):
+        share.fill_between(sizes / unit.size, *(100 * both), color=colour, alpha=0.15, linewidth=0)
+        for n, end in enumerate(both):
+            # both ends are one line of the legend
+            label_once = None if n else name
+            share.plot(sizes / unit.size, 100 * end, style, color=colour, ms=3.2, label=label_once)
+    if answers.filter is not None:
+        share.axvline(answers.filter / unit.size, color=GREY, linewidth=1.1, label="filter")
+    share.set_ylim(0.0, 105.0)
+    few, many = (np.array([one.particles[end] for one in answers.curve]) * 1e-6 for end in (0, 1))
+    there = many > 0
+    if there.any():
+        x, low, high = sizes[there] / unit.size, few[there], many[there]
+        counts.fill_between(x, low, high, color=BLUE, alpha=0.15, linewidth=0)
+        for ends in (low, high):
+            counts.plot(x, ends, color=BLUE)
+    for axes in (share, counts):
+        axes.set_xlim(0.9 * sizes[0] / unit.size, 1.1 * sizes[-1] / unit.size)
+    logarithmic(share, "x")
+    logarithmic(counts, "x", *(["y"] if there.any() else []))
+    share.legend(loc="center left")
+    label(share, "What the others let through (estimate)", f"particle size  [{unit.name}]", "share  [%]")
+    label(counts, "Particles in the fluid", f"particle size  [{unit.name}]", "per ml, at least as large")
+    at = load_name(result.highest, result.loads)
+    return Picture(
+        "particles",
+        svg(figure),
+        said("captions.particles", "alt", load=at),
+        said("captions.particles", "all", "behind_filter" if answers.filter is not None else "", load=at),
+    )
+
+
+def _section(result: SealSolution) -> Section | None:
+    sentences = particles_in_words(result)
+    at = load_name(result.highest, result.loads)
+    caption = f"Estimate at {at}: what still leaks when all gaps narrower than the particles are shut."
+    if not sentences:
+        return None
+    return Section(
+        "particles",
+        "Particles in the fluid",
+        "Particles",
+        sentences,
+        ("particles",),
+        ((particle_table(result), caption),),
+        ("particles.csv",),
+    )
+
+
+SHOWN = Shown(
+    summary=lambda result: {"particles": [asdict(answers) for answers in result.particles]},
+    tables={
+        "particles.csv": lambda result: (
+            PARTICLE_COLUMNS,
+            [row for answers in result.particles for row in _rows(answers)],
+        )
+    },
+    section=_section,
+    pictures=lambda result: (particle_picture(result),),
+    lines=particles_in_words,
+)

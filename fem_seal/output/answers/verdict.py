@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterator, Sequence
+from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 from fem_seal.answers.judgement import Limit, SealJudgement, Shares, Why
@@ -11,6 +12,7 @@ from fem_seal.answers.leakage_class import next_class, nominal_size, volume_of
 from fem_seal.answers.verdict import OF_LEAK_RATE, limits
 from fem_seal.case.leak_rate import Bubbles, NormalVolume, Throughput
 from fem_seal.output.prose import said
+from fem_seal.output.shown import Shown
 from fem_seal.seal.findings import Level
 from fem_seal.seal.load_names import load_name
 from fem_seal.units import (
@@ -34,6 +36,11 @@ if TYPE_CHECKING:
     from fem_seal.answers.judgement import JudgedLoad, VerdictForce
     from fem_seal.answers.solution import SealSolution
     from fem_seal.case.case import Case
+    from fem_seal.seal.load_result import LoadResult
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from fem_seal.answers.solution import SealSolution
     from fem_seal.seal.load_result import LoadResult
 
 # Factors beyond this are told as "more than".
@@ -413,3 +420,48 @@ def _announced(name: str, leak_rate: float, pressures: Sequence[float]) -> str:
     loads = range_text(*ends) + (f" ({len(pressures)} pressures)" if len(pressures) > 1 else "")
     allowed, si = _limit_text(leak_rate), f"{number(leak_rate, 3)} m³/s"
     return said("verdict.check", kind, limit=name, allowed=allowed, si=si, loads=loads)
+
+
+def verdict_numbers(result: SealSolution) -> dict[str, Any] | None:
+    """The verdict on the requirement with what it rests on; None without a requirement."""
+    found = result.judgement
+    if found is None:
+        return None
+    worst, shares = found.worst, found.shares
+    return {
+        "verdict": str(found.verdict),
+        "margin": found.margin,
+        "says": verdict_sentences(result),
+        "limit": worst.limit.name,
+        "allowed_m3_per_s": worst.limit.leak_rate,
+        "test_fluid": worst.limit.test_fluid or None,
+        "leak_rate_low_m3_per_s": worst.ends[0],
+        "leak_rate_high_m3_per_s": worst.ends[1],
+        "decided_by": str(worst.why),
+        "fluid_pressure_Pa": found.fluid_pressure,
+        "applied_force_N": found.applied_force,
+        "judged_loads": len(found.judged),
+        "loads_without_result": found.left_out,
+        "share_of_yield_stress": shares.yield_stress,
+        "share_of_hardness": shares.hardness,
+        "margin_to_opening": shares.opening,
+    }
+
+
+SHOWN = Shown(
+    summary=lambda result: {
+        "requirement": verdict_numbers(result),
+        "verdict_force": [
+            {"fluid_pressure_Pa": load.fluid_pressure, **asdict(load.verdict_force)}
+            for load in result.loads
+            if load.verdict_force is not None
+        ],
+    },
+    words=lambda result: {
+        "verdict": result.verdict,
+        "verdict_says": verdict_sentences(result),
+        "verdict_facts": verdict_facts(result),
+        "next_class": next_class_of(result),
+    },
+    lines=verdict_lines,
+)

@@ -1,0 +1,1 @@
+"""What each answer adds to files and report."""

@@ -1,0 +1,164 @@
+"""What opens the seal, and the force for the target leak rate: facts, reasons, table."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from fem_seal.answers.leakage_class import volume_of
+from fem_seal.answers.solution import SealSolution
+from fem_seal.output.answers.verdict import force_to_pass, verdict_force_sentences
+from fem_seal.output.prose import other_reading, said
+from fem_seal.output.readable import ReadableTable, columns_table, filled_column
+from fem_seal.output.shown import Shown
+from fem_seal.seal.load_result import LoadResult
+from fem_seal.seal.readings import FURTHER, force_column
+from fem_seal.units import (
+    given,
+    percent,
+    quantity,
+    quantity_worth,
+    range_text,
+    unit_for,
+    worth,
+)
+
+if TYPE_CHECKING:
+    from fem_seal.answers.judgement import JudgedLoad
+    from leak import Reading
+
+
+_GIVEN = ("fluid_pressure_Pa", "applied_force_N", "contact_force_N")
+
+
+_ASKED = (
+    "effective_seal_radius_m",
+    "blow_off_pressure_Pa",
+    "opening_margin_N",
+    "opening_margin_Pa",
+    "force_for_target_leak_N",
+    *(force_column(one) for one in FURTHER),
+    "force_for_verdict_N",
+)
+
+
+_DIGITS = 4
+
+
+TARGET_FORCE = "Force for the target leak rate"
+
+
+def opens_at(load: LoadResult) -> str | None:
+    """The fluid pressure that lifts the closure off; None if none does, or if nobody asked."""
+    pressure = load.blow_off_pressure
+    return None if pressure is None or math.isinf(pressure) else quantity("fluid pressure", pressure, _DIGITS)
+
+
+def valve_facts(result: SealSolution, load: JudgedLoad) -> Iterator[tuple[str, str, str]]:
+    """Name, value and remark of the pressure that opens the seal and of the force for the target leak rate."""
+    if opens := opens_at(load):
+        yield (
+            "Opens at",
+            opens,
+            f"fluid pressure, with an applied force of {given('force', load.applied_force)}",
+        )
+    target = result.case.load.target_leak_rate
+    if target is not None and load.force_for_target is not None:
+        both = [
+            _target_force(load, force) for force in (load.force_for_target, *_other_forces(load).values())
+        ]
+        named = "; the two ends are readings of asperities that yield" if both[0] != both[-1] else ""
+        yield (
+            TARGET_FORCE,
+            range_text(both[0], both[-1]),
+            f"applied force for {_target(result, target)}{named}",
+        )
+    if load.verdict_force is not None:
+        found = load.verdict_force
+        none = "none" if found.looked_for else "not looked for"
+        begins = f" {found.begins}" if found.begins else ""
+        yield (
+            "Force for a pass",
+            none if found.force is None else force_to_pass(found.force),
+            found.why_none
+            or f"applied force from which the verdict passes{begins}, with interval and accuracy of the leak rate",
+        )
+
+
+def what_opens(result: SealSolution, load: JudgedLoad) -> Iterator[str]:
+    """How far a load is from opening the seal, and from the target leak rate."""
+    if opens := opens_at(load):
+        assert load.blow_off_pressure is not None
+        share = load.fluid_pressure / load.blow_off_pressure
+        yield said(
+            "reasons.opening",
+            "all",
+            opens=opens,
+            share=percent(share, 2 if load.digits == 4 else 4),
+            contact_force=quantity_worth("force", load.contact_force, load.digits),
+            applied_force=given("force", load.applied_force),
+        )
+    yield from _what_the_target_takes(result, load)
+    yield from verdict_force_sentences([load])
+
+
+def _what_the_target_takes(result: SealSolution, load: LoadResult) -> Iterator[str]:
+    target, force = result.case.load.target_leak_rate, load.force_for_target
+    if target is None or force is None:
+        return
+    acting = load.applied_force
+    compared = ("more" if force > acting else "less") if acting else "none"
+    told = said(
+        "reasons.target",
+        "force",
+        compared,
+        "fluid" if force < 0 else "",
+        target=_target(result, target),
+        pressure=given("fluid pressure", load.fluid_pressure),
+        force=_target_force(load, force),
+        difference=quantity_worth("force", abs(force - acting), load.digits_of("force_for_target")),
+        acting=given("force", acting),
+    )
+    others = [
+        other_reading(reading, f"{_target_force(load, one)} are needed")
+        for reading, one in _other_forces(load).items()
+    ]
+    yield " ".join([told, *others])
+
+
+def _other_forces(load: LoadResult) -> dict[Reading, float]:
+    """Force for the target in the other readings of yielding asperities, where one is found [N]."""
+    found = {reading: one.force_for_target for reading, one in load.others.items()}
+    return {reading: force for reading, force in found.items() if force is not None}
+
+
+def _target(result: SealSolution, leak_rate: float) -> str:
+    state = volume_of(result.case).state
+    return f"{given('flow', leak_rate)} at {state}" if state else given("flow", leak_rate)
+
+
+def _target_force(load: LoadResult, force: float | None) -> str:
+    if force is None:
+        return "–"
+    unit = unit_for("force", force)
+    return f"{worth(unit.of(force), load.digits_of('force_for_target'))} {unit.name}"
+
+
+def valve_table(result: SealSolution) -> ReadableTable:
+    """What fluid and applied force do at each load; no rows if nobody asked."""
+    asked = {name: filled_column(name, result) for name in _ASKED}
+    # what lifts the closure off, also where leak.csv has what the surfaces hold by themselves; infinite: nothing does
+    opens = [_finite(load.blow_off_pressure) for load in result.loads]
+    asked["blow_off_pressure_Pa"] = replace(asked["blow_off_pressure_Pa"], values=opens)
+    if not any(one.some for one in asked.values()):
+        return ReadableTable((), ())
+    return columns_table([*(filled_column(name, result) for name in _GIVEN), *asked.values()])
+
+
+def _finite(value: float | None) -> float | None:
+    return value if value is not None and math.isfinite(value) else None
+
+
+SHOWN = Shown(words=lambda result: {"valve": valve_table(result)})

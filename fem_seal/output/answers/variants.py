@@ -1,0 +1,168 @@
+"""The result with the other interface law, and with every reading of the theory."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import TYPE_CHECKING
+
+from fem_seal.answers.accuracy import Comparison
+from fem_seal.answers.leakage_class import volume_of
+from fem_seal.answers.solution import SealSolution
+from fem_seal.answers.variants import ratio_to_case
+from fem_seal.output.prose import said
+from fem_seal.output.readable import ReadableTable
+from fem_seal.output.shown import Shown, by_reading
+from fem_seal.seal.bounds import Bounds
+from fem_seal.seal.load_names import load_name
+from fem_seal.seal.load_result import LoadResult, highest_load
+from fem_seal.units import (
+    LeakVolume,
+    Unit,
+    leak_rate_text,
+    number,
+    quantity_worth,
+    range_text,
+    trimmed,
+    unit_for,
+    worth,
+)
+
+if TYPE_CHECKING:
+    pass
+from typing import TYPE_CHECKING
+
+from fem_seal.output.columns import (
+    VARIANT_COLUMNS,
+)
+
+if TYPE_CHECKING:
+    from fem_seal.answers.solution import SealSolution
+
+
+def variant_table(result: SealSolution) -> ReadableTable:
+    """What the interface law does to the load with the largest contact force; no rows if there was no choice."""
+    ends = [rate for one in result.interface_variants for rate in (one.leak_rate, *one.others.values())]
+    rates = [rate for rate in ends if rate is not None]
+    volume = volume_of(result.case)
+    unit = volume.named(unit_for("flow", max(rates, default=0.0)))
+    load = result.strongest
+    rows = [
+        (
+            variant.name
+            + (" (used)" if ("plastic" in variant.name) == result.case.interface.plastic else ""),
+            quantity_worth("contact pressure", variant.peak_pressure, load.pressure_digits),
+            quantity_worth("length", variant.fwhm, load.digits_of("fwhm")),
+            quantity_worth("length", variant.std, load.digits_of("std")),
+            _both_readings(variant, unit, load, volume),
+        )
+        for variant in result.interface_variants
+    ]
+    leak_rate = f"leak rate [{unit.name}]" if rates else "leak rate"
+    return ReadableTable(("interface law", "peak pressure", "FWHM", "std. deviation", leak_rate), tuple(rows))
+
+
+def _both_readings(variant: Comparison, unit: Unit, load: LoadResult, volume: LeakVolume) -> str:
+    """The leak rate in both readings of yielding asperities, or the only one."""
+    claimed = not load.validity.outside
+    if variant.leak_rate is None:
+        return "–"
+    ends = Bounds.of([variant.leak_rate, *variant.others.values()])
+    digits = min(load.leak_digits, 2 if ends.apart else 3)
+    told = [
+        worth(unit.of(one), digits) if one else leak_rate_text(0.0, claimed=claimed)
+        for one in map(volume.measurable, ends)
+    ]
+    return range_text(*told)
+
+
+_CHANNELS = {
+    "bruggeman": "effective medium",
+    "critical-junction": "critical junction",
+    "threshold-law": "closed law near the threshold",
+}
+
+
+def theory_table(result: SealSolution) -> ReadableTable:
+    """Leak rate at the lowest and highest fluid pressure with every reading of the theory; maybe no rows."""
+    if not result.theory_variants:
+        return ReadableTable((), ())
+    lowest = min(range(len(result.loads)), key=lambda n: result.loads[n].point)
+    shown = list(dict.fromkeys((lowest, highest_load(result.loads))))
+    of_case = [load.leak.leak_rate if load.leak else 0.0 for load in result.loads]
+    largest = max(variant.leak_rate[n] for variant in result.theory_variants for n in shown)
+    volume = volume_of(result.case)
+    unit = volume.named(unit_for("flow", largest))
+    headings = ["p(u)", "channels", "P(u)", "percolation threshold"]
+    for n in shown:
+        pressure = load_name(result.loads[n], result.loads)
+        headings += [f"leak rate at {pressure} [{unit.name}]", "ratio to the case"]
+    rows = []
+    for variant in result.theory_variants:
+        cells = [
+            variant.interface_law + (" (used)" if variant.used else ""),
+            _CHANNELS[variant.conductivity],
+            variant.separation_width or "–",
+            trimmed(variant.percolation_threshold),
+        ]
+        for n in shown:
+            rate = variant.leak_rate[n]
+            digits = min(result.loads[n].leak_digits, 3)
+            cells += [
+                worth(unit.of(volume.measurable(rate)), digits),
+                number(ratio_to_case(rate, of_case[n]), 2),
+            ]
+        rows.append(tuple(cells))
+    return ReadableTable(tuple(headings), tuple(rows))
+
+
+def theory_note(result: SealSolution) -> str:
+    """How far the readings lie apart; empty without them."""
+    if not result.theory_variants:
+        return ""
+    load = highest_load(result.loads)
+    rates = [variant.leak_rate[load] for variant in result.theory_variants]
+    tight = min(rates) <= 0
+    return said(
+        "notes.theory",
+        "tight" if tight else "factor",
+        "yields" if result.highest.yields else "",
+        load=load_name(result.loads[load], result.loads),
+        factor="" if tight else number(max(rates) / min(rates), 2),
+    )
+
+
+def variant_rows(result: SealSolution) -> list[tuple[float | str, ...]]:
+    """Rows with `VARIANT_COLUMNS`, one per reading and load.
+
+    Parameters
+    ----------
+    result : SealSolution
+        With its `theory_variants`.
+    """
+    return [
+        (
+            variant.interface_law,
+            variant.conductivity,
+            variant.separation_width or "",
+            variant.percolation_threshold,
+            load.fluid_pressure,
+            rate,
+            ratio_to_case(rate, load.leak.leak_rate if load.leak else 0.0),
+        )
+        for variant in result.theory_variants
+        for load, rate in zip(result.loads, variant.leak_rate, strict=True)
+    ]
+
+
+SHOWN = Shown(
+    summary=lambda result: {
+        "interface_variants": [by_reading(asdict(variant)) for variant in result.interface_variants],
+        "theory_variants": [dict(zip(VARIANT_COLUMNS, row, strict=True)) for row in variant_rows(result)],
+    },
+    tables={"variants.csv": lambda result: (VARIANT_COLUMNS, variant_rows(result))},
+    words=lambda result: {
+        "variants": variant_table(result),
+        "theory": theory_table(result),
+        "theory_note": theory_note(result),
+    },
+)

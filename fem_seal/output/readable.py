@@ -1,0 +1,111 @@
+"""Tables for people: one unit in each column, figures that mean something."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from fem_seal.answers.leakage_class import volume_of
+from fem_seal.answers.solution import SealSolution
+from fem_seal.output.columns import COLUMNS, Column
+from fem_seal.output.tables import rows_of
+from fem_seal.units import (
+    LIQUID,
+    LeakVolume,
+    Unit,
+    trimmed,
+    unit_for,
+    worth,
+)
+
+if TYPE_CHECKING:
+    pass
+
+
+@dataclass(frozen=True)
+class ReadableTable:
+    """A table for the page.
+
+    Parameters
+    ----------
+    headings : tuple of str
+    rows : tuple of tuple of str
+    """
+
+    headings: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+
+
+@dataclass(frozen=True)
+class Filled:
+    """A column with its values.
+
+    Parameters
+    ----------
+    column : Column
+    values : list of float or None
+        One per row, SI.
+    digits : list of int
+        Significant digits that the values are worth.
+    volume : LeakVolume
+        What a volume is that leaks.
+    """
+
+    column: Column
+    values: list[float | None]
+    digits: list[int]
+    volume: LeakVolume = LIQUID
+
+    @property
+    def some(self) -> bool:
+        """Whether any row has a value."""
+        return any(value is not None for value in self.values)
+
+    @property
+    def unit(self) -> Unit:
+        """The one that suits the largest of the values."""
+        largest = max(abs(value) for value in self.values if value is not None)
+        found = unit_for(self.column.kind, largest)
+        return self.volume.named(found) if self.column.kind == "flow" else found
+
+
+def filled_column(name: str, result: SealSolution) -> Filled:
+    """A column of leak.csv with the values of a result."""
+    column = COLUMNS[name]
+    return Filled(
+        column,
+        [column.of(row) for row in rows_of(result)],
+        [column.digits(load) for load in result.loads],
+        volume_of(result.case),
+    )
+
+
+def columns_table(columns: Sequence[Filled]) -> ReadableTable:
+    """Columns side by side, one unit in each, without those that no row fills.
+
+    Parameters
+    ----------
+    columns : sequence of Filled
+    """
+    shown = [one for one in columns if one.some]
+    own = {one.column.name: one.unit for one in shown}
+    units = [own.get(one.column.unit_like, own[one.column.name]) for one in shown]
+    return ReadableTable(
+        tuple(f"{one.column.heading} [{unit.name}]" for one, unit in zip(shown, units, strict=True)),
+        tuple(
+            tuple(_cell(one, unit, n) for one, unit in zip(shown, units, strict=True))
+            for n in range(len(columns[0].values))
+        ),
+    )
+
+
+def _cell(filled: Filled, unit: Unit, n: int) -> str:
+    value = filled.values[n]
+    if value is None:
+        return "–"
+    if filled.column.name == "fluid_pressure_Pa":
+        return trimmed(unit.of(value))
+    if filled.column.kind == "flow" and value and not filled.volume.measurable(value):
+        return "none measurable"
+    return worth(unit.of(value), filled.digits[n])
