@@ -45,6 +45,8 @@ class SealResult(SealSolution):
         Residual stress and imprint after the last load; None if both bodies are elastic.
     earlier : ContactSolution or None
         At the largest load before those of the case; None without one.
+    answers : mapping
+        All that was asked of the seal, by name; the following are some of them.
     discretisation_error : DiscretisationError
     far_field : tuple of Comparison
         What another housing and another support of its wall do to the strongest load.

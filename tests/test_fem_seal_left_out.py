@@ -262,7 +262,7 @@ def test_stress_that_nobody_can_calculate_costs_neither_contact_nor_leak(monkeyp
 
 
 @pytest.mark.usefixtures("unrendered")
-@pytest.mark.parametrize("broken", ["write_report", "write_contact", "write_rows_csv", "write_summary"])
+@pytest.mark.parametrize("broken", ["write_report", "write_contact", "write_unloaded", "write_summary"])
 def test_a_file_that_cannot_be_made_costs_no_other(broken, monkeypatch, tmp_path):
     monkeypatch.setattr(files, broken, Mock(side_effect=KeyError("no such picture")))
     result = single_result()
