@@ -25,6 +25,7 @@ from meshes import GeometryError, MeshingError, SealMesh, Sizing, build_contact
 if TYPE_CHECKING:
     from leak import LeakResult, Reading
 
+
 # Of a result whose estimate failed.
 NOT_ESTIMATED = DiscretisationError(math.nan, math.nan, math.nan, None)
 # The coarser mesh of the error estimate has elements this much larger, its path load steps.

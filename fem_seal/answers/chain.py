@@ -38,6 +38,7 @@ from leak import LeakError, Reading
 if TYPE_CHECKING:
     from fem_seal.case.case import Case
 
+
 # All that is asked of a solved seal, each after those whose answers it uses.
 ANSWERS: tuple[Answer[Any], ...] = (
     ACCURACY,

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from fem_seal.case.case import Case
     from fem_seal.seal.solved_seal import SolvedSeal
 
+
 # Share by which the decay length of a law may have fallen at the peak before the crossover is called another contact.
 _STIFFER = 0.05
 # The peak changes little with u0: so many steps settle both.

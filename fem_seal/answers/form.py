@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from fem_seal.seal.load_solver import LoadSolver
     from leak import Reading
 
+
 # Sizes of the form error that the curve shows, over the one that is given.
 _FACTORS = (0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0)
 # Numbers of waves that are tried for the tolerance on the drawing, unless the case says which.

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from fem_seal.case.case import Case
     from fem_seal.seal.load_solver import Progress
 
+
 # Pressures of a table where the case itself has fewer, and over which range below its highest.
 _PRESSURES, _LEAST, _RANGE = 8, 3, 20.0
 _MOST = 2000

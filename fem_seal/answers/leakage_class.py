@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from fem_seal.seal.load_result import LoadResult
     from leak import LeakageClass
 
+
 # What the standards test with: liquids no thicker than water.
 _TEST_LIQUID = "water"
 

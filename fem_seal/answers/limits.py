@@ -5,9 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from fem_seal.answers.judgement import (
-    Limit,
-)
+from fem_seal.answers.judgement import Limit
 from fem_seal.answers.leakage_class import nominal_size, test_of
 from fem_seal.case.leak_rate import Bubbles
 

@@ -22,6 +22,7 @@ from fem_seal.seal.solved_seal import SolvedSeal
 if TYPE_CHECKING:
     from leak import GapDistribution, ParticleCounts, Paths
 
+
 # Sizes at which the leak is looked at [m]: the series E12, 12 to the decade, from a nanometre to nearly a millimetre.
 _SERIES = (1.0, 1.2, 1.5, 1.8, 2.2, 2.7, 3.3, 3.9, 4.7, 5.6, 6.8, 8.2)
 _SIZES = tuple(float(f"{one}e{decade}") for decade in range(-9, -3) for one in _SERIES)

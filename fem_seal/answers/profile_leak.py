@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from fem_seal.seal.problem import SealProblem
     from fem_seal.seal.profile_file import ImportedProfile
 
+
 # Radii of a profile that this program wrote are those of its seat up to the digits of the file.
 _SAME_RADIUS = 1e-7
 

@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from fem_seal.contact.model import ContactModel
     from fem_seal.contact.solution import ContactSolution
 
+
 # Relative step of the local exponent of what costs a surface, and of a force.
 _SMALL, _SMALL_FORCE = 0.02, 0.01
 # The same of a path, whose load steps leave some parts in ten thousand of the width.

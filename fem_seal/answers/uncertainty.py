@@ -46,6 +46,7 @@ if TYPE_CHECKING:
     from fem_seal.seal.problem import SealProblem
     from leak import NearbyTables, PowerSpectrum, Reading, RoughContact
 
+
 _FIRST_RUNS = 16
 # Left-out runs must be predicted this well: an error that adds 0.05 % to the width of the interval.
 _ERROR_OF_STD = 0.03

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from fem_seal.seal.problem import SealProblem
     from leak import RoughContact
 
+
 # Share of the contact area at which channels close: two-dimensional percolation, and the textbook value.
 _THRESHOLDS = (0.42, 0.5)
 _WIDTHS: tuple[Literal["effective", "plain"], ...] = ("effective", "plain")

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from fem_seal.seal.problem import SealProblem
     from meshes import Sizing
 
+
 # ln of the upper end over the limit is kept within this: sealed and open are something, too.
 _FAR = 20.0
 # The force that is told passes, this much less in ln F (three per cent) does not, and it stands so far above the root.

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
     from fem_seal.seal.load_result import LoadResult
 
+
 # Raised when a key of summary.json changes its meaning or goes away; new keys do not count.
 FORMAT_VERSION = 1
 

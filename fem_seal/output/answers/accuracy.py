@@ -4,31 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import asdict
-from typing import TYPE_CHECKING
-
-from fem_seal.answers.solution import SealSolution
-from fem_seal.output.prose import said
-from fem_seal.output.shown import Shown, by_reading
-from fem_seal.seal.load_names import load_name
-from fem_seal.units import (
-    number,
-    percent,
-)
-
-if TYPE_CHECKING:
-    pass
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from fem_seal.answers.solution import SealSolution
-from typing import TYPE_CHECKING
 
 from fem_seal.answers.solution import SealSolution
 from fem_seal.contact.load_path import ElastoplasticContact
-
-if TYPE_CHECKING:
-    pass
-
+from fem_seal.output.prose import said
+from fem_seal.output.shown import Shown, by_reading
+from fem_seal.seal.load_names import load_name
+from fem_seal.units import number, percent
 
 # Relative changes below this are not worth a number.
 _LEAST = 1e-5

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from fem_seal.seal.circumference import Around
     from fem_seal.seal.load_result import LoadResult
 
+
 # Share of the leak whose part of the circumference is told.
 _MOST = 0.8
 # Places whose line load is the least but for this share of the mean, and how many of them are named.

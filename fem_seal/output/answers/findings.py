@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from fem_seal.answers.solution import SealSolution
 from fem_seal.output.readable import ReadableTable
 from fem_seal.output.shown import Shown
 from fem_seal.seal.findings import Level
 from fem_seal.seal.load_names import load_name
-
-if TYPE_CHECKING:
-    pass
 
 
 def marks_in_words(result: SealSolution) -> str:

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from fem_seal.case.form import BodyForm, Form
     from leak import Reading
 
+
 _DIRECTIONS = {"radial": "roundness", "axial": "flatness"}
 
 

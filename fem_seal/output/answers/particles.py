@@ -7,34 +7,23 @@ from collections.abc import Iterator
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.answers.particles import KEPT, answers_of
+from fem_seal.output.columns import PARTICLE_COLUMNS
+from fem_seal.output.pictures.style import BLUE, FILL, GREY, ORANGE, Picture, label, logarithmic, panels, svg
 from fem_seal.output.prose import said
 from fem_seal.output.readable import ReadableTable
 from fem_seal.output.shown import Section, Shown
 from fem_seal.seal.load_names import load_name
-from fem_seal.units import given, number, percent, quantity, quantity_worth, worth
+from fem_seal.units import given, number, percent, quantity, quantity_worth, unit_for, worth
 
 if TYPE_CHECKING:
     from fem_seal.answers.particles import ParticleAnswers
     from fem_seal.answers.solution import SealSolution
     from fem_seal.case.fluid import Particles
-from typing import TYPE_CHECKING
 
-from fem_seal.output.columns import PARTICLE_COLUMNS
-
-if TYPE_CHECKING:
-    from fem_seal.answers.particles import ParticleAnswers
-    from fem_seal.answers.solution import SealSolution
-from typing import TYPE_CHECKING
-
-import numpy as np
-
-from fem_seal.output.pictures.style import BLUE, FILL, GREY, ORANGE, Picture, label, logarithmic, panels, svg
-from fem_seal.units import unit_for
-
-if TYPE_CHECKING:
-    from fem_seal.answers.solution import SealSolution
 
 _PER_ML = 1e-6
 

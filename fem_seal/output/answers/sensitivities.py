@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
     from fem_seal.case.case import Case
 
+
 # So many are told, and no smaller ones: a change of half a per cent is no lever.
 _TOLD, _SMALLEST = 3, 0.005
 # Keys of steps, by the key of the lever and whether its value falls or rises.

@@ -15,15 +15,7 @@ from fem_seal.output.readable import ReadableTable, columns_table, filled_column
 from fem_seal.output.shown import Shown
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.readings import FURTHER, force_column
-from fem_seal.units import (
-    given,
-    percent,
-    quantity,
-    quantity_worth,
-    range_text,
-    unit_for,
-    worth,
-)
+from fem_seal.units import given, percent, quantity, quantity_worth, range_text, unit_for, worth
 
 if TYPE_CHECKING:
     from fem_seal.answers.judgement import JudgedLoad

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,18 +13,9 @@ from fem_seal.output.prose import said
 from fem_seal.output.readable import ReadableTable
 from fem_seal.output.shown import Shown
 from fem_seal.seal.load_names import load_name
-from fem_seal.units import (
-    percent,
-    unit_for,
-    worth,
-)
+from fem_seal.units import percent, unit_for, worth
 
 if TYPE_CHECKING:
-    pass
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    from fem_seal.answers.solution import SealSolution
     from fem_seal.answers.uncertainty import LeakInterval
 
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import asdict
-from typing import TYPE_CHECKING
 
 from fem_seal.answers.accuracy import Comparison
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.answers.solution import SealSolution
 from fem_seal.answers.variants import ratio_to_case
+from fem_seal.output.columns import VARIANT_COLUMNS
 from fem_seal.output.prose import said
 from fem_seal.output.readable import ReadableTable
 from fem_seal.output.shown import Shown, by_reading
@@ -26,17 +26,6 @@ from fem_seal.units import (
     unit_for,
     worth,
 )
-
-if TYPE_CHECKING:
-    pass
-from typing import TYPE_CHECKING
-
-from fem_seal.output.columns import (
-    VARIANT_COLUMNS,
-)
-
-if TYPE_CHECKING:
-    from fem_seal.answers.solution import SealSolution
 
 
 def variant_table(result: SealSolution) -> ReadableTable:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import asdict
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from fem_seal.answers.judgement import Limit, SealJudgement, Shares, Why
 from fem_seal.answers.leakage_class import next_class, nominal_size, volume_of
@@ -37,11 +37,7 @@ if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
     from fem_seal.case.case import Case
     from fem_seal.seal.load_result import LoadResult
-from typing import TYPE_CHECKING, Any
 
-if TYPE_CHECKING:
-    from fem_seal.answers.solution import SealSolution
-    from fem_seal.seal.load_result import LoadResult
 
 # Factors beyond this are told as "more than".
 _FAR, _FAR_IN_WORDS = 1e6, "a million"

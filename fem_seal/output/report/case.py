@@ -14,12 +14,7 @@ from fem_seal.case.tables import curves
 from fem_seal.contact.laws import HardContact
 from fem_seal.output.answers.form import form_rows
 from fem_seal.output.answers.particles import particle_rows
-from fem_seal.output.case_words import (
-    earlier_load,
-    listed_dimensions,
-    section,
-    section_text,
-)
+from fem_seal.output.case_words import earlier_load, listed_dimensions, section, section_text
 from fem_seal.output.finish import finish_rows
 from fem_seal.output.report.tables import curve_in_words
 from fem_seal.output.temperature import celsius, temperature_rows
@@ -31,6 +26,7 @@ if TYPE_CHECKING:
     from fem_seal.case.case import Case
     from fem_seal.case.fluid import Fluid
     from fem_seal.materials import Material
+
 
 _FLUID_ACTS_ON = {
     "sealed-area": "the sealed area",

@@ -12,12 +12,7 @@ from fem_seal.answers.closed_forms import Derived, Sizes, derive, profile_sizes
 from fem_seal.files import write_text
 from fem_seal.output import shown_answers
 from fem_seal.output.pictures.contact import gap_picture, profile_picture, size_picture
-from fem_seal.output.pictures.fields import (
-    imprint_picture,
-    mesh_picture,
-    stress_picture,
-    temperature_picture,
-)
+from fem_seal.output.pictures.fields import imprint_picture, mesh_picture, stress_picture, temperature_picture
 from fem_seal.output.pictures.leak import leak_picture
 from fem_seal.output.pictures.memory import memory_picture
 from fem_seal.output.pictures.sketch import sketch

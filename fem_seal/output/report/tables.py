@@ -16,11 +16,7 @@ from fem_seal.output.readable import ReadableTable, columns_table, filled_column
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.readings import FURTHER, leak_rate_column
-from fem_seal.units import (
-    given,
-    percent,
-    quantity_worth,
-)
+from fem_seal.units import given, percent, quantity_worth
 
 if TYPE_CHECKING:
     from fem_seal.materials import HardeningCurve

@@ -51,6 +51,7 @@ if TYPE_CHECKING:
     from leak import LeakageClass
     from leak.theory.line_contact import HertzLine
 
+
 # Share of the pressure drop whose place is called the seal proper: its middle 80 %.
 _MIDDLE = (0.1, 0.9)
 # Peak over that of Hertz from which on mesh and curved faces do not explain it.
