@@ -45,10 +45,12 @@ def load(
 ) -> Any:
     """What the checks look at in a load."""
     pressure = np.array([end_share * peak, peak, 0.0])
+    profile = SimpleNamespace(
+        peak_pressure=peak, highest=peak, std=std, pressure=pressure, radius=_POINTS[:, 0]
+    )
     contact = SimpleNamespace(
-        profile=SimpleNamespace(
-            peak_pressure=peak, highest=peak, std=std, pressure=pressure, radius=_POINTS[:, 0]
-        ),
+        profile=profile,
+        profiles=(profile,),
         pressure=pressure,
         point_forces=pressure,
         gap=np.zeros(3),
