@@ -18,6 +18,7 @@ from fem_seal.validity.checks import load_cautions
 from leak import LeakResult, RoughContact
 
 SURFACE = surface()
+_X = np.array([-1e-3, 0, 1e-3])
 _POINTS = np.array([[0.013, 0.0], [0.014, -1e-5], [0.015, 0.0]])
 
 
@@ -46,7 +47,7 @@ def load(
     """What the checks look at in a load."""
     pressure = np.array([end_share * peak, peak, 0.0])
     profile = SimpleNamespace(
-        peak_pressure=peak, highest=peak, std=std, pressure=pressure, radius=_POINTS[:, 0]
+        peak_pressure=peak, highest=peak, std=std, pressure=pressure, x=_X, radius=_POINTS[:, 0]
     )
     contact = SimpleNamespace(
         profile=profile,
@@ -77,7 +78,7 @@ def judged(
         touch_radius=0.014,
         touch_normal_z=0.7,
         relative_radius=relative_radius,
-        line=SimpleNamespace(x=np.array([-1e-3, 0, 1e-3]), bend=np.zeros(3)),
+        lines=(SimpleNamespace(x=_X, bend=np.zeros(3)),),
     )
     found = load_cautions(SealProblem.of(of or case()), model, loads, surface)
     return [caution for caution in found if caution.kind == kind]
