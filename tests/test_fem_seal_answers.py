@@ -29,11 +29,9 @@ class Indentation:
 
 
 def _compute(seal, ask):
-    with ask.step("indentation", "how near the asperities are to an indentation"):
-        return tuple(
-            Indentation(load.fluid_pressure, load.peak_pressure / seal.problem.hardness)
-            for load in seal.loads
-        )
+    return tuple(
+        Indentation(load.fluid_pressure, load.peak_pressure / seal.problem.hardness) for load in seal.loads
+    )
 
 
 INDENTATION = Answer(
@@ -42,6 +40,7 @@ INDENTATION = Answer(
     _compute,
     (),
     lambda seal, wanted: seal.problem.asperities_yield,
+    doing="how near the asperities are to an indentation",
 )
 
 # ---------------------------------------------------------------- as in fem_seal/output/answers/

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, Generic, TypeVar, overload
@@ -78,13 +78,17 @@ class Answer(Generic[T]):
     what : str
         Subject of the sentence where it fails.
     compute : callable
-        Gives the answer to a solved seal and an `Inquiry`; it times itself with `Inquiry.step`.
+        Gives the answer to a solved seal and an `Inquiry`.
     otherwise : object
         The answer where it does not apply or fails.
     applies : callable
         Whether it is asked of a solved seal; always unless given.
     told : callable
         Gives the loads with what the answer knows of each of them; the same loads unless given.
+    doing : str
+        Told while it is computed, and then it is timed; empty where `compute` sees to that with `Inquiry.step`.
+    clock : str
+        Name of its time; `name` unless given.
     """
 
     name: str
@@ -93,6 +97,8 @@ class Answer(Generic[T]):
     otherwise: T
     applies: Callable[[SolvedSeal, Wanted], bool] = lambda seal, wanted: True
     told: Callable[[Loads, T], Loads] = _unchanged
+    doing: str = ""
+    clock: str = ""
 
     def found(self, seal: SolvedSeal, ask: Inquiry) -> T:
         """The answer; a failure becomes a warning.
@@ -104,7 +110,8 @@ class Answer(Generic[T]):
         """
         if not self.applies(seal, ask.wanted):
             return self.otherwise
-        return ask.steps.compute(self.what, partial(self.compute, seal, ask), self.otherwise)
+        with ask.step(self.clock or self.name, self.doing) if self.doing else nullcontext():
+            return ask.steps.compute(self.what, partial(self.compute, seal, ask), self.otherwise)
 
     def of(self, answers: Mapping[str, Any]) -> T:
         """Itself among the answers of a result."""

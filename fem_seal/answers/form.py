@@ -424,11 +424,15 @@ def _largest(leak_rate: Callable[[float], float], allowed: float, start: float, 
 def _compute(seal: SolvedSeal, ask: Inquiry) -> FormAnswers:
     case = seal.case
     assert case.form is not None  # of `applies`
-    with ask.step("form", "what the form error means"):
-        given = case.form.error(case.contact.angle, case.touch_radius)
-        return form_answers(ask.solver, case, seal.highest, given)
+    given = case.form.error(case.contact.angle, case.touch_radius)
+    return form_answers(ask.solver, case, seal.highest, given)
 
 
 FORM = Answer[FormAnswers | None](
-    "form", "answers about the form error", _compute, None, lambda seal, wanted: seal.case.form is not None
+    "form",
+    "answers about the form error",
+    _compute,
+    None,
+    lambda seal, wanted: seal.case.form is not None,
+    doing="what the form error means",
 )

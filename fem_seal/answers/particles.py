@@ -294,10 +294,14 @@ def _applies(seal: SolvedSeal, wanted: Wanted) -> bool:
 def _compute(seal: SolvedSeal, ask: Inquiry) -> tuple[ParticleAnswers, ...]:
     fluid = seal.case.fluid
     assert fluid is not None and fluid.particles is not None  # of `applies`
-    with ask.step("particles", "what particles in the fluid do to the leak"):
-        return particle_answers(seal.loads, fluid.particles.counts)
+    return particle_answers(seal.loads, fluid.particles.counts)
 
 
 PARTICLES = Answer[tuple[ParticleAnswers, ...]](
-    "particles", "answers about particles in the fluid", _compute, (), _applies
+    "particles",
+    "answers about particles in the fluid",
+    _compute,
+    (),
+    _applies,
+    doing="what particles in the fluid do to the leak",
 )

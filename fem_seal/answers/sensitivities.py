@@ -393,8 +393,7 @@ def _exponents(before: Rates, after: Rates, factor: float) -> tuple[float, float
 
 def _compute(seal: SolvedSeal, ask: Inquiry) -> tuple[Lever, ...]:
     judged = VERDICT.of(ask.answers).seal
-    with ask.step("levers", "what changes the leak rate most"):
-        return levers(seal, None if judged is None else judged.number)
+    return levers(seal, None if judged is None else judged.number)
 
 
 def _applies(seal: SolvedSeal, wanted: Wanted) -> bool:
@@ -403,4 +402,6 @@ def _applies(seal: SolvedSeal, wanted: Wanted) -> bool:
     return unasked if wanted.levers is None else wanted.levers
 
 
-LEVERS = Answer[tuple[Lever, ...]]("levers", "levers on the leak rate", _compute, (), _applies)
+LEVERS = Answer[tuple[Lever, ...]](
+    "levers", "levers on the leak rate", _compute, (), _applies, doing="what changes the leak rate most"
+)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
-from fem_seal.answers.answer import Answer, Inquiry
+from fem_seal.answers.answer import Answer
 from fem_seal.answers.response_surface import ResponseSurface, fit
 from fem_seal.arrays import FloatArray
 from fem_seal.case.checks import problems_with_uncertainty
@@ -867,16 +867,12 @@ def _reshaped(case: Case, key: str, factors: Mapping[str, float]) -> PowerSpectr
     )
 
 
-def _compute(seal: SolvedSeal, ask: Inquiry) -> LeakInterval:
-    with ask.step("uncertainty", "leak rates of uncertain inputs"):
-        return leak_interval(seal, progress=ask.clock.progress)
-
-
 UNCERTAINTY = Answer[LeakInterval | None](
     "uncertainty",
     "interval of the leak rates",
-    _compute,
+    lambda seal, ask: leak_interval(seal, progress=ask.clock.progress),
     None,
     lambda seal, wanted: seal.case.sampled is not None,
     lambda loads, found: loads if found is None else found.of(loads),
+    "leak rates of uncertain inputs",
 )

@@ -8,7 +8,7 @@ from itertools import product
 from typing import TYPE_CHECKING, Literal
 
 from fem_seal.answers.accuracy import Comparison
-from fem_seal.answers.answer import Answer, Inquiry
+from fem_seal.answers.answer import Answer
 from fem_seal.seal.leak_model import Flow, RoughFlow
 from fem_seal.seal.load_result import LoadResult, leak_rates, strongest_load
 from fem_seal.seal.load_solver import LoadSolver, solve_load, solve_loads, solved_again
@@ -177,23 +177,20 @@ def interface_variants(solver: LoadSolver, loads: Sequence[LoadResult]) -> tuple
     return tuple(variants)
 
 
-def _interface(seal: SolvedSeal, ask: Inquiry) -> tuple[Comparison, ...]:
-    with ask.step("variants", "comparing elastic and plastic interface law"):
-        return interface_variants(ask.solver, seal.loads)
-
-
-def _theory(seal: SolvedSeal, ask: Inquiry) -> tuple[TheoryVariant, ...]:
-    with ask.step("theory", THEORY_VARIANTS.what):
-        return theory_variants(seal)
-
-
 INTERFACE_VARIANTS = Answer[tuple[Comparison, ...]](
-    "interface_variants", "comparison of elastic and plastic interface law", _interface, ()
+    "interface_variants",
+    "comparison of elastic and plastic interface law",
+    lambda seal, ask: interface_variants(ask.solver, seal.loads),
+    (),
+    doing="comparing elastic and plastic interface law",
+    clock="variants",
 )
 THEORY_VARIANTS = Answer[tuple[TheoryVariant, ...]](
     "theory_variants",
     "leak rates with every reading of the theory",
-    _theory,
+    lambda seal, ask: theory_variants(seal),
     (),
     lambda seal, wanted: seal.case.leak.variants,
+    doing="leak rates with every reading of the theory",
+    clock="theory",
 )

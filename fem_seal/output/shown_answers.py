@@ -14,14 +14,5 @@ from fem_seal.output.answers import (
 from fem_seal.output.shown import Shown
 
 # In the order in which they are told.
-SHOWN: tuple[Shown, ...] = (
-    accuracy.SHOWN,
-    target.SHOWN,
-    form.SHOWN,
-    particles.SHOWN,
-    variants.SHOWN,
-    findings.SHOWN,
-    uncertainty.SHOWN,
-    verdict.SHOWN,
-    sensitivities.SHOWN,
-)
+_TOLD = accuracy, target, form, particles, variants, findings, uncertainty, verdict, sensitivities
+SHOWN: tuple[Shown, ...] = tuple(one.SHOWN for one in _TOLD)
