@@ -37,7 +37,7 @@ from fem_seal.answers.variants import theory_variants
 from fem_seal.case.roughness import UncertainHeight
 from fem_seal.case.uncertainty import Spread, Uncertainty
 from fem_seal.errors import InputError
-from fem_seal.output.answers.variants import variant_rows
+from fem_seal.output.answers.variants import VARIANT_COLUMNS, variant_rows
 from fem_seal.output.report.page import report
 from fem_seal.output.summary import summary
 from fem_seal.sampling import LogNormal, Normal, UncertainInput
@@ -565,7 +565,7 @@ def test_a_threshold_of_ones_own_is_among_the_readings():
     result = run_loads(case(leak={"percolation_threshold": 0.45, "variants": True, "plasticity": False}))
     assert {variant.percolation_threshold for variant in result.theory_variants} == {0.42, 0.45, 0.5}
     assert sum(variant.used for variant in result.theory_variants) == 1
-    rows = variant_rows(result)
+    rows = [dict(zip(VARIANT_COLUMNS, row, strict=True)) for row in variant_rows(result)]
     assert all(
         row["ratio_to_case"] == 1.0
         for row in rows
