@@ -55,7 +55,7 @@ def measure(path: Path, count: int) -> None:
         if factor.group != "dimension":
             for design in [*designs[::_AHEAD], *designs[-1:]]:
                 for name in session.needs(design):
-                    session.make(name, design)
+                    session.make(name)
         show(factor.label, timed(session, designs))
     others = [name for name in ("water", "nitrogen") if name != session.factors.given.get("fluid")]
     for name in others if session.factors.fluids else []:

@@ -24,7 +24,7 @@ from fem_seal.bodies.elasticity import node_dofs
 from fem_seal.contact.newton import solve
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.profile import PressureProfile
-from fem_seal.seal.load_solver import model_and_contacts
+from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.problem import SealProblem
 from leak import ExponentialLaw
 from meshes import SealMesh
@@ -147,7 +147,8 @@ def compare(name: str, half_width: float, neo_hookean: bool = False) -> dict[str
     problem = SealProblem.of(case)
     law = problem.law
     assert isinstance(law, ExponentialLaw)
-    seal_mesh, _, solved = model_and_contacts(problem)
+    evaluated = evaluate(problem)
+    seal_mesh, solved = evaluated.seal_mesh, evaluated.solved
     small = solved.contacts[0]
     materials = {"closure": case.closure.material, "seat": case.seat.material}
     solid = Solid(seal_mesh, curved_points(seal_mesh), materials, neo_hookean)

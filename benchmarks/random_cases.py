@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 import fem_seal
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError, SealError
-from fem_seal.seal.load_solver import model_and_contacts
+from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.problem import SealProblem, expected_forces
 from leak import crossover_line
 from meshes import MeshesError
@@ -140,7 +140,7 @@ def outcome(tables: dict[str, Any]) -> Outcome:
     try:
         case = fem_seal.Case(**tables)
         problem = SealProblem.of(case)
-        _, _, solved = model_and_contacts(problem)
+        solved = evaluate(problem).solved
         (contact,) = solved.contacts
     except (SealError, MeshesError) as error:
         kind = "not converged" if isinstance(error, ConvergenceError) else "refused"

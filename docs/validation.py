@@ -20,7 +20,7 @@ from fem_seal import Case, InputError
 from fem_seal.output.columns import COLUMNS
 from fem_seal.seal.problem import SealProblem
 from fem_seal.studies.expressions import Expression
-from fem_seal.studies.responses import evaluate
+from fem_seal.studies.responses import evaluate_design
 
 HERE = Path(__file__).parent
 FOLDER, FILE = HERE / "validation", HERE / "verification" / "validation.md"
@@ -90,7 +90,7 @@ def _numbers(
     reasons: list[str] = []
     for number, (pressure, force) in enumerate(case.load.points, start=1):
         one = case.replace({"load.fluid_pressure": pressure, "load.applied_force": force})
-        row = evaluate(one, [name for name in wanted if name in COLUMNS], interpolate=False)
+        row = evaluate_design(one, [name for name in wanted if name in COLUMNS], interpolate=False)
         reasons += [f"load {number}, {reason}" for reason in row.validity.reasons if row.validity.outside]
         for reading, numbers in zip(_READINGS, both, strict=True):
             read_so = row.values[f"leak_rate_{reading}_m3_per_s"]

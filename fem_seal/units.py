@@ -844,3 +844,12 @@ def kind_of(path: str, si_unit: str) -> str:
     if si_unit == "Pa" and any(word in path for word in _OF_FLUID):
         return "fluid pressure"
     return _KINDS.get(si_unit, "")
+
+
+def duration(seconds: float) -> str:
+    """A time as people say it."""
+    if seconds < 90:
+        return f"{seconds:.0f} s"
+    if seconds < 5400:
+        return f"{seconds / 60:.0f} min"
+    return f"{seconds / 3600:.1f} h"

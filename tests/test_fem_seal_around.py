@@ -32,8 +32,8 @@ from fem_seal.form import FormError, Wave, rigid_wave
 from fem_seal.materials import effective_modulus
 from fem_seal.profile import PressureProfile
 from fem_seal.seal.circumference import Around, LeakCurve, around
+from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.leak_model import ProfileFlow
-from fem_seal.seal.load_solver import model_and_contacts
 from fem_seal.seal.problem import SealProblem
 from leak import ExponentialLaw, LeakResult
 
@@ -495,7 +495,7 @@ def test_other_pairs_of_bodies(pair: str) -> None:
     law = {"law": "exponential", "u0": "0.76 um", "p_c": "10 GPa"}
     case = Case(**PAIRS[pair], interface=law, load={"fluid_pressure": "20 bar"})
     problem = SealProblem.of(case)
-    mean = model_and_contacts(problem)[2].contacts[-1]
+    mean = evaluate(problem).solved.contacts[-1]
     local = LocalContact(mean, problem.law)
     assert local.approach(np.array([mean.line_load]))[0][0] == pytest.approx(
         mean.approach * mean.model.touch_normal_z, abs=1e-6 * U0
@@ -777,7 +777,7 @@ def test_a_stiff_interface_carries_what_smooth_surfaces_do(u0: str) -> None:
             interface=interface,
             form={"seat": {"direction": "radial", "harmonics": [{"waves": 4, "amplitude": "0.5 um"}]}},
         )
-        _, _, found = model_and_contacts(SealProblem.of(Case(**asked)))
+        found = evaluate(SealProblem.of(Case(**asked))).solved
         assert not found.failures
         return over_mean(found.formed[0])
 

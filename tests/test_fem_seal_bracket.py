@@ -33,7 +33,7 @@ from fem_seal.output.tables import leak_rows, leakage_table
 from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.findings import Caution, Level, Validity
 from fem_seal.seal.leak_model import RoughFlow
-from fem_seal.studies.responses import evaluate
+from fem_seal.studies.responses import evaluate_design
 from fem_seal.units import leak_range_text
 from leak import LeakResult, Reading, leakage_class, leakage_limits
 
@@ -185,7 +185,9 @@ def test_a_target_takes_a_force_in_each_reading():
     for name, force in forces.items():
         asked = case(load={"fluid_pressure": "20 bar", "applied_force": f"{force:.12g} N"})
         # another mesh
-        assert evaluate(asked, (name,), interpolate=False).values[name] == pytest.approx(0.2e-6, rel=1e-3)
+        assert evaluate_design(asked, (name,), interpolate=False).values[name] == pytest.approx(
+            0.2e-6, rel=1e-3
+        )
     (told,) = [one for one in facts(result) if one.name == "Force for the target leak rate"]
     assert " to " in told.value and "two ends" in told.remark
 
@@ -225,7 +227,7 @@ def test_file_terminal_report_and_study_tell_the_same_interval(capsys):
     assert f"{leak_range_text(result.highest.leak_range, beside=ends)} at 20 bar" in headline(result)
     # another mesh, and a conductivity interpolated between surfaces
     names = (DEFAULT, LOW, HIGH, CONSERVED, CAPPED)
-    design = evaluate(case(load={"fluid_pressure": "20 bar"}), names).values
+    design = evaluate_design(case(load={"fluid_pressure": "20 bar"}), names).values
     assert [design[name] for name in names] == pytest.approx([rows[-1][name] for name in names], rel=2e-3)
     json.dumps(leakage_table(result))
 

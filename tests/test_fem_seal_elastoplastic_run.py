@@ -36,6 +36,7 @@ from fem_seal.output.report import words
 from fem_seal.output.summary import summary
 from fem_seal.result import SealResult
 from fem_seal.seal import load_solver
+from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.load_names import different, load_axis, load_name
 from fem_seal.seal.problem import SealProblem
 
@@ -400,7 +401,7 @@ def test_a_path_says_how_far_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
     )
     monkeypatch.setattr(load_solver, "_TOLD_EVERY", 0.0)
     told: list[str] = []
-    load_solver.model_and_contacts(SealProblem.of(asked), load_solver.Clock(told.append))
+    evaluate(SealProblem.of(asked), clock=load_solver.Clock(told.append))
     path = [text for text in told if "% of the way" in text]
     heads = list(dict.fromkeys(text.split(":")[0] for text in path))
     assert heads == ["the largest earlier load", "load 1 of 2", "load 2 of 2", "unloading"]
@@ -410,5 +411,5 @@ def test_a_path_says_how_far_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
     # only now and then
     monkeypatch.setattr(load_solver, "_TOLD_EVERY", 1e6)
     told.clear()
-    load_solver.model_and_contacts(SealProblem.of(asked), load_solver.Clock(told.append))
+    evaluate(SealProblem.of(asked), clock=load_solver.Clock(told.append))
     assert not [text for text in told if "% of the way" in text]

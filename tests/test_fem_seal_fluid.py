@@ -22,7 +22,7 @@ from fem_seal.output.summary import summary
 from fem_seal.output.tables import leak_table, leakage_table
 from fem_seal.seal.findings import Level
 from fem_seal.seal.load_result import LoadResult
-from fem_seal.studies.responses import evaluate
+from fem_seal.studies.responses import evaluate_design
 from fem_seal.units import parse_quantity
 from fem_seal.validity import fluid as fluid_warnings
 from fem_seal.validity.fluid import _of_liquid
@@ -422,7 +422,7 @@ def test_a_study_sees_the_inertia_that_a_run_sees(fluid, amplitude):
     told = [
         {one.reason for one in validity.cautions if one.kind == "inertia"}
         for validity in (
-            evaluate(seal, ("leak_rate_m3_per_s", "margin")).validity,
+            evaluate_design(seal, ("leak_rate_m3_per_s", "margin")).validity,
             run_loads(seal).loads[0].validity,
         )
     ]

@@ -14,7 +14,7 @@ import fem_seal
 from fem_seal import Case
 from fem_seal.answers.closed_forms import derive, strain_limit
 from fem_seal.contact.solution import ContactSolution
-from fem_seal.seal.load_solver import model_and_contacts
+from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.problem import LARGEST_TURNING, TURNED, SealProblem
 from fem_seal.validity.checks import load_validity
 
@@ -46,7 +46,7 @@ def edge(half_width: float, law: dict[str, Any] | None = None, scale: float = 1.
 
 
 def contact_of(chosen: Case) -> ContactSolution:
-    return model_and_contacts(SealProblem.of(chosen))[2].contacts[0]
+    return evaluate(SealProblem.of(chosen)).solved.contacts[0]
 
 
 @pytest.mark.parametrize("half_width", [0.01, 0.05])
@@ -86,7 +86,7 @@ def test_a_load_beyond_the_old_limit_has_a_result_and_a_reason(tmp_path):
 def test_far_outside_it_is_called_so():
     chosen = edge(0.4)
     problem = SealProblem.of(chosen)
-    _, _, solved = model_and_contacts(problem)
+    solved = evaluate(problem).solved
     from fem_seal.seal.load_result import LoadResult
 
     found = load_validity(problem, LoadResult(*chosen.load.points[0], solved.contacts[0]))

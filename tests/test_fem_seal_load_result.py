@@ -16,8 +16,8 @@ from fem_seal.output.tables import leak_rows
 from fem_seal.seal.findings import VALID
 from fem_seal.seal.leak_model import Flow, RoughFlow
 from fem_seal.seal.load_result import LoadResult
+from fem_seal.seal.sources import EXACT
 from fem_seal.studies import responses
-from fem_seal.studies.complete_runs import FAST
 from leak import Reading, effective_viscosity_ratio
 
 HELIUM = case(fluid={"name": "helium"}, load={"fluid_pressure": "3 bar"})
@@ -77,17 +77,10 @@ def test_a_load_answers_alike_after_pickling_touched_or_not():
 
 @pytest.mark.parametrize("of", [case(load={"fluid_pressure": "20 bar"}), single_case(), HELIUM])
 def test_a_design_with_the_contact_of_a_run_has_its_numbers(of, monkeypatch):
-    """All columns but those that only a complete run knows, which has uncertain inputs and load steps."""
-    result = fem_seal.run(of)
-    # a study makes no second mesh: what the first is off by widens the interval of a run alone
-    bare = LoadResult(*result.loads[0].point, result.contact[0]).knowing(
-        mesh_error=result.loads[0].mesh_error
-    )
-
-    monkeypatch.setattr(responses, "_bare_loads", lambda batch, problems, stress: {0: bare})
-    found = responses.responses(of, FAST, interpolate=False)
-    (row,) = leak_rows(result)
-    assert found == pytest.approx({name: row[name] for name in FAST}, rel=1e-12, nan_ok=True)
+    monkeypatch.setattr(responses, "_source", lambda *asked: EXACT)
+    found = responses.responses(of, LEAK_COLUMNS, interpolate=False)
+    (row,) = leak_rows(fem_seal.run(of))
+    assert found == pytest.approx({name: row[name] for name in LEAK_COLUMNS}, rel=1e-12, nan_ok=True)
 
 
 def test_a_contact_apart_from_the_others_has_its_own_critical_separation():

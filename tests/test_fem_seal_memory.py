@@ -26,12 +26,12 @@ from fem_seal.output.pictures.style import style
 from fem_seal.output.report import words
 from fem_seal.output.report.page import report
 from fem_seal.result import SealResult
+from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.findings import Caution, Validity
 from fem_seal.seal.leak_model import RoughFlow
 from fem_seal.seal.load_result import LoadResult
-from fem_seal.seal.load_solver import linearised_again, model_and_contacts, solved_again
+from fem_seal.seal.load_solver import linearised_again, solved_again
 from fem_seal.seal.problem import SealProblem
-from fem_seal.studies.complete_runs import takes_complete_run
 from fem_seal.validity.checks import earlier_cautions, load_validity
 from leak import Reading
 
@@ -49,7 +49,7 @@ def steps(
 def solved(asked: fem_seal.Case) -> list[LoadResult]:
     """Loads with their leak, without all that a run adds."""
     problem = SealProblem.of(asked)
-    _, _, found = model_and_contacts(problem)
+    found = evaluate(problem).solved
     assert not found.failures
     rough = RoughFlow.of(problem.surface, problem.flow, found.contacts)
     points = problem.loads.points
@@ -96,7 +96,8 @@ def test_the_loads_of_the_list_leave_nothing_to_each_other() -> None:
 
 def test_the_earlier_load_acts_without_fluid() -> None:
     problem = SealProblem.of(steps(earlier="3 kN"))
-    _, model, found = model_and_contacts(problem)
+    evaluated = evaluate(problem)
+    model, found = evaluated.model, evaluated.solved
     assert found.earlier is not None
     assert found.earlier.contact_force == 3e3
     assert found.earlier.largest is None
@@ -162,7 +163,7 @@ def test_less_force_meets_a_target_after_a_proof_load() -> None:
 def test_a_body_that_would_have_yielded_under_the_earlier_load_is_doubtful_at_every_load() -> None:
     soft = {**STEEL, "yield_stress": "60 MPa"}
     problem = SealProblem.of(steps(("300 N",), "5 kN", seat=cone(soft)))
-    _, _, found = model_and_contacts(problem)
+    found = evaluate(problem).solved
     assert found.earlier is not None and problem.loads.earlier is not None
     now = list(load_validity(problem, LoadResult(*problem.loads.points[0], found.contacts[0])).cautions)
     assert not [one for one in now if one.kind == "yield stress"]
@@ -198,7 +199,7 @@ def test_the_fluid_pressure_that_once_closed_it_acts_between_the_surfaces_too() 
         "largest_earlier_pressure": "30 bar",
     }
     problem = SealProblem.of(case(load=load))
-    _, _, found = model_and_contacts(problem)
+    found = evaluate(problem).solved
     low, high = found.contacts
     assert found.earlier is not None
     # first loading at the pressure itself, although it was solved as a contact that remembers
@@ -214,7 +215,7 @@ OVAL = {"seat": {"direction": "radial", "harmonics": [{"waves": 2, "amplitude": 
 @cache
 def oval() -> LoadResult:
     problem = SealProblem.of(steps(("300 N",), "3 kN", form=OVAL))
-    _, _, found = model_and_contacts(problem)
+    found = evaluate(problem).solved
     (contact,), (formed,) = found.contacts, found.formed
     bare = LoadResult(*problem.loads.points[0], contact, formed=formed)
     return bare.knowing(rough=RoughFlow.of(problem.surface, problem.flow, bare.contacts))
@@ -380,7 +381,7 @@ def test_elastic_asperities_of_a_path_remember_nothing() -> None:
 
 def test_samples_of_some_loads_remember_the_others() -> None:
     problem = SealProblem.of(steps(["1 kN", "3 kN", "2 kN"], seat=cone(SOFT), mesh={"contact_size": "80 um"}))
-    _, _, found = model_and_contacts(problem)
+    found = evaluate(problem).solved
     every = linearised_again(found.contacts, problem.law)
     (last,) = linearised_again(found.contacts[2:], problem.law)
     np.testing.assert_array_equal(last.largest, every[2].largest)
@@ -466,12 +467,10 @@ def test_refuses_what_cannot_be_said(tables: dict[str, Any], key: str, said: str
     assert said in problem.message
 
 
-def test_says_nothing_of_profiles_from_elsewhere_and_nothing_fast_in_studies() -> None:
+def test_says_nothing_of_profiles_from_elsewhere() -> None:
     asked = steps(("1 kN",), "3 kN")
     with pytest.raises(InputError, match="largest_earlier"):
         leak_of_profiles(SealProblem.of(asked), [])
-    assert takes_complete_run(asked, ["leak_rate_m3_per_s"])
-    assert not takes_complete_run(steps(("1 kN",)), ["leak_rate_m3_per_s"])
 
 
 # ------------------------------------------------------------------ the whole case

@@ -22,12 +22,10 @@ from fem_seal.output.columns import LEAK_COLUMNS
 from fem_seal.output.folders import alone
 from fem_seal.output.tables import leak_rows
 from fem_seal.sampling import LogNormal, Normal
-from fem_seal.seal import shared_bodies as studies_shared
+from fem_seal.seal import sources
 from fem_seal.seal.conductivity_tables import family_table
 from fem_seal.seal.leak_model import Flow
 from fem_seal.studies import designs, store, work
-from fem_seal.studies import responses as studies_responses
-from fem_seal.studies.complete_runs import FAST
 from fem_seal.studies.designs_table import pareto_front
 from fem_seal.studies.expressions import Constraint, Expression, ExpressionError
 from fem_seal.studies.progress import Lines
@@ -398,7 +396,7 @@ def test_a_design_has_one_load(tmp_path):
 )
 def test_fast_way_gives_the_numbers_of_a_complete_run(changes):
     case = fem_seal.load_case(CASE).replace(changes)
-    fast = responses(case, tuple(FAST))
+    fast = responses(case, tuple(LEAK_COLUMNS))
     complete = leak_rows(run_loads(case))[0]
     for name, value in fast.items():
         # another mesh, both within 2e-4 of the limit of small elements; the stress is a maximum over nodes
@@ -448,11 +446,12 @@ def test_designs_with_rounded_edges_share_meshes(monkeypatch):
     case = fem_seal.load_case(LAND)
     columns = ("leak_rate_m3_per_s", "peak_pressure_Pa", "fwhm_m")
     pressures = [f"{pressure} bar" for pressure in (9, 9.5, 10, 10.5, 11, 11.5)]
-    built = studies_shared._light_model.cache_info().misses
+    made, condense = [], sources.condense
+    monkeypatch.setattr(sources, "condense", lambda *asked: made.append(asked) or condense(*asked))
     found = [responses(case.replace({"load.fluid_pressure": one}), columns) for one in pressures]
     # a size may cross a step once in this range, of six designs with as many spots of their own
-    assert studies_shared._light_model.cache_info().misses - built <= 2
-    monkeypatch.setattr(studies_shared, "rounded", lambda sizing, contact, *, exact_size: sizing)
+    assert 1 <= len(made) <= 2
+    monkeypatch.setattr(sources, "rounded", lambda sizing, contact, *, exact_size, rounding: sizing)
     own = responses(case.replace({"load.fluid_pressure": pressures[0]}), columns)
     for name in columns:
         # what docs/guide/studies.md promises
@@ -464,7 +463,7 @@ def test_spots_are_rounded_down_and_edges_stay_where_they_are():
     (edge, *_), (_, end) = contact.breaks.tolist(), contact.reach
     spots = ((edge, 1.1e-6), (end, 7.3e-6), (1.23e-5, 2.9e-6), (end - 1e-8, 3e-6))
     sizing = Sizing(4e-5, 1e-4, (0.9 * contact.reach[0], end), 0.1, 0.2, 1e-3, spots)
-    rounded = studies_shared.rounded(sizing, contact)
+    rounded = sources.rounded(sizing, contact)
     (at_edge, fine), (near, size), (beside_end, _), (at_end, _) = sorted(rounded.spots)
     assert (at_edge, at_end) == (edge, end)
     assert 2**-0.25 * 1.1e-6 < fine <= 1.1e-6
@@ -473,41 +472,7 @@ def test_spots_are_rounded_down_and_edges_stay_where_they_are():
     assert beside_end <= end
     # a neighbour's
     moved = replace(sizing, spots=((edge, 1.12e-6), (end, 7.2e-6), (1.25e-5, 2.92e-6), (end - 1e-8, 2.95e-6)))
-    assert studies_shared.rounded(moved, contact) == rounded
-
-
-CURVE = {"plastic_strain": [0, 0.1], "stress": ["300 MPa", "400 MPa"]}
-CONDUCTS = {
-    f"{body}.material.{key}": value
-    for body in ("closure", "seat")
-    for key, value in (("thermal_expansion", "11e-6 1/K"), ("thermal_conductivity", "30 W/(m K)"))
-}
-YIELDING = {"yield_stress": None, "stress_strain": CURVE}
-
-
-@pytest.mark.parametrize(
-    ("changes", "column"),
-    [
-        *(({}, column) for column in LEAK_COLUMNS if column not in FAST),
-        ({"load.closing": "penetration"}, "fwhm_m"),
-        ({"load.target_leak_rate": "1 ml/min"}, "fwhm_m"),
-        ({"leak.fluid_in_gap": "local"}, "fwhm_m"),
-        ({"seat.wall": "fixed"}, "fwhm_m"),
-        ({"temperature.inner": {"temperature": "80 degC"}, **CONDUCTS}, "fwhm_m"),
-        ({"seat.material": YIELDING}, "fwhm_m"),
-    ],
-)
-def test_what_takes_a_complete_run_is_documented(changes, column, monkeypatch):
-    case = fem_seal.load_case(CASE).replace({"load.fluid_pressure": "10 bar", **changes})
-    runs = []
-    monkeypatch.setattr(studies_responses, "_complete_run", lambda case, columns: runs.append(columns))
-    studies_responses.evaluate(case, (column,))
-    assert runs == [(column,)]
-    text = (CASE.parent.parent / "docs" / "guide" / "studies.md").read_text()
-    paragraph = next(part for part in text.split("\n\n") if "complete `fem-seal run`" in part)
-    names = {"seat.material": "stress-strain curve", **{column: column}}
-    for key in list(changes)[:1] or [column]:
-        assert names.get(key, key) in paragraph
+    assert sources.rounded(moved, contact) == rounded
 
 
 def test_rows_do_not_depend_on_order_or_neighbours(calculated):

@@ -189,8 +189,10 @@ def test_what_takes_minutes_travels_one_design_at_a_time():
         return [len(chunk.points) for chunk in chunks(Recipe.of(plan), plan.points)]
 
     assert sizes() == [4]
-    assert sizes(responses=["knudsen_number"]) == [1, 1, 1, 1]
-    assert sizes(changes={**COARSE, "leak.fluid_in_gap": "local"}) == [1, 1, 1, 1]
+    assert sizes(changes={**COARSE, "load.closing": "penetration"}) == [4]
+    curve = {"plastic_strain": [0, 0.1], "stress": ["300 MPa", "400 MPa"]}
+    yielding = {**COARSE, "seat.material": {"yield_stress": None, "stress_strain": curve}}
+    assert sizes(changes=yielding) == [1, 1, 1, 1]
 
 
 def _plugin():
@@ -463,17 +465,17 @@ def test_a_data_file_of_a_parameter_is_watched_only_by_its_designs(tmp_path):
 def test_a_data_file_that_is_removed_during_a_study_is_noticed(tmp_path, monkeypatch, search):
     """And is no failure of the designs that miss it."""
 
-    def removed(batch, cases, columns, *, interpolate=True):
+    def removed(batch, cases, columns, *, interpolate):
         def one(number):
             force = cases[number].load.applied_force
             if force == 2.0:
                 (tmp_path / "a.csv").unlink(missing_ok=True)
                 raise OSError("no such file")
-            return responses.Evaluation(dict.fromkeys(columns, 1e-6 + 1e-9 * force), VALID)
+            return responses.DesignResult(dict.fromkeys(columns, 1e-6 + 1e-9 * force), VALID)
 
         return batch.each(cases, one)
 
-    monkeypatch.setattr(responses, "evaluate_many", removed)
+    monkeypatch.setattr(responses, "evaluate_designs", removed)
     plan = scanned(
         tmp_path, **({"optimise": {"maximise": "leak_rate_m3_per_s", "trials": 9}} if search else {})
     )

@@ -32,7 +32,7 @@ from fem_seal.output.summary import summary
 from fem_seal.output.tables import leak_table
 from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.findings import Caution, Level, Validity
-from fem_seal.studies.responses import LARGEST_MARGIN, evaluate
+from fem_seal.studies.responses import LARGEST_MARGIN, evaluate_design
 from fem_seal.units import leak_range_text
 from leak import FluidError
 from leak.standards import classes_of, leakage_limits, standard_named, visible_leak_rate
@@ -468,13 +468,13 @@ def test_check_says_what_will_be_judged_and_where():
 
 def test_a_design_of_a_study_is_judged_like_a_run():
     one = case(load={"fluid_pressure": "20 bar"}, requirement={"leak_rate": "1e-4 m^3/s"})
-    found = evaluate(one, ["leak_rate_high_m3_per_s", "margin"])
+    found = evaluate_design(one, ["leak_rate_high_m3_per_s", "margin"])
     assert found.verdict == "pass"
     assert found.values["margin"] == pytest.approx(1e-4 / found.values["leak_rate_high_m3_per_s"], rel=1e-12)
     of_run = required(leak_rate="1e-4 m^3/s")
     assert found.values["margin"] == pytest.approx(of_run.loads[-1].margin, rel=5e-3)
     # nobody asked for it
-    assert evaluate(one, ["peak_pressure_Pa"]).verdict is None
+    assert evaluate_design(one, ["peak_pressure_Pa"]).verdict is None
 
 
 def test_a_sealed_design_has_a_margin_that_can_be_compared():
@@ -487,7 +487,7 @@ def test_a_sealed_design_has_a_margin_that_can_be_compared():
         load={"fluid_pressure": "20 bar", "applied_force": "40 kN"},
         requirement={"leak_rate": "1 ml/min"},
     )
-    found = evaluate(tight, ["leak_rate_m3_per_s", "margin"])
+    found = evaluate_design(tight, ["leak_rate_m3_per_s", "margin"])
     assert found.values["leak_rate_m3_per_s"] == 0.0
     assert found.values["margin"] == LARGEST_MARGIN
 

@@ -29,13 +29,14 @@ from fem_seal.contact.penetration import blow_off_pressure, effective_radius, so
 from fem_seal.contact.plastic_step import PlasticSettings
 from fem_seal.loads import PressureSide
 from fem_seal.materials import HardeningCurve
+from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.leak_model import RoughFlow
 from fem_seal.seal.load_result import LoadResult
-from fem_seal.seal.load_solver import LoadSolver, SolvedLoads, linearised_again, model_and_contacts
+from fem_seal.seal.load_solver import LoadSolver, SolvedLoads, linearised_again
 from fem_seal.seal.problem import SealProblem
 from fem_seal.seal.seal_flow import SealFlow
 from fem_seal.seal.solved_seal import SolvedSeal
-from fem_seal.studies.responses import evaluate
+from fem_seal.studies.responses import evaluate_design
 
 STRONG = replace(STEEL, hardening=HardeningCurve((0.0,), (50e9,)))
 FIT = FurtherLoads.press_fit(2e-6)
@@ -329,7 +330,8 @@ def valve(**load: object) -> fem_seal.Case:
 @cache
 def valve_run() -> tuple[SealProblem, ContactModel, SolvedLoads]:
     problem = SealProblem.of(valve())
-    _, model, solved = model_and_contacts(problem)
+    evaluated = evaluate(problem)
+    model, solved = evaluated.model, evaluated.solved
     return problem, model, solved
 
 
@@ -372,7 +374,7 @@ def test_the_force_for_a_target_leaks_the_target_as_a_case_of_its_own(closing: s
 
 def leak_of(case: fem_seal.Case) -> float:
     problem = SealProblem.of(case)
-    _, _, solved = model_and_contacts(problem)
+    solved = evaluate(problem).solved
     flow = SealFlow.of(problem)
     assert flow is not None
     return flow.leak_of(solved.contacts[-1], problem.loads.points[-1][0]).leak_rate
@@ -423,7 +425,8 @@ def sampled() -> tuple[SealProblem, SolvedSeal]:
         }
     )
     problem = SealProblem.of(case)
-    mesh, model, solved = model_and_contacts(problem)
+    evaluated = evaluate(problem)
+    mesh, model, solved = evaluated.seal_mesh, evaluated.model, evaluated.solved
     (contact,) = solved.contacts
     rough = RoughFlow.of(problem.surface, problem.flow, [contact])
     load = LoadResult(*problem.loads.points[0], contact).knowing(rough=rough)
@@ -439,7 +442,7 @@ def test_a_design_of_a_study_runs_its_own_path() -> None:
         "leak_rate_m3_per_s",
         "load_steps",
     ]
-    found = evaluate(asked, [*columns, "max_accumulated_plastic_strain", "opening_margin_N"]).values
+    found = evaluate_design(asked, [*columns, "max_accumulated_plastic_strain", "opening_margin_N"]).values
     _, _, solved = valve_run()
     # there it comes after 100 bar, here straight from the spring: nearly the same path
     assert found["contact_force_N"] == pytest.approx(solved.contacts[1].contact_force, rel=1e-2)

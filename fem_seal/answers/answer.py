@@ -126,3 +126,22 @@ class Answer(Generic[T]):
 
     def __get__(self, result: Any, owner: type[Any]) -> T | Answer[T]:
         return self if result is None else self.of(result.answers)
+
+
+Seal = TypeVar("Seal", bound=SolvedSeal)
+
+
+def answered(seal: Seal, ask: Inquiry, answers: Sequence[Answer[Any]]) -> Seal:
+    """A solved seal with what answers know of its loads; they themselves are kept by the inquiry.
+
+    Parameters
+    ----------
+    seal : SolvedSeal
+    ask : Inquiry
+    answers : sequence of Answer
+        In their order.
+    """
+    for one in answers:
+        ask.answers[one.name] = found = one.found(seal, ask)
+        seal = seal.with_loads(one.told(seal.loads, found))
+    return seal

@@ -9,7 +9,7 @@ from dataclasses import fields, replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from fem_seal.answers.accuracy import ACCURACY
-from fem_seal.answers.answer import NOTHING_ELSE, Answer, Inquiry, Wanted
+from fem_seal.answers.answer import NOTHING_ELSE, Answer, Inquiry, Wanted, answered
 from fem_seal.answers.findings import FINDINGS
 from fem_seal.answers.form import FORM
 from fem_seal.answers.judgement import JudgedLoad
@@ -23,11 +23,12 @@ from fem_seal.answers.variants import INTERFACE_VARIANTS, THEORY_VARIANTS
 from fem_seal.answers.verdict import VERDICT
 from fem_seal.answers.verdict_force import VERDICT_FORCE
 from fem_seal.contact.solution import move_together
+from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.heating import warmed
 from fem_seal.seal.leak_model import RoughFlow
 from fem_seal.seal.left_out import left_out
 from fem_seal.seal.load_result import LoadResult
-from fem_seal.seal.load_solver import Clock, LoadSolver, Progress, model_and_contacts
+from fem_seal.seal.load_solver import Clock, LoadSolver, Progress
 from fem_seal.seal.optional_steps import OptionalSteps
 from fem_seal.seal.problem import SealProblem
 from fem_seal.seal.readings import WORDS
@@ -104,9 +105,7 @@ def solve(
     seal = _solved(case, clock, steps)
     seal = seal.with_loads([JudgedLoad.of(load) for load in seal.loads])
     ask = Inquiry(LoadSolver(seal.problem, seal.model), clock, wanted, steps)
-    for one in ANSWERS if answers is None else answers:
-        ask.answers[one.name] = found = one.found(seal, ask)
-        seal = seal.with_loads(one.told(seal.loads, found))
+    seal = answered(seal, ask, ANSWERS if answers is None else answers)
     texts = (caution.text for caution in FINDINGS.of(ask.answers).cautions)
     known = {field.name: getattr(seal, field.name) for field in fields(seal)}
     return SealSolution(
@@ -123,44 +122,29 @@ def _solved(case: Case, clock: Clock, steps: OptionalSteps) -> SolvedSeal:
     _simulate(whole, clock)
     refused = whole.loads.refused
     problem = _without(whole, refused)
-    seal_mesh, model, solved = model_and_contacts(problem, clock)
-    problem, contacts = _without(problem, solved.failures), solved.contacts
-    if solved.formed:
-        problem = replace(
-            problem, form=solved.formed[0].form
-        )  # which now knows how many waves its tolerance holds
+    found = evaluate(problem, clock=clock)
+    problem, solved = found.problem, found.solved
     kept = [number for number in range(len(whole.loads.points)) if number not in refused]
     unsolved = {kept[number]: one for number, one in solved.problems.items()}
     missing = {**refused, **unsolved}
     if solved.not_unloaded is not None:
         steps.name_failure("residual stress and imprint", solved.not_unloaded)
     with clock.step("leak", "flow conductivity and leak rates"):
-        bare = [
-            LoadResult(*point, contact, formed=formed)
-            for point, contact, formed in zip(problem.loads.points, contacts, solved.around, strict=True)
-        ]
-        shown = [contact for load in bare for contact in load.contacts]
-        rough = _with_tables(steps, RoughFlow.of(problem.surface, problem.flow, shown))
+        rough = _with_tables(steps, found.loads[0].rough)
         loads = tuple(
             _read(
                 steps,
                 _settled(steps, load.knowing(rough=rough), {} if load.formed is None else _AROUND),
                 _LEAK,
             )
-            for load in bare
+            for load in found.loads
         )
     with clock.step("stress", "stress in both bodies"):
-        with suppress(MemoryError):  # one steps the other they may fit
+        with suppress(MemoryError):  # one after the other they may fit
             move_together([load.contact for load in loads])
         loads = tuple(_settled(steps, _read(steps, load, _SEPARATION), _STRESS, _NO_STRESS) for load in loads)
-    return SolvedSeal(
-        case=case.without_loads(missing),
-        problem=problem,
-        seal_mesh=seal_mesh,
-        model=model,
-        loads=loads,
-        unloaded=solved.unloaded,
-        earlier=solved.earlier,
+    return replace(
+        found.seal(case.without_loads(missing)).with_loads(loads),
         missing={whole.loads.points[number]: one for number, one in missing.items()},
         left_out=tuple(left_out(whole.loads, missing)),
     )

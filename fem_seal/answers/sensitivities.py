@@ -20,9 +20,10 @@ from fem_seal.answers.verdict import VERDICT
 from fem_seal.case.fields import Quantity, quantities_of
 from fem_seal.case.roughness import self_affine_part
 from fem_seal.errors import SealError
+from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.leak_model import Conductivity, Flow, RoughFlow, log_peaks
 from fem_seal.seal.load_result import LoadResult, highest_load
-from fem_seal.seal.load_solver import LoadSolver, model_and_contacts, solve_load
+from fem_seal.seal.load_solver import LoadSolver, solve_load
 from fem_seal.seal.problem import SealProblem, build_mesh, condensed
 from fem_seal.seal.solved_seal import SolvedSeal
 from leak import LeakError, RoughContact
@@ -350,7 +351,8 @@ class _Bench:
         if self.yields:
             model, start = condensed(problem, build_mesh(problem)), None
         else:
-            _, model, found = model_and_contacts(problem)
+            evaluated = evaluate(problem)
+            model, found = evaluated.model, evaluated.solved
             start = found.contacts[0]
         return self.solved(problem, model, self.load.applied_force, start)
 

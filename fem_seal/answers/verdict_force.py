@@ -18,9 +18,10 @@ from fem_seal.answers.uncertainty import leak_interval
 from fem_seal.answers.verdict import judgements
 from fem_seal.contact.refit import solve_fitted
 from fem_seal.errors import ConvergenceError, InputError, OpenSealError
+from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.leak_model import RoughFlow
 from fem_seal.seal.load_result import LoadResult
-from fem_seal.seal.load_solver import Clock, LoadSolver, Progress, model_and_contacts
+from fem_seal.seal.load_solver import Clock, LoadSolver, Progress
 from fem_seal.seal.problem import condensed, largest_force, sizing
 from fem_seal.seal.seal_flow import SealFlow
 from fem_seal.seal.solved_seal import SolvedSeal
@@ -348,19 +349,15 @@ def _alone(seal: SolvedSeal, progress: Progress, fluid_pressure: float, applied_
     loads = replace(seal.problem.loads, points=(point,), refused={}, target_leak_rate=None)
     problem = replace(seal.problem, loads=loads)
     clock = Clock(progress)
-    seal_mesh, model, solved = model_and_contacts(problem, clock)
-    (formed,) = solved.around
-    load = LoadResult(*point, solved.contacts[0], formed=formed)
-    load = load.knowing(rough=RoughFlow.of(problem.surface, problem.flow, load.contacts))
+    alone = evaluate(problem, clock=clock).seal(seal.case)
+    problem, sizing, (load,) = alone.problem, alone.seal_mesh.sizing, alone.loads
     with clock.step("error", "estimating the discretisation error"):
-        coarser = on_coarser_mesh(problem, seal_mesh.sizing, 0)
-        error = discretisation_error(load.contact, coarser, seal_mesh.sizing)
-    validity = validity_after(problem, load, error, of_earlier(problem, solved.earlier, error))
+        error = discretisation_error(load.contact, on_coarser_mesh(problem, sizing, 0), sizing)
+    validity = validity_after(problem, load, error, of_earlier(problem, alone.earlier, error))
     load = load.knowing(mesh_error=error, validity=validity)
     if seal.case.sampled is None or validity.outside:
         return load
-    alone = SolvedSeal(seal.case, problem, seal_mesh, model, (load,), earlier=solved.earlier)
-    (load,) = leak_interval(alone, progress=progress).of(alone.loads)
+    (load,) = leak_interval(alone.with_loads([load]), progress=progress).of([load])
     return load
 
 

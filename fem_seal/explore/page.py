@@ -19,7 +19,7 @@ from fem_seal.explore.case_file import free_name, write_case
 from fem_seal.explore.figures import HEIGHT, PINS, figures
 from fem_seal.explore.gate import answered
 from fem_seal.explore.questions import Asked, asked_of, designs_of, place_of, refuse, text_of, texts_of
-from fem_seal.explore.words import not_taken_words, preliminary_words, refused_words, still_words
+from fem_seal.explore.words import not_taken_words, preliminary_words, refused_words, slow_words, still_words
 
 if TYPE_CHECKING:
     from flask import Response
@@ -199,7 +199,8 @@ def _controls(answers: Answers) -> list[Any]:
             rows.append(_fluid(factors.fluids))
         if rows:
             found.append(html.Div([html.H2(heading), *rows], className="group"))
-    remarks = [*factors.left_out, *([answers.session.not_live] if answers.session.not_live else [])]
+    slow = answers.session.slow(answers.session.base)
+    remarks = [*factors.left_out, *([slow_words(slow)] if slow else [])]
     if remarks:
         found.append(html.Div([html.Div(one, className="note") for one in remarks], className="group"))
     return found
@@ -431,7 +432,7 @@ def _state(screen: Screen, answers: Answers) -> str:
     if screen.complete:
         return "the numbers of fem-seal run"
     follows = answers.follows(screen.design)
-    if screen.waiting and (follows or not answers.session.not_live):
+    if screen.waiting and (follows or screen.loads):
         return f"calculating: {screen.waiting}"
     if follows:
         return f"{preliminary_words(screen) or 'live'}; fem-seal run follows ..."

@@ -145,8 +145,6 @@ class Screen:
         Name and leak rate of what is allowed at the load that is shown [m^3/s].
     widens : bool
         Whether the interval is still that of both readings alone, and a complete run will widen it.
-    round : bool
-        Whether a seal that is not round is still shown as if it were.
     volume : LeakVolume
         What a volume is that leaks.
     """
@@ -166,7 +164,6 @@ class Screen:
     facts: tuple[tuple[str, str, str], ...] = ()
     limits: tuple[tuple[str, float], ...] = ()
     widens: bool = False
-    round: bool = False
     volume: LeakVolume = LIQUID
     wrong: dict[str, str] = field(default_factory=dict)
 
@@ -198,18 +195,14 @@ def screen_of(
     number = highest_load(loads)
     complete = bool(more.get("complete"))
     widens = not complete and interval_follows(case)
-    as_round = not complete and case.form is not None
-    # of the round seal alone nothing is claimed
-    withheld = widens or as_round
     return Screen(
         dict(design),
         tuple(shown_load(case, load) for load in loads),
         number,
         profile_of(loads[number]),
         section_of(case),
-        **_judged(case, loads, judgement, withheld),
+        **_judged(case, loads, judgement, widens),
         widens=widens,
-        round=as_round,
         limits=tuple(
             (one.name, one.leak_rate / one.ratio[1])
             for one in limits(case, loads[number].fluid_pressure, loads[number])

@@ -12,7 +12,15 @@ from typing import TYPE_CHECKING
 from fem_seal.explore.screen import Screen, ShownLoad
 from fem_seal.output.report.words import state_in_words
 from fem_seal.seal.findings import Level
-from fem_seal.units import LIQUID, LeakVolume, given, leak_range_text, leak_rate_text, quantity_worth
+from fem_seal.units import (
+    LIQUID,
+    LeakVolume,
+    duration,
+    given,
+    leak_range_text,
+    leak_rate_text,
+    quantity_worth,
+)
 
 if TYPE_CHECKING:
     from fem_seal.explore.factors import Factors
@@ -100,10 +108,7 @@ def preliminary_words(screen: Screen) -> str:
     ----------
     screen : Screen
     """
-    if not screen.widens and not screen.round:
-        return ""
-    nominal = "inputs at their nominal values" if screen.widens else ""
-    return ", ".join(filter(None, ["preliminary", nominal, "as a round seal" if screen.round else ""]))
+    return "preliminary, inputs at their nominal values" if screen.widens else ""
 
 
 def changed(factors: Factors, design: dict[str, str], others: Sequence[dict[str, str]]) -> list[str]:
@@ -131,6 +136,17 @@ def validity_words(screen: Screen) -> tuple[str, str]:
     if not preliminary:
         return colour, words
     return "" if colour == "good" else colour, f"{words}; {preliminary}"
+
+
+def slow_words(seconds: float) -> str:
+    """That a design takes too long to follow the sliders.
+
+    Parameters
+    ----------
+    seconds : float
+        Estimated processor time [s].
+    """
+    return f"Each change takes about {duration(seconds)}; it is calculated when the sliders rest."
 
 
 def lost_words(code: int, again: bool, left: bool) -> str:

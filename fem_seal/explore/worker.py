@@ -227,11 +227,11 @@ def make_ahead(conn: Connection, case: Case) -> None:
     try:
         while True:
             ask = _next(conn, [])
-            for name, design in _wanted(session, ask.design):
+            for name in _wanted(session, ask.design):
                 if conn.poll():
                     break
                 try:
-                    made = Made(name, session.make(name, design))
+                    made = Made(name, session.make(name))
                 except Exception:
                     # what goes wrong here does so again, and is said, where it is asked for
                     continue
@@ -240,10 +240,9 @@ def make_ahead(conn: Connection, case: Case) -> None:
         return
 
 
-def _wanted(session: Session, design: Mapping[str, str]) -> Iterator[tuple[Hashable, Mapping[str, str]]]:
+def _wanted(session: Session, design: Mapping[str, str]) -> Iterator[Hashable]:
     for other in session.neighbours(design):
-        for name in session.needs(other):
-            yield name, other
+        yield from session.needs(other)
 
 
 def run_to_the_end(conn: Connection, case: Case) -> None:
@@ -422,7 +421,7 @@ class Answers:
             try:
                 own = self.session.design({})
                 for name in self.session.needs(own):
-                    self.session.make(name, own)
+                    self.session.make(name)
                 self._news += 1
                 self.settle(own)
                 self._make_ahead(own)
@@ -491,7 +490,7 @@ class Answers:
         with self._lock:
             if isinstance(got, Made):
                 self._news += self._waits
-                self.session.kept.put(got.name, got.what)
+                self.session.keep(got.name, got.what)
             elif isinstance(got, Lost):
                 self._say_lost(got)
                 if got.left:

@@ -1,7 +1,8 @@
-"""All loads of a problem: each by its way of closing, on a mesh that fits what was found."""
+"""All loads of a problem on its condensed bodies: each by its way of closing."""
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -21,7 +22,7 @@ from fem_seal.contact.load_path import (
     load_path,
     yielding_bodies,
 )
-from fem_seal.contact.newton import solve
+from fem_seal.contact.newton import Pressing, solve
 from fem_seal.contact.path_loads import FluidLoad, PathLoad
 from fem_seal.contact.penetration import (
     blow_off_pressure,
@@ -30,22 +31,19 @@ from fem_seal.contact.penetration import (
     solve_penetration,
 )
 from fem_seal.contact.plastic_step import PlasticSettings
-from fem_seal.contact.refit import solve_fitted
 from fem_seal.errors import (
     ConvergenceError,
     InputError,
     LoadProblem,
-    NoLoadLeftError,
     OpenSealError,
     Problem,
     SealError,
     error_text,
 )
 from fem_seal.loads import blow_off_of_sealed_area, contact_force
-from fem_seal.seal.problem import SealProblem, condensed, sizing
+from fem_seal.seal.problem import SealProblem
 from fem_seal.seal.seal_flow import SealFlow
 from fem_seal.units import briefly
-from meshes import SealMesh, Sizing, build_contact
 
 if TYPE_CHECKING:
     from fem_seal.arrays import FloatArray
@@ -85,6 +83,28 @@ class LoadSolver:
             force = applied_force + self._closes(fluid_pressure)
             return self._sealed_area(force, start).after(self.earlier)
         return self._penetrated(self.seal, fluid_pressure, applied_force, start).after(self.earlier)
+
+    @property
+    def pressings(self) -> dict[int, Pressing]:
+        """What is to be pressed of each load, where each is a question of its own: no path, no way of the fluid."""
+        if self.yields or not self._on_sealed_area:
+            return {}
+        at_rest = self.problem.at_rest(self.model)
+        forces = [applied + self._closes(pressure) for pressure, applied in self.problem.loads.points]
+        # what is no force says so where its load is solved
+        return {
+            number: Pressing(self.model, self.problem.law, force, at_rest)
+            for number, force in enumerate(forces)
+            if 0 < force < math.inf
+        }
+
+    def solve_pressed(self, number: int, pressed: ContactSolution | Exception | None) -> ContactSolution:
+        """`solve` of one of the problem's loads, of which may be known already what its pressing gave."""
+        if pressed is None:
+            return self.solve(*self.problem.loads.points[number])
+        if isinstance(pressed, Exception):
+            raise pressed
+        return pressed.after(self.earlier)
 
     @cached_property
     def earlier(self) -> ContactSolution | None:
@@ -309,12 +329,22 @@ class SolvedLoads:
         return self.formed or [None] * len(self.contacts)
 
     @property
+    def all_contacts(self) -> list[ContactSolution]:
+        """Contacts that the mesh has to fit: of all loads, all around the axis, and of the largest before them."""
+        before = () if self.earlier is None else (self.earlier,)
+        return [*self.contacts, *(one for around in self.formed for one in around.extremes), *before]
+
+    @property
     def problems(self) -> dict[int, LoadProblem]:
         """Number of each load without a contact, with the reason."""
         return {number: _problem(error) for number, error in self.failures.items()}
 
 
-def solve_loads(solver: LoadSolver, progress: Progress | None = None) -> SolvedLoads:
+def solve_loads(
+    solver: LoadSolver,
+    progress: Progress | None = None,
+    pressed: Mapping[int, ContactSolution | Exception] | None = None,
+) -> SolvedLoads:
     """Solve all loads of a problem on a model; those that cannot be solved do not keep the others from it.
 
     Parameters
@@ -322,6 +352,8 @@ def solve_loads(solver: LoadSolver, progress: Progress | None = None) -> SolvedL
     solver : LoadSolver
     progress : callable, optional
         Told now and then how far the path of bodies that yield is.
+    pressed : mapping, optional
+        By number of the load what is known already of `LoadSolver.pressings`.
     """
     points = solver.problem.loads.points
     if solver.yields:
@@ -335,7 +367,7 @@ def solve_loads(solver: LoadSolver, progress: Progress | None = None) -> SolvedL
     found: dict[int, tuple[ContactSolution, Around | None]] = {}
     for number in order:
         try:
-            contact = solver.solve(*points[number])
+            contact = solver.solve_pressed(number, (pressed or {}).get(number))
             around = problem.around(contact)
         except _NO_SOLUTION as error:
             failures[number] = error
@@ -603,59 +635,3 @@ class Clock:
             yield
         finally:
             self.timings[name] = self.timings.get(name, 0.0) + time.perf_counter() - start
-
-
-def model_and_contacts(
-    problem: SealProblem, clock: Clock | None = None
-) -> tuple[SealMesh, ContactModel, SolvedLoads]:
-    """All loads of a problem on a mesh whose zone and element sizes fit what was found on it.
-
-    Parameters
-    ----------
-    problem : SealProblem
-    clock : Clock, optional
-        Told what is being done.
-
-    Raises
-    ------
-    NoLoadLeftError
-        If no load has a contact.
-    GeometryError, MeshingError, ConvergenceError
-    """
-    clock = clock or Clock(lambda text: None)
-    size_given = problem.contact_size is not None
-    meshes: list[SealMesh] = []
-    solved: list[SolvedLoads] = []
-    # a load that does not converge is tried on a finer mesh once, before the others go on without it
-    finer_may_help = not (size_given or problem.contact.has_ready_mesh)
-
-    def solve_on(sizing: Sizing) -> Sequence[ContactSolution]:
-        nonlocal finer_may_help
-        with clock.step("mesh", "meshing closure and seat"):
-            meshes.append(build_contact(problem.contact, sizing))
-        with clock.step("condense", "condensing both bodies on the contact line"):
-            solver = LoadSolver(problem, condensed(problem, meshes[-1]))
-        along = ", one after the other in load steps, and unloading" if solver.yields else ""
-        with clock.step("contact", f"solving {len(problem.loads.points)} contacts{along}"):
-            found = solve_loads(solver, clock.progress)
-        unconverged = [error for error in found.failures.values() if isinstance(error, ConvergenceError)]
-        if unconverged and finer_may_help:
-            finer_may_help = False
-            raise unconverged[0]
-        if not found.contacts:
-            raise _no_load_left(problem, found)
-        solved.append(found)
-        before = () if found.earlier is None else (found.earlier,)
-        return [*found.contacts, *(one for around in found.formed for one in around.extremes), *before]
-
-    contacts = solve_fitted(sizing(problem), problem.contact, solve_on, size_given=size_given)
-    return meshes[-1], contacts[0].model, solved[-1]
-
-
-def _no_load_left(problem: SealProblem, solved: SolvedLoads) -> Exception:
-    """The error of a problem without a contact at any of its loads."""
-    errors = list(solved.failures.values())
-    if all(isinstance(error, ConvergenceError) for error in errors):
-        return errors[0]
-    problems = {one.kind: one for one in reversed(solved.problems.values())}
-    return NoLoadLeftError(*problems.values(), file=problem.file)

@@ -22,10 +22,10 @@ import numpy as np
 from fem_seal.arrays import FloatArray
 from fem_seal.errors import ClusterError, InputError, Problem
 from fem_seal.processes import usable_cores
-from fem_seal.studies.progress import duration
 from fem_seal.studies.store import Row
 from fem_seal.studies.time_limit import Block, OvertimeError, Watch, ended_after, slow_line
 from fem_seal.studies.work import Chunk, Recipe, calculate, failed_row, overtime_row
+from fem_seal.units import duration
 from leak.extras import needed
 
 if TYPE_CHECKING:

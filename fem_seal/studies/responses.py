@@ -7,51 +7,49 @@ so that a study gives the same table in whatever order and on however many worke
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from functools import partial
-from typing import TypeVar
+from dataclasses import dataclass
+from typing import Any
 
-from fem_seal import result as seal_result
+# the time limit is that of designs, not of loading what some of them need
+import scipy.interpolate  # noqa: F401
+
+from fem_seal.answers.accuracy import ACCURACY
+from fem_seal.answers.answer import Answer, Inquiry, Wanted, answered
+from fem_seal.answers.chain import solve
+from fem_seal.answers.findings import FINDINGS
 from fem_seal.answers.judgement import JudgedLoad, Verdict
-from fem_seal.answers.opening import with_margins
-from fem_seal.answers.verdict import judged
+from fem_seal.answers.opening import OPENING
+from fem_seal.answers.target import TARGET
+from fem_seal.answers.uncertainty import UNCERTAINTY
+from fem_seal.answers.verdict import VERDICT, judged
+from fem_seal.answers.verdict_force import VERDICT_FORCE
 from fem_seal.case.case import Case
-from fem_seal.contact.newton import Pressing, solve_together
-from fem_seal.contact.refit import MeshFit
-from fem_seal.contact.sizing import widths_together
-from fem_seal.contact.solution import ContactSettings, ContactSolution
-from fem_seal.errors import ConvergenceError
 from fem_seal.output.columns import COLUMNS, Row
 from fem_seal.output.tables import rows_of
-from fem_seal.seal.conductivity_tables import family_table
+from fem_seal.seal.batch import Batch
+from fem_seal.seal.evaluate import SILENT, Evaluation, evaluate_many
 from fem_seal.seal.findings import Validity
-from fem_seal.seal.leak_model import Conductivity, Flow, RoughFlow
+from fem_seal.seal.heating import warmed
 from fem_seal.seal.load_result import LoadResult
-from fem_seal.seal.load_solver import LoadSolver
-from fem_seal.seal.problem import SealProblem, expected_contacts, expected_forces, sizing
+from fem_seal.seal.problem import SealProblem
 from fem_seal.seal.readings import FURTHER, leak_rate_column
-from fem_seal.seal.shared_bodies import shared_model, with_shared_law
-from fem_seal.studies.batch import Batch
-from fem_seal.studies.complete_runs import takes_complete_run
-from fem_seal.validity.by_table import validity_by_table
-from fem_seal.validity.checks import load_validity
-from leak import RoughContact
-from meshes import MeshingError
+from fem_seal.seal.sources import EXACT, Shared, Source, family_or_own_table
+from fem_seal.studies.cost import FORCE_FOR_VERDICT, INTERVAL, is_target
+from fem_seal.validity.by_table import validity_of
 
-T = TypeVar("T")
-
-# The residual is that of the state itself and so the relative error of its pressures: a hundredth of what the mesh
-# leaves. Mostly Newton's last step falls far below it.
-_TOLERANCE = 1e-6
 # A margin counts up to here: a sealed design, whose margin is infinite, can be compared with others.
 LARGEST_MARGIN = 1e6
 _OTHER_READINGS = {leak_rate_column(one) for one in FURTHER}
-# What takes the interval of the leak rate, and with it what the calculation may be off by.
-_INTERVAL = frozenset({"leak_rate_low_m3_per_s", "leak_rate_high_m3_per_s", "margin"})
+_FOR_VERDICT = (ACCURACY, OPENING, TARGET, FINDINGS, UNCERTAINTY, VERDICT_FORCE, VERDICT)
+_SOURCES = {
+    (stress, interpolate): Shared(stress=stress, tables=family_or_own_table if interpolate else EXACT.table)
+    for stress in (False, True)
+    for interpolate in (False, True)
+}
 
 
 @dataclass(frozen=True)
-class Evaluation:
+class DesignResult:
     """What a design gives.
 
     Parameters
@@ -70,25 +68,38 @@ class Evaluation:
     verdict: Verdict | None = None
 
 
-def evaluate(case: Case, columns: Sequence[str], *, interpolate: bool = True) -> Evaluation:
+def evaluate_design(
+    case: Case, columns: Sequence[str], *, interpolate: bool = True, checked: bool = True
+) -> DesignResult:
     """Columns of leak.csv for a case with one load, and their validity.
 
     Parameters
     ----------
     case, columns, interpolate
-        See `responses`. Where the yield stress of a body is known the stresses are calculated, too.
+        See `responses`.
+    checked : bool
+        Whether to ask for the validity; where the yield stress of a body is known that takes the stresses, too.
 
     Raises
     ------
     ConvergenceError, GeometryError, MeshingError
     """
-    return _only(lambda batch: evaluate_many(batch, {0: case}, columns, interpolate=interpolate))
+    batch = Batch()
+    found = evaluate_designs(batch, {0: case}, columns, interpolate=interpolate, checked=checked)
+    for error in batch.failed.values():
+        raise error
+    return found[0]
 
 
-def evaluate_many(
-    batch: Batch, cases: Mapping[int, Case], columns: Sequence[str], *, interpolate: bool = True
-) -> dict[int, Evaluation]:
-    """`evaluate` of several cases, which share their contact calculations; without those that fail.
+def evaluate_designs(
+    batch: Batch,
+    cases: Mapping[int, Case],
+    columns: Sequence[str],
+    *,
+    interpolate: bool = True,
+    checked: bool = True,
+) -> dict[int, DesignResult]:
+    """`evaluate_design` of several cases, which share their contact calculations; without those that fail.
 
     Parameters
     ----------
@@ -96,59 +107,91 @@ def evaluate_many(
         Keeps time and failures of each.
     cases : mapping
         By number.
-    columns, interpolate
-        See `evaluate`.
+    columns, interpolate, checked
+        See `evaluate_design`.
     """
-    found = batch.each(
-        [number for number, case in cases.items() if takes_complete_run(case, columns)],
-        lambda number: _complete_run(cases[number], columns),
-    )
-    problems = batch.each([n for n in cases if n not in found], lambda number: design_problem(cases[number]))
-    loads = _loads(
-        batch,
-        problems,
-        stress={number: _with_stress(cases[number], columns) for number in problems},
-        interpolate=interpolate,
-    )
+    if FORCE_FOR_VERDICT in columns:
+        return batch.each(cases, lambda number: _with_verdict_force(cases[number], columns))
+    cases = batch.each(cases, lambda number: warmed(cases[number]))
+    sources = {n: _source(case, columns, interpolate, checked) for n, case in cases.items()}
+    problems = batch.each(cases, lambda number: design_problem(cases[number]))
+    solved = evaluate_many(problems, sources, batch)
+    loads = batch.each(solved, lambda number: _with_answers(solved[number], cases[number], columns))
     # for the checks alone the table would take too long
     leaks = any(column.startswith(("leak_rate", "lift_off", "margin")) for column in columns)
     if leaks:
         bare = loads
         for step in _leaks(other="margin" in columns or not _OTHER_READINGS.isdisjoint(columns)):
             batch.each(bare, lambda number: step(bare[number]))  # noqa: B023
+    if checked:
+        loads = batch.each(
+            loads,
+            lambda n: _checked(solved[n], loads[n], cases[n], columns, leaks=leaks, interpolated=interpolate),
+        )
 
-    def with_validity(number: int) -> JudgedLoad:
-        problem, load = problems[number], loads[number]
-        usual = replace(problem, usual_only=True) if leaks and problem.of_finish else problem
-        if leaks and interpolate:
-            return JudgedLoad.of(load, validity=validity_by_table(usual, load))
-        return JudgedLoad.of(load, validity=load_validity(usual, load, usual.surface))
+    def read(number: int) -> DesignResult:
+        load = loads[number]
+        verdict = load.verdict if isinstance(load, JudgedLoad) else None
+        return DesignResult(_read(Row(load), columns), _validity(load, columns), verdict)
 
-    told = batch.each(loads, with_validity)
-    if "margin" in columns:
-        told = batch.each(told, lambda n: told[n].knowing(judgement=judged(cases[n], told[n])))
-    return found | batch.each(
-        told, lambda n: Evaluation(_read(Row(told[n]), columns), told[n].validity, told[n].verdict)
-    )
+    return batch.each(loads, read)
 
 
 def design_problem(case: Case) -> SealProblem:
     """What is to be solved of a design."""
-    return with_shared_law(SealProblem.of(case))
+    return SealProblem.of(case)
 
 
-def _only(of_batch: Callable[[Batch], Mapping[int, T]]) -> T:
-    """What is found for the only design of a batch, or why nothing is."""
-    batch = Batch()
-    found = of_batch(batch)
-    for error in batch.failed.values():
-        raise error
-    return found[0]
+def _source(case: Case, columns: Sequence[str], interpolate: bool, checked: bool) -> Source:
+    """Where a design's bodies come from: a mesh of its own costs little beside samples of its inputs."""
+    if case.sampled is not None and not INTERVAL.isdisjoint(columns):
+        return EXACT
+    can_yield = checked and any(body.material.yield_stress for body in (case.closure, case.seat))
+    stress = can_yield or not {"max_von_mises_Pa", "max_accumulated_plastic_strain"}.isdisjoint(columns)
+    return _SOURCES[stress, interpolate]
 
 
-def _with_stress(case: Case, columns: Sequence[str]) -> bool:
-    can_yield = any(body.material.yield_stress for body in (case.closure, case.seat))
-    return can_yield or "max_von_mises_Pa" in columns
+def _with_answers(found: Evaluation, case: Case, columns: Sequence[str]) -> LoadResult:
+    """The only load of a design with the answers that its columns need."""
+    answers: list[Answer[Any]] = [OPENING]
+    if any(map(is_target, columns)):
+        answers.append(TARGET)
+    if found.seal_mesh is not None and not INTERVAL.isdisjoint(columns):
+        answers.append(ACCURACY)
+    return answered(found.seal(case), Inquiry(found.solver, SILENT), answers).loads[0]
+
+
+def _checked(
+    found: Evaluation,
+    load: LoadResult,
+    case: Case,
+    columns: Sequence[str],
+    *,
+    leaks: bool,
+    interpolated: bool,
+) -> JudgedLoad:
+    """A load with its validity, the samples of its inputs and what is said of it, as far as columns ask."""
+    sampled = case.sampled is not None and not INTERVAL.isdisjoint(columns)
+    usual_only = leaks and found.problem.of_finish and not sampled
+    load = load.knowing(
+        validity=validity_of(found, load, by_table=leaks and interpolated, usual_only=usual_only)
+    )
+    known = True
+    if sampled:
+        ask, seal = Inquiry(found.solver, SILENT), found.seal(case).with_loads([load])
+        (load,) = answered(seal, ask, [UNCERTAINTY]).loads
+        known = UNCERTAINTY.of(ask.answers) is not None
+    judgement = judged(case, load, sampled=known) if "margin" in columns else None
+    return JudgedLoad.of(load, judgement=judgement)
+
+
+def _validity(load: LoadResult, columns: Sequence[str]) -> Validity:
+    """How far the numbers of a design can be trusted; its mesh and, if it is asked for, its force for the target."""
+    cautions = load.validity.without("mesh").cautions
+    if any(map(is_target, columns)) and load.target_validity is not None:
+        # here the force is what the design is judged by
+        cautions += load.target_validity.cautions
+    return Validity.of(cautions)
 
 
 def _leaks(*, other: bool) -> Iterator[Callable[[LoadResult], object]]:
@@ -171,29 +214,20 @@ def responses(case: Case, columns: Sequence[str], *, interpolate: bool = True) -
     case : Case
         With one fluid pressure.
     columns : sequence of str
-        Names of `fem_seal.output.columns.LEAK_COLUMNS`. Those in `FAST` of `fem_seal.studies.complete_runs` cost
-        milliseconds once geometry and surface are known; any other (knudsen_number, max_accumulated_plastic_strain,
-        load_steps and, with [uncertainty] or a finish, leak_rate_low_m3_per_s and leak_rate_high_m3_per_s) takes a
-        complete run of the case. So does any column of a case with load.closing = "penetration", load.target_leak_rate,
-        load.largest_earlier_force or _pressure, leak.fluid_in_gap = "local", seat.wall = "fixed", a calculated
-        temperature or a stress-strain curve.
+        Names of `fem_seal.output.columns.LEAK_COLUMNS`. Most cost milliseconds once geometry and surface are known;
+        `fem_seal.studies.cost` estimates what bodies that yield, heat, a form error and answers such as the interval of
+        uncertain inputs take beyond that.
     interpolate : bool
         Whether flow conductivities of surfaces that differ in height, hardness or modulus alone may be interpolated,
-        see `fem_seal.seal.shared_bodies` and `fem_seal.seal.conductivity_tables`.
+        see `fem_seal.seal.conductivity_tables`.
 
     Raises
     ------
     ConvergenceError, GeometryError, MeshingError
     """
-    if takes_complete_run(case, columns):
-        return _complete_run(case, columns).values
-    if not _INTERVAL.isdisjoint(columns):
-        # which asks for the validity
-        return evaluate(case, columns, interpolate=interpolate).values
-    stress = {0: "max_von_mises_Pa" in columns}
-    problems = {0: design_problem(case)}
-    load = _only(lambda batch: _loads(batch, problems, stress=stress, interpolate=interpolate))
-    return _read(Row(load), columns)
+    return evaluate_design(
+        case, columns, interpolate=interpolate, checked=not INTERVAL.isdisjoint(columns)
+    ).values
 
 
 def _read(row: Row, columns: Sequence[str]) -> dict[str, float]:
@@ -201,95 +235,8 @@ def _read(row: Row, columns: Sequence[str]) -> dict[str, float]:
     return found | {"margin": min(found["margin"], LARGEST_MARGIN)} if "margin" in found else found
 
 
-def _complete_run(case: Case, columns: Sequence[str]) -> Evaluation:
-    asked = "force_for_verdict_N" in columns
-    result = seal_result.run(case, levers=False, verdict_force=asked)
+def _with_verdict_force(case: Case, columns: Sequence[str]) -> DesignResult:
+    """Of the force with which the verdict passes every force that is tried takes a run of its own."""
+    result = solve(case, wanted=Wanted(verdict_force=True), answers=_FOR_VERDICT)
     (row, *_), (load, *_) = rows_of(result), result.loads
-    cautions = load.validity.without("mesh").cautions
-    if any(name.startswith("force_for_target") for name in columns) and load.target_validity is not None:
-        # here the force is what the design is judged by
-        cautions += load.target_validity.cautions
-    return Evaluation(_read(row, columns), Validity.of(cautions), load.verdict)
-
-
-def _loads(
-    batch: Batch, problems: Mapping[int, SealProblem], *, stress: Mapping[int, bool], interpolate: bool
-) -> dict[int, LoadResult]:
-    """The only load of each problem, with what designs share: bodies, law and flow conductivity."""
-    bare = _bare_loads(batch, problems, stress)
-
-    def with_flow(number: int) -> LoadResult:
-        problem, load = problems[number], bare[number]
-        rough = RoughFlow.of(problem.surface, problem.flow, load.contacts)
-        if rough is not None and interpolate:
-            rough = replace(rough, make=partial(_shared_table, load.contacts[-1]))
-        solver, inner = LoadSolver(problem, load.contact.model), problem.loads.pressure_side == "inner"
-        opens = solver.blow_off_pressure(load.applied_force) if inner else None
-        (load,) = with_margins(solver, [load.knowing(rough=rough, blow_off_pressure=opens)])
-        return load
-
-    return batch.each(bare, with_flow)
-
-
-def _bare_loads(
-    batch: Batch, problems: Mapping[int, SealProblem], stress: Mapping[int, bool]
-) -> dict[int, LoadResult]:
-    """The contact of the only load of each, around the axis if the seal is not round, on a mesh that fits it."""
-    asked = batch.each(problems, lambda number: expected_contacts(problems[number], problems[number].law))
-    widths = batch.at_once(asked, widths_together)
-
-    def begun(number: int) -> MeshFit:
-        problem, size_given = problems[number], problems[number].contact_size is not None
-        wanted = sizing(problem, widths=_found(widths[number]))
-        return MeshFit.begun(wanted, problem.contact, size_given=size_given)
-
-    fits = batch.each(widths, begun)
-    loads: dict[int, LoadResult] = {}
-
-    def pressed(number: int) -> Pressing | Exception:
-        problem, wanted = problems[number], fits[number].sizing
-        assert wanted is not None
-        try:
-            model = shared_model(problem, wanted, stress=stress[number])
-            return Pressing(model, problem.law, expected_forces(problem)[0], problem.at_rest(model))
-        except MeshingError as error:
-            return error
-
-    def looked_at(number: int) -> MeshFit:
-        outcome: Sequence[ContactSolution] | Exception
-        try:
-            contact = _found(contacts[number])
-            point, formed = (
-                problems[number].loads.points[0],
-                problems[number].around(contact, problems[number].law),
-            )
-            loads[number] = LoadResult(*point, contact, formed=formed)
-            outcome = loads[number].contacts
-        except (MeshingError, ConvergenceError) as error:
-            outcome = error
-        return fits[number].after(outcome)
-
-    while left := [number for number, fit in fits.items() if fit.sizing is not None]:
-        asking = batch.each(left, pressed)
-        contacts: dict[int, ContactSolution | Exception] = batch.at_once(
-            {number: one for number, one in asking.items() if isinstance(one, Pressing)}, _pressed_together
-        )
-        contacts |= {number: one for number, one in asking.items() if isinstance(one, Exception)}
-        fits = {number: fit for number, fit in fits.items() if fit.sizing is None} | batch.each(
-            contacts, looked_at
-        )
-    return {number: loads[number] for number in sorted(fits) if number in loads}
-
-
-def _pressed_together(asked: Sequence[Pressing]) -> Sequence[ContactSolution | ConvergenceError]:
-    return solve_together(asked, ContactSettings(_TOLERANCE, _TOLERANCE))
-
-
-def _found(answer: T | Exception) -> T:
-    if isinstance(answer, Exception):
-        raise answer
-    return answer
-
-
-def _shared_table(contact: ContactSolution, flow: Flow, surface: RoughContact) -> Conductivity:
-    return family_table(flow, surface) or flow.table_of(surface, [contact])
+    return DesignResult(_read(row, columns), _validity(load, columns), load.verdict)

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 from fem_seal.errors import InputError, Problem
 from fem_seal.files import parse_json, read_text, write_text
 from fem_seal.output.folders import alone
+from fem_seal.studies.cost import design_seconds
 from fem_seal.studies.pools import KEPT, Pool, pool
 from fem_seal.studies.progress import Progress, Silent
 from fem_seal.studies.results import StudyResult
@@ -21,12 +22,17 @@ from fem_seal.studies.store import FILE, FORMAT_VERSION, Row, Store, create
 from fem_seal.studies.stored import TRUTH
 from fem_seal.studies.time_limit import OvertimeError, ended_after, overtime_reason
 from fem_seal.studies.work import Chunk, Recipe, check_unchanged, chunks
+from fem_seal.units import duration
 from fem_seal.version import __version__
 
 if TYPE_CHECKING:
     from dask.distributed import Client
 
     from fem_seal.studies.plan import StudyPlan
+
+
+# Processor time from which on is said beforehand what designs cost [s]: so long nobody waits without asking.
+_WORTH_TELLING = 60.0
 
 
 def run_study(
@@ -139,6 +145,12 @@ def _calculate(study: StudyPlan, store: Store, ready: Pool, progress: Progress) 
 def _fill(recipe: Recipe, store: Store, ready: Pool, study: StudyPlan, progress: Progress) -> None:
     counts = store.counts()
     done = len(study.points) - counts["open"]
+    expected = counts["open"] * design_seconds(recipe.case, recipe.columns)
+    if expected > _WORTH_TELLING:
+        each = duration(expected / counts["open"])
+        progress.note(
+            f"a design takes about {each}, those that are left {duration(expected)} of processor time"
+        )
     progress.begin(len(study.points), done)
     todo = chunks(recipe, study.points)
     try:

@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, Self
 
-from fem_seal.studies.progress import duration
+from fem_seal.units import duration
 
 # After so long it is told who is being calculated, then each time that it has become twice as long [s].
 _SLOW = 60.0

@@ -15,8 +15,8 @@ import numpy as np
 
 from fem_seal.arrays import FloatArray
 from fem_seal.errors import InputError, Problem
-from fem_seal.studies.batch import Batch, Turn, untimed
-from fem_seal.studies.complete_runs import takes_complete_run
+from fem_seal.seal.batch import Batch, Turn, untimed
+from fem_seal.studies.cost import design_seconds
 from fem_seal.studies.expressions import Expression
 from fem_seal.studies.parameters import Parameter
 from fem_seal.studies.store import Row
@@ -27,11 +27,11 @@ from fem_seal.version import __version__
 if TYPE_CHECKING:
     from fem_seal.case.case import Case
     from fem_seal.studies.plan import StudyPlan
-    from fem_seal.studies.responses import Evaluation
+    from fem_seal.studies.responses import DesignResult
 
 # A chunk is what is lost when a worker dies and what travels at once: about a second of work, by these estimates of
-# what new bodies, a new surface and a further design cost [s]; a cone takes less, a land with its edges more.
-_BODIES, _SURFACE, _DESIGN, _CHUNK = 0.2, 0.004, 0.004, 1.0
+# what new bodies and a new surface cost beside a design [s]; a cone takes less, a land with its edges more.
+_BODIES, _SURFACE, _CHUNK = 0.2, 0.004, 1.0
 # Designs that take their steps together, mostly all of a chunk: more of them gain nothing any more.
 _TOGETHER = 128
 
@@ -163,7 +163,7 @@ def calculate(recipe: Recipe, chunk: Chunk, turn: Turn = untimed) -> list[Row]:
 
 
 def _rows(recipe: Recipe, points: Sequence[Sequence[float]], turn: Turn) -> list[Row]:
-    from fem_seal.studies.responses import evaluate_many
+    from fem_seal.studies.responses import evaluate_designs
 
     batch = Batch(turn)
 
@@ -178,7 +178,7 @@ def _rows(recipe: Recipe, points: Sequence[Sequence[float]], turn: Turn) -> list
     for one in files:
         check_unchanged(one, all_there=False)
     cases = batch.each(range(len(points)), case_of)
-    found = evaluate_many(batch, cases, recipe.columns, interpolate=recipe.interpolate)
+    found = evaluate_designs(batch, cases, recipe.columns, interpolate=recipe.interpolate)
     outputs = batch.each(found, lambda number: _outputs(recipe, points[number], found[number]))
     # a design reads its files when it needs them: only now is it sure what it has read
     for one in files:
@@ -194,7 +194,7 @@ def _rows(recipe: Recipe, points: Sequence[Sequence[float]], turn: Turn) -> list
 
 
 def _outputs(
-    recipe: Recipe, point: Sequence[float], found: Evaluation
+    recipe: Recipe, point: Sequence[float], found: DesignResult
 ) -> tuple[tuple[float | None, ...], tuple[str | None, ...]]:
     """Numbers of a design, and what is told of them: validity, its reasons, verdict."""
     numbers = {
@@ -230,7 +230,7 @@ def chunks(recipe: Recipe, points: FloatArray) -> Iterator[Chunk]:
     """All designs, each once, in an order in which equal bodies and then equal surfaces follow each other."""
     if len(points) == 0:
         return
-    design = _CHUNK if takes_complete_run(recipe.case, recipe.columns) else _DESIGN
+    design = design_seconds(recipe.case, recipe.columns)
     ranks = np.array([_rank(one.name) for one in recipe.parameters])
     # lexsort takes the most important column last
     ordered = points[np.lexsort(points[:, np.argsort(ranks, kind="stable")[::-1]].T)]

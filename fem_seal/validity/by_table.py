@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from fem_seal.arrays import FloatArray
+from fem_seal.seal.evaluate import Evaluation
 from fem_seal.seal.findings import Validity
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.problem import SealProblem
-from fem_seal.validity.checks import load_validity
+from fem_seal.validity.checks import earlier_cautions, load_validity
 from leak import ConductivityTable, PowerSpectrum, RoughContact
 
 # u_eff [m] above which u_c, which is of its size, need not be compared with molecules of half a nanometre.
@@ -75,3 +76,35 @@ def validity_by_table(problem: SealProblem, load: LoadResult) -> Validity:
     if len(beyond) and beyond[0] >= _NARROW:
         load = load.knowing(critical_separation=None)
     return load_validity(problem, load, TabulatedSurface(problem.surface, table.sealing_pressure))
+
+
+def validity_of(
+    found: Evaluation, load: LoadResult, *, by_table: bool = True, usual_only: bool = False
+) -> Validity:
+    """How far the numbers of an evaluated load can be trusted, by its own checks and those of the load before it.
+
+    Parameters
+    ----------
+    found : Evaluation
+    load : LoadResult
+        One of its loads, with what its mesh leaves uncertain where that is known.
+    by_table : bool
+        Whether the table may stand for the surface where bodies are shared.
+    usual_only : bool
+        Whether the range of a finish is left out.
+    """
+    problem, before = found.problem, found.solved.earlier
+    if usual_only:
+        problem = replace(problem, usual_only=True)
+    if found.model.closure.solve is None:
+        # without a way to stresses
+        materials = {name: replace(one, yield_stress=None) for name, one in problem.materials.items()}
+        problem = replace(problem, materials=materials)
+    if by_table and found.seal_mesh is None:
+        validity = validity_by_table(problem, load)
+    else:
+        validity = load_validity(problem, load, problem.surface, load.mesh_error)
+    if before is None or problem.loads.earlier is None:
+        return validity
+    earlier = LoadResult(*problem.loads.earlier, before, mesh_error=load.mesh_error)
+    return Validity.of((*validity.cautions, *earlier_cautions(problem, earlier)))

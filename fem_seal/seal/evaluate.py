@@ -1,0 +1,253 @@
+"""From problems to their loads, solved: the one way of a run, a study and the live page.
+
+They differ in where condensed bodies and flow conductivities come from (`fem_seal.seal.sources`). Several problems are
+solved side by side: one kind of work for all of them, then the next.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from fem_seal.contact.model import ContactModel
+from fem_seal.contact.newton import Pressing, solve_together
+from fem_seal.contact.refit import MeshFit
+from fem_seal.contact.sizing import widths_together
+from fem_seal.contact.solution import ContactSettings, ContactSolution
+from fem_seal.errors import ConvergenceError, LoadProblem, NoLoadLeftError
+from fem_seal.seal.batch import Batch
+from fem_seal.seal.leak_model import RoughFlow
+from fem_seal.seal.load_result import LoadResult
+from fem_seal.seal.load_solver import Clock, LoadSolver, SolvedLoads, solve_loads
+from fem_seal.seal.problem import Loads, SealProblem, expected_contacts, sizing
+from fem_seal.seal.solved_seal import SolvedSeal
+from fem_seal.seal.sources import EXACT, Source
+from meshes import MeshingError, SealMesh
+
+if TYPE_CHECKING:
+    from fem_seal.case.case import Case
+
+# Tells nobody what is being done.
+SILENT = Clock(lambda text: None)
+
+
+@dataclass(frozen=True, eq=False)
+class Evaluation:
+    """A problem with its loads solved, which work out what they are asked for.
+
+    Parameters
+    ----------
+    problem : SealProblem
+        Without the loads that could not be solved; its form error knows how many waves its tolerance holds.
+    solved : SolvedLoads
+        Contacts of its loads, and why others have none.
+    model : ContactModel
+    seal_mesh : SealMesh or None
+        None where the bodies are shared.
+    source : Source
+        Where bodies and flow conductivities come from.
+    asked : Loads
+        Of the problem before any was left out.
+    """
+
+    problem: SealProblem
+    solved: SolvedLoads
+    model: ContactModel
+    seal_mesh: SealMesh | None
+    source: Source
+    asked: Loads
+
+    @cached_property
+    def solver(self) -> LoadSolver:
+        """Of further loads on the same bodies."""
+        return LoadSolver(self.problem, self.model)
+
+    @property
+    def missing(self) -> dict[tuple[float, float], LoadProblem]:
+        """Fluid pressure [Pa] and applied force [N] of each load without a contact, with the reason."""
+        return {self.asked.points[number]: one for number, one in self.solved.problems.items()}
+
+    @cached_property
+    def loads(self) -> tuple[LoadResult, ...]:
+        """Each load with the contact that was found."""
+        points, around = self.problem.loads.points, self.solved.around
+        bare = [
+            LoadResult(*point, contact, formed=formed)
+            for point, contact, formed in zip(points, self.solved.contacts, around, strict=True)
+        ]
+        shown = [contact for load in bare for contact in load.contacts]
+        rough = RoughFlow.of(self.problem.surface, self.problem.flow, shown, self.source.table)
+        return tuple(load.knowing(rough=rough) for load in bare)
+
+    def seal(self, case: Case) -> SolvedSeal:
+        """What answers are computed from; bodies that are shared have no mesh, which few of them ask for.
+
+        Parameters
+        ----------
+        case : Case
+            Without the loads that could not be calculated.
+        """
+        return SolvedSeal(
+            case,
+            self.problem,
+            self.seal_mesh,  # type: ignore[arg-type]
+            self.model,
+            self.loads,
+            self.solved.unloaded,
+            self.solved.earlier,
+        )
+
+
+def evaluate(problem: SealProblem, source: Source = EXACT, clock: Clock = SILENT) -> Evaluation:
+    """Solve all loads of a problem on a mesh whose zone and element sizes fit what was found on it.
+
+    Parameters
+    ----------
+    problem : SealProblem
+    source : Source
+    clock : Clock
+        Told what is being done.
+
+    Raises
+    ------
+    NoLoadLeftError
+        If no load has a contact.
+    GeometryError, MeshingError, ConvergenceError
+
+    Examples
+    --------
+    >>> import fem_seal
+    >>> case = fem_seal.Case(
+    ...     closure={"shape": "ball", "radius": "20 mm", "material": "steel"},
+    ...     seat={"shape": "cone", "angle": "45 deg", "material": "steel"},
+    ...     interface={"law": "smooth"},
+    ...     load={"fluid_pressure": "20 bar"},
+    ... )
+    >>> (load,) = evaluate(SealProblem.of(case)).loads
+    >>> print(f"{load.contact.profile.peak_pressure / 1e6:.0f} MPa")
+    195 MPa
+    """
+    batch = Batch()
+    found = evaluate_many({0: problem}, {0: source}, batch, clock)
+    for error in batch.failed.values():
+        raise error
+    return found[0]
+
+
+def evaluate_many(
+    problems: Mapping[int, SealProblem], sources: Mapping[int, Source], batch: Batch, clock: Clock = SILENT
+) -> dict[int, Evaluation]:
+    """`evaluate` of several problems, to the same bits; without those that fail.
+
+    Parameters
+    ----------
+    problems, sources : mapping
+        By number.
+    batch : Batch
+        Keeps time and failures of each.
+    clock : Clock
+        Told what is being done.
+    """
+    sources = {number: sources[number].suited(problem) for number, problem in problems.items()}
+    problems = batch.each(problems, lambda n: sources[n].problem(problems[n]))
+    asked = batch.each(problems, lambda n: expected_contacts(problems[n], problems[n].law))
+    widths = batch.at_once(asked, widths_together)
+
+    def begun(number: int) -> MeshFit:
+        problem, found = problems[number], widths[number]
+        if isinstance(found, Exception):
+            raise found
+        wanted = sizing(problem, widths=found)
+        return MeshFit.begun(wanted, problem.contact, size_given=problem.contact_size is not None)
+
+    fits, done = batch.each(widths, begun), dict[int, Evaluation]()
+
+    def with_bodies(number: int) -> tuple[LoadSolver, SealMesh | None] | MeshingError:
+        problem, wanted = problems[number], fits[number].sizing
+        assert wanted is not None
+        try:
+            seal_mesh, model = sources[number].bodies(problem, wanted, clock)
+        except MeshingError as error:
+            return error
+        return LoadSolver(problem, model), seal_mesh
+
+    def looked_at(number: int) -> MeshFit:
+        fit, made = fits[number], on_bodies[number]
+        if isinstance(made, MeshingError):
+            return fit.after(made)
+        solver, seal_mesh = made
+        solved = solve_loads(solver, clock.progress, pressed.get(number, {}))
+        unconverged = [error for error in solved.failures.values() if isinstance(error, ConvergenceError)]
+        if unconverged and not (fit.refined or fit.size_given):
+            # a load that does not converge is tried on a finer mesh once, before the others go on without it
+            return fit.after(unconverged[0])
+        if not solved.contacts:
+            raise _no_load_left(solver.problem, solved)
+        done[number] = Evaluation(
+            _solved_part(solver.problem, solved),
+            solved,
+            solver.model,
+            seal_mesh,
+            sources[number],
+            solver.problem.loads,
+        )
+        return fit.after(solved.all_contacts)
+
+    while left := [number for number, fit in fits.items() if fit.sizing is not None]:
+        on_bodies = batch.each(left, with_bodies)
+        solvers = {n: made[0] for n, made in on_bodies.items() if not isinstance(made, MeshingError)}
+        with clock.step("contact", _solving(solvers.values())):
+            pressed = _pressed({n: one.pressings for n, one in solvers.items()}, sources, batch)
+            fits = {n: fit for n, fit in fits.items() if fit.sizing is None} | batch.each(
+                on_bodies, looked_at
+            )
+    return {number: done[number] for number in sorted(fits)}
+
+
+def _solving(solvers: Collection[LoadSolver]) -> str:
+    count = sum(len(one.problem.loads.points) for one in solvers)
+    along = ", one after the other in load steps, and unloading" if any(one.yields for one in solvers) else ""
+    return f"solving {count} contacts{along}"
+
+
+Pressed = Mapping[int, ContactSolution | Exception]
+
+
+def _pressed(
+    asked: Mapping[int, Mapping[int, Pressing]], sources: Mapping[int, Source], batch: Batch
+) -> dict[int, Pressed]:
+    """Contacts of loads that are questions of their own, by problem and load: all at once, in half the time."""
+    found: dict[int, Pressed] = {}
+    for settings in dict.fromkeys(sources[number].settings for number, loads in asked.items() if loads):
+        alike = {n: loads for n, loads in asked.items() if loads and sources[n].settings == settings}
+
+        def together(
+            several: Sequence[Mapping[int, Pressing]], settings: ContactSettings = settings
+        ) -> list[Pressed]:
+            every = iter(solve_together([one for loads in several for one in loads.values()], settings))
+            return [{number: next(every) for number in loads} for loads in several]
+
+        answers = batch.at_once(alike, together)
+        found |= {
+            n: dict.fromkeys(alike[n], one) if isinstance(one, Exception) else one
+            for n, one in answers.items()
+        }
+    return found
+
+
+def _solved_part(problem: SealProblem, solved: SolvedLoads) -> SealProblem:
+    """The problem of the loads that have a contact."""
+    if solved.failures:
+        problem = replace(problem, loads=problem.loads.without(solved.failures))
+    return replace(problem, form=solved.formed[0].form) if solved.formed else problem
+
+
+def _no_load_left(problem: SealProblem, solved: SolvedLoads) -> Exception:
+    """The error of a problem without a contact at any of its loads."""
+    errors = list(solved.failures.values())
+    if all(isinstance(error, ConvergenceError) for error in errors):
+        return errors[0]
+    problems = {one.kind: one for one in reversed(solved.problems.values())}
+    return NoLoadLeftError(*problems.values(), file=problem.file)

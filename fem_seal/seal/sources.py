@@ -1,0 +1,294 @@
+"""Where condensed bodies and flow conductivities come from: made for a problem alone, or shared with its neighbours.
+
+The default mesh follows from roughness and load, so that hardly two problems would have the same. Where bodies are
+shared its element sizes are rounded to powers of a root of two, to the finer and to the wider side. A problem's mesh
+still depends on that problem alone and not on its neighbours or their order, but equal geometries share a few meshes.
+Surfaces of one family share tables, see `fem_seal.seal.conductivity_tables`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import OrderedDict
+from collections.abc import Callable, Hashable, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import count
+from threading import RLock
+from typing import TYPE_CHECKING, Any, Self
+
+from fem_seal.bodies.supports import Supports
+from fem_seal.contact.model import ContactModel, condense, screened
+from fem_seal.contact.solution import ContactSettings
+from fem_seal.materials import Material
+from fem_seal.seal.conductivity_tables import family_law, family_table
+from fem_seal.seal.leak_model import Conductivity, Flow
+from fem_seal.seal.problem import SealProblem, condensed
+from leak import RoughContact
+from meshes import ContactGeometry, SealMesh, Sizing, build_contact
+
+if TYPE_CHECKING:
+    from fem_seal.seal.load_solver import Clock
+
+# Elements in the core of a soft contact, as most are in a study, and what three digits of their size may add.
+_SOFT_CORE = 18.2
+# A model with the displacements of its bodies holds some 20 MB, the condensed one a few hundred kB.
+_FULL_MODELS, _LIGHT_MODELS = 12, 64
+# Loads of one model from which on a quick look at the stress is made: it takes as long as the fields of so many. What
+# it lets pass has no field that could say otherwise: the numbers of a design stay those of that design alone.
+_WORTH_A_SCREEN = 6
+# The residual is that of the state itself and so the relative error of its pressures: a hundredth of what the mesh
+# leaves. Mostly Newton's last step falls far below it.
+_TOLERANCE = 1e-6
+
+
+class Source:
+    """Bodies on a mesh of the problem's own, and tables over the pressures of its contacts: those of a run."""
+
+    settings = ContactSettings()
+
+    def suited(self, problem: SealProblem) -> Source:
+        """The source for a problem: itself, or that of a run where there is nothing to share."""
+        return self
+
+    def problem(self, problem: SealProblem) -> SealProblem:
+        """The problem as it is solved with what comes from here."""
+        return problem
+
+    def bodies(
+        self, problem: SealProblem, wanted: Sizing, clock: Clock
+    ) -> tuple[SealMesh | None, ContactModel]:
+        """Condensed bodies, with their mesh where it is kept.
+
+        Parameters
+        ----------
+        problem : SealProblem
+        wanted : Sizing
+        clock : Clock
+            Told what is being done.
+        """
+        with clock.step("mesh", "meshing closure and seat"):
+            seal_mesh = build_contact(problem.contact, wanted)
+        with clock.step("condense", "condensing both bodies on the contact line"):
+            return seal_mesh, condensed(problem, seal_mesh)
+
+    def table(self, flow: Flow, surface: RoughContact, log_peaks: Sequence[float]) -> Conductivity:
+        """Flow conductivity of a surface over peak pressures given as decimal logarithms [Pa]."""
+        return flow.table_around(surface, log_peaks)
+
+
+EXACT = Source()
+
+
+@dataclass(frozen=True)
+class Rounding:
+    """How far apart rounded sizes are, and how much coarser than a run's elements are inside the bodies.
+
+    Parameters
+    ----------
+    step, reach_step : float
+        Of the sizes and of the reach, in the logarithm to base 2. A longer reach costs few elements.
+    along, deep : float
+        Factors on the growth of the elements along the faces and into the bodies.
+    """
+
+    step: float = 0.25
+    reach_step: float = 1.0
+    along: float = 1.0
+    deep: float = 1.0
+
+
+OF_STUDIES = Rounding()
+
+
+@dataclass(frozen=True)
+class Bodies:
+    """What condensed elastic bodies follow from; their name where they are kept."""
+
+    contact: ContactGeometry
+    sizing: Sizing
+    closure: Material
+    seat: Material
+    supports: Supports
+
+    @classmethod
+    def of(cls, problem: SealProblem, wanted: Sizing, rounding: Rounding) -> Self:
+        """Those of a problem, their sizes rounded."""
+        exact = problem.contact_size is not None
+        return cls(
+            problem.contact,
+            rounded(wanted, problem.contact, exact_size=exact, rounding=rounding),
+            _elastic(problem.materials["closure"]),
+            _elastic(problem.materials["seat"]),
+            problem.supports,
+        )
+
+    def made(self) -> ContactModel:
+        """The bodies, condensed."""
+        seal_mesh = build_contact(self.contact, self.sizing)
+        return condense(seal_mesh, {"closure": self.closure, "seat": self.seat}, self.supports)
+
+    def made_light(self) -> ContactModel:
+        """The same without the way to stresses inside of them, which takes far more memory."""
+        full = self.made()
+        return replace(full, closure=full.closure.line_alone, seat=full.seat.line_alone)
+
+
+class Kept:
+    """The latest of what was made, by name.
+
+    Parameters
+    ----------
+    most : int
+        So many are kept.
+
+    Examples
+    --------
+    >>> kept = Kept(2)
+    >>> [kept.get(number, lambda number=number: 10 * number) for number in (1, 2, 3)]
+    [10, 20, 30]
+    >>> kept.known(1) is None, kept.known(3)
+    (True, 30)
+    """
+
+    def __init__(self, most: int) -> None:
+        self._most = most
+        self._made: OrderedDict[Hashable, Any] = OrderedDict()
+        self._lock = RLock()
+
+    def known(self, name: Hashable) -> Any:
+        """What is kept under a name; None if nothing is."""
+        with self._lock:
+            if name in self._made:
+                self._made.move_to_end(name)
+            return self._made.get(name)
+
+    def put(self, name: Hashable, made: Any) -> None:
+        """Keep something."""
+        with self._lock:
+            self._made[name] = made
+            while len(self._made) > self._most:
+                self._made.popitem(last=False)
+
+    def get(self, name: Hashable, make: Callable[[], Any]) -> Any:
+        """What is kept under a name, made if nothing is."""
+        found = self.known(name)
+        if found is None:
+            found = make()
+            self.put(name, found)
+        return found
+
+
+def family_or_own_table(flow: Flow, surface: RoughContact, log_peaks: Sequence[float]) -> Conductivity:
+    """Flow conductivity of a surface from tables of its family; its own where it is simulated."""
+    return family_table(flow, surface) or flow.table_around(surface, log_peaks)
+
+
+@dataclass(frozen=True, eq=False)
+class Shared(Source):
+    """Bodies and tables that neighbouring problems share.
+
+    Parameters
+    ----------
+    rounding : Rounding
+        Of the sizes of the mesh.
+    light : Kept
+        Bodies without a way to stresses.
+    tables : callable
+        See `Source.table`.
+    stress : bool
+        Whether stresses will be asked for; without them bodies take far less memory.
+    """
+
+    rounding: Rounding = OF_STUDIES
+    light: Kept = field(default_factory=lambda: Kept(_LIGHT_MODELS))
+    tables: Callable[[Flow, RoughContact, Sequence[float]], Conductivity] = family_or_own_table
+    stress: bool = False
+
+    settings = ContactSettings(_TOLERANCE, _TOLERANCE)
+
+    def suited(self, problem: SealProblem) -> Source:
+        """That of a run for bodies that yield, whose path takes longer than their mesh, and for heat of their own."""
+        return EXACT if problem.curves or problem.heating is not None else self
+
+    def problem(self, problem: SealProblem) -> SealProblem:
+        """With the law of its surface's family, made once for all surfaces of one shape."""
+        interface, surface = problem.interface, problem.surface
+        if interface.law == "spectrum" and not interface.plastic and surface is not None:
+            return replace(problem, given_law=family_law(surface))
+        return problem
+
+    def bodies(
+        self, problem: SealProblem, wanted: Sizing, clock: Clock
+    ) -> tuple[SealMesh | None, ContactModel]:
+        """Those that are kept, of rounded sizes."""
+        name = Bodies.of(problem, wanted, self.rounding)
+        if not self.stress:
+            return None, self.light.get(name, name.made_light)
+        can_yield = tuple(kind for kind, one in problem.materials.items() if one.yield_stress)
+        if next(_uses.get(name, count)) < _WORTH_A_SCREEN:
+            return None, _full.get(name, name.made)
+        return None, _full.get((name, can_yield), lambda: screened(_full.get(name, name.made), can_yield))
+
+    def table(self, flow: Flow, surface: RoughContact, log_peaks: Sequence[float]) -> Conductivity:
+        """From tables that are shared."""
+        return self.tables(flow, surface, log_peaks)
+
+
+# of all studies of this process
+_full, _uses = Kept(2 * _FULL_MODELS), Kept(_LIGHT_MODELS)
+
+
+def rounded(
+    sizing: Sizing, contact: ContactGeometry, *, exact_size: bool = False, rounding: Rounding = OF_STUDIES
+) -> Sizing:
+    """Sizing with rounded numbers: never coarser nor narrower along the contact; a spot moves by half an element.
+
+    Parameters
+    ----------
+    sizing : Sizing
+    contact : ContactGeometry
+        The zone still ends where one of the faces ends.
+    exact_size : bool
+        Whether the contact size is the user's own and stays.
+    rounding : Rounding
+    """
+    lower, upper = contact.reach
+    step = rounding.step
+    start, end = (_up(abs(x), rounding.reach_step) for x in sizing.zone)
+    size = sizing.contact_size if exact_size else min(_down(sizing.contact_size, step), sizing.far_size)
+    elements = _SOFT_CORE * _up(sizing.core / sizing.contact_size / _SOFT_CORE, step)
+    return replace(
+        sizing,
+        contact_size=size,
+        # so many of the largest elements that are rounded to this size: it brings no meshes of its own beside theirs
+        core=elements * (size if exact_size else 2.0**step * size),
+        zone=(max(-start, lower), min(end, upper)),
+        growth_along=rounding.along * _down(sizing.growth_along, step),
+        growth_deep=rounding.deep * sizing.growth_deep,
+        spots=_rounded_spots(sizing, contact, step),
+    )
+
+
+def _rounded_spots(sizing: Sizing, contact: ContactGeometry, step: float) -> tuple[tuple[float, float], ...]:
+    """Spots with rounded sizes, at multiples of them; edges and ends of the faces stay where they are."""
+    lower, upper = contact.reach
+    edges = {lower, upper, *contact.breaks.tolist()}
+    found = set()
+    for place, wanted in sizing.spots:
+        size = _down(wanted, step)
+        near = min(max(size * round(place / size), lower), upper)
+        found.add((place if place in edges else near, size))
+    return tuple(sorted(found))
+
+
+def _elastic(material: Material) -> Material:
+    """What stiffness depends on: materials that differ in hardness or name only are the same body."""
+    return Material("", material.youngs_modulus, material.poissons_ratio)
+
+
+def _down(size: float, step: float) -> float:
+    return float(2.0 ** (step * math.floor(math.log2(size) / step + 1e-9)))
+
+
+def _up(size: float, step: float) -> float:
+    return float(2.0 ** (step * math.ceil(math.log2(size) / step - 1e-9)))

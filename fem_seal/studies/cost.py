@@ -1,0 +1,43 @@
+"""What a design costs by the columns that are asked of it; loads nothing that calculates."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from typing import TYPE_CHECKING
+
+from fem_seal.seal.cost import OWN, load_seconds, seconds
+
+if TYPE_CHECKING:
+    from fem_seal.case.case import Case
+
+# What takes the interval of the leak rate, and with it what the calculation may be off by.
+INTERVAL = frozenset({"leak_rate_low_m3_per_s", "leak_rate_high_m3_per_s", "margin"})
+FORCE_FOR_VERDICT = "force_for_verdict_N"
+# A sample of uncertain inputs [s]; forces that are tried for a target, and runs for a verdict.
+_SAMPLE, _FORCES, _RUNS = 0.02, 12, 6
+
+
+def is_target(column: str) -> bool:
+    """Whether a column takes the search for the force with which a target leak rate is kept."""
+    return column.startswith("force_for_target")
+
+
+def design_seconds(case: Case, columns: Collection[str]) -> float:
+    """Estimated processor time of a design and of the answers that its columns need [s], good to a factor of three.
+
+    Parameters
+    ----------
+    case : Case
+        With one load.
+    columns : collection of str
+        Of leak.csv.
+    """
+    verdict = FORCE_FOR_VERDICT in columns
+    sampled = case.sampled is not None and (verdict or not INTERVAL.isdisjoint(columns))
+    samples = 0 if case.sampled is None or not sampled else case.sampled.samples
+    once = seconds(case) + _SAMPLE * samples + (OWN if sampled else 0.0)
+    asked = case.load.target_leak_rate is not None
+    forces = (
+        OWN + _FORCES * load_seconds(case) if asked and (verdict or any(map(is_target, columns))) else 0.0
+    )
+    return forces + once * (_RUNS if asked and verdict else 1)
