@@ -10,10 +10,10 @@ if TYPE_CHECKING:
 
 # Processor seconds of the examples: a load on bodies that are there; the bodies and table of a problem that shares
 # none; conduction of heat in both bodies.
-_LOAD, OWN, _HEAT = 0.004, 0.3, 1.5
+_LOAD, OWN, _HEAT = 0.004, 0.3, 0.7
 # A path of load steps to one load, with the fluid between the surfaces twice as many of them; the way of the fluid
-# between surfaces that do not yield; contacts around a seal that waves.
-_PATH, _FLUID, _AROUND = 0.4, 0.03, 0.5
+# between surfaces that do not yield; contacts around a seal with waves or scratches.
+_PATH, _FLUID, _AROUND = 0.4, 0.03, 0.05
 # A point of a simulated map at one pressure, and how much longer metal takes that flows below the surface.
 _POINT, _FLOWS = 1.2e-5, 40.0
 
@@ -26,9 +26,8 @@ def load_seconds(case: CaseTables) -> float:
     case : CaseTables
     """
     form, penetrates = case.form, case.load.closing == "penetration"
-    waves = form is not None and bool(form.parts or form.tilt or form.eccentricity)
     path = _PATH * (2 if penetrates else 1) if yields(case) else _FLUID * penetrates
-    return _LOAD + path + _AROUND * waves
+    return _LOAD + path + _AROUND * (form is not None)
 
 
 def yields(case: CaseTables) -> bool:

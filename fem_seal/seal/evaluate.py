@@ -127,7 +127,7 @@ def evaluate(problem: SealProblem, source: Source = EXACT, clock: Clock = SILENT
     ... )
     >>> (load,) = evaluate(SealProblem.of(case)).loads
     >>> print(f"{load.contact.profile.peak_pressure / 1e6:.0f} MPa")
-    195 MPa
+    192 MPa
     """
     batch = Batch()
     found = evaluate_many({0: problem}, {0: source}, batch, clock)
