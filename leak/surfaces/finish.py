@@ -7,9 +7,11 @@ value says how high they are, as the standard measures it.
 from __future__ import annotations
 
 import math
+import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Literal, NamedTuple
+from importlib.resources import files
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -96,24 +98,6 @@ class Process:
     sources: tuple[str, ...]
 
 
-SOURCES = {
-    "B46.1": "ASME B46.1, table of surface roughness by production methods (average application): range of Ra",
-    "Persson 2014": "B. N. J. Persson, On the fractal dimension of rough surfaces, Tribol. Lett. 54, 99 (2014), "
-    "doi 10.1007/s11249-014-0313-4: fractal dimension 2.15 +- 0.15 of most engineering surfaces, polished and "
-    "sandblasted ones among them, so Hurst exponents from 0.7 to 1",
-    "Majumdar 1990": "A. Majumdar, C. L. Tien, Fractal characterization and simulation of rough surfaces, Wear 136, "
-    "313 (1990): short waves of ground, lapped and machined stainless steel have a profile of dimension 1.5, a Hurst "
-    "exponent of 0.5; the process decides from which wave on",
-    "Fischer 2020": "F. J. Fischer, K. Schmitz, A. Tiwari, B. N. J. Persson, Fluid leakage in metallic seals, Tribol. "
-    "Lett. 68, 125 (2020): a sandblasted steel seat of rms height 1.9 um",
-    "Whitehouse": "D. J. Whitehouse, Handbook of Surface Metrology (1994): periodic textures of cutting, random "
-    "ones of abrasive processes",
-    "ISO 8503": "ISO 8503-1, comparators for blast-cleaned steel: heights of 25 um (fine) to 100 um (coarse grit)",
-    "DIN 4768": "tables of Ra beside Rz after DIN 4768 as tool makers print them: Rz/Ra from 13 at Ra 0.05 um to 4 at "
-    "25 um",
-    "estimate": "engineering estimate of fem-seal, kept wide: no source gives this number for valve seats",
-}
-
 # Waves shorter than any stylus sees go on: down to where the spectrum is believed to end.
 SHORTEST_WAVE = Spread(0.1e-6, 0.5e-6, 2.5e-6)
 # Machining leaves no steeper surfaces on average: a roll-off shorter than this many Rq would.
@@ -124,80 +108,26 @@ _LEAST_RANGE = 4.0
 _DIRECTIONS = 2000
 # Most nodes of the average around each end of a power law, and their distance in ln q where fewer do.
 _BENDS, _BEND = 7, 0.4
-_FINE = Spread(0.6, 0.8, 0.95)
-_CUT = Spread(0.5, 0.75, 0.95)
-_NO_LAY = Spread(1.0, 1.0, 1.0)
-_SLIGHT = Spread(1.0, 1.0, 1.5)
 
 
-def _process(
-    name: str,
-    Ra: tuple[float, float],
-    hurst: Spread,
-    rolloff: tuple[float, float, float],
-    aspect: Spread,
-    lay: Lay,
-    rq: tuple[float, float],
-    rz: tuple[float, float],
-    *sources: str,
-) -> Process:
-    heights = (Ra[0] * _UM, Ra[1] * _UM)
-    waves = Spread(*(one * _UM for one in rolloff))
-    return Process(name, heights, hurst, waves, aspect, lay, rq, rz, (*sources, "estimate"))
-
-
-_RANDOM = "Persson 2014", "Majumdar 1990"
-PROCESSES: dict[str, Process] = {
-    one.name: one
-    for one in (
-        _process(
-            "lapped", (0.05, 0.4), _FINE, (5, 20, 60), _NO_LAY, "none", (1.2, 1.4), (6, 12), "B46.1", *_RANDOM
-        ),
-        _process(
-            "polished", (0.0125, 0.4), _FINE, (5, 30, 120), _NO_LAY, "none", (1.2, 1.45), (6, 12), "B46.1",
-            "Persson 2014",
-        ),
-        _process(
-            "superfinished", (0.05, 0.2), _FINE, (5, 20, 80), _SLIGHT, "crossed", (1.2, 1.4), (6, 12), "B46.1",
-            *_RANDOM,
-        ),
-        _process(
-            "ground", (0.1, 1.6), _CUT, (15, 60, 200), Spread(1.0, 4.0, 10.0), "circular", (1.2, 1.35), (5, 9),
-            "B46.1", "Majumdar 1990", "Whitehouse",
-        ),
-        _process(
-            "honed", (0.1, 0.8), _CUT, (15, 60, 200), Spread(1.0, 2.0, 5.0), "crossed", (1.2, 1.5), (6, 12),
-            "B46.1", "Whitehouse",
-        ),
-        _process(
-            "turned", (0.4, 6.3), _CUT, (40, 120, 400), Spread(1.0, 5.0, 10.0), "circular", (1.1, 1.3), (4, 7),
-            "B46.1", "Whitehouse",
-        ),
-        _process(
-            "milled", (0.8, 6.3), _CUT, (50, 200, 800), Spread(1.0, 3.0, 10.0), "straight", (1.1, 1.3), (4, 7),
-            "B46.1", "Whitehouse",
-        ),
-        _process(
-            "reamed", (0.8, 3.2), _CUT, (30, 100, 300), Spread(1.0, 4.0, 10.0), "circular", (1.1, 1.35), (4, 8),
-            "B46.1",
-        ),
-        _process(
-            "sandblasted", (0.8, 12.5), _FINE, (40, 120, 300), _NO_LAY, "none", (1.2, 1.35), (5, 9),
-            "Persson 2014", "Fischer 2020", "ISO 8503",
-        ),
-        _process(
-            "shot blasted", (1.6, 25.0), _FINE, (80, 250, 600), _NO_LAY, "none", (1.2, 1.35), (5, 9),
-            "Persson 2014", "ISO 8503",
-        ),
-        _process(
-            "as cast", (1.6, 25.0), _FINE, (150, 500, 2000), _NO_LAY, "none", (1.15, 1.4), (4, 9), "B46.1",
-        ),
-        _process(
-            "unspecified", (0.0125, 25.0), Spread(0.5, 0.8, 0.95), (5, 50, 400), Spread(1.0, 1.0, 10.0), "circular",
-            (1.1, 1.5), (4, 12), "B46.1", "DIN 4768", *_RANDOM,
-        ),
+def _process(name: str, entry: Mapping[str, Any]) -> Process:
+    low, high = entry["Ra"]
+    return Process(
+        name,
+        (low * _UM, high * _UM),
+        Spread(*entry["hurst"]),
+        Spread(*(one * _UM for one in entry["rolloff"])),
+        Spread(*entry["aspect"]),
+        entry["lay"],
+        tuple(entry["rq_over_ra"]),
+        tuple(entry["rz_over_ra"]),
+        tuple(entry["sources"]),
     )
-}  # fmt: skip
+
+
+_DATA = tomllib.loads(files("leak.surfaces").joinpath("processes.toml").read_text(encoding="utf-8"))
+SOURCES: dict[str, str] = _DATA["sources"]
+PROCESSES = {name: _process(name, entry) for name, entry in _DATA["processes"].items()}
 """Processes by their word; "unspecified" stands for a drawing that gives a value alone, with the widest ranges."""
 
 
