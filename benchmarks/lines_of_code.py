@@ -1,7 +1,8 @@
 """Lines of each room of the packages: `python benchmarks/lines_of_code.py [FOLDER of a checkout]`.
 
 A line is code if anything but a comment or a docstring stands on it; every string that is a statement of its own counts
-as a docstring, with the blank lines in it. TOML, Jinja, CSS and JSON are counted beside: lines that are not blank.
+as a docstring, with the blank lines in it. TOML, Jinja, CSS, JavaScript, HTML and JSON are counted beside: lines that
+are not blank.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from pathlib import Path
 
 PACKAGES = ("fem_seal", "leak", "meshes")
 KINDS = ("files", "code", "docstrings", "comments", "blank")
-BESIDE = (".toml", ".j2", ".css", ".json")
+BESIDE = (".toml", ".j2", ".css", ".js", ".html", ".json")
 _NO_CODE = {
     tokenize.COMMENT,
     tokenize.DEDENT,

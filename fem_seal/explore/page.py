@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import threading
 from contextlib import suppress
 from html import escape
@@ -41,87 +42,6 @@ _PICTURES = {
 _GRAPH = {"displaylogo": False, "responsive": True, "displayModeBar": False}
 _TALL = {"height": f"{HEIGHT}px"}
 
-# The texts of the moment from the places of the sliders; a typed text stands until its slider is moved, and so does one
-# that cannot be taken: it stays in its field, beside the value that is calculated with.
-# While an answer is on its way nothing else is asked; then for what the sliders say by then, so that the page moves on.
-_GATHER = """
-function(places, fluid, typed, _, meta, before) {
-    const none = window.dash_clientside.no_update;
-    const design = {}, wrong = {};
-    meta.keys.forEach((key, n) => {
-        const own = (typed || {})[key], stands = own && own.at === places[n];
-        design[key] = stands ? own.text : meta.stops[key][places[n]];
-        if (stands && own.wrong !== undefined) { wrong[key] = own.wrong; }
-    });
-    if (fluid) { design.fluid = fluid; }
-    // one that is being typed in stays as it is
-    meta.keys.forEach(key => {
-        const text = key in wrong ? wrong[key] : design[key];
-        const field = document.getElementById(JSON.stringify({key: key, kind: "text"}));
-        if (field && field !== document.activeElement && field.value !== text) {
-            window.dash_clientside.set_props({kind: "text", key: key}, {value: text});
-        }
-    });
-    const same = (one, other) => JSON.stringify(one) === JSON.stringify(other);
-    if (before && same([before.design, before.wrong], [design, wrong])) { return none; }
-    const way = window.onItsWay;
-    if (way && way.answered < way.number && Date.now() - way.since < 5000) { return none; }
-    const page = (before && before.page) || String(Math.random());
-    const number = ((before && before.number) || 0) + 1;
-    window.onItsWay = {number: number, since: Date.now(), answered: (way && way.answered) || 0};
-    return {page: page, number: number, design: design, wrong: wrong};
-}
-"""
-# What was typed and not moved away from since. All of it is asked about each time, and only the newest answer is taken,
-# since one may overtake another; the text is that of the field itself, which dash knows a moment later.
-_ENTER = """
-function(_a, _b, entered, typed, places, meta) {
-    const kept = {}, stands = {};
-    let changed = false;
-    meta.keys.forEach((key, n) => {
-        const own = (typed || {})[key], one = ((entered || {}).fields || {})[key];
-        stands[key] = own && own.at === places[n] ? own : {at: places[n], text: meta.stops[key][places[n]]};
-        if (one && (one.at === places[n] || (own && own.at === places[n]))) { kept[key] = one; }
-    });
-    window.dash_clientside.callback_context.triggered.forEach(one => {
-        const id = one.prop_id.slice(0, one.prop_id.lastIndexOf(".")), field = document.getElementById(id);
-        if (!field || !one.value) { return; }
-        const key = JSON.parse(id).key, text = field.value.trim(), now = stands[key];
-        if (text === (kept[key] || {text: now.wrong === undefined ? now.text : now.wrong}).text) { return; }
-        kept[key] = {at: now.at, text: text, before: now.text};
-        changed = true;
-    });
-    return changed ? {number: Date.now(), fields: kept} : window.dash_clientside.no_update;
-}
-"""
-_JUDGED = """
-function(judged, entered, places, meta) {
-    const none = window.dash_clientside.no_update;
-    if (!judged || !entered || judged.number !== entered.number) { return [none, places.map(() => none)]; }
-    return [judged.typed, meta.keys.map((key, n) => judged.typed[key] ? judged.typed[key].at : places[n])];
-}
-"""
-_ANSWERED = """
-function(shown) {
-    if (shown && window.onItsWay) {
-        window.onItsWay.answered = Math.max(window.onItsWay.answered, shown.number);
-        window.dash_clientside.set_props("poke", {data: Date.now()});
-    }
-}
-"""
-_DARK = """
-function(_) {
-    const query = window.matchMedia("(prefers-color-scheme: dark)");
-    query.onchange = () => window.dash_clientside.set_props("dark", {data: query.matches});
-    return query.matches;
-}
-"""
-_INDEX = """<!DOCTYPE html>
-<html lang="en"><head>{%metas%}<title>{%title%}</title>
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<link rel="icon" href="data:,">{%css%}<style>STYLE</style></head>
-<body>{%app_entry%}<footer>{%config%}{%scripts%}{%renderer%}</footer></body></html>"""
-
 
 def page_of(answers: Answers, folder: Path, title: str) -> Dash:
     """The page of a case.
@@ -141,15 +61,20 @@ def page_of(answers: Answers, folder: Path, title: str) -> Dash:
         suppress_callback_exceptions=True,
         assets_folder=str(folder / "no-assets-of-a-case"),
     )
-    style = resources.files("fem_seal").joinpath("templates", "explore.css").read_text(encoding="utf-8")
-    app.index_string = _INDEX.replace("STYLE", style)
+    app.index_string = _template("explore.html").replace("STYLE", _template("explore.css"))
     stem = answers.session.given.file.stem if answers.session.given.file else "case"
     app.layout = _layout(answers, title, f"{stem}-explored")
-    _follow(app, answers)
-    _type(app, answers)
+    # callbacks that run in the browser, by their names
+    scripts = dict(re.findall(r"(?ms)^(?=function (\w+))(.+?^})", _template("explore.js")))
+    _follow(app, answers, scripts)
+    _type(app, answers, scripts)
     _pin(app, answers)
     _files(app, answers, folder)
     return app
+
+
+def _template(name: str) -> str:
+    return resources.files("fem_seal").joinpath("templates", name).read_text(encoding="utf-8")
 
 
 def _in_head(title: str) -> str:
@@ -305,9 +230,9 @@ def _results(name: str) -> list[Any]:
     return [headline, html.Div(plots, className="plots"), warnings, compare, files]
 
 
-def _follow(app: Dash, answers: Answers) -> None:
+def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
     app.clientside_callback(
-        _GATHER,
+        scripts["gather"],
         Output("asked", "data"),
         Input({"kind": "slider", "key": ALL}, "value"),
         Input("fluid", "value"),
@@ -316,8 +241,8 @@ def _follow(app: Dash, answers: Answers) -> None:
         State("meta", "data"),
         State("asked", "data"),
     )
-    app.clientside_callback(_ANSWERED, Input("shown", "data"))
-    app.clientside_callback(_DARK, Output("dark", "data"), Input("meta", "data"))
+    app.clientside_callback(scripts["answered"], Input("shown", "data"))
+    app.clientside_callback(scripts["dark"], Output("dark", "data"), Input("meta", "data"))
 
     @app.callback(Output("news", "data"), Input("again", "n_intervals"), State("news", "data"))
     @answered
@@ -440,11 +365,11 @@ def _state(screen: Screen, answers: Answers) -> str:
     return f"live, without a complete run: {given_up}" if given_up else "live"
 
 
-def _type(app: Dash, answers: Answers) -> None:
+def _type(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
     factors = answers.session.factors
 
     app.clientside_callback(
-        _ENTER,
+        scripts["enter"],
         Output("entered", "data"),
         Input({"kind": "text", "key": ALL}, "n_submit"),
         Input({"kind": "text", "key": ALL}, "n_blur"),
@@ -479,7 +404,7 @@ def _type(app: Dash, answers: Answers) -> None:
         return {"number": entered.get("number"), "typed": typed}
 
     app.clientside_callback(
-        _JUDGED,
+        scripts["judged"],
         Output("typed", "data"),
         Output({"kind": "slider", "key": ALL}, "value"),
         Input("judged", "data"),

@@ -1,0 +1,69 @@
+function gather(places, fluid, typed, _, meta, before) {
+    // The texts of the moment from the places of the sliders; a typed text stands until its slider is moved, and so does
+    // one that cannot be taken: it stays in its field, beside the value that is calculated with. While an answer is on its
+    // way nothing else is asked; then for what the sliders say by then, so that the page moves on.
+    const none = window.dash_clientside.no_update;
+    const design = {}, wrong = {};
+    meta.keys.forEach((key, n) => {
+        const own = (typed || {})[key], stands = own && own.at === places[n];
+        design[key] = stands ? own.text : meta.stops[key][places[n]];
+        if (stands && own.wrong !== undefined) { wrong[key] = own.wrong; }
+    });
+    if (fluid) { design.fluid = fluid; }
+    // one that is being typed in stays as it is
+    meta.keys.forEach(key => {
+        const text = key in wrong ? wrong[key] : design[key];
+        const field = document.getElementById(JSON.stringify({key: key, kind: "text"}));
+        if (field && field !== document.activeElement && field.value !== text) {
+            window.dash_clientside.set_props({kind: "text", key: key}, {value: text});
+        }
+    });
+    const same = (one, other) => JSON.stringify(one) === JSON.stringify(other);
+    if (before && same([before.design, before.wrong], [design, wrong])) { return none; }
+    const way = window.onItsWay;
+    if (way && way.answered < way.number && Date.now() - way.since < 5000) { return none; }
+    const page = (before && before.page) || String(Math.random());
+    const number = ((before && before.number) || 0) + 1;
+    window.onItsWay = {number: number, since: Date.now(), answered: (way && way.answered) || 0};
+    return {page: page, number: number, design: design, wrong: wrong};
+}
+
+function enter(_a, _b, entered, typed, places, meta) {
+    // What was typed and not moved away from since. All of it is asked about each time, and only the newest answer is
+    // taken, since one may overtake another; the text is that of the field itself, which dash knows a moment later.
+    const kept = {}, stands = {};
+    let changed = false;
+    meta.keys.forEach((key, n) => {
+        const own = (typed || {})[key], one = ((entered || {}).fields || {})[key];
+        stands[key] = own && own.at === places[n] ? own : {at: places[n], text: meta.stops[key][places[n]]};
+        if (one && (one.at === places[n] || (own && own.at === places[n]))) { kept[key] = one; }
+    });
+    window.dash_clientside.callback_context.triggered.forEach(one => {
+        const id = one.prop_id.slice(0, one.prop_id.lastIndexOf(".")), field = document.getElementById(id);
+        if (!field || !one.value) { return; }
+        const key = JSON.parse(id).key, text = field.value.trim(), now = stands[key];
+        if (text === (kept[key] || {text: now.wrong === undefined ? now.text : now.wrong}).text) { return; }
+        kept[key] = {at: now.at, text: text, before: now.text};
+        changed = true;
+    });
+    return changed ? {number: Date.now(), fields: kept} : window.dash_clientside.no_update;
+}
+
+function judged(judged, entered, places, meta) {
+    const none = window.dash_clientside.no_update;
+    if (!judged || !entered || judged.number !== entered.number) { return [none, places.map(() => none)]; }
+    return [judged.typed, meta.keys.map((key, n) => judged.typed[key] ? judged.typed[key].at : places[n])];
+}
+
+function answered(shown) {
+    if (shown && window.onItsWay) {
+        window.onItsWay.answered = Math.max(window.onItsWay.answered, shown.number);
+        window.dash_clientside.set_props("poke", {data: Date.now()});
+    }
+}
+
+function dark(_) {
+    const query = window.matchMedia("(prefers-color-scheme: dark)");
+    query.onchange = () => window.dash_clientside.set_props("dark", {data: query.matches});
+    return query.matches;
+}
