@@ -96,6 +96,13 @@ class InputError(SealError, ValueError):
         self.file = None if file is None else Path(file)
         super().__init__(*problems)
 
+    @classmethod
+    def at(
+        cls, key: str, message: str, value: str | None = None, *, file: str | Path | None = None
+    ) -> InputError:
+        """The error of one wrong entry, see `Problem`."""
+        return cls(Problem(key, message, value), file=file)
+
     def __str__(self) -> str:
         """One line per problem, each beginning with the file, and how many more there are."""
         prefix = "" if self.file is None else printable(f"{self.file}: ")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from fem_seal.errors import InputError, Problem
+from fem_seal.errors import InputError
 from fem_seal.loads import contact_force
 from fem_seal.seal.problem import SealProblem, largest_force
 from fem_seal.seal.seal_flow import SealFlow
@@ -95,4 +95,4 @@ def log_excess(leak_rate: float, target: float) -> float:
 def target_problem(problem: SealProblem, message: str, target: float | None) -> InputError:
     """What is wrong with a target leak rate."""
     shown = None if target is None else given("flow", target)
-    return InputError(Problem("load.target_leak_rate", message, shown), file=problem.file)
+    return InputError.at("load.target_leak_rate", message, shown, file=problem.file)

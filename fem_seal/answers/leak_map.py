@@ -13,7 +13,7 @@ from fem_seal.answers.chain import solve
 from fem_seal.arrays import FloatArray
 from fem_seal.case.case import CaseSource, case_of
 from fem_seal.case.tables import curves
-from fem_seal.errors import InputError, Problem
+from fem_seal.errors import InputError
 from fem_seal.former_names import former_attribute, formerly
 from fem_seal.loads import expected_force
 from fem_seal.seal.findings import Caution, Level, Validity
@@ -114,7 +114,7 @@ class LeakMap:
                 del rows[int(by_row.argmax())]
             else:
                 del columns[int(by_column.argmax())]
-        raise InputError(Problem("table", "has no pressure at which the seal closes under all of its forces"))
+        raise InputError.at("table", "has no pressure at which the seal closes under all of its forces")
 
     def _part(self, rows: Sequence[int], columns: Sequence[int]) -> LeakMap:
         part = np.ix_(rows, columns)
@@ -180,22 +180,16 @@ def leak_map(
     """
     case = case_of(case)
     if case.roughness is None or case.fluid is None:
-        raise InputError(
-            Problem("table", "needs [roughness] and [fluid]: without them there is no leak rate")
-        )
+        raise InputError.at("table", "needs [roughness] and [fluid]: without them there is no leak rate")
     pressures = _pressures(case) if fluid_pressure is None else _increasing("pressures", fluid_pressure)
     forces = _forces(case) if applied_force is None else _increasing("forces", applied_force)
     if not pressures[0] > 0:
-        raise InputError(
-            Problem(
-                "pressures",
-                "must be above zero; at zero nothing leaks",
-                given("fluid pressure", pressures[0]),
-            )
+        raise InputError.at(
+            "pressures", "must be above zero; at zero nothing leaks", given("fluid pressure", pressures[0])
         )
     if len(pressures) * len(forces) > _MOST:
-        raise InputError(
-            Problem("table", f"has {len(pressures)} x {len(forces)} points; up to {_MOST} are calculated")
+        raise InputError.at(
+            "table", f"has {len(pressures)} x {len(forces)} points; up to {_MOST} are calculated"
         )
     points = [(pressure, force) for force in forces for pressure in pressures]
     yields = bool(curves(case))
@@ -226,21 +220,16 @@ def _check_formed(case: Case) -> None:
     )
     key = "load.largest_earlier_force"
     if load.earlier is None:
-        raise InputError(
-            Problem(
-                key,
-                f"is missing: {why}. Give at least {math.ceil(largest)} N, the largest contact force here",
-            )
+        raise InputError.at(
+            key, f"is missing: {why}. Give at least {math.ceil(largest)} N, the largest contact force here"
         )
     formed = _contact_force(case, *load.earlier)
     if formed < largest * (1 - 1e-6):
-        raise InputError(
-            Problem(
-                load.earlier_key,
-                f"closes with {briefly('force', formed)}, and the largest contact force here is "
-                f"{briefly('force', largest)}; {why}. Raise it, "
-                "or ask for smaller pressures and forces",
-            )
+        raise InputError.at(
+            load.earlier_key,
+            f"closes with {briefly('force', formed)}, and the largest contact force here is "
+            f"{briefly('force', largest)}; {why}. Raise it, "
+            "or ask for smaller pressures and forces",
         )
 
 
@@ -299,7 +288,7 @@ def _of_solution(
         low[row, column], high[row, column] = ends or (load.leak.leak_rate,) * 2
         validity[row][column] = load.validity
     if np.isnan(rate).all():
-        raise InputError(Problem("table", "has no leak rate: " + " ".join(solution.warnings)))
+        raise InputError.at("table", "has no leak rate: " + " ".join(solution.warnings))
     return LeakMap(
         title=case.title,
         fluid=case.fluid.name,
@@ -349,5 +338,5 @@ def _forces(case: Case) -> list[float]:
 def _increasing(name: str, values: Sequence[float]) -> list[float]:
     found = [float(one) for one in values]
     if not found or sorted(set(found)) != found or not all(map(math.isfinite, found)):
-        raise InputError(Problem(name, "must be finite numbers that increase, at least one"))
+        raise InputError.at(name, "must be finite numbers that increase, at least one")
     return found

@@ -57,11 +57,9 @@ def leak_of_profiles(problem: SealProblem, profiles: Sequence[ImportedProfile]) 
             file=problem.file,
         )
     if problem.loads.earlier is not None:
-        raise InputError(
-            Problem(
-                "load.largest_earlier_force or load.largest_earlier_pressure",
-                "the contact of that load is not solved for profiles that come from elsewhere; remove it",
-            ),
+        raise InputError.at(
+            "load.largest_earlier_force or load.largest_earlier_pressure",
+            "the contact of that load is not solved for profiles that come from elsewhere; remove it",
             file=problem.file,
         )
     # samples would need the bodies

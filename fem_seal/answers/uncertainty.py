@@ -26,7 +26,7 @@ from fem_seal.case.roughness import (
 )
 from fem_seal.case.uncertainty import Uncertainty
 from fem_seal.contact.laws import HardContact, ScaledLaw
-from fem_seal.errors import ConvergenceError, InputError, Problem
+from fem_seal.errors import ConvergenceError, InputError
 from fem_seal.processes import in_copies
 from fem_seal.sampling import UncertainInput, sobol_points
 from fem_seal.seal.bounds import Bounds
@@ -209,7 +209,7 @@ def leak_interval(
     """
     settings = settings or result.case.sampled
     if settings is None:
-        raise InputError(Problem("uncertainty", "is missing; say which inputs are uncertain"))
+        raise InputError.at("uncertainty", "is missing; say which inputs are uncertain")
     wrong = list(problems_with_uncertainty(result.case, settings))
     if wrong:
         raise InputError(*wrong)

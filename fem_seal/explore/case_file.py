@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fem_seal.errors import InputError, Problem
+from fem_seal.errors import InputError
 from fem_seal.files import write_text
 
 if TYPE_CHECKING:
@@ -81,18 +81,14 @@ def free_name(folder: Path, name: str, suffix: str) -> Path:
     """
     stem = name.strip().removesuffix(suffix)
     if not _NAME.fullmatch(stem) or stem.endswith("."):
-        raise InputError(
-            Problem(
-                "name",
-                "must be a file name of letters, digits, spaces and . _ + -, without folders",
-                f'"{name}"',
-            )
+        raise InputError.at(
+            "name", "must be a file name of letters, digits, spaces and . _ + -, without folders", f'"{name}"'
         )
     for number in range(1, _MOST):
         path = folder / (f"{stem}{suffix}" if number == 1 else f"{stem}-{number}{suffix}")
         if not path.exists():
             return path
-    raise InputError(Problem("name", f"is taken {_MOST - 1} times in {folder}; choose another", f'"{name}"'))
+    raise InputError.at("name", f"is taken {_MOST - 1} times in {folder}; choose another", f'"{name}"')
 
 
 def write_case(case: Case, folder: Path, name: str, remark: str = "") -> Path:

@@ -84,16 +84,12 @@ class Factor:
         try:
             value = self.value(text)
         except ValueError as error:
-            raise InputError(Problem(self.label, str(error), f'"{text}"')) from None
+            raise InputError.at(self.label, str(error), f'"{text}"') from None
         low, high = (self.value(self.stops[n]) for n in (0, -1))
         if not low * (1 - 1e-9) <= value <= high * (1 + 1e-9):
             reach = f"{self.stops[0]} to {self.stops[-1]}"
-            raise InputError(
-                Problem(
-                    self.label,
-                    f"the slider goes from {reach}; further away start from another case",
-                    f'"{text}"',
-                )
+            raise InputError.at(
+                self.label, f"the slider goes from {reach}; further away start from another case", f'"{text}"'
             )
 
     def wrong(self, text: str) -> str:

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from fem_seal.errors import InputError, Problem
+from fem_seal.errors import InputError
 from leak.extras import needed
 
 if TYPE_CHECKING:
@@ -50,7 +50,7 @@ def serve(
     except ImportError as error:
         if (error.name or "").split(".")[0] not in ("dash", "plotly", "flask", "werkzeug"):
             raise
-        raise InputError(Problem("fem-seal explore", needed("explore", error))) from None
+        raise InputError.at("fem-seal explore", needed("explore", error)) from None
     from fem_seal.explore.live import Session
     from fem_seal.explore.worker import Answers
 
@@ -88,4 +88,4 @@ def _check_free(host: str, port: int) -> None:
             what = (
                 "cannot be used: another page or program has it; choose another one, 0 for any that is free"
             )
-            raise InputError(Problem("--port", what, str(port))) from None
+            raise InputError.at("--port", what, str(port)) from None

@@ -14,7 +14,7 @@ import numpy as np
 from fem_seal.case.drawing_words import said_twice
 from fem_seal.case.fields import Quantity, shown
 from fem_seal.case.paths import Entry, Value, entry_at
-from fem_seal.errors import InputError, Problem
+from fem_seal.errors import InputError
 from fem_seal.files import UnreadableFileError, read_text
 from fem_seal.former_names import in_present_words
 from fem_seal.sampling import LogNormal, Normal
@@ -64,7 +64,7 @@ def _shares(design: Design, parameter: Parameter, unit: FloatArray) -> FloatArra
 def _grid(parameters: Sequence[Parameter]) -> FloatArray:
     count = int(np.prod([len(one.numbers) for one in parameters], dtype=object))
     if count > MOST_POINTS:
-        raise InputError(Problem("design", f"has {count} designs; allowed are {MOST_POINTS}"))
+        raise InputError.at("design", f"has {count} designs; allowed are {MOST_POINTS}")
     axes = np.meshgrid(*(one.numbers for one in parameters), indexing="ij")
     return np.column_stack([axis.ravel() for axis in axes])
 
@@ -114,42 +114,36 @@ def read_list(path: Path, case: Case) -> tuple[tuple[Parameter, ...], FloatArray
         rows = [row for row in csv.reader(lines) if any(cell.strip() for cell in row)]
     except (UnreadableFileError, UnicodeDecodeError, csv.Error) as error:
         what = str(error) if isinstance(error, UnreadableFileError) else "cannot be read (no CSV file)"
-        raise InputError(Problem("design.file", what, shown(path.name))) from None
+        raise InputError.at("design.file", what, shown(path.name)) from None
     if len(rows) < 2:
-        raise InputError(
-            Problem("design.file", "has no designs; a heading and one row each", shown(path.name))
-        )
+        raise InputError.at("design.file", "has no designs; a heading and one row each", shown(path.name))
     heading = [_heading(cell, path) for cell in rows[0]]
     paths = [name for name, _ in heading]
     twice = [name for n, name in enumerate(paths) if name in paths[:n]]
     if twice:
-        raise InputError(Problem("design.file", f"has two columns {twice[0]}; remove one", shown(path.name)))
+        raise InputError.at("design.file", f"has two columns {twice[0]}; remove one", shown(path.name))
     again = said_twice(paths)
     if again:
-        raise InputError(
-            Problem(
-                "design.file",
-                f"has columns {again[0]} and {again[1]}, two words for one entry; remove one",
-                shown(path.name),
-            )
+        raise InputError.at(
+            "design.file",
+            f"has columns {again[0]} and {again[1]}, two words for one entry; remove one",
+            shown(path.name),
         )
     entries = [_entry(case, name, path) for name in paths]
     columns: list[list[Value]] = [[] for _ in entries]
     for number, row in enumerate(rows[1:], start=2):
         if len(row) != len(entries):
-            raise InputError(
-                Problem(
-                    "design.file",
-                    f"row {number} has {len(row)} cells, the heading {len(entries)}",
-                    shown(path.name),
-                )
+            raise InputError.at(
+                "design.file",
+                f"row {number} has {len(row)} cells, the heading {len(entries)}",
+                shown(path.name),
             )
         for column, entry, (_, unit), cell in zip(columns, entries, heading, row, strict=True):
             try:
                 column.append(entry.read(_cell(cell.strip(), unit, entry.marker)))
             except ValueError as error:
                 place = f"row {number}, {entry.path} = {shown(cell.strip())}"
-                raise InputError(Problem("design.file", f"{place}: {error}", shown(path.name))) from None
+                raise InputError.at("design.file", f"{place}: {error}", shown(path.name)) from None
     parameters = tuple(
         Parameter(entry, tuple(dict.fromkeys(column))) for entry, column in zip(entries, columns, strict=True)
     )
@@ -165,8 +159,8 @@ def _heading(cell: str, path: Path) -> tuple[str, str]:
     if match is None:
         separated = re.search(r"[;\t]", cell)
         advice = "; separate the columns by commas" if separated else ", such as seat.angle [deg]"
-        raise InputError(
-            Problem("design.file", f"has a heading {shown(cell)} that is no path{advice}", shown(path.name))
+        raise InputError.at(
+            "design.file", f"has a heading {shown(cell)} that is no path{advice}", shown(path.name)
         )
     return in_present_words(match[1]), (match[2] or "").strip()
 
@@ -176,7 +170,7 @@ def _entry(case: Case, name: str, path: Path) -> Entry:
         return entry_at(case, name)
     except InputError as error:
         what = f"column {name}: {error.problems[0].message}"
-        raise InputError(Problem("design.file", what, shown(path.name))) from None
+        raise InputError.at("design.file", what, shown(path.name)) from None
 
 
 def _cell(text: str, unit: str, marker: object) -> object:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from fem_seal.errors import InputError, OutputError, Problem
+from fem_seal.errors import InputError, OutputError
 from fem_seal.files import write_bytes
 from fem_seal.output.columns import COLUMNS
 from fem_seal.studies.designs_table import Designs
@@ -32,17 +32,12 @@ def export(folder: Path, path: Path) -> Path:
     write = _WRITERS.get(path.suffix.lower())
     if write is None:
         known = ", ".join(_WRITERS)
-        raise InputError(Problem("export", f"has an unknown ending; known are {known}", path.name))
+        raise InputError.at("export", f"has an unknown ending; known are {known}", path.name)
     designs = Designs.open(folder)
     try:
         return write(designs, path)
     except ImportError as error:
-        raise InputError(
-            Problem(
-                "export",
-                f"{path.suffix} {needed('studies', error)}",
-            )
-        ) from None
+        raise InputError.at("export", f"{path.suffix} {needed('studies', error)}") from None
 
 
 def _csv(designs: Designs, path: Path) -> Path:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem_seal.errors import InputError, OutputError, Problem
+from fem_seal.errors import InputError, OutputError
 from fem_seal.sampling import LogUniform, Uniform
 from fem_seal.seal.findings import Level
 from fem_seal.studies.progress import Progress
@@ -204,9 +204,7 @@ def _readable(store: Store) -> Iterator[None]:
 
 
 def _another_search() -> InputError:
-    return InputError(
-        Problem("optimise", "the folder holds a search for something else; choose another folder")
-    )
+    return InputError.at("optimise", "the folder holds a search for something else; choose another folder")
 
 
 def _sampler(seed: int, number: int) -> TPESampler:

@@ -11,7 +11,7 @@ import numpy as np
 
 from fem_seal.case.fields import Quantity, shown
 from fem_seal.case.paths import Entry, Value
-from fem_seal.errors import InputError, Problem
+from fem_seal.errors import InputError
 from fem_seal.sampling import Distribution, LogNormal, LogUniform, Normal, Uniform
 from fem_seal.units import parse_quantity
 
@@ -101,23 +101,21 @@ def read_parameter(entry: Entry, given: object) -> Parameter:
         return Parameter(entry, distribution=_distribution(entry, key, given))
     if isinstance(given, Mapping):
         return Parameter(entry, _range(entry, key, given))
-    raise InputError(
-        Problem(
-            key,
-            f"must be a list, a range {{ start, stop, num }} or a distribution; one value belongs into [changes]: "
-            f"{entry.path} = {shown(given)}",
-            shown(given),
-        )
+    raise InputError.at(
+        key,
+        f"must be a list, a range {{ start, stop, num }} or a distribution; one value belongs into [changes]: "
+        f"{entry.path} = {shown(given)}",
+        shown(given),
     )
 
 
 def _levels(entry: Entry, key: str, given: list[object]) -> tuple[Value, ...]:
     if not 0 < len(given) <= _MOST_LEVELS:
-        raise InputError(Problem(key, f"has {len(given)} values; allowed are 1 to {_MOST_LEVELS}"))
+        raise InputError.at(key, f"has {len(given)} values; allowed are 1 to {_MOST_LEVELS}")
     values = tuple(_read(entry, key, one) for one in given)
     twice = [one for n, one in enumerate(values) if one in values[:n]] if len(values) < 1000 else []
     if twice:
-        raise InputError(Problem(key, f"names {shown(given[values.index(twice[0])])} twice; remove one"))
+        raise InputError.at(key, f"names {shown(given[values.index(twice[0])])} twice; remove one")
     return values
 
 
@@ -125,28 +123,24 @@ def _read(entry: Entry, key: str, given: object) -> Value:
     try:
         return entry.read(given)
     except ValueError as error:
-        raise InputError(Problem(key, str(error), shown(given))) from None
+        raise InputError.at(key, str(error), shown(given)) from None
 
 
 def _range(entry: Entry, key: str, given: Mapping[str, Any]) -> tuple[Value, ...]:
     example = '{ start = "30 deg", stop = "60 deg", num = 7, spacing = "linear" or "log" }'
     _check_keys(key, given, RANGE_KEYS, RANGE_KEYS[:3], example)
     if not entry.numeric:
-        raise InputError(Problem(key, "holds words, which have no range; write a list"))
+        raise InputError.at(key, "holds words, which have no range; write a list")
     start, stop = (float(_read(entry, f"{key}.{name}", given[name])) for name in ("start", "stop"))
     num, spacing = given["num"], given.get("spacing", "linear")
     if isinstance(num, bool) or not isinstance(num, int) or not 2 <= num <= _MOST_LEVELS:
-        raise InputError(
-            Problem(f"{key}.num", f"must be a whole number from 2 to {_MOST_LEVELS}", shown(num))
-        )
+        raise InputError.at(f"{key}.num", f"must be a whole number from 2 to {_MOST_LEVELS}", shown(num))
     if spacing not in ("linear", "log"):
-        raise InputError(Problem(f"{key}.spacing", 'must be "linear" or "log"', shown(spacing)))
+        raise InputError.at(f"{key}.spacing", 'must be "linear" or "log"', shown(spacing))
     if not start < stop:
-        raise InputError(Problem(f"{key}.start", "must be below stop", shown(given["start"])))
+        raise InputError.at(f"{key}.start", "must be below stop", shown(given["start"]))
     if spacing == "log" and start <= 0:
-        raise InputError(
-            Problem(f"{key}.start", 'must be above zero with spacing = "log"', shown(given["start"]))
-        )
+        raise InputError.at(f"{key}.start", 'must be above zero with spacing = "log"', shown(given["start"]))
     shares = [n / (num - 1) for n in range(1, num - 1)]
     inner = [
         start + (stop - start) * t if spacing == "linear" else start * math.exp(math.log(stop / start) * t)
@@ -159,9 +153,9 @@ def _distribution(entry: Entry, key: str, given: Mapping[str, Any]) -> Distribut
     kind = given["distribution"]
     if kind not in DISTRIBUTIONS:
         listed = ", ".join(f'"{one}"' for one in DISTRIBUTIONS)
-        raise InputError(Problem(f"{key}.distribution", f"must be one of {listed}", shown(kind)))
+        raise InputError.at(f"{key}.distribution", f"must be one of {listed}", shown(kind))
     if not entry.numeric:
-        raise InputError(Problem(key, "holds words, which have no distribution; write a list"))
+        raise InputError.at(key, "holds words, which have no distribution; write a list")
     numbers = DISTRIBUTIONS[kind]
     example = "{ " + ", ".join([f'distribution = "{kind}"', *(f"{one} = ..." for one in numbers)]) + " }"
     _check_keys(key, given, ("distribution", *numbers), numbers, example)
@@ -170,18 +164,18 @@ def _distribution(entry: Entry, key: str, given: Mapping[str, Any]) -> Distribut
         try:
             entry.check(bound)
         except ValueError as error:
-            raise InputError(Problem(key, f"reaches {entry.shown(bound)}, which is {error}")) from None
+            raise InputError.at(key, f"reaches {entry.shown(bound)}, which is {error}") from None
     return made
 
 
 def _uniform(entry: Entry, key: str, given: Mapping[str, Any]) -> Distribution:
     low, high = (float(_read(entry, f"{key}.{name}", given[name])) for name in ("low", "high"))
     if not low < high:
-        raise InputError(Problem(f"{key}.low", "must be below high", shown(given["low"])))
+        raise InputError.at(f"{key}.low", "must be below high", shown(given["low"]))
     if given["distribution"] == "uniform":
         return Uniform(low, high)
     if low <= 0:
-        raise InputError(Problem(f"{key}.low", "must be above zero", shown(given["low"])))
+        raise InputError.at(f"{key}.low", "must be above zero", shown(given["low"]))
     return LogUniform(low, high)
 
 
@@ -194,11 +188,11 @@ def _lognormal(entry: Entry, key: str, given: Mapping[str, Any]) -> Distribution
     median = float(_read(entry, f"{key}.median", given["median"]))
     relative = given["relative"]
     if isinstance(relative, bool) or not isinstance(relative, (int, float)) or not 0 < relative <= 1:
-        raise InputError(
-            Problem(f"{key}.relative", "must be a number above 0 to 1; 0.1 is ten per cent", shown(relative))
+        raise InputError.at(
+            f"{key}.relative", "must be a number above 0 to 1; 0.1 is ten per cent", shown(relative)
         )
     if median <= 0:
-        raise InputError(Problem(f"{key}.median", "must be above zero", shown(given["median"])))
+        raise InputError.at(f"{key}.median", "must be above zero", shown(given["median"]))
     return LogNormal(median, float(relative))
 
 
@@ -220,9 +214,9 @@ def _width(entry: Entry, key: str, given: object) -> float:
         else:
             raise ValueError("is not a number")
     except ValueError as error:
-        raise InputError(Problem(key, str(error), shown(given))) from None
+        raise InputError.at(key, str(error), shown(given)) from None
     if not (math.isfinite(width) and width > 0):
-        raise InputError(Problem(key, "must be above zero", shown(given)))
+        raise InputError.at(key, "must be above zero", shown(given))
     return width
 
 
@@ -233,4 +227,4 @@ def _check_keys(
     missing = [name for name in needed if name not in given]
     if unknown or missing:
         wrong = f"has an unknown key {shown(unknown[0])}" if unknown else f"lacks {missing[0]}"
-        raise InputError(Problem(key, f"{wrong}; write {example}"))
+        raise InputError.at(key, f"{wrong}; write {example}")

@@ -14,7 +14,7 @@ from fem_seal.case.case import Case
 from fem_seal.case.drawing_words import same_entry
 from fem_seal.case.fields import shown
 from fem_seal.case.paths import Value
-from fem_seal.errors import InputError, Problem
+from fem_seal.errors import InputError
 from fem_seal.output.columns import COLUMNS, LEAK_COLUMNS
 from fem_seal.sampling import LogNormal, Normal
 from fem_seal.seal.readings import FURTHER, OWN, force_column, leak_rate_column
@@ -112,7 +112,7 @@ def read_formulas(
         try:
             found[name] = Expression(text)
         except ExpressionError as error:
-            raise InputError(Problem(key, str(error), shown(text))) from None
+            raise InputError.at(key, str(error), shown(text)) from None
         _check_known(key, text, found[name].names, [*study.names, *LEAK_COLUMNS, *list(found)[:-1]], study)
         taken.append(name)
     return found
@@ -132,7 +132,7 @@ def read_constraints(study: StudyPlan, given: Mapping[str, str]) -> dict[str, Co
         try:
             found[name] = Constraint(text)
         except ExpressionError as error:
-            raise InputError(Problem(key, str(error), shown(text))) from None
+            raise InputError.at(key, str(error), shown(text)) from None
         _check_known(key, text, found[name].names, [*study.names, *LEAK_COLUMNS, *study.derived], study)
         _check_units(key, found[name], study)
     return found
@@ -154,20 +154,20 @@ def read_goals(study: StudyPlan, read: StudyTables) -> dict[str, Expression]:
             for text in _texts(getattr(read.optimise, key))
         ]
         if not wanted:
-            raise InputError(
-                Problem("optimise.minimise", 'is missing; name a column, such as "leak_rate_m3_per_s"')
+            raise InputError.at(
+                "optimise.minimise", 'is missing; name a column, such as "leak_rate_m3_per_s"'
             )
     if len(wanted) > 2:
-        raise InputError(Problem(wanted[2][0], "is a third goal; allowed are one or two"))
+        raise InputError.at(wanted[2][0], "is a third goal; allowed are one or two")
     goals: dict[str, Expression] = {}
     for key, text, large in wanted:
         try:
             formula = Expression(text)
         except ExpressionError as error:
-            raise InputError(Problem(key, str(error), shown(text))) from None
+            raise InputError.at(key, str(error), shown(text)) from None
         _check_known(key, text, formula.names, [*study.names, *LEAK_COLUMNS, *study.derived], study)
         if text in goals:
-            raise InputError(Problem(key, "is a goal already; remove one of them", shown(text)))
+            raise InputError.at(key, "is a goal already; remove one of them", shown(text))
         goals[text] = Expression(f"-({text})") if large else formula
     return goals
 
@@ -224,9 +224,9 @@ def _texts(value: str | tuple[str, ...] | None) -> tuple[str, ...]:
 def _check_responses(study: StudyPlan, responses: Sequence[str]) -> None:
     for n, name in enumerate(responses):
         if name not in (*LEAK_COLUMNS, _VERDICT):
-            raise InputError(Problem("responses", unknown_column(name), shown(name)))
+            raise InputError.at("responses", unknown_column(name), shown(name))
         if name in responses[:n]:
-            raise InputError(Problem("responses", f"names {name} twice; remove one"))
+            raise InputError.at("responses", f"names {name} twice; remove one")
         _check_possible("responses", name, study)
 
 
@@ -240,10 +240,10 @@ def unknown_column(name: str) -> str:
 def _check_known(key: str, text: str, names: Iterable[str], known: list[str], study: StudyPlan) -> None:
     for name in names:
         if name not in known:
-            raise InputError(Problem(key, unknown_name(name, known), shown(text)))
+            raise InputError.at(key, unknown_name(name, known), shown(text))
         words = [one for one in study.parameters if one.name == name and not one.numeric]
         if words:
-            raise InputError(Problem(key, f"calculates with {name}, which holds words", shown(text)))
+            raise InputError.at(key, f"calculates with {name}, which holds words", shown(text))
         _check_possible(key, name, study)
 
 
@@ -254,7 +254,7 @@ def _check_units(key: str, constraint: Constraint, study: StudyPlan) -> None:
     left, right = (unit_of(side, units) for side in constraint.sides)
     if None not in (left, right) and left != right:
         kinds = " with ".join(f"a quantity in {unit}" if unit else "a plain number" for unit in (left, right))
-        raise InputError(Problem(key, f"compares {kinds}", shown(constraint.text)))
+        raise InputError.at(key, f"compares {kinds}", shown(constraint.text))
 
 
 def _check_possible(key: str, name: str, study: StudyPlan) -> None:
@@ -262,19 +262,19 @@ def _check_possible(key: str, name: str, study: StudyPlan) -> None:
     column = COLUMNS.get(_MARGIN if name == _VERDICT else name)
     for table in () if column is None else column.needs:
         if getattr(study.case, table) is None:
-            raise InputError(Problem(key, f"{name} needs a table [{table}] in the base case"))
+            raise InputError.at(key, f"{name} needs a table [{table}] in the base case")
     sampled = name in _SAMPLED and study.case.sampled is not None
     missing = _missing_for_readings(study)
     if name in (*_OF_YIELDING, *_SAMPLED) and missing and not sampled:
         also = " or a table [uncertainty]" if name in _SAMPLED else ""
-        raise InputError(Problem(key, f"{name} needs {missing}{also} in the base case"))
+        raise InputError.at(key, f"{name} needs {missing}{also} in the base case")
 
 
 def _check_name(key: str, name: str, taken: Sequence[str]) -> None:
     if not name.isidentifier() or not name.isascii():
-        raise InputError(Problem(key, "must be a word of letters, digits and underscores"))
+        raise InputError.at(key, "must be a word of letters, digits and underscores")
     if name.lower() in [one.lower() for one in taken]:
-        raise InputError(Problem(key, "is the name of another column; choose another one"))
+        raise InputError.at(key, "is the name of another column; choose another one")
 
 
 # So many designs are built as cases before the study starts; of larger studies the extreme ones and a sample.
@@ -286,10 +286,8 @@ def check_changes(changes: Mapping[str, Any], paths: Sequence[str]) -> None:
     changed = {same_entry(path) for path in changes}
     twice = [path for path in paths if same_entry(path) in changed]
     if twice:
-        raise InputError(
-            Problem(
-                f"changes.{twice[0]}", "is a parameter as well, which would replace it; remove one of them"
-            )
+        raise InputError.at(
+            f"changes.{twice[0]}", "is a parameter as well, which would replace it; remove one of them"
         )
 
 
@@ -305,23 +303,21 @@ def check_load(case: Case, paths: Collection[str]) -> None:
     if force_count > 1 and "load.applied_force" not in paths:
         several['"load.applied_force" = "0 N"'] = f"{force_count} applied forces"
     if several:
-        raise InputError(
-            Problem(
-                "base",
-                f"has {' and '.join(several.values())}, a design has one: write [changes] {' and '.join(several)}, or "
-                f"make {'it a parameter' if len(several) == 1 else 'them parameters'}",
-            )
+        raise InputError.at(
+            "base",
+            f"has {' and '.join(several.values())}, a design has one: write [changes] {' and '.join(several)}, or "
+            f"make {'it a parameter' if len(several) == 1 else 'them parameters'}",
         )
 
 
 def check_design(design: Design, parameters: Sequence[Parameter], optimise: bool) -> None:
     """InputError if a design cannot be made of its parameters."""
     if not parameters:
-        raise InputError(
-            Problem("parameters", 'is empty; name what varies, such as "seat.angle" = ["30 deg", "45 deg"]')
+        raise InputError.at(
+            "parameters", 'is empty; name what varies, such as "seat.angle" = ["30 deg", "45 deg"]'
         )
     if design.file is not None:
-        raise InputError(Problem("design.file", 'only with kind = "list"; remove it', shown(design.file)))
+        raise InputError.at("design.file", 'only with kind = "list"; remove it', shown(design.file))
     if optimise:
         _check_searched(parameters)
     elif design.kind == "grid":
@@ -333,46 +329,38 @@ def check_design(design: Design, parameters: Sequence[Parameter], optimise: bool
 def _check_searched(parameters: Sequence[Parameter]) -> None:
     for one in parameters:
         if isinstance(one.distribution, (Normal, LogNormal)):
-            raise InputError(
-                Problem(
-                    f"parameters.{one.name}",
-                    'is spread by chance; an optimisation chooses from a list, or from distribution = "uniform" or '
-                    '"log-uniform"',
-                )
+            raise InputError.at(
+                f"parameters.{one.name}",
+                'is spread by chance; an optimisation chooses from a list, or from distribution = "uniform" or '
+                '"log-uniform"',
             )
 
 
 def _check_grid(design: Design, parameters: Sequence[Parameter]) -> None:
     for one in parameters:
         if one.distribution is not None:
-            raise InputError(
-                Problem(
-                    f"parameters.{one.name}",
-                    'is a distribution, which has no levels; write a list or a range, or design.kind = "sobol"',
-                )
+            raise InputError.at(
+                f"parameters.{one.name}",
+                'is a distribution, which has no levels; write a list or a range, or design.kind = "sobol"',
             )
     if design.num is not None:
-        raise InputError(Problem("design.num", "a grid has as many designs as its levels make; remove it"))
+        raise InputError.at("design.num", "a grid has as many designs as its levels make; remove it")
 
 
 def _check_sampled(design: Design, parameters: Sequence[Parameter]) -> None:
     if design.num is None:
-        raise InputError(
-            Problem("design.num", f'is missing; kind = "{design.kind}" needs a number of designs')
-        )
+        raise InputError.at("design.num", f'is missing; kind = "{design.kind}" needs a number of designs')
     if design.kind in SENSITIVITY and design.num < 2:
-        raise InputError(
-            Problem("design.num", f'kind = "{design.kind}" needs at least 2 to compare', str(design.num))
+        raise InputError.at(
+            "design.num", f'kind = "{design.kind}" needs at least 2 to compare', str(design.num)
         )
     for one in parameters:
         if one.distribution is None and one.numeric:
             low, high = (one.entry.shown(bound) for bound in one.bounds)
-            raise InputError(
-                Problem(
-                    f"parameters.{one.name}",
-                    f'has levels, but kind = "{design.kind}" draws from distributions; write {{ distribution = '
-                    f'"uniform", low = {low}, high = {high} }}, or design.kind = "grid"',
-                )
+            raise InputError.at(
+                f"parameters.{one.name}",
+                f'has levels, but kind = "{design.kind}" draws from distributions; write {{ distribution = '
+                f'"uniform", low = {low}, high = {high} }}, or design.kind = "grid"',
             )
 
 
@@ -380,18 +368,16 @@ def check_kept(study: StudyPlan) -> None:
     """InputError if the designs whose complete results are wanted cannot exist."""
     wanted = study.run_settings.keep_fields
     if wanted == "best" and not study.goals:
-        raise InputError(
-            Problem("run.keep_fields", "the best design needs a goal; write [report] goals", shown(wanted))
+        raise InputError.at(
+            "run.keep_fields", "the best design needs a goal; write [report] goals", shown(wanted)
         )
     if isinstance(wanted, str):
         return
     count = study.optimise.trials if study.optimise else len(study.points)
     for number in wanted:
         if not 0 <= number < count:
-            raise InputError(
-                Problem(
-                    "run.keep_fields", f"there is no such design; allowed are 0 to {count - 1}", str(number)
-                )
+            raise InputError.at(
+                "run.keep_fields", f"there is no such design; allowed are 0 to {count - 1}", str(number)
             )
 
 
@@ -409,12 +395,10 @@ def check_designs(study: StudyPlan) -> None:
                 f"{one.name} = {one.entry.shown(one.value(value))}"
                 for one, value in zip(study.parameters, point, strict=True)
             )
-            raise InputError(
-                Problem(
-                    "design",
-                    f"design {number} ({listed}) is no valid case: {found}. Change the values, or set "
-                    'design.invalid = "skip" to leave such designs out',
-                )
+            raise InputError.at(
+                "design",
+                f"design {number} ({listed}) is no valid case: {found}. Change the values, or set "
+                'design.invalid = "skip" to leave such designs out',
             ) from None
 
 

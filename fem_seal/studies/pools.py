@@ -20,7 +20,7 @@ from uuid import uuid4
 import numpy as np
 
 from fem_seal.arrays import FloatArray
-from fem_seal.errors import ClusterError, InputError, Problem
+from fem_seal.errors import ClusterError, InputError
 from fem_seal.processes import usable_cores
 from fem_seal.studies.store import Row
 from fem_seal.studies.time_limit import Block, OvertimeError, Watch, ended_after, slow_line
@@ -117,10 +117,8 @@ def pool(
         If the processes do not start.
     """
     if scheduler is not None and workers is not None:
-        raise InputError(
-            Problem(
-                "--workers", "not with --scheduler, which has workers of its own; remove it", str(workers)
-            )
+        raise InputError.at(
+            "--workers", "not with --scheduler, which has workers of its own; remove it", str(workers)
         )
     if client is None and (scheduler is not None or workers != 0):
         _check_dask()
@@ -144,7 +142,7 @@ def _connected(scheduler: str) -> Iterator[Client]:
         client = Client(scheduler, timeout=20)
     except (OSError, ValueError, TimeoutError) as error:
         message = f"there is no dask scheduler ({error}); start one with: dask scheduler"
-        raise InputError(Problem("--scheduler", message, scheduler)) from None
+        raise InputError.at("--scheduler", message, scheduler) from None
     with client:
         yield client
 
@@ -250,7 +248,7 @@ def _check_dask() -> None:
     try:
         import dask.distributed  # noqa: F401
     except ImportError as error:
-        raise InputError(Problem("study", needed("studies", error))) from None
+        raise InputError.at("study", needed("studies", error)) from None
 
 
 # Chunks on the way per worker: enough that none waits for the next one, few enough that memory stays flat.

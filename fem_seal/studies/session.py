@@ -11,7 +11,7 @@ from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fem_seal.errors import InputError, Problem
+from fem_seal.errors import InputError
 from fem_seal.files import parse_json, read_text, write_text
 from fem_seal.output.folders import alone
 from fem_seal.studies.cost import design_seconds
@@ -73,20 +73,16 @@ def run_study(
         If the folder cannot be written, or is deleted meanwhile.
     """
     if retry_failed and study.optimise is not None:
-        raise InputError(
-            Problem(
-                "--retry-failed",
-                "a search for the best design learns from its failures and goes on; use --resume alone",
-            )
+        raise InputError.at(
+            "--retry-failed",
+            "a search for the best design learns from its failures and goes on; use --resume alone",
         )
     temporary = folder is None
     place = Path(tempfile.mkdtemp(prefix="fem-seal-study-")) if folder is None else Path(folder)
     if not resume and (place / FILE).exists():
-        raise InputError(
-            Problem(
-                str(place),
-                "holds a study already; continue it with --resume (resume=True), or choose another folder",
-            )
+        raise InputError.at(
+            str(place),
+            "holds a study already; continue it with --resume (resume=True), or choose another folder",
         )
     progress = progress or Silent()
     started = time.perf_counter()

@@ -18,7 +18,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
-from fem_seal.errors import InputError, OutputError, Problem
+from fem_seal.errors import InputError, OutputError
 from fem_seal.files import UnreadableFileError, check_file
 from fem_seal.former_names import VERDICTS, in_present_words
 from fem_seal.studies.stored import (
@@ -305,7 +305,7 @@ def create(path: Path, inputs: Mapping[str, str], outputs: Sequence[str]) -> Sto
                 f"holds a study with other columns ({', '.join(there)}); choose another folder, or put the study "
                 "back"
             )
-            raise InputError(Problem(str(path), wrong))
+            raise InputError.at(str(path), wrong)
         if any(connection.execute("SELECT 1 FROM about UNION ALL SELECT 1 FROM point LIMIT 1")):
             _check_contents(connection, path)
     except BaseException as error:
@@ -362,8 +362,8 @@ def open_to_read(path: Path) -> Store:
     except (sqlite3.Error, UnreadableFileError) as error:
         if getattr(error, "sqlite_errorname", "") == "SQLITE_CORRUPT":
             raise damaged(path, error) from None
-        raise InputError(
-            Problem(str(path.parent), f"holds no study ({path.name} is missing or no study file)")
+        raise InputError.at(
+            str(path.parent), f"holds no study ({path.name} is missing or no study file)"
         ) from None
     try:
         inputs, outputs = _checked_once(connection, path)
@@ -457,11 +457,9 @@ def damaged(path: Path, why: object) -> InputError:
     why : object
     """
     reason = " ".join(str(why).split())
-    return InputError(
-        Problem(
-            str(path),
-            f"is damaged ({reason}); restore it from a copy, or calculate the study into another folder",
-        )
+    return InputError.at(
+        str(path),
+        f"is damaged ({reason}); restore it from a copy, or calculate the study into another folder",
     )
 
 

@@ -15,7 +15,7 @@ from fem_seal.case.case import Case, case_of, load_case
 from fem_seal.case.drawing_words import said_twice
 from fem_seal.case.messages import problems
 from fem_seal.case.paths import entry_at, with_open_materials
-from fem_seal.errors import InputError, Problem
+from fem_seal.errors import InputError
 from fem_seal.files import UnreadableFileError, read_text, read_toml
 from fem_seal.former_names import in_present_entries, in_present_words
 from fem_seal.studies import designs
@@ -133,12 +133,12 @@ class Study(StudyPlan):
         if design.kind == "list":
             if read.parameters or read.optimise:
                 key = "parameters" if read.parameters else "optimise"
-                raise InputError(
-                    Problem(key, 'not with design.kind = "list", whose CSV file names the designs; remove it')
+                raise InputError.at(
+                    key, 'not with design.kind = "list", whose CSV file names the designs; remove it'
                 )
             if design.file is None:
-                raise InputError(
-                    Problem("design.file", 'is missing; kind = "list" takes its designs from a CSV file')
+                raise InputError.at(
+                    "design.file", 'is missing; kind = "list" takes its designs from a CSV file'
                 )
             heading = _first_row(folder / design.file)
             self.case = with_open_materials(case, heading)
@@ -222,7 +222,7 @@ def load_study(path: str | Path) -> Study:
     try:
         if not isinstance(base, str):
             what = "is missing" if base is None else "must be a text"
-            raise InputError(Problem("base", f'{what}; write base = "ball_cone.toml", the case to vary'))
+            raise InputError.at("base", f'{what}; write base = "ball_cone.toml", the case to vary')
         study = Study.__new__(Study)
         study._set_up(base, tables, path.absolute().parent, path)
     except InputError as error:
@@ -237,8 +237,8 @@ def _base_and_tables(
     if "base" not in given:
         return Case(**given), dict(tables)
     if tables:
-        raise InputError(
-            Problem(next(iter(tables)), 'is not taken beside a dict with "base", a whole study; put it there')
+        raise InputError.at(
+            next(iter(tables)), 'is not taken beside a dict with "base", a whole study; put it there'
         )
     base, own = given["base"], {key: value for key, value in given.items() if key != "base"}
     return (Case(**base) if isinstance(base, Mapping) else base), own
@@ -286,7 +286,7 @@ def _dotted(table: Any, heading: str) -> Any:
             nested = {f"{key}.{name}": entry for name, entry in below.items()}
         for path, entry in nested.items():
             if path in flat:
-                raise InputError(Problem(f"{heading}.{path}", "stands there twice; remove one of them"))
+                raise InputError.at(f"{heading}.{path}", "stands there twice; remove one of them")
             flat[path] = entry
     return flat
 
@@ -304,7 +304,7 @@ def _changed(case: Case, changes: Mapping[str, Any], parameters: Mapping[str, An
             varied = {path: _ends(given)[end] for path, given in parameters.items()}
             with suppress(InputError):
                 return with_open_materials(case, [*plain, *varied]).replace_written({**plain, **varied})
-        raise InputError(Problem(f"changes.{found.key}", found.message, found.value)) from None
+        raise InputError.at(f"changes.{found.key}", found.message, found.value) from None
 
 
 def _ends(given: Any) -> tuple[Any, Any]:
@@ -339,18 +339,15 @@ def _read_parameters(case: Case, given: Mapping[str, Any], folder: Path) -> tupl
     read = []
     again = said_twice(given)
     if again:
-        raise InputError(
-            Problem(
-                f"parameters.{again[1]}",
-                f"is {again[0]} in other words, which varies too; remove one of them",
-            )
+        raise InputError.at(
+            f"parameters.{again[1]}", f"is {again[0]} in other words, which varies too; remove one of them"
         )
     for path, value in given.items():
         try:
             entry = entry_at(case, path)
         except InputError as error:
             found = error.problems[0]
-            raise InputError(Problem(f"parameters.{path}", found.message)) from None
+            raise InputError.at(f"parameters.{path}", found.message) from None
         read.append(_placed(read_parameter(entry, value), folder))
     return tuple(read)
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem_seal.arrays import FloatArray
-from fem_seal.errors import InputError, Problem
+from fem_seal.errors import InputError
 from fem_seal.seal.batch import Batch, Turn, untimed
 from fem_seal.studies.cost import design_seconds
 from fem_seal.studies.expressions import Expression
@@ -312,12 +312,10 @@ def check_unchanged(files: Mapping[str, str], *, all_there: bool = True) -> None
     for path, held in files.items():
         found = _contents(path)
         if found != held and (all_there or found != path):
-            raise InputError(
-                Problem(
-                    "",
-                    "was changed or removed while the study ran; the designs that are done are kept, --resume "
-                    "(resume=True) goes on, and calculates anew what depends on it",
-                ),
+            raise InputError.at(
+                "",
+                "was changed or removed while the study ran; the designs that are done are kept, --resume "
+                "(resume=True) goes on, and calculates anew what depends on it",
                 file=path,
             )
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem_seal.arrays import FloatArray
-from fem_seal.errors import InputError, Problem
+from fem_seal.errors import InputError
 from fem_seal.files import write_text
 from fem_seal.output.prose import said
 from fem_seal.output.report.words import volumes_of_gas
@@ -58,7 +58,7 @@ def write_page(folder: Path, path: Path) -> Path:
     try:
         return write_text(path, page(designs, counts, reasons))
     except ImportError as error:
-        raise InputError(Problem("report", needed("studies", error))) from None
+        raise InputError.at("report", needed("studies", error)) from None
 
 
 def page(designs: Designs, counts: dict[str, int], reasons: list[tuple[str, int]]) -> str:
