@@ -14,38 +14,36 @@ from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import Any
 
 from fem_seal.errors import QuantityError
 from fem_seal.units import DIMENSIONS, parse_quantity
 
 
-def _unless_missing(choose: Callable[..., float]) -> Callable[..., float]:
-    """Smallest or largest of numbers that are all there: Python's own passes over a NaN unless it comes first."""
-    return lambda *numbers: math.nan if any(map(math.isnan, numbers)) else choose(numbers)
+def _smallest(*numbers: float) -> float:
+    """Smallest of numbers that are all there: Python's own passes over a NaN unless it comes first."""
+    return math.nan if any(map(math.isnan, numbers)) else min(numbers)
+
+
+def _largest(*numbers: float) -> float:
+    return -_smallest(*(-one for one in numbers))
 
 
 FUNCTIONS: dict[str, Callable[..., float]] = {
     "abs": abs,
-    "min": _unless_missing(min),
-    "max": _unless_missing(max),
-    "sqrt": math.sqrt,
-    "exp": math.exp,
-    "log": math.log,
-    "log10": math.log10,
-    "sin": math.sin,
-    "cos": math.cos,
-    "tan": math.tan,
+    "min": _smallest,
+    "max": _largest,
+    **{name: getattr(math, name) for name in ("sqrt", "exp", "log", "log10", "sin", "cos", "tan")},
 }
 CONSTANTS = {"pi": math.pi}
-_BINARY: dict[type[ast.operator], Callable[[float, float], float]] = {
+_OPERATORS: dict[type[ast.operator | ast.unaryop], Callable[..., float]] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
     ast.Mult: operator.mul,
     ast.Div: operator.truediv,
-    ast.Pow: lambda base, power: math.pow(base, power),
+    ast.Pow: math.pow,
+    ast.UAdd: operator.pos,
+    ast.USub: operator.neg,
 }
-_UNARY: dict[type[ast.unaryop], Callable[[float], float]] = {ast.UAdd: operator.pos, ast.USub: operator.neg}
 _COMPARE: dict[type[ast.cmpop], Callable[[float, float], bool]] = {
     ast.Lt: operator.lt,
     ast.LtE: operator.le,
@@ -60,17 +58,75 @@ class ExpressionError(ValueError):
 
 
 @dataclass(frozen=True)
+class Part:
+    """A number, a name, or a function of other parts.
+
+    Parameters
+    ----------
+    what : float, str or callable
+    parts : tuple of Part
+        Arguments of a function.
+    unit : str or None
+        SI unit of a number that stood there as a quantity.
+    """
+
+    what: float | str | Callable[..., float]
+    parts: tuple[Part, ...] = ()
+    unit: str | None = None
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Columns and parameters in it."""
+        own = [self.what] if isinstance(self.what, str) else []
+        return tuple(dict.fromkeys([*own, *(name for one in self.parts for name in one.names)]))
+
+    def number(self, values: Mapping[str, float]) -> float:
+        """Its value; NaN where it is not defined (division by zero, logarithm of a negative number) or not finite."""
+        try:
+            value = self._evaluated(values)
+        except (ZeroDivisionError, ValueError, OverflowError):
+            return math.nan
+        return value if math.isfinite(value) else math.nan
+
+    def _evaluated(self, values: Mapping[str, float]) -> float:
+        if callable(self.what):
+            return float(self.what(*(one._evaluated(values) for one in self.parts)))
+        return float(values[self.what]) if isinstance(self.what, str) else self.what
+
+    def unit_of(self, units: Mapping[str, str]) -> str | None:
+        """SI unit of a single name or quantity, empty for a name that has none; None of anything else.
+
+        Parameters
+        ----------
+        units : mapping
+            SI units of the names.
+        """
+        return units.get(self.what) if isinstance(self.what, str) else self.unit
+
+
+@dataclass(frozen=True)
 class _Formula:
     text: str
 
     @cached_property
-    def _body(self) -> ast.expr:
-        return _parsed(self.text)
+    def _tree(self) -> ast.expr:
+        if len(self.text) > _LONGEST:
+            raise ExpressionError(f"is longer than {_LONGEST} characters")
+        try:
+            return ast.parse(self.text.strip(), mode="eval").body
+        except (SyntaxError, ValueError, RecursionError, MemoryError):
+            raise ExpressionError("is no formula; write for example leak_rate_m3_per_s * 6e7") from None
+
+    @cached_property
+    def sides(self) -> tuple[Part, ...]:
+        """What is compared; of a formula itself."""
+        tree = self._tree
+        return tuple(map(_part, (tree.left, *tree.comparators) if isinstance(tree, ast.Compare) else (tree,)))
 
     @cached_property
     def names(self) -> tuple[str, ...]:
         """Columns and parameters that it needs."""
-        return tuple(dict.fromkeys(_names(self._body)))
+        return tuple(dict.fromkeys(name for side in self.sides for name in side.names))
 
 
 @dataclass(frozen=True)
@@ -94,12 +150,12 @@ class Expression(_Formula):
     """
 
     def __post_init__(self) -> None:
-        if isinstance(self._body, ast.Compare):
+        if len(self.sides) > 1:
             raise ExpressionError("is a comparison; a formula gives a number")
 
     def __call__(self, values: Mapping[str, float]) -> float:
         """Value; NaN where it is not defined (division by zero, logarithm of a negative number) or not finite."""
-        return _number(self._body, values)
+        return self.sides[0].number(values)
 
 
 @dataclass(frozen=True)
@@ -116,37 +172,26 @@ class Constraint(_Formula):
     """
 
     def __post_init__(self) -> None:
-        body = self._body
-        if not isinstance(body, ast.Compare) or len(body.ops) != 1 or type(body.ops[0]) not in _COMPARE:
+        if len(self.sides) != 2 or self._holds is None:
             raise ExpressionError('is no constraint; write one comparison such as max_von_mises_Pa < "1 GPa"')
 
     @property
-    def sides(self) -> tuple[ast.expr, ast.expr]:
-        """What is compared."""
-        return self._compare.left, self._compare.comparators[0]
+    def _holds(self) -> Callable[[float, float], bool] | None:
+        return _COMPARE.get(type(self._tree.ops[0])) if isinstance(self._tree, ast.Compare) else None
 
     def met(self, values: Mapping[str, float]) -> bool:
         """Whether it holds; it does not where a value is missing."""
-        left, right = self._sides(values)
-        return _COMPARE[type(self._compare.ops[0])](left, right)
+        assert self._holds is not None
+        return self._holds(*(side.number(values) for side in self.sides))
 
     def violation(self, values: Mapping[str, float]) -> float:
         """How far it is from being met, relative to the larger side; zero or below where it is met."""
-        left, right = self._sides(values)
-        excess = left - right if isinstance(self._compare.ops[0], (ast.Lt, ast.LtE)) else right - left
+        left, right = (side.number(values) for side in self.sides)
+        excess = left - right if self._holds in (operator.lt, operator.le) else right - left
         scale = max(abs(left), abs(right))
         if math.isnan(excess):
             return math.inf
         return excess / scale if scale > 0 else excess
-
-    @property
-    def _compare(self) -> ast.Compare:
-        assert isinstance(self._body, ast.Compare)
-        return self._body
-
-    def _sides(self, values: Mapping[str, float]) -> tuple[float, float]:
-        left, right = self.sides
-        return _number(left, values), _number(right, values)
 
 
 def unknown_name(name: str, known: list[str]) -> str:
@@ -156,59 +201,49 @@ def unknown_name(name: str, known: list[str]) -> str:
     return f"uses {name}, which is neither a column nor a parameter; {hint}known are {', '.join(known)}"
 
 
-def _parsed(text: str) -> ast.expr:
-    if len(text) > _LONGEST:
-        raise ExpressionError(f"is longer than {_LONGEST} characters")
-    try:
-        body = ast.parse(text.strip(), mode="eval").body
-    except (SyntaxError, ValueError, RecursionError, MemoryError):
-        raise ExpressionError("is no formula; write for example leak_rate_m3_per_s * 6e7") from None
-    _check(body, 0)
-    for node in ast.walk(body):
-        calculable = isinstance(node, (ast.Constant, ast.BinOp, ast.UnaryOp, ast.Call))
-        if isinstance(node, ast.expr) and calculable and not _names(node) and math.isnan(_number(node, {})):
-            raise ExpressionError(f"holds {ast.unparse(node):.60}, which is no finite number")
-    return body
-
-
-def _check(node: ast.expr, depth: int) -> None:
+def _part(node: ast.expr, depth: int = 0) -> Part:
+    """A part of a formula, with all parts below it."""
     if depth > _DEEPEST:
         raise ExpressionError(f"is nested more than {_DEEPEST} deep")
+    inside: list[ast.expr] = []
+    what: float | str | Callable[..., float]
+    unit = None
     if isinstance(node, ast.Constant):
-        _constant(node.value)
+        what, unit = _constant(node.value)
     elif isinstance(node, (ast.Name, ast.Attribute)):
-        _dotted(node)
-    elif isinstance(node, ast.BinOp) and type(node.op) in _BINARY:
-        _check(node.left, depth + 1)
-        _check(node.right, depth + 1)
-    elif isinstance(node, ast.UnaryOp) and type(node.op) in _UNARY:
-        _check(node.operand, depth + 1)
+        name = _dotted(node)
+        what = CONSTANTS.get(name, name)
+    elif isinstance(node, ast.BinOp) and type(node.op) in _OPERATORS:
+        what, inside = _OPERATORS[type(node.op)], [node.left, node.right]
+    elif isinstance(node, ast.UnaryOp) and type(node.op) in _OPERATORS:
+        what, inside = _OPERATORS[type(node.op)], [node.operand]
     elif isinstance(node, ast.Call):
         if not isinstance(node.func, ast.Name) or node.func.id not in FUNCTIONS or node.keywords:
             raise ExpressionError(f"calls an unknown function; known are {', '.join(FUNCTIONS)}")
         if (len(node.args) < 2) if node.func.id in ("min", "max") else (len(node.args) != 1):
             raise ExpressionError(f"gives {node.func.id}() the wrong number of arguments")
-        for argument in node.args:
-            _check(argument, depth + 1)
-    elif isinstance(node, ast.Compare) and depth == 0:
-        for side in (node.left, *node.comparators):
-            _check(side, depth + 1)
+        what, inside = FUNCTIONS[node.func.id], node.args
     else:
         raise ExpressionError(
             f"holds {type(node).__name__.lower()}, which is not allowed; allowed are + - * / **, names, numbers, "
             f"quantities in quotes and {', '.join(FUNCTIONS)}"
         )
+    part = Part(what, tuple(_part(one, depth + 1) for one in inside), unit)
+    if not part.names and math.isnan(part.number({})):
+        raise ExpressionError(f"holds {ast.unparse(node):.60}, which is no finite number")
+    return part
 
 
-def _constant(value: Any) -> float:
+def _constant(value: object) -> tuple[float, str | None]:
+    """Value of a number or quantity, and SI unit of a quantity."""
     if isinstance(value, str):
-        return _quantity(value)[0]
+        return _quantity(value)
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         raise ExpressionError(f"holds {value!r}, which is no number")
     try:
-        return float(value)
+        return float(value), None
     except OverflowError:
-        return math.inf
+        return math.inf, None
 
 
 @lru_cache(maxsize=1024)
@@ -220,23 +255,6 @@ def _quantity(text: str) -> tuple[float, str]:
     raise ExpressionError(f'holds "{text}", which is no quantity, such as "1 GPa", "45 deg" or "2 ml/min"')
 
 
-def unit_of(node: ast.expr, units: Mapping[str, str]) -> str | None:
-    """SI unit of a single name or quantity, empty for a name that has none; None of anything else.
-
-    Parameters
-    ----------
-    node : ast.expr
-        Side of a `Constraint`.
-    units : mapping
-        SI units of the names.
-    """
-    if isinstance(node, ast.Constant) and isinstance(node.value, str):
-        return _quantity(node.value)[1]
-    if isinstance(node, (ast.Name, ast.Attribute)):
-        return units.get(_dotted(node))
-    return None
-
-
 def _dotted(node: ast.expr) -> str:
     parts = []
     while isinstance(node, ast.Attribute):
@@ -245,40 +263,3 @@ def _dotted(node: ast.expr) -> str:
     if not isinstance(node, ast.Name):
         raise ExpressionError("has a point behind something that is no name")
     return ".".join([node.id, *reversed(parts)])
-
-
-def _names(node: ast.expr) -> list[str]:
-    if isinstance(node, (ast.Name, ast.Attribute)):
-        name = _dotted(node)
-        return [] if name in CONSTANTS else [name]
-    if isinstance(node, ast.BinOp):
-        return _names(node.left) + _names(node.right)
-    if isinstance(node, ast.UnaryOp):
-        return _names(node.operand)
-    if isinstance(node, ast.Call):
-        return [name for argument in node.args for name in _names(argument)]
-    if isinstance(node, ast.Compare):
-        return [name for side in (node.left, *node.comparators) for name in _names(side)]
-    return []
-
-
-def _number(node: ast.expr, values: Mapping[str, float]) -> float:
-    try:
-        value = _evaluated(node, values)
-    except (ZeroDivisionError, ValueError, OverflowError):
-        return math.nan
-    return value if math.isfinite(value) else math.nan
-
-
-def _evaluated(node: ast.expr, values: Mapping[str, float]) -> float:
-    if isinstance(node, ast.Constant):
-        return _constant(node.value)
-    if isinstance(node, (ast.Name, ast.Attribute)):
-        name = _dotted(node)
-        return CONSTANTS[name] if name in CONSTANTS else float(values[name])
-    if isinstance(node, ast.BinOp):
-        return _BINARY[type(node.op)](_evaluated(node.left, values), _evaluated(node.right, values))
-    if isinstance(node, ast.UnaryOp):
-        return _UNARY[type(node.op)](_evaluated(node.operand, values))
-    assert isinstance(node, ast.Call) and isinstance(node.func, ast.Name)
-    return float(FUNCTIONS[node.func.id](*(_evaluated(argument, values) for argument in node.args)))

@@ -19,7 +19,7 @@ from fem_seal.output.columns import COLUMNS, LEAK_COLUMNS
 from fem_seal.sampling import LogNormal, Normal
 from fem_seal.seal.readings import FURTHER, OWN, force_column, leak_rate_column
 from fem_seal.studies.designs import SENSITIVITY
-from fem_seal.studies.expressions import Constraint, Expression, ExpressionError, unit_of, unknown_name
+from fem_seal.studies.expressions import Constraint, Expression, ExpressionError, unknown_name
 from fem_seal.studies.parameters import Parameter
 from fem_seal.studies.tables import Design, Optimise, Report, Run, StudyTables
 
@@ -251,7 +251,7 @@ def _check_units(key: str, constraint: Constraint, study: StudyPlan) -> None:
     """Two quantities that are compared as they are have to be of one kind."""
     units = {name: column.unit for name, column in COLUMNS.items()}
     units |= {one.name: one.entry.unit for one in study.parameters}
-    left, right = (unit_of(side, units) for side in constraint.sides)
+    left, right = (side.unit_of(units) for side in constraint.sides)
     if None not in (left, right) and left != right:
         kinds = " with ".join(f"a quantity in {unit}" if unit else "a plain number" for unit in (left, right))
         raise InputError.at(key, f"compares {kinds}", shown(constraint.text))
