@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -95,38 +96,30 @@ def page(designs: Designs, counts: dict[str, int], reasons: list[tuple[str, int]
     )
 
 
-_VERDICTS = {"pass": "keep the requirement", "inconclusive": "inconclusive", "fail": "fail it"}
+@cache
+def _words() -> Any:
+    """What the page says, macro by macro."""
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    # no HTML: it is escaped where it enters the page
+    environment = Environment(
+        loader=PackageLoader("fem_seal"), undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    return environment.get_template("study.words.j2").module
 
 
 def _headline(designs: Designs, counts: dict[str, int]) -> str:
-    varied = ", ".join(map(Display(designs).title, designs.parameters))
-    total = sum(counts.values())
-    failed = f", {counts['failed']} failed" if counts["failed"] else ""
-    still = f", {counts['open']} not calculated yet" if counts["open"] else ""
-    met = f"; {len(designs.feasible)} meet all constraints" if designs.about["constraints"] else ""
-    levels = "".join(f"; {count} {level}" for level, count in designs.levels.items())
-    levels += "".join(f"; {count} {_VERDICTS[word]}" for word, count in designs.verdicts.items())
-    both = ""
-    if LEAK_RATE in designs.done and other_leak_rates(designs):
-        both = (
-            " The leak rate is that of yielding asperities that conserve their volume everywhere (C_pl, as in the "
-            "paper); the one of a surface that changes only where it touches is the other end of its interval."
-        )
-    return f"{total} designs over {varied}: {counts['done']} done{failed}{still}{met}{levels}.{both}"
+    both = LEAK_RATE in designs.done and bool(other_leak_rates(designs))
+    titles = list(map(Display(designs).title, designs.parameters))
+    return str(_words().headline(designs, counts, titles, both))
 
 
 def _doubts(designs: Designs) -> Iterator[str]:
     """How many designs are outside the theory or doubtful, and what is wrong with the first of each."""
-    words = {
-        Level.OUTSIDE: "outside the theory, where nothing may be claimed from the numbers",
-        Level.DOUBTFUL: "doubtful",
-    }
-    for level, what in words.items():
+    for level in (Level.OUTSIDE, Level.DOUBTFUL):
         found = designs.worst_reason[designs.validity == str(level)]
         if len(found):
-            number, why = found.index[0], found.iloc[0].rstrip(".")
-            are = "1 design is" if len(found) == 1 else f"{len(found)} designs are"
-            yield f"{are} {what} (design {number}: {why}); the column validity_reasons says why of each"
+            yield _words().doubt(str(level), len(found), found.index[0], found.iloc[0].rstrip("."))
 
 
 _BEST = 20
@@ -162,23 +155,18 @@ def sections(designs: Designs) -> Iterator[Section]:
         # how often it leaks how much is what such a study asks
         yield from _how_often(display)
     yield from _best(display)
-    part = ""
+    words, table, part = _words(), drawn(designs.done), ""
     if len(designs.done) > MOST_POINTS:
-        part = f"A regular part of the {len(designs.done)} designs is drawn, {len(drawn(designs.done))} of them. "
+        part = f"{words.part(len(designs.done), len(table))} "
+    missing = len(table) - len(plots.complete(table, designs.telling_outputs))
+    parallel = words.parallel(part, missing)
+    yield from _plotted("Pareto front", words.pareto(), plots_goals.pareto_plot(display))
+    yield from _plotted("Search", words.search(designs), plots_goals.search_plot(display))
+    yield from _plotted("Map", words.crosses(designs), plots.map_plot(display))
     yield from _plotted(
-        "Pareto front",
-        "No other design that meets the constraints beats these in one goal without being worse in the other.",
-        plots_goals.pareto_plot(display),
+        "Responses over parameters", part + words.hollow(designs), plots.response_plot(display)
     )
-    yield from _plotted("Search", _search_note(designs), plots_goals.search_plot(display))
-    yield from _plotted("Map", _crosses(designs), plots.map_plot(display))
-    yield from _plotted("Responses over parameters", part + _hollow(designs), plots.response_plot(display))
-    yield from _plotted(
-        "All designs",
-        "Drag along an axis to pick designs, drag axes to sort them. " + part + _incomplete(designs),
-        plots.parallel_plot(display),
-        broad=True,
-    )
+    yield from _plotted("All designs", parallel, plots.parallel_plot(display), broad=True)
     yield from _sensitivity(display)
     if not drawn_by_chance:
         yield from _how_often(display)
@@ -232,19 +220,10 @@ def _best(display: Display) -> Iterator[Section]:
     if not designs.about["goals"]:
         return
     numbers, columns = display.best(_BEST)
-    left_out = f" {outside_left_out(designs)}." if designs.left_out else ""
-    if not numbers:
-        none = "No design is left." if left_out else "No design meets all constraints."
-        yield Section("Best designs", none + left_out)
-        return
-    wanted = (
-        f"{'small' if designs.sign(name) > 0 else 'large'} {display.title(name)}"
-        for name in designs.about["goals"]
-    )
-    constraints = " and ".join(designs.about["constraints"].values())
+    titles = list(map(display.title, designs.about["goals"]))
     yield Section(
         "Best designs",
-        f"Goal: {' and '.join(wanted)}{', with ' + constraints if constraints else ''}.{left_out}",
+        _words().best(designs, titles, bool(numbers)),
         columns=("design", *columns),
         rows=tuple(zip(map(str, numbers), *columns.values(), strict=True)),
     )
@@ -252,38 +231,14 @@ def _best(display: Display) -> Iterator[Section]:
 
 def outside_left_out(designs: Designs) -> str:
     """How many designs are left out, as a sentence without its point."""
-    count = designs.left_out
-    are, their = ("design is", "its") if count == 1 else ("designs are", "their")
-    return f'{count} {are} left out, {their} numbers being outside the theory (outside_theory = "keep" counts them)'
-
-
-def _search_note(designs: Designs) -> str:
-    two = ", in each goal by itself" if designs.goals.shape[1] == 2 else ""
-    without = f", without trials that {designs.why_not_counted}" if designs.some_do_not_count else ""
-    return f"The line is the best so far{two}{without}."
-
-
-def _crosses(designs: Designs) -> str:
-    return f"Designs at the crosses {designs.why_not_counted}." if designs.some_do_not_count else ""
-
-
-def _hollow(designs: Designs) -> str:
-    if not designs.some_do_not_count:
-        return ""
-    return f"Hollow designs {designs.why_not_counted}; point at one to see why."
-
-
-def _incomplete(designs: Designs) -> str:
-    table = drawn(designs.done)
-    missing = len(table) - len(plots.complete(table, designs.telling_outputs))
-    return f"{missing} designs, which lack one of the columns, are not drawn. " if missing else ""
+    return str(_words().outside_left_out(designs.left_out))
 
 
 def _sensitivity(display: Display) -> Iterator[Section]:
     designs = display.designs
     found = sensitivities(designs)
     if not found and designs.kind in SENSITIVITY:
-        yield Section("Sensitivity", "Indices need all designs, and every one of them without failure.")
+        yield Section("Sensitivity", _words().indices_missing())
     for one in found:
         if one.output in designs.telling_outputs:
             yield (_morris if one.method == "morris" else _sobol)(display, one)
@@ -294,21 +249,14 @@ def _sobol(display: Display, found: Sensitivity) -> Section:
     columns = [
         _column(one, found.total) for one in (found.first, found.first_error, found.total, found.total_error)
     ]
-    note = ""
     if found.noise.any():
         columns[0] = [
             f"{text} (noise)" if bad else text
             for text, bad in zip(columns[0], found.noise.tolist(), strict=True)
         ]
-        note = (
-            " No first-order index is above the total one or below zero: one that is, is noise of the sample, which "
-            "more designs (design.num) reduce."
-        )
     return Section(
         f"Sensitivity of {display.title(found.output)}",
-        f"Sobol' indices of {of}: the share of its variance that a parameter explains by itself (first order) and "
-        "together with the others (total), over the distributions of the parameters; ± and bars are 95 % confidence "
-        f"intervals.{' ln is the natural logarithm.' if found.logarithmic else ''}{note}",
+        _words().sobol(of, found.logarithmic, bool(found.noise.any())),
         _html(plots_statistics.sensitivity_plot(display, found)),
         ("parameter", "first order", "±", "total", "±"),
         _ordered(display, found, columns),
@@ -321,17 +269,12 @@ def _morris(display: Display, found: Sensitivity) -> Section:
         _column(one / size, found.first / size) for one in (found.first, found.first_error, found.total)
     ]
     headings = [f"mean absolute effect{unit}", f"±{unit}", f"its spread{unit}"]
-    factor = ""
     if found.logarithmic:
-        title = display.title(found.output)
-        factor = f" An effect x on {of}, the natural logarithm, multiplies or divides {title} by eˣ."
         columns.append([f"× {short(one, 3)}" for one in np.exp(found.first).tolist()])
         headings.append("mean effect as a factor")
     return Section(
         f"Sensitivity of {display.title(found.output)}",
-        f"Elementary effects (Morris) on {of}, over the whole range of each parameter: their mean absolute value, and "
-        "their spread, which is zero for a linear effect without interaction; ± and bars are 95 % confidence intervals."
-        + factor,
+        _words().morris(of, found.logarithmic, display.title(found.output)),
         _html(plots_statistics.sensitivity_plot(display, found)),
         ("parameter", *headings),
         _ordered(display, found, columns),
@@ -354,11 +297,7 @@ def _distribution(display: Display) -> Iterator[Section]:
         return
     designs = display.designs
     found = quantiles(designs.done[LEAK_RATE].dropna().to_numpy())
-    meaning = (
-        "a probability as far as the parameters were drawn from their distributions"
-        if any(one["distribution"] for one in designs.about["parameters"])
-        else "they were chosen and not drawn, so this is no probability"
-    )
+    by_chance = any(one["distribution"] for one in designs.about["parameters"])
     leak_rate = f"leak rate{volumes_of_gas(bool(designs.about['seal'].get('gas')))}"
     headings: tuple[str, ...] = ("share of the designs below", leak_rate, "[m³/s]")
     rows: list[tuple[str, ...]] = [
@@ -369,10 +308,10 @@ def _distribution(display: Display) -> Iterator[Section]:
         headings += (WORDS[reading].title, "[m³/s]")
         ends = quantiles(rates).values()
         rows = [(*row, leak_rate_text(end), short(end)) for row, end in zip(rows, ends, strict=True)]
-        other = f" {said('readings.ends', 'what')}"
+        other = said("readings.ends", "what")
     yield Section(
         "Distribution of the leak rate",
-        f"Share {_of_calculated(designs)}; {meaning}.{other}",
+        _words().distribution(_counted(designs), by_chance, other),
         _html(figure),
         headings,
         tuple(rows),
@@ -382,23 +321,10 @@ def _distribution(display: Display) -> Iterator[Section]:
 def _classes(designs: Designs) -> Iterator[Section]:
     if designs.done[LEAK_RATE].dropna().empty:
         return
-    seal, standard, shares = designs.about["seal"], designs.about["standard"], class_shares(designs)
-    unclaimed = " Outside the theory no class is claimed." if designs.outside.any() else ""
-    if other_leak_rates(designs):
-        unclaimed += " A class is met if both readings of asperities that yield meet it."
-    base = f"DN {1e3 * seal['nominal_size']:.4g} and {seal['fluid'] or 'the fluid'} of the base case"
-    if not shares:
-        yield Section(
-            "Leakage classes",
-            f"No class of {standard} can be judged for {base} by the leak rate alone: {_WHY_NONE}. Another standard "
-            "is chosen with report.standard in the study file.",
-        )
-        return
+    shares, both = class_shares(designs), bool(other_leak_rates(designs))
     yield Section(
         "Leakage classes",
-        f"Share {_of_calculated(designs)} that meet each class of {standard}, for {base}.{unclaimed} Classes "
-        "say what the leak rate allows; the standard prescribes test pressure and fluid of its own, to which the leak "
-        "rates are not converted here. A complete run of a design does so.",
+        _words().classes(designs.about, _counted(designs), bool(shares), both),
         columns=("class", "allowed leak rate", "share of the designs"),
         rows=tuple(
             (name, leak_rate_text(most) if most else "none", f"{100 * share:.4g} %")
@@ -407,20 +333,10 @@ def _classes(designs: Designs) -> Iterator[Section]:
     )
 
 
-_WHY_NONE = (
-    "class V of a liquid depends on the pressure of each design, classes II to IV on the rated capacity of the valve, "
-    "and class VI is a test with gas"
-)
-
-
-def _of_calculated(designs: Designs) -> str:
-    """Which designs a share is a share of."""
-    failed = len(designs.table) - len(designs.done)
-    without = f"; {failed} failed {'one' if failed == 1 else 'ones'} not counted" if failed else ""
-    outside = int(designs.outside.sum())
-    if outside:
-        without += f"; {outside} of them outside the theory"
-    return f"of {designs.done[LEAK_RATE].notna().sum()} calculated designs{without}"
+def _counted(designs: Designs) -> tuple[int, int, int]:
+    """Designs that shares are shares of, those that failed, and those of the former outside the theory."""
+    calculated = int(designs.done[LEAK_RATE].notna().sum())
+    return calculated, len(designs.table) - len(designs.done), int(designs.outside.sum())
 
 
 def _columns(display: Display) -> Section:
