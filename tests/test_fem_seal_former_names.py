@@ -15,7 +15,7 @@ import fem_seal
 from fem_seal import former_names
 from fem_seal.cli.app import main
 from fem_seal.former_names import FormerNameWarning
-from fem_seal.studies.progress import Silent
+from fem_seal.studies.progress import Progress
 from fem_seal.studies.store import FILE
 
 CASE = Path(__file__).parents[1] / "examples" / "relief_valve.toml"
@@ -179,7 +179,7 @@ def test_a_stored_study_in_former_words_is_read_and_calculated_anew(tmp_path, ca
         assert "contact force" in held.report().read_text(encoding="utf-8")
     notes: list[str] = []
 
-    class Told(Silent):
+    class Told(Progress):
         def note(self, text: str) -> None:
             notes.append(text)
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import signal
 import time
-from collections import OrderedDict
 from collections.abc import Callable, Hashable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from multiprocessing import get_context
@@ -23,6 +22,7 @@ from fem_seal.errors import unexpected
 from fem_seal.explore.live import WRONG, Session
 from fem_seal.explore.screen import Screen, screen_of, without_interval
 from fem_seal.explore.words import lost_words
+from fem_seal.seal.sources import Kept
 
 if TYPE_CHECKING:
     from fem_seal.case.case import Case
@@ -329,9 +329,8 @@ class Answers:
 
     def __init__(self, session: Session, *, alone: bool = False) -> None:
         self.session = session
-        self._complete: OrderedDict[tuple[tuple[str, str], ...], Screen] = OrderedDict()
-        self._pinned: OrderedDict[tuple[tuple[str, str], ...], Screen] = OrderedDict()
-        self._written: OrderedDict[str, Written] = OrderedDict()
+        self._complete, self._pinned = Kept(_SCREENS), Kept(_SCREENS)
+        self._written: dict[str, Written] = {}
         self._lock, self._answering = RLock(), RLock()
         self._newest: dict[str, int] = {}
         self._news, self._waits = 0, False
@@ -340,7 +339,7 @@ class Answers:
         self._asked_ahead: dict[str, str] = {}
         session.waits = alone
         # designs whose runs ended their process, and why; what the page says of it, and when it happened
-        self._given_up: OrderedDict[tuple[tuple[str, str], ...], str] = OrderedDict()
+        self._given_up: dict[tuple[tuple[str, str], ...], str] = {}
         self._lost, self._lost_at = "", 0.0
         self._ahead = None if alone else Worker(session.given, make_ahead, self._told_ahead)
         self._runner = None if alone else Worker(session.given, run_to_the_end, self._told)
@@ -371,16 +370,12 @@ class Answers:
     def screen(self, design: Mapping[str, str]) -> Screen:
         """What is shown of a design that no slider moves, such as a pinned one."""
         design = self.session.design(design)
-        with self._lock:
-            live = self._pinned.get(_name(design))
+        live = self._pinned.known(_name(design))
         if live is None:
             with self._answering:
                 live = self.session.answer(design)
             if not live.waiting:
-                with self._lock:
-                    self._pinned[_name(design)] = live
-                    while len(self._pinned) > _SCREENS:
-                        self._pinned.popitem(last=False)
+                self._pinned.put(_name(design), live)
         return self._with_run(live)
 
     def _make_ahead(self, design: dict[str, str]) -> None:
@@ -438,8 +433,8 @@ class Answers:
 
     def complete(self, design: Mapping[str, str]) -> Screen | None:
         """The screen of a design's complete run, if it is there."""
-        with self._lock:
-            return self._complete.get(_name(self.session.design(design)))
+        found: Screen | None = self._complete.known(_name(self.session.design(design)))
+        return found
 
     def report(self, design: Mapping[str, str], folder: Path) -> None:
         """Begin with the report of a design."""
@@ -474,10 +469,8 @@ class Answers:
             elif isinstance(got, Screen):
                 self._news += 1
                 name = _name(got.design)
-                self._complete[name] = got
+                self._complete.put(name, got)
                 self._given_up.pop(name, None)
-                while len(self._complete) > _SCREENS:
-                    self._complete.popitem(last=False)
             elif isinstance(got, Lost):
                 self._say_lost(got)
                 for ask in got.left:

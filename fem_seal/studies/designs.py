@@ -114,36 +114,28 @@ def read_list(path: Path, case: Case) -> tuple[tuple[Parameter, ...], FloatArray
         rows = [row for row in csv.reader(lines) if any(cell.strip() for cell in row)]
     except (UnreadableFileError, UnicodeDecodeError, csv.Error) as error:
         what = str(error) if isinstance(error, UnreadableFileError) else "cannot be read (no CSV file)"
-        raise InputError.at("design.file", what, shown(path.name)) from None
+        raise _wrong(path, what) from None
     if len(rows) < 2:
-        raise InputError.at("design.file", "has no designs; a heading and one row each", shown(path.name))
+        raise _wrong(path, "has no designs; a heading and one row each")
     heading = [_heading(cell, path) for cell in rows[0]]
     paths = [name for name, _ in heading]
     twice = [name for n, name in enumerate(paths) if name in paths[:n]]
     if twice:
-        raise InputError.at("design.file", f"has two columns {twice[0]}; remove one", shown(path.name))
+        raise _wrong(path, f"has two columns {twice[0]}; remove one")
     again = said_twice(paths)
     if again:
-        raise InputError.at(
-            "design.file",
-            f"has columns {again[0]} and {again[1]}, two words for one entry; remove one",
-            shown(path.name),
-        )
+        raise _wrong(path, f"has columns {again[0]} and {again[1]}, two words for one entry; remove one")
     entries = [_entry(case, name, path) for name in paths]
     columns: list[list[Value]] = [[] for _ in entries]
     for number, row in enumerate(rows[1:], start=2):
         if len(row) != len(entries):
-            raise InputError.at(
-                "design.file",
-                f"row {number} has {len(row)} cells, the heading {len(entries)}",
-                shown(path.name),
-            )
+            raise _wrong(path, f"row {number} has {len(row)} cells, the heading {len(entries)}")
         for column, entry, (_, unit), cell in zip(columns, entries, heading, row, strict=True):
             try:
                 column.append(entry.read(_cell(cell.strip(), unit, entry.marker)))
             except ValueError as error:
                 place = f"row {number}, {entry.path} = {shown(cell.strip())}"
-                raise InputError.at("design.file", f"{place}: {error}", shown(path.name)) from None
+                raise _wrong(path, f"{place}: {error}") from None
     parameters = tuple(
         Parameter(entry, tuple(dict.fromkeys(column))) for entry, column in zip(entries, columns, strict=True)
     )
@@ -154,14 +146,16 @@ def read_list(path: Path, case: Case) -> tuple[tuple[Parameter, ...], FloatArray
     return parameters, np.array(numbers, dtype=float).T
 
 
+def _wrong(path: Path, what: str) -> InputError:
+    return InputError.at("design.file", what, shown(path.name))
+
+
 def _heading(cell: str, path: Path) -> tuple[str, str]:
     match = re.fullmatch(r"\s*([\w.]+)\s*(?:\[([^\]]*)\])?\s*", cell)
     if match is None:
         separated = re.search(r"[;\t]", cell)
         advice = "; separate the columns by commas" if separated else ", such as seat.angle [deg]"
-        raise InputError.at(
-            "design.file", f"has a heading {shown(cell)} that is no path{advice}", shown(path.name)
-        )
+        raise _wrong(path, f"has a heading {shown(cell)} that is no path{advice}")
     return in_present_words(match[1]), (match[2] or "").strip()
 
 
@@ -170,7 +164,7 @@ def _entry(case: Case, name: str, path: Path) -> Entry:
         return entry_at(case, name)
     except InputError as error:
         what = f"column {name}: {error.problems[0].message}"
-        raise InputError.at("design.file", what, shown(path.name)) from None
+        raise _wrong(path, what) from None
 
 
 def _cell(text: str, unit: str, marker: object) -> object:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -51,11 +52,8 @@ class Designs:
     @classmethod
     def open(cls, folder: Path) -> Designs:
         """The designs in the folder of a study; InputError if it holds none."""
-        store = open_to_read(folder / FILE)
-        try:
+        with closing(open_to_read(folder / FILE)) as store:
             return cls.read(store)
-        finally:
-            store.close()
 
     @classmethod
     def read(cls, store: Store) -> Designs:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -79,6 +79,26 @@ class Parameter:
         if self.distribution is not None:
             return self.distribution.bounds
         return float(self.numbers.min()), float(self.numbers.max())
+
+
+def entries(parameters: Sequence[Parameter], point: Sequence[float] | FloatArray) -> dict[str, Any]:
+    """Entries of the case in a design, as they would be written in a case file.
+
+    Parameters
+    ----------
+    parameters : sequence of Parameter
+    point : sequence of float
+        Number of each, see `Parameter.value`.
+    """
+    return {
+        one.name: one.entry.written(one.value(number)) for one, number in zip(parameters, point, strict=True)
+    }
+
+
+def named(parameters: Sequence[Parameter], point: Sequence[float] | FloatArray) -> str:
+    """A design for people: the values of its parameters, see `entries`."""
+    values = zip(parameters, point, strict=True)
+    return ", ".join(f"{one.name} = {one.entry.shown(one.value(number))}" for one, number in values)
 
 
 def read_parameter(entry: Entry, given: object) -> Parameter:

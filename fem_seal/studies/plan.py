@@ -20,7 +20,7 @@ from fem_seal.sampling import LogNormal, Normal
 from fem_seal.seal.readings import FURTHER, OWN, force_column, leak_rate_column
 from fem_seal.studies.designs import SENSITIVITY
 from fem_seal.studies.expressions import Constraint, Expression, ExpressionError, unknown_name
-from fem_seal.studies.parameters import Parameter
+from fem_seal.studies.parameters import Parameter, entries, named
 from fem_seal.studies.tables import Design, Optimise, Report, Run, StudyTables
 
 
@@ -67,13 +67,6 @@ class StudyPlan:
         """Value of each parameter in a design, SI, texts as they are."""
         return {one.name: one.value(number) for one, number in zip(self.parameters, point, strict=True)}
 
-    def changes(self, point: Sequence[float] | FloatArray) -> dict[str, Any]:
-        """Entries of the case in a design, as they would be written in a case file."""
-        return {
-            one.name: one.entry.written(one.value(number))
-            for one, number in zip(self.parameters, point, strict=True)
-        }
-
     def case_of(self, point: Sequence[float] | FloatArray) -> Case:
         """The case of a design.
 
@@ -82,7 +75,7 @@ class StudyPlan:
         InputError
             If the design contradicts itself.
         """
-        return self.case.replace_written(self.changes(point))
+        return self.case.replace_written(entries(self.parameters, point))
 
     @cached_property
     def written(self) -> dict[str, Any]:
@@ -391,10 +384,7 @@ def check_designs(study: StudyPlan) -> None:
             study.case_of(point)
         except InputError as error:
             found = error.problems[0]
-            listed = ", ".join(
-                f"{one.name} = {one.entry.shown(one.value(value))}"
-                for one, value in zip(study.parameters, point, strict=True)
-            )
+            listed = named(study.parameters, point)
             raise InputError.at(
                 "design",
                 f"design {number} ({listed}) is no valid case: {found}. Change the values, or set "

@@ -22,6 +22,7 @@ import numpy as np
 from fem_seal.arrays import FloatArray
 from fem_seal.errors import ClusterError, InputError
 from fem_seal.processes import usable_cores
+from fem_seal.studies.parameters import named
 from fem_seal.studies.store import Row
 from fem_seal.studies.time_limit import Block, OvertimeError, Watch, ended_after, slow_line
 from fem_seal.studies.work import Chunk, Recipe, calculate, failed_row, overtime_row
@@ -73,13 +74,10 @@ class OwnProcess:
 
     def _rows(self, recipe: Recipe, point: FloatArray) -> list[Row]:
         def slow(seconds: float) -> None:
-            self._note(slow_line(recipe.named(point), seconds, recipe.time_limit))
-
-        def stuck() -> None:
-            self._stuck(overtime_row(recipe, point))
+            self._note(slow_line(named(recipe.parameters, point), seconds, recipe.time_limit))
 
         try:
-            with ended_after(recipe.time_limit, slow, stuck):
+            with ended_after(recipe.time_limit, slow, lambda: self._stuck(overtime_row(recipe, point))):
                 return calculate(recipe, Chunk(point[None]))
         except OvertimeError:
             return [overtime_row(recipe, point)]
@@ -384,7 +382,9 @@ def _watched_design(recipe: Recipe, point: FloatArray, worker: Worker, topic: st
     replaceable = worker.nanny is not None
 
     def slow(seconds: float) -> None:
-        worker.log_event(topic, {"slow": slow_line(recipe.named(point), seconds, recipe.time_limit)})
+        worker.log_event(
+            topic, {"slow": slow_line(named(recipe.parameters, point), seconds, recipe.time_limit)}
+        )
 
     def over(ended: Event) -> None:
         worker.log_event(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import time
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any
 
 from fem_seal.printable import printable
 from fem_seal.units import duration
@@ -14,44 +14,24 @@ from fem_seal.units import duration
 _PAUSE = 10.0
 
 
-class Progress(Protocol):
-    """What a running study tells."""
+class Progress:
+    """What a running study tells; this one says nothing."""
 
     def begin(self, total: int, known: int) -> None:
         """So many designs, of which so many are calculated already."""
-        ...
 
     def advance(self, done: int, failed: int) -> None:
         """So many more are done, so many of them failed."""
-        ...
 
     def note(self, text: str) -> None:
         """Something to know meanwhile."""
-        ...
 
     def end(self) -> None:
         """Nothing more will come."""
-        ...
-
-
-class Silent:
-    """Says nothing."""
-
-    def begin(self, total: int, known: int) -> None:
-        """See `Progress`."""
-
-    def advance(self, done: int, failed: int) -> None:
-        """See `Progress`."""
-
-    def note(self, text: str) -> None:
-        """See `Progress`."""
-
-    def end(self) -> None:
-        """See `Progress`."""
 
 
 @dataclass
-class Lines:
+class Lines(Progress):
     """A line on standard error now and then, with rate and remaining time."""
 
     total: int = 0
@@ -98,7 +78,7 @@ class Lines:
         sys.stderr.flush()
 
 
-class Bar:
+class Bar(Progress):
     """A bar on the terminal."""
 
     def __init__(self) -> None:
@@ -153,5 +133,5 @@ class Bar:
 def shown_progress(quiet: bool) -> Progress:
     """What fits standard error."""
     if quiet:
-        return Silent()
+        return Progress()
     return Bar() if sys.stderr.isatty() else Lines()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 import weakref
+from contextlib import closing
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -118,8 +119,5 @@ class StudyResult:
         return export(self.folder, Path(path))
 
     def _read(self, what: Any) -> Any:
-        store = open_to_read(self.folder / FILE)
-        try:
+        with closing(open_to_read(self.folder / FILE)) as store:
             return what(store)
-        finally:
-            store.close()

@@ -16,7 +16,7 @@ from fem_seal.files import parse_json, read_text, write_text
 from fem_seal.output.folders import alone
 from fem_seal.studies.cost import design_seconds
 from fem_seal.studies.pools import KEPT, Pool, pool
-from fem_seal.studies.progress import Progress, Silent
+from fem_seal.studies.progress import Progress
 from fem_seal.studies.results import StudyResult
 from fem_seal.studies.store import FILE, FORMAT_VERSION, Row, Store, create
 from fem_seal.studies.stored import TRUTH
@@ -84,7 +84,7 @@ def run_study(
             str(place),
             "holds a study already; continue it with --resume (resume=True), or choose another folder",
         )
-    progress = progress or Silent()
+    progress = progress or Progress()
     started = time.perf_counter()
 
     def stuck(row: Row | None) -> None:

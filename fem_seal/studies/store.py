@@ -158,39 +158,28 @@ class Store:
 
     def known(self, keys: Sequence[str]) -> set[str]:
         """Those of the keys that have a row."""
-        found: set[str] = set()
+        return {key for (key,) in self._selected("key", keys)}
+
+    def _selected(self, columns: str, keys: Sequence[str]) -> Iterator[tuple[Any, ...]]:
+        """Columns of the rows of some keys."""
         for start in range(0, len(keys), _AT_ONCE):
             part = keys[start : start + _AT_ONCE]
-            marks = ",".join("?" * len(part))
-            query = f"SELECT key FROM point WHERE key IN ({marks})"
-            found.update(key for (key,) in self._connection.execute(query, part))
-        return found
+            query = f"SELECT {columns} FROM point WHERE key IN ({','.join('?' * len(part))})"
+            yield from self._connection.execute(query, part)
 
     def rows(self, keys: Sequence[str]) -> dict[str, Row]:
         """Rows of some keys."""
         columns = ", ".join(
             ["key", "reason", "seconds", *TOLD, *map(self._read, (*self.inputs, *self.outputs))]
         )
-        found = {}
-        for start in range(0, len(keys), _AT_ONCE):
-            part = keys[start : start + _AT_ONCE]
-            query = f"SELECT {columns} FROM point WHERE key IN ({','.join('?' * len(part))})"
-            for key, reason, seconds, level, why, verdict, *values in self._connection.execute(query, part):
-                split = len(self.inputs)
-                inputs = tuple(
-                    bool(value) if truth else value
-                    for value, truth in zip(values[:split], self._truths, strict=True)
-                )
-                found[key] = Row(
-                    key,
-                    inputs,
-                    tuple(values[split:]),
-                    reason,
-                    seconds,
-                    level,
-                    why,
-                    VERDICTS.get(verdict, verdict),
-                )
+        found, split = {}, len(self.inputs)
+        for key, reason, seconds, level, why, verdict, *values in self._selected(columns, keys):
+            inputs = tuple(
+                bool(value) if truth else value
+                for value, truth in zip(values[:split], self._truths, strict=True)
+            )
+            outputs, verdict = tuple(values[split:]), VERDICTS.get(verdict, verdict)
+            found[key] = Row(key, inputs, outputs, reason, seconds, level, why, verdict)
         return found
 
     def write(self, rows: Sequence[Row]) -> None:

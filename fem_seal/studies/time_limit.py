@@ -117,23 +117,6 @@ class Watch:
 
 
 @contextmanager
-def watched(
-    limit: float, slow: Callable[[float], None], over: Callable[[threading.Event], None]
-) -> Iterator[None]:
-    """Look at the clock while the block runs, from a thread of its own.
-
-    Parameters
-    ----------
-    limit : float
-        [s]
-    slow, over : callable
-        See `Block`.
-    """
-    with Watch(limit) as watch, watch.turn(Block(slow, over)):
-        yield
-
-
-@contextmanager
 def ended_after(
     limit: float,
     slow: Callable[[float], None] = lambda seconds: None,
@@ -149,7 +132,7 @@ def ended_after(
     limit : float
         [s]
     slow : callable
-        See `watched`.
+        See `Block`.
     stuck : callable
         Called if the block does not stop.
 
@@ -184,7 +167,7 @@ def ended_after(
     if main:
         usual = signal.signal(signal.SIGINT, interrupted)
     try:
-        with watched(limit, slow, over):
+        with Watch(limit) as watch, watch.turn(Block(slow, over)):
             try:
                 yield
             finally:

@@ -18,7 +18,7 @@ from fem_seal.errors import InputError
 from fem_seal.seal.batch import Batch, Turn, untimed
 from fem_seal.studies.cost import design_seconds
 from fem_seal.studies.expressions import Expression
-from fem_seal.studies.parameters import Parameter
+from fem_seal.studies.parameters import Parameter, entries
 from fem_seal.studies.store import Row
 from fem_seal.studies.stored import storable
 from fem_seal.studies.time_limit import overtime_reason
@@ -108,11 +108,6 @@ class Recipe:
         text = json.dumps([self.fingerprint, [[name, _content(name, value)] for name, value in entries]])
         return hashlib.blake2b(text.encode(), digest_size=16).hexdigest()
 
-    def named(self, point: Sequence[float] | FloatArray) -> str:
-        """A design for people: the values of its parameters."""
-        values = zip(self.parameters, self.inputs(point), strict=True)
-        return ", ".join(f"{one.name} = {one.entry.shown(value)}" for one, value in values)
-
     def files_of(self, point: Sequence[float] | FloatArray) -> dict[str, str]:
         """Those of the files that a design is made of."""
         own = {
@@ -168,11 +163,7 @@ def _rows(recipe: Recipe, points: Sequence[Sequence[float]], turn: Turn) -> list
     batch = Batch(turn)
 
     def case_of(number: int) -> Case:
-        changes = {
-            one.name: one.entry.written(one.value(value))
-            for one, value in zip(recipe.parameters, points[number], strict=True)
-        }
-        return recipe.case.replace_written(changes)
+        return recipe.case.replace_written(entries(recipe.parameters, points[number]))
 
     files = [recipe.files_of(point) for point in points]
     for one in files:

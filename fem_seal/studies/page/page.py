@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import closing
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from functools import cache
@@ -51,11 +52,8 @@ def write_page(folder: Path, path: Path) -> Path:
     InputError
         If the folder holds no study, or plotly is not installed.
     """
-    store = open_to_read(folder / FILE)
-    try:
+    with closing(open_to_read(folder / FILE)) as store:
         designs, counts, reasons = Designs.read(store), store.counts(), store.reasons()
-    finally:
-        store.close()
     try:
         return write_text(path, page(designs, counts, reasons))
     except ImportError as error:
