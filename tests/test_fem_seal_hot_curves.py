@@ -22,7 +22,7 @@ from fem_seal.materials import HardeningCurve, HardeningOverTemperature, Materia
 from fem_seal.output.report.tables import curve_in_words
 from fem_seal.seal.load_solver import LoadSolver, solve_load
 from fem_seal.seal.problem import SealProblem, build_mesh, condensed
-from fem_seal.studies.responses import responses
+from fem_seal.studies.responses import evaluate_design
 
 COLD, HOT = (
     HardeningCurve((0.0, 0.002, 0.1), (250e6, 300e6, 350e6)),
@@ -357,7 +357,7 @@ def test_a_design_of_another_temperature_takes_its_curve(tmp_path: Path) -> None
     result = fem_seal.run(hot)
     row = result.table.iloc[0]
     assert row[columns[0]] > 1.5 * contact_of(base).states["seat"].plastic.accumulated.max()
-    assert responses(hot, columns) == {name: row[name] for name in columns}
+    assert evaluate_design(hot, columns).values == {name: row[name] for name in columns}
     result.write(tmp_path)
     report = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert "taken from a table over temperature" in report

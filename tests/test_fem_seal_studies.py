@@ -29,7 +29,7 @@ from fem_seal.studies import designs, store, work
 from fem_seal.studies.designs_table import pareto_front
 from fem_seal.studies.expressions import Constraint, Expression, ExpressionError
 from fem_seal.studies.progress import Lines
-from fem_seal.studies.responses import responses
+from fem_seal.studies.responses import evaluate_design
 from fem_seal.studies.session import run_study
 from fem_seal.studies.tables import Design
 from meshes import Sizing
@@ -396,7 +396,7 @@ def test_a_design_has_one_load(tmp_path):
 )
 def test_fast_way_gives_the_numbers_of_a_complete_run(changes):
     case = fem_seal.load_case(CASE).replace(changes)
-    fast = responses(case, tuple(LEAK_COLUMNS))
+    fast = evaluate_design(case, tuple(LEAK_COLUMNS)).values
     complete = leak_rows(run_loads(case))[0]
     for name, value in fast.items():
         # another mesh, both within 2e-4 of the limit of small elements; the stress is a maximum over nodes
@@ -430,7 +430,7 @@ def test_conductivities_of_a_family_are_those_of_the_surface_itself_up_to_half_i
 def test_interpolated_surfaces_are_good_to_some_parts_in_ten_thousand(changes):
     case = fem_seal.load_case(CASE).replace({**COARSE, **changes})
     columns = ("leak_rate_m3_per_s", "leak_rate_capped_m3_per_s", "leak_rate_elastic_m3_per_s")
-    shared, alone = (responses(case, columns, interpolate=way) for way in (True, False))
+    shared, alone = (evaluate_design(case, columns, interpolate=way).values for way in (True, False))
     for name in columns[:2]:
         assert shared[name] == pytest.approx(alone[name], rel=5e-4), name
     # elastic asperities scale exactly; what is left are the points of the tables
@@ -448,11 +448,11 @@ def test_designs_with_rounded_edges_share_meshes(monkeypatch):
     pressures = [f"{pressure} bar" for pressure in (9, 9.5, 10, 10.5, 11, 11.5)]
     made, condense = [], sources.condense
     monkeypatch.setattr(sources, "condense", lambda *asked: made.append(asked) or condense(*asked))
-    found = [responses(case.replace({"load.fluid_pressure": one}), columns) for one in pressures]
+    found = [evaluate_design(case.replace({"load.fluid_pressure": one}), columns).values for one in pressures]
     # a size may cross a step once in this range, of six designs with as many spots of their own
     assert 1 <= len(made) <= 2
     monkeypatch.setattr(sources, "rounded", lambda sizing, contact, *, exact_size, rounding: sizing)
-    own = responses(case.replace({"load.fluid_pressure": pressures[0]}), columns)
+    own = evaluate_design(case.replace({"load.fluid_pressure": pressures[0]}), columns).values
     for name in columns:
         # what docs/guide/studies.md promises
         assert found[0][name] == pytest.approx(own[name], rel=2e-4), name

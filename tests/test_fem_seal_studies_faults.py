@@ -59,7 +59,7 @@ def stubborn():
 
 def hang_in(evaluate, how):
     """Make one design never end."""
-    harmless = evaluate.design_problem
+    harmless = evaluate.warmed
 
     def armed(case):
         if case.load.applied_force == NEVER:
@@ -83,7 +83,7 @@ def test_a_design_that_never_ends_is_a_failed_row(tmp_path, monkeypatch, capsys,
 
     before = signal.getsignal(signal.SIGINT)
     with monkeypatch.context() as patch:
-        patch.setattr(responses, "design_problem", hang_in(responses, how))
+        patch.setattr(responses, "warmed", hang_in(responses, how))
         result = run_study(study(), folder=tmp_path, workers=0, progress=Lines())
     assert signal.getsignal(signal.SIGINT) is before
     assert result.table["status"].tolist() == ["done", "done", "failed", "done"]
@@ -121,7 +121,7 @@ def test_the_time_limit_is_a_time():
 
 @pytest.mark.usefixtures("known_bodies")
 def test_a_search_goes_on_after_a_design_that_never_ends(tmp_path, monkeypatch):
-    monkeypatch.setattr(responses, "design_problem", hang_in(responses, wait))
+    monkeypatch.setattr(responses, "warmed", hang_in(responses, wait))
     result = run_study(
         study(optimise={"minimise": "line_load_N_per_m", "trials": 8, "batch": 2, "seed": 3}),
         folder=tmp_path,
@@ -140,7 +140,7 @@ from fem_seal.cli.app import main
 from fem_seal.studies import responses, time_limit
 
 time_limit._APART = 0.1
-harmless = responses.design_problem
+harmless = responses.warmed
 
 def armed(case):
     if case.load.applied_force == {NEVER}:
@@ -151,7 +151,7 @@ def armed(case):
             libc.sleep(1000)
     return harmless(case)
 
-responses.design_problem = armed
+responses.warmed = armed
 sys.exit(main(sys.argv[1:]))
 """
 
@@ -202,7 +202,7 @@ def _plugin():
         """Workers for which one design never ends, those that come later as well."""
 
         def setup(self, worker):
-            responses.design_problem = hang_in(responses, wait)
+            responses.warmed = hang_in(responses, wait)
 
     return Hanging()
 
@@ -240,7 +240,7 @@ def test_a_worker_without_a_nanny_is_left_alone(tmp_path, monkeypatch):
         while not free:
             time.sleep(0.1)
 
-    monkeypatch.setattr(responses, "design_problem", hang_in(responses, wait_here))
+    monkeypatch.setattr(responses, "warmed", hang_in(responses, wait_here))
     slow_enough = study(run={"time_limit": "6 s"})
     recipe = Recipe.of(slow_enough)
     with (
@@ -412,7 +412,7 @@ def rougher(path):
 
 @pytest.mark.slow
 def test_a_data_file_that_is_edited_during_a_study_is_noticed(tmp_path, monkeypatch):
-    harmless = responses.design_problem
+    harmless = responses.warmed
     plan, folder = scanned(tmp_path), tmp_path / "out"
 
     def edited(case):
@@ -421,7 +421,7 @@ def test_a_data_file_that_is_edited_during_a_study_is_noticed(tmp_path, monkeypa
         return harmless(case)
 
     with monkeypatch.context() as patch:
-        patch.setattr(responses, "design_problem", edited)
+        patch.setattr(responses, "warmed", edited)
         with pytest.raises(InputError, match=r"a\.csv: was changed or removed while the study ran.*--resume"):
             run_study(plan, folder=folder, workers=0)
     # the design that read the new contents is not kept
@@ -515,7 +515,7 @@ def test_workers_notice_an_edited_file_too(tmp_path):
 )
 def test_a_folder_that_is_deleted_stops_the_study_at_once(tmp_path, monkeypatch, how, search):
     folder, begun = tmp_path / "out", []
-    harmless = responses.design_problem
+    harmless = responses.warmed
 
     def armed(case):
         begun.append(case.load.applied_force)
@@ -523,7 +523,7 @@ def test_a_folder_that_is_deleted_stops_the_study_at_once(tmp_path, monkeypatch,
             how(folder)
         return harmless(case)
 
-    monkeypatch.setattr(responses, "design_problem", armed)
+    monkeypatch.setattr(responses, "warmed", armed)
     optimise = {"optimise": {"minimise": "line_load_N_per_m", "trials": 8, "batch": 2}} if search else {}
     with pytest.raises(
         OutputError, match=r"study\.sqlite: was deleted or moved while the study ran, which stops"
@@ -533,7 +533,7 @@ def test_a_folder_that_is_deleted_stops_the_study_at_once(tmp_path, monkeypatch,
     # nothing is made where the folder was
     assert not folder.exists()
     if (moved := Path(f"{folder}-moved")).exists():
-        monkeypatch.setattr(responses, "design_problem", harmless)
+        monkeypatch.setattr(responses, "warmed", harmless)
         run_study(study(**optimise), folder=moved, workers=0, resume=True)
         assert StudyResult(moved).counts["open"] == 0
 

@@ -44,12 +44,12 @@ SLOW = """
 import time
 from fem_seal.studies import responses
 
-def slow(case, swift=responses.design_problem):
+def slow(case, swift=responses.warmed):
     time.sleep(0.1)
     return swift(case)
 
-if responses.design_problem.__name__ != "slow":
-    responses.design_problem = slow
+if responses.warmed.__name__ != "slow":
+    responses.warmed = slow
 """
 # Longest wait for anything; on an idle machine it is seconds.
 PATIENCE = 120.0
@@ -270,14 +270,14 @@ def test_chunks_of_the_only_worker_are_given_to_its_successor(tmp_path, monkeypa
     from fem_seal.studies.work import Chunk, Recipe
 
     study, begun, free, found = load_study(_small(tmp_path)), Event(), Event(), []
-    harmless = responses.design_problem
+    harmless = responses.warmed
 
     def held(*about, **more):
         begun.set()
         free.wait(PATIENCE)
         return harmless(*about, **more)
 
-    monkeypatch.setattr(responses, "design_problem", held)
+    monkeypatch.setattr(responses, "warmed", held)
     with (
         LocalCluster(
             n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None, silence_logs=50
@@ -353,14 +353,14 @@ def _arm(deadly):
     """Make this process die when it calculates a certain design."""
     from fem_seal.studies import responses
 
-    harmless = responses.design_problem
+    harmless = responses.warmed
 
     def armed(case):
         if case.load.applied_force == deadly:
             os.kill(os.getpid(), signal.SIGKILL)
         return harmless(case)
 
-    responses.design_problem = armed
+    responses.warmed = armed
 
 
 def _arming(deadly):

@@ -41,7 +41,7 @@ from fem_seal.seal.findings import Level
 from fem_seal.seal.heating import Heating
 from fem_seal.seal.load_solver import LoadSolver, solve_load
 from fem_seal.seal.problem import SealProblem, condensed, sizing
-from fem_seal.studies.responses import responses
+from fem_seal.studies.responses import evaluate_design
 from fem_seal.validity.materials import temperature_cautions
 
 STEEL = Material("steel", 210e9, 0.3, thermal_expansion=11e-6)
@@ -621,7 +621,7 @@ def test_studies_vary_the_temperature() -> None:
     columns = ("leak_rate_m3_per_s", "peak_pressure_Pa", "contact_temperature_K")
     for closure in (310.0, 420.0):
         design = base.replace({"temperature.closure": closure})
-        fast, row = responses(design, columns), run_loads(design).table.iloc[0]
+        fast, row = evaluate_design(design, columns).values, run_loads(design).table.iloc[0]
         assert fast["contact_temperature_K"] == pytest.approx(0.5 * (closure + 333.15))
         # another mesh, both within 2e-4 of the limit of small elements
         assert fast["peak_pressure_Pa"] == pytest.approx(row["peak_pressure_Pa"], rel=3e-4)
@@ -900,9 +900,11 @@ def test_a_calculated_temperature_goes_through_case_results_and_study(tmp_path: 
     assert "temperature_K" in (tmp_path / "contact_000.vtu").read_text(encoding="utf-8", errors="ignore")
     report = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert 'id="picture-temperature"' in report and "inside, heat into the seal" in report
-    row = responses(warm, ("leak_rate_m3_per_s", "contact_temperature_K"))
+    row = evaluate_design(warm, ("leak_rate_m3_per_s", "contact_temperature_K")).values
     assert row["leak_rate_m3_per_s"] == result.table["leak_rate_m3_per_s"][0]
-    hotter = responses(warm.replace({"temperature.inner.temperature": 500.0}), ("contact_temperature_K",))
+    hotter = evaluate_design(
+        warm.replace({"temperature.inner.temperature": 500.0}), ("contact_temperature_K",)
+    ).values
     assert hotter["contact_temperature_K"] > row["contact_temperature_K"]
 
 

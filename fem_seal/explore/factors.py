@@ -9,10 +9,11 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
-from fem_seal.case.paths import Entry, entry_at, entry_paths, with_open_materials
+from fem_seal.case.drawing_words import same_entry
+from fem_seal.case.paths import entry_at, entry_paths, with_open_materials
 from fem_seal.errors import InputError, Problem
 from fem_seal.units import DIMENSIONS, parse_quantity, unit_for
 
@@ -139,12 +140,8 @@ class Factors:
 
     def named(self, entry: str) -> str:
         """Key of the factor that sets an entry of a case, by its path or its label; empty if none does."""
-        kept = entry.replace("included_angle", "angle").replace("diameter", "radius")
         for one in self.sliders:
-            paths = [
-                path.replace("included_angle", "angle").replace("diameter", "radius") for path in one.paths
-            ]
-            if entry == one.label or kept in paths:
+            if entry == one.label or same_entry(entry) in map(same_entry, one.paths):
                 return one.key
         return "fluid" if entry in ("fluid", "fluid.name") else ""
 
@@ -229,16 +226,13 @@ Found = Sequence[Factor | str]
 def _pressure(case: Case) -> Found:
     highest = max(case.load.fluid_pressure)
     several = len(set(case.load.fluid_pressure)) > 1
-    factor = _log_factor(
-        "fluid_pressure",
-        "highest fluid pressure" if several else "fluid pressure",
-        "load",
-        highest,
-        "pressure",
-        text=case.written["load"].get("fluid_pressure"),
-    )
-    note = "the other pressures of the case keep their share of it" if several else ""
-    return [replace(factor, paths=("load.fluid_pressure",), note=note)]
+    label, note = "fluid pressure", ""
+    if several:
+        label, note = "highest fluid pressure", "the other pressures of the case keep their share of it"
+    text, paths = case.written["load"].get("fluid_pressure"), ("load.fluid_pressure",)
+    return [
+        _log_factor("fluid_pressure", label, "load", highest, "pressure", text=text, paths=paths, note=note)
+    ]
 
 
 def _force(case: Case) -> Found:
@@ -246,20 +240,17 @@ def _force(case: Case) -> Found:
     largest = max(forces)
     if largest != min(forces) and min(forces) <= 0:
         return ["The forces of the case have both signs: they are not offered as a slider."]
-    several = largest != min(forces)
-    label = "largest force" if several else "force"
-    if largest > 0:
-        factor = _log_factor(
-            "force", label, "load", largest, "force", text=case.written["load"].get("applied_force")
-        )
-    elif largest < 0:
+    if largest < 0:
         return ["The force of the case opens the seal: it is not offered as a slider."]
-    else:
-        # of the size of what the fluid does
-        reach = math.pi * case.touch_radius**2 * max(case.load.fluid_pressure)
-        factor = _linear_factor("force", label, "load", 0.0, "force", 0.0, 2 * reach)
-    note = "the other forces of the case keep their share of it" if several else "of spring or actuator"
-    return [replace(factor, paths=("load.applied_force",), note=note)]
+    label, note = "force", "of spring or actuator"
+    if largest != min(forces):
+        label, note = "largest force", "the other forces of the case keep their share of it"
+    text, paths = case.written["load"].get("applied_force"), ("load.applied_force",)
+    if largest > 0:
+        return [_log_factor("force", label, "load", largest, "force", text=text, paths=paths, note=note)]
+    # of the size of what the fluid does
+    reach = math.pi * case.touch_radius**2 * max(case.load.fluid_pressure)
+    return [_linear_factor("force", label, "load", 0.0, "force", 0.0, 2 * reach, paths=paths, note=note)]
 
 
 # What the height of a face is called in its table, the first that is there.
@@ -285,11 +276,10 @@ def _finishes(case: Case) -> Found:
         # a finish in words, "lapped Ra 0.2 um"
         match = _WORDS.search(words) if key in names and isinstance(words, str) else None
         if match is not None:
-            path, label = f"roughness.{key}", f"{match[1]}, {names[key]}"
-            value = parse_quantity(match[2], "length")
-            factor = _log_factor(f"finish_{key}", label, "surface", value, "length", text=match[2])
-            around = words[: match.start(2)] + "{}" + words[match.end(2) :]
-            found.append(replace(factor, paths=(path,), words=around))
+            given: dict[str, Any] = {"text": match[2], "paths": (f"roughness.{key}",)}
+            given["words"] = words[: match.start(2)] + "{}" + words[match.end(2) :]
+            label, value = f"{match[1]}, {names[key]}", parse_quantity(match[2], "length")
+            found.append(_log_factor(f"finish_{key}", label, "surface", value, "length", **given))
     for key, table in faces.items():
         which = next((name for name in _HEIGHTS if name in table), None)
         if which is None:
@@ -297,15 +287,10 @@ def _finishes(case: Case) -> Found:
                 f"The roughness of the {names[key]} is measured: its height is not offered as a slider."
             )
             continue
-        path = ".".join(filter(None, ["roughness", key, which]))
-        face = names.get(key, "both faces")
-        name = "rms height" if which == "rms_height" else which
-        label = f"{name}, {face}"
-        value = (
-            parse_quantity(table[which], "length") if isinstance(table[which], str) else float(table[which])
-        )
-        factor = _log_factor(f"finish_{key or 'all'}", label, "surface", value, "length", text=table[which])
-        found.append(replace(factor, paths=(path,)))
+        given = {"text": table[which], "paths": (".".join(filter(None, ["roughness", key, which])),)}
+        label = f"{'rms height' if which == 'rms_height' else which}, {names.get(key, 'both faces')}"
+        value = _number("length", table[which])
+        found.append(_log_factor(f"finish_{key or 'all'}", label, "surface", value, "length", **given))
     return found
 
 
@@ -319,65 +304,65 @@ def _hardness(case: Case) -> Found:
         (body for body in ("closure", "seat") if getattr(case, body).material.hardness is not None),
         key=lambda body: getattr(case, body).material.hardness,
     )
-    factor = _log_factor("hardness", f"hardness, {body}", "surface", hardness, "pressure", width=3.0)
     note = "of the softer body; beyond that of the other one it changes nothing"
-    return [replace(factor, paths=(f"{body}.material.hardness",), note=note)]
+    given: dict[str, Any] = {"paths": (f"{body}.material.hardness",), "note": note}
+    return [_log_factor("hardness", f"hardness, {body}", "surface", hardness, "pressure", width=3.0, **given)]
 
 
 def _dimensions(case: Case) -> Found:
     """Every angle and length of the bodies that stands in the case; equal angles of both are one."""
     known = set(entry_paths(case))
-    entries: list[tuple[Entry, object]] = []
+    entries: list[tuple[str, str, str, object]] = []
     for body in ("closure", "seat"):
-        table = case.written.get(body, {})
-        for key, written in table.items():
-            path = f"{body}.{key}"
+        for key, written in case.written.get(body, {}).items():
             # the drawing's word for what the case keeps as an angle to the axis or a radius
-            kept = path.replace("included_angle", "angle").replace("diameter", "radius")
+            kept = same_entry(f"{body}.{key}")
             if key in _LEFT_ALONE or kept not in known:
                 continue
-            entry = replace(entry_at(case, kept), path=path)
-            if getattr(entry.marker, "dimension", "") in ("angle", "length"):
-                entries.append((entry, written))
-    angles = [one for one in entries if one[0].path.split(".")[1] in ("angle", "included_angle")]
-    values = [_number(entry, written) for entry, written in angles]
+            dimension = getattr(entry_at(case, kept).marker, "dimension", "")
+            if dimension in ("angle", "length"):
+                entries.append((body, key, dimension, written))
+    angles = [one for one in entries if one[1] in ("angle", "included_angle")]
+    values = [_number("angle", written) for *_, written in angles]
     linked = len(angles) == 2 and abs(values[0] - values[1]) < 1e-12
     found: list[Factor | str] = []
-    for entry, written in entries:
-        body, key = entry.path.split(".")
-        words = key.replace("_", " ")
-        paths: tuple[str, ...] = (entry.path,)
-        label = f"{words}, {body}"
-        if linked and (entry, written) in angles:
+    for one in entries:
+        body, key, dimension, written = one
+        paths: tuple[str, ...] = (f"{body}.{key}",)
+        face = body
+        if linked and one in angles:
             if body == "seat":
                 continue
-            paths, label = tuple(one.path for one, _ in angles), f"{words}, both faces"
-        value = _number(entry, written)
-        made = _of_dimension(entry, f"{body}_{key}", label, value, written)
-        if made is not None:
-            found.append(replace(made, paths=paths))
+            paths, face = tuple(f"{body}.{key}" for body, key, *_ in angles), "both faces"
+        label = f"{key.replace('_', ' ')}, {face}"
+        made = _of_dimension(dimension, f"{body}_{key}", label, written, paths)
+        found += [] if made is None else [made]
     drawn = [body for body in ("closure", "seat") if getattr(case, body).shape == "profile"]
     found += [f"The {body} comes from a drawing: its dimensions are not offered." for body in drawn]
     return sorted(found, key=lambda one: isinstance(one, Factor) and "angle" not in one.key)
 
 
-def _number(entry: Entry, written: object) -> float:
-    """A length or an angle in SI, whatever of it the case keeps."""
-    marker: Any = entry.marker
-    return parse_quantity(written, marker.dimension) if isinstance(written, str) else float(str(written))
+def _number(dimension: str, written: object) -> float:
+    """A quantity in SI, whatever of it the case keeps."""
+    return parse_quantity(written, dimension) if isinstance(written, str) else float(str(written))
 
 
-def _of_dimension(entry: Entry, key: str, label: str, value: float, written: object) -> Factor | None:
-    if getattr(entry.marker, "dimension", "") == "angle":
+def _of_dimension(
+    dimension: str, key: str, label: str, written: object, paths: tuple[str, ...]
+) -> Factor | None:
+    value = _number(dimension, written)
+    if dimension == "angle":
         degrees = math.degrees(value)
         full = 180.0 if key.endswith("included_angle") else 90.0
         low, high = max(0.02 * full, degrees - full / 6), min(0.97 * full, degrees + full / 6)
         if not low < degrees < high:
             return None
-        return _linear_factor(key, label, "dimension", value, "angle", math.radians(low), math.radians(high))
+        return _linear_factor(
+            key, label, "dimension", value, "angle", math.radians(low), math.radians(high), paths=paths
+        )
     if value <= 0:
         return None
-    return _log_factor(key, label, "dimension", value, "length", width=_NARROW, text=written)
+    return _log_factor(key, label, "dimension", value, "length", width=_NARROW, text=written, paths=paths)
 
 
 def _log_factor(
@@ -389,22 +374,30 @@ def _log_factor(
     *,
     width: float = _WIDE,
     text: object = None,
+    **more: Any,
 ) -> Factor:
     """Stops that grow by the same share, with three significant digits."""
     ratio = 2 * math.log(width) / _STOPS
     values = [value * math.exp(ratio * n) for n in range(-_STOPS // 2, _STOPS // 2 + 1)]
-    return _factor(key, label, group, values, value, dimension, text)
+    return _factor(key, label, group, values, value, dimension, text, **more)
 
 
 def _linear_factor(
-    key: str, label: str, group: Group, value: float, dimension: str, low: float, high: float
+    key: str, label: str, group: Group, value: float, dimension: str, low: float, high: float, **more: Any
 ) -> Factor:
     values = [low + (high - low) * n / _STOPS for n in range(_STOPS + 1)]
-    return _factor(key, label, group, [*values, value], value, dimension, None)
+    return _factor(key, label, group, [*values, value], value, dimension, None, **more)
 
 
 def _factor(
-    key: str, label: str, group: Group, values: list[float], value: float, dimension: str, text: object
+    key: str,
+    label: str,
+    group: Group,
+    values: list[float],
+    value: float,
+    dimension: str,
+    text: object,
+    **more: Any,
 ) -> Factor:
     unit, size = _unit(dimension, value or max(values), text)
     texts = {}
@@ -416,7 +409,9 @@ def _factor(
     texts = {number: shown for number, shown in texts.items() if abs(number - own) > 1e-6 * abs(own or 1.0)}
     texts[own] = re.sub(r"\.0 ", " ", given)
     stops = tuple(texts[number] for number in sorted(texts))
-    return Factor(key, label, group, (), stops, texts[own], dimension)
+    return Factor(
+        key=key, label=label, group=group, stops=stops, given=texts[own], dimension=dimension, **more
+    )
 
 
 def _unit(dimension: str, value: float, text: object) -> tuple[str, float]:

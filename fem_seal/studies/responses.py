@@ -68,24 +68,27 @@ class DesignResult:
     verdict: Verdict | None = None
 
 
-def evaluate_design(
-    case: Case, columns: Sequence[str], *, interpolate: bool = True, checked: bool = True
-) -> DesignResult:
+def evaluate_design(case: Case, columns: Sequence[str], *, interpolate: bool = True) -> DesignResult:
     """Columns of leak.csv for a case with one load, and their validity.
 
     Parameters
     ----------
-    case, columns, interpolate
-        See `responses`.
-    checked : bool
-        Whether to ask for the validity; where the yield stress of a body is known that takes the stresses, too.
+    case : Case
+        With one fluid pressure.
+    columns : sequence of str
+        Names of `fem_seal.output.columns.LEAK_COLUMNS`. Most cost milliseconds once geometry and surface are known;
+        `fem_seal.studies.cost` estimates what bodies that yield, heat, a form error and answers such as the interval of
+        uncertain inputs take beyond that.
+    interpolate : bool
+        Whether flow conductivities of surfaces that differ in height, hardness or modulus alone may be interpolated,
+        see `fem_seal.seal.conductivity_tables`.
 
     Raises
     ------
     ConvergenceError, GeometryError, MeshingError
     """
     batch = Batch()
-    found = evaluate_designs(batch, {0: case}, columns, interpolate=interpolate, checked=checked)
+    found = evaluate_designs(batch, {0: case}, columns, interpolate=interpolate)
     for error in batch.failed.values():
         raise error
     return found[0]
@@ -97,7 +100,6 @@ def evaluate_designs(
     columns: Sequence[str],
     *,
     interpolate: bool = True,
-    checked: bool = True,
 ) -> dict[int, DesignResult]:
     """`evaluate_design` of several cases, which share their contact calculations; without those that fail.
 
@@ -107,14 +109,14 @@ def evaluate_designs(
         Keeps time and failures of each.
     cases : mapping
         By number.
-    columns, interpolate, checked
+    columns, interpolate
         See `evaluate_design`.
     """
     if FORCE_FOR_VERDICT in columns:
         return batch.each(cases, lambda number: _with_verdict_force(cases[number], columns))
     cases = batch.each(cases, lambda number: warmed(cases[number]))
-    sources = {n: _source(case, columns, interpolate, checked) for n, case in cases.items()}
-    problems = batch.each(cases, lambda number: design_problem(cases[number]))
+    sources = {n: _source(case, columns, interpolate) for n, case in cases.items()}
+    problems = batch.each(cases, lambda number: SealProblem.of(cases[number]))
     solved = evaluate_many(problems, sources, batch)
     loads = batch.each(solved, lambda number: _with_answers(solved[number], cases[number], columns))
     # for the checks alone the table would take too long
@@ -123,30 +125,18 @@ def evaluate_designs(
         bare = loads
         for step in _leaks(other="margin" in columns or not _OTHER_READINGS.isdisjoint(columns)):
             batch.each(bare, lambda number: step(bare[number]))  # noqa: B023
-    if checked:
-        loads = batch.each(
-            loads,
-            lambda n: _checked(solved[n], loads[n], cases[n], columns, leaks=leaks, interpolated=interpolate),
-        )
-
-    def read(number: int) -> DesignResult:
-        load = loads[number]
-        verdict = load.verdict if isinstance(load, JudgedLoad) else None
-        return DesignResult(_read(Row(load), columns), _validity(load, columns), verdict)
-
-    return batch.each(loads, read)
+    told = batch.each(
+        loads,
+        lambda n: _checked(solved[n], loads[n], cases[n], columns, leaks=leaks, interpolated=interpolate),
+    )
+    return batch.each(told, lambda number: _result(Row(told[number]), told[number], columns))
 
 
-def design_problem(case: Case) -> SealProblem:
-    """What is to be solved of a design."""
-    return SealProblem.of(case)
-
-
-def _source(case: Case, columns: Sequence[str], interpolate: bool, checked: bool) -> Source:
+def _source(case: Case, columns: Sequence[str], interpolate: bool) -> Source:
     """Where a design's bodies come from: a mesh of its own costs little beside samples of its inputs."""
     if case.sampled is not None and not INTERVAL.isdisjoint(columns):
         return EXACT
-    can_yield = checked and any(body.material.yield_stress for body in (case.closure, case.seat))
+    can_yield = any(body.material.yield_stress for body in (case.closure, case.seat))
     stress = can_yield or not {"max_von_mises_Pa", "max_accumulated_plastic_strain"}.isdisjoint(columns)
     return _SOURCES[stress, interpolate]
 
@@ -206,28 +196,8 @@ def _leaks(*, other: bool) -> Iterator[Callable[[LoadResult], object]]:
     yield lambda load: [one.leak for one in readings(load)]
 
 
-def responses(case: Case, columns: Sequence[str], *, interpolate: bool = True) -> dict[str, float]:
-    """Columns of leak.csv for a case with one load.
-
-    Parameters
-    ----------
-    case : Case
-        With one fluid pressure.
-    columns : sequence of str
-        Names of `fem_seal.output.columns.LEAK_COLUMNS`. Most cost milliseconds once geometry and surface are known;
-        `fem_seal.studies.cost` estimates what bodies that yield, heat, a form error and answers such as the interval of
-        uncertain inputs take beyond that.
-    interpolate : bool
-        Whether flow conductivities of surfaces that differ in height, hardness or modulus alone may be interpolated,
-        see `fem_seal.seal.conductivity_tables`.
-
-    Raises
-    ------
-    ConvergenceError, GeometryError, MeshingError
-    """
-    return evaluate_design(
-        case, columns, interpolate=interpolate, checked=not INTERVAL.isdisjoint(columns)
-    ).values
+def _result(row: Row, load: JudgedLoad, columns: Sequence[str]) -> DesignResult:
+    return DesignResult(_read(row, columns), _validity(load, columns), load.verdict)
 
 
 def _read(row: Row, columns: Sequence[str]) -> dict[str, float]:
@@ -239,4 +209,4 @@ def _with_verdict_force(case: Case, columns: Sequence[str]) -> DesignResult:
     """Of the force with which the verdict passes every force that is tried takes a run of its own."""
     result = solve(case, wanted=Wanted(verdict_force=True), answers=_FOR_VERDICT)
     (row, *_), (load, *_) = rows_of(result), result.loads
-    return DesignResult(_read(row, columns), _validity(load, columns), load.verdict)
+    return _result(row, load, columns)
