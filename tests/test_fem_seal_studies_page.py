@@ -491,16 +491,16 @@ def test_no_class_is_claimed_outside_the_theory():
 def test_a_first_order_index_above_the_total_is_called_noise():
     from dataclasses import replace
 
-    from fem_seal.studies.page.page import _sobol
+    from fem_seal.studies.page.page import _indices
 
     designs = sensitive("sobol-sensitivity")
     (found, *_) = sensitivities(designs)
     clean = replace(found, first=np.array([0.4, 0.1]), total=np.array([0.8, 0.3]))
     assert not clean.noise.any()
-    section = _sobol(Display(designs), clean)
+    section = _indices(Display(designs), clean)
     assert "noise" not in section.note and not any("noise" in cell for row in section.rows for cell in row)
     noisy = replace(found, first=np.array([0.9, -0.1]), total=np.array([0.8, 0.3]))
-    section = _sobol(Display(designs), noisy)
+    section = _indices(Display(designs), noisy)
     assert [row[1] for row in section.rows] == ["0.9 (noise)", "−0.1 (noise)"]
     assert "noise of the sample" in section.note
     assert not replace(noisy, method="morris").noise.any()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -22,6 +22,8 @@ from fem_seal.studies.designs import SENSITIVITY
 from fem_seal.studies.expressions import Constraint, Expression, ExpressionError, unknown_name
 from fem_seal.studies.parameters import Parameter, entries, named
 from fem_seal.studies.tables import Design, Optimise, Report, Run, StudyTables
+
+F = TypeVar("F", Expression, Constraint)
 
 
 class StudyPlan:
@@ -102,11 +104,7 @@ def read_formulas(
     for name, text in given.items():
         key = f"derived.{name}"
         _check_name(key, name, taken)
-        try:
-            found[name] = Expression(text)
-        except ExpressionError as error:
-            raise InputError.at(key, str(error), shown(text)) from None
-        _check_known(key, text, found[name].names, [*study.names, *LEAK_COLUMNS, *list(found)[:-1]], study)
+        found[name] = _formula(Expression, key, text, list(found), study)
         taken.append(name)
     return found
 
@@ -122,11 +120,7 @@ def read_constraints(study: StudyPlan, given: Mapping[str, str]) -> dict[str, Co
     for name, text in given.items():
         key = f"constraints.{name}"
         _check_name(key, name, [*study.names, *LEAK_COLUMNS, *RESERVED, *study.derived])
-        try:
-            found[name] = Constraint(text)
-        except ExpressionError as error:
-            raise InputError.at(key, str(error), shown(text)) from None
-        _check_known(key, text, found[name].names, [*study.names, *LEAK_COLUMNS, *study.derived], study)
+        found[name] = _formula(Constraint, key, text, study.derived, study)
         _check_units(key, found[name], study)
     return found
 
@@ -154,11 +148,7 @@ def read_goals(study: StudyPlan, read: StudyTables) -> dict[str, Expression]:
         raise InputError.at(wanted[2][0], "is a third goal; allowed are one or two")
     goals: dict[str, Expression] = {}
     for key, text, large in wanted:
-        try:
-            formula = Expression(text)
-        except ExpressionError as error:
-            raise InputError.at(key, str(error), shown(text)) from None
-        _check_known(key, text, formula.names, [*study.names, *LEAK_COLUMNS, *study.derived], study)
+        formula = _formula(Expression, key, text, study.derived, study)
         if text in goals:
             raise InputError.at(key, "is a goal already; remove one of them", shown(text))
         goals[text] = Expression(f"-({text})") if large else formula
@@ -230,14 +220,21 @@ def unknown_column(name: str) -> str:
     )
 
 
-def _check_known(key: str, text: str, names: Iterable[str], known: list[str], study: StudyPlan) -> None:
-    for name in names:
+def _formula(kind: type[F], key: str, text: str, derived: Iterable[str], study: StudyPlan) -> F:
+    """A formula over parameters, columns of leak.csv and derived columns."""
+    try:
+        formula = kind(text)
+    except ExpressionError as error:
+        raise InputError.at(key, str(error), shown(text)) from None
+    known = [*study.names, *LEAK_COLUMNS, *derived]
+    for name in formula.names:
         if name not in known:
             raise InputError.at(key, unknown_name(name, known), shown(text))
         words = [one for one in study.parameters if one.name == name and not one.numeric]
         if words:
             raise InputError.at(key, f"calculates with {name}, which holds words", shown(text))
         _check_possible(key, name, study)
+    return formula
 
 
 def _check_units(key: str, constraint: Constraint, study: StudyPlan) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from fem_seal.case.schema import as_schema
@@ -34,41 +35,27 @@ def study_schema() -> dict[str, Any]:
 
 def _parameter() -> dict[str, Any]:
     """A list of levels; as a table a range, a distribution, or the paths below the one that is its key."""
-    spread = {"required": ["distribution"]}
-    ranges = {"required": ["start"]}
+    limits = {"num": {"type": "integer", "minimum": 2}, "spacing": {"enum": ["linear", "log"]}}
+    one_of_them = [
+        {
+            "if": {"properties": {"distribution": {"const": name}}},
+            "then": _only({key: {} for key in ("distribution", *keys)}, keys),
+        }
+        for name, keys in DISTRIBUTIONS.items()
+    ]
+    distribution = {"properties": {"distribution": {"enum": list(DISTRIBUTIONS)}}, "allOf": one_of_them}
     return {
         "type": ["array", "object"],
         "additionalProperties": True,
         "allOf": [
+            {"if": {"type": "object", "required": ["distribution"]}, "then": distribution},
             {
-                "if": {"type": "object", **spread},
-                "then": {
-                    "properties": {"distribution": {"enum": list(DISTRIBUTIONS)}},
-                    "allOf": [
-                        {
-                            "if": {"properties": {"distribution": {"const": name}}},
-                            "then": {
-                                "properties": {key: {} for key in ("distribution", *keys)},
-                                "required": list(keys),
-                                "additionalProperties": False,
-                            },
-                        }
-                        for name, keys in DISTRIBUTIONS.items()
-                    ],
-                },
-            },
-            {
-                "if": {"type": "object", **ranges},
-                "then": {
-                    "properties": {
-                        "start": {},
-                        "stop": {},
-                        "num": {"type": "integer", "minimum": 2},
-                        "spacing": {"enum": ["linear", "log"]},
-                    },
-                    "required": list(RANGE_KEYS[:3]),
-                    "additionalProperties": False,
-                },
+                "if": {"type": "object", "required": ["start"]},
+                "then": _only({key: limits.get(key, {}) for key in RANGE_KEYS}, RANGE_KEYS[:3]),
             },
         ],
     }
+
+
+def _only(properties: dict[str, Any], required: Sequence[str]) -> dict[str, Any]:
+    return {"properties": properties, "required": list(required), "additionalProperties": False}

@@ -239,49 +239,33 @@ def _sensitivity(display: Display) -> Iterator[Section]:
         yield Section("Sensitivity", _words().indices_missing())
     for one in found:
         if one.output in designs.telling_outputs:
-            yield (_morris if one.method == "morris" else _sobol)(display, one)
+            yield _indices(display, one)
 
 
-def _sobol(display: Display, found: Sensitivity) -> Section:
-    of, _, _ = plots_statistics.scale(display, found)
-    columns = [
-        _column(one, found.total) for one in (found.first, found.first_error, found.total, found.total_error)
-    ]
-    if found.noise.any():
-        columns[0] = [
-            f"{text} (noise)" if bad else text
-            for text, bad in zip(columns[0], found.noise.tolist(), strict=True)
-        ]
-    return Section(
-        f"Sensitivity of {display.title(found.output)}",
-        _words().sobol(of, found.logarithmic, bool(found.noise.any())),
-        _html(plots_statistics.sensitivity_plot(display, found)),
-        ("parameter", "first order", "±", "total", "±"),
-        _ordered(display, found, columns),
-    )
-
-
-def _morris(display: Display, found: Sensitivity) -> Section:
+def _indices(display: Display, found: Sensitivity) -> Section:
     of, size, unit = plots_statistics.scale(display, found)
-    columns = [
-        _column(one / size, found.first / size) for one in (found.first, found.first_error, found.total)
-    ]
-    headings = [f"mean absolute effect{unit}", f"±{unit}", f"its spread{unit}"]
-    if found.logarithmic:
+    title, noise = display.title(found.output), found.noise.tolist()
+    if found.method == "morris":
+        note = _words().morris(of, found.logarithmic, title)
+        headings = [f"mean absolute effect{unit}", f"±{unit}", f"its spread{unit}"]
+        shown, largest = [found.first, found.first_error, found.total], found.first
+    else:
+        note = _words().sobol(of, found.logarithmic, any(noise))
+        headings = ["first order", "±", "total", "±"]
+        shown, largest = [found.first, found.first_error, found.total, found.total_error], found.total
+    columns = [_column(one / size, largest / size) for one in shown]
+    columns[0] = [f"{text} (noise)" if bad else text for text, bad in zip(columns[0], noise, strict=True)]
+    if found.method == "morris" and found.logarithmic:
         columns.append([f"× {short(one, 3)}" for one in np.exp(found.first).tolist()])
         headings.append("mean effect as a factor")
+    rows = list(zip(map(display.title, found.parameters), *columns, strict=True))
     return Section(
-        f"Sensitivity of {display.title(found.output)}",
-        _words().morris(of, found.logarithmic, display.title(found.output)),
+        f"Sensitivity of {title}",
+        note,
         _html(plots_statistics.sensitivity_plot(display, found)),
         ("parameter", *headings),
-        _ordered(display, found, columns),
+        tuple(rows[n] for n in plots_statistics.order(found)),
     )
-
-
-def _ordered(display: Display, found: Sensitivity, columns: list[list[str]]) -> tuple[tuple[str, ...], ...]:
-    rows = list(zip(map(display.title, found.parameters), *columns, strict=True))
-    return tuple(rows[n] for n in plots_statistics.order(found))
 
 
 def _column(values: FloatArray, of: FloatArray) -> list[str]:
