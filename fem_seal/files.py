@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fem_seal.errors import InputError, OutputError, Problem, QuantityError, SealError, TextTableError
+from fem_seal.errors import InputError, OutputError, QuantityError, SealError, TextTableError
 from fem_seal.units import parse_quantity
 
 if TYPE_CHECKING:
@@ -95,7 +95,7 @@ def read_toml(path: Path, kind: str) -> dict[str, Any]:
         message = str(error)
     except UnreadableFileError as error:
         message = str(error)
-    raise InputError(Problem("", message), file=path)
+    raise InputError.at("", message, file=path)
 
 
 class TomlError(SealError, ValueError):

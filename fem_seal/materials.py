@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 import numpy as np
 
-from fem_seal.errors import InputError, Problem
+from fem_seal.errors import InputError
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -61,15 +61,13 @@ class OverTemperature:
 
     def __post_init__(self) -> None:
         if len(self.temperature) != len(self.value) or not self.value:
-            raise InputError(
-                Problem(
-                    self.key,
-                    "needs as many values as temperatures, at least one, and has "
-                    f"{len(self.value)} and {len(self.temperature)}",
-                )
+            raise InputError.at(
+                self.key,
+                "needs as many values as temperatures, at least one, and has "
+                f"{len(self.value)} and {len(self.temperature)}",
             )
         if any(after <= before for before, after in pairwise(self.temperature)):
-            raise InputError(Problem(self.key, "the temperatures must increase from entry to entry"))
+            raise InputError.at(self.key, "the temperatures must increase from entry to entry")
 
     def reaches(self, temperature: float | FloatArray) -> bool:
         """Whether the table holds a temperature, or all of them [K]."""
@@ -105,12 +103,10 @@ class OverTemperature:
         if not self.nearest and not self.reaches(temperature):
             high = self.temperature[-1]
             asked = np.max(temperature) if np.max(temperature) > high else np.min(temperature)
-            raise InputError(
-                Problem(
-                    self.key,
-                    f"is known {self.reach} and asked for at {celsius(float(asked))}; "
-                    "extend the table, or change the temperature",
-                )
+            raise InputError.at(
+                self.key,
+                f"is known {self.reach} and asked for at {celsius(float(asked))}; "
+                "extend the table, or change the temperature",
             )
         found = np.interp(temperature, self.temperature, self.value)
         return found if np.ndim(temperature) else float(found)
@@ -188,37 +184,29 @@ class Material:
         for key in ("youngs_modulus", "hardness", "yield_stress"):
             value = getattr(self, key)
             if value is not None and not (math.isfinite(value) and value > 0):
-                raise InputError(
-                    Problem(f"{self.name}: {key}", "must be a positive pressure [Pa]", repr(value))
-                )
+                raise InputError.at(f"{self.name}: {key}", "must be a positive pressure [Pa]", repr(value))
         if not -1 < self.poissons_ratio < 0.5:
-            raise InputError(
-                Problem(
-                    f"{self.name}: poissons_ratio", "must lie between -1 and 0.5", repr(self.poissons_ratio)
-                )
+            raise InputError.at(
+                f"{self.name}: poissons_ratio", "must lie between -1 and 0.5", repr(self.poissons_ratio)
             )
         curves = self.hardening_over_temperature
         if self.hardening is None and curves is not None:
             object.__setattr__(self, "hardening", curves.next_to(ROOM_TEMPERATURE))
         if curves is not None and any(table.key == "yield_stress" for table in self.over_temperature):
-            raise InputError(
-                Problem(
-                    f"{self.name}: yield_stress",
-                    "is a table over temperature, and the stress_strain curves have their own; leave yield_stress out",
-                )
+            raise InputError.at(
+                f"{self.name}: yield_stress",
+                "is a table over temperature, and the stress_strain curves have their own; leave yield_stress out",
             )
         if self.hardening is not None:
             self._yield_with(self.hardening)
 
     def _yield_with(self, hardening: HardeningCurve) -> None:
         if self.yield_stress not in (None, hardening.yield_stress):
-            raise InputError(
-                Problem(
-                    f"{self.name}: yield_stress",
-                    f"contradicts stress_strain, which begins at {hardening.yield_stress / 1e6:.6g} MPa; leave "
-                    "yield_stress out",
-                    f"{(self.yield_stress or 0.0) / 1e6:.6g} MPa",
-                )
+            raise InputError.at(
+                f"{self.name}: yield_stress",
+                f"contradicts stress_strain, which begins at {hardening.yield_stress / 1e6:.6g} MPa; leave "
+                "yield_stress out",
+                f"{(self.yield_stress or 0.0) / 1e6:.6g} MPa",
             )
         object.__setattr__(self, "yield_stress", hardening.yield_stress)
 
@@ -276,11 +264,9 @@ class Material:
             If it is not known, or not there.
         """
         if self.thermal_conductivity is None:
-            raise InputError(
-                Problem(
-                    f"{self.name}: thermal_conductivity",
-                    "is not known, and the temperature of the seal is calculated; give it, in W/(m K)",
-                )
+            raise InputError.at(
+                f"{self.name}: thermal_conductivity",
+                "is not known, and the temperature of the seal is calculated; give it, in W/(m K)",
             )
         table = self.table("thermal_conductivity")
         if table is not None:
@@ -324,11 +310,9 @@ class Material:
             table = self.table(_EXPANSION)
             coefficient = self.thermal_expansion if table is None else table.at(at)
             if coefficient is None:
-                raise InputError(
-                    Problem(
-                        f"{self.name}: thermal_expansion",
-                        "is not known, and the seal is heated or cooled; give it, in 1/K",
-                    )
+                raise InputError.at(
+                    f"{self.name}: thermal_expansion",
+                    "is not known, and the seal is heated or cooled; give it, in 1/K",
                 )
             return coefficient * (at - ROOM_TEMPERATURE)
 
@@ -620,16 +604,14 @@ class _Row(NamedTuple):
 
     def wrong(self, message: str) -> InputError:
         found = f"row {self.number} (strain {self.strain:.6g}, stress {self.stress / 1e6:.6g} MPa)"
-        return InputError(Problem("stress_strain", f"{found}: {message}"))
+        return InputError.at("stress_strain", f"{found}: {message}")
 
 
 def _rows(strain: Sequence[float], stress: Sequence[float]) -> list[_Row]:
     if len(strain) != len(stress) or not stress:
-        raise InputError(
-            Problem(
-                "stress_strain",
-                f"needs as many stresses as strains, at least one, and has {len(stress)} and {len(strain)}",
-            )
+        raise InputError.at(
+            "stress_strain",
+            f"needs as many stresses as strains, at least one, and has {len(stress)} and {len(strain)}",
         )
     return [_Row(n, *pair) for n, pair in enumerate(zip(strain, stress, strict=True), start=1)]
 

@@ -172,10 +172,8 @@ def _hardening(
     without = [n for n, test in enumerate(tests, start=1) if test.temperature is None]
     if not tests or (without and len(tests) > 1):
         what = f"curve {without[0]} has no temperature" if tests else "has no curve"
-        raise InputError(
-            Problem(
-                "stress_strain", f'{what}; several curves need one each, such as temperature = "300 degC"'
-            )
+        raise InputError.at(
+            "stress_strain", f'{what}; several curves need one each, such as temperature = "300 degC"'
         )
     curves = []
     for number, test in enumerate(tests, start=1):

@@ -170,7 +170,7 @@ class Case(CaseTables):
         kept = {key: value for key, value in changes.items() if value is not None}
         twice = said_twice(list(kept))
         if twice:
-            raise InputError(Problem(twice[1], f"is {twice[0]} in other words; give one of them"))
+            raise InputError.at(twice[1], f"is {twice[0]} in other words; give one of them")
         changed = self._input
         entries = {same_entry(str(key)) for key in kept}
         # what is set in one word is not removed in the other
@@ -255,15 +255,15 @@ def case_of(source: CaseSource) -> Case:
         return source
     if isinstance(source, (str, os.PathLike, Mapping)):
         return load_case(source)
-    raise InputError(
-        Problem("case", f"must be a Case, the path of a case file or its tables, not {type(source).__name__}")
+    raise InputError.at(
+        "case", f"must be a Case, the path of a case file or its tables, not {type(source).__name__}"
     )
 
 
 def _case_of(tables: Mapping[str, Any]) -> Case:
     odd = [key for key in tables if not isinstance(key, str)]
     if odd:
-        raise InputError(Problem(str(odd[0]), "keys must be words, such as closure, seat, load"))
+        raise InputError.at(str(odd[0]), "keys must be words, such as closure, seat, load")
     return Case(**tables)
 
 
@@ -377,8 +377,8 @@ def _nested(old: Any, path: Sequence[str], value: Any, before: tuple[str, ...] =
     here = ".".join(before)
     if not isinstance(old, (list, tuple)):
         if key.isdecimal() and before:
-            raise InputError(
-                Problem(f"{here}.{key}", f"{here} is no list whose entries could be changed; give all of it")
+            raise InputError.at(
+                f"{here}.{key}", f"{here} is no list whose entries could be changed; give all of it"
             )
         inside = old.get(key) if isinstance(old, Mapping) else None
         return {key: _nested(inside, rest, value, (*before, key))}
@@ -390,8 +390,8 @@ def _nested(old: Any, path: Sequence[str], value: Any, before: tuple[str, ...] =
             if len(old) == 1
             else f"it has 0 to {len(old) - 1}"
         )
-        raise InputError(
-            Problem(f"{here}.{key}", f"{here} is a list, entries are named by their number: {numbers}")
+        raise InputError.at(
+            f"{here}.{key}", f"{here} is a list, entries are named by their number: {numbers}"
         )
     number = int(key)
     entry = _nested(old[number], rest, value, (*before, key))

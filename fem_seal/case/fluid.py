@@ -20,7 +20,7 @@ from fem_seal.case.fields import (
     required,
     shown,
 )
-from fem_seal.errors import InputError, Problem, QuantityError
+from fem_seal.errors import InputError, QuantityError
 from fem_seal.units import LIQUID, LeakVolume, parse_quantity
 from leak.standards import STANDARD_PRESSURE
 
@@ -151,7 +151,7 @@ class Fluid(Table):
         try:
             entry = _entry(self.name, temperature)
         except ValueError as error:
-            raise InputError(Problem("fluid.temperature", f"in the film, {error}")) from None
+            raise InputError.at("fluid.temperature", f"in the film, {error}") from None
         update: dict[str, float] = {"temperature": temperature}
         if before is not None and entry is not None and before.viscosity == self.viscosity:
             update["viscosity"] = entry.viscosity

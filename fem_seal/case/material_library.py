@@ -10,7 +10,7 @@ from importlib.resources import files
 from types import MappingProxyType
 from typing import Any
 
-from fem_seal.errors import InputError, Problem
+from fem_seal.errors import InputError
 from fem_seal.materials import ROOM_TEMPERATURE, Material, OverTemperature, celsius
 
 # Half the angle between opposite faces of the Vickers pyramid, 136 degrees.
@@ -224,5 +224,5 @@ def material(name: str) -> Material:
         near = similar_names(name)
         hint = f"do you mean {' or '.join(repr(one) for one in near)}? ".replace("'", '"') if near else ""
         listed = ", ".join(f'"{one}"' for one in LIBRARY)
-        raise InputError(Problem("material", f"not in the library; {hint}known are {listed}", repr(name)))
+        raise InputError.at("material", f"not in the library; {hint}known are {listed}", repr(name))
     return LIBRARY[known]

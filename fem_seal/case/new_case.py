@@ -13,7 +13,7 @@ from fem_seal.case.case import Case, load_case
 from fem_seal.case.drawing_words import partner
 from fem_seal.case.fields import shown
 from fem_seal.case.messages import nearest
-from fem_seal.errors import InputError, Problem, QuantityError
+from fem_seal.errors import InputError, QuantityError
 from fem_seal.files import TomlError, parse_toml
 from fem_seal.units import parse_quantity
 
@@ -87,10 +87,8 @@ def template(name: str) -> str:
     if name not in TEMPLATES:
         near = nearest(name, TEMPLATES)
         hint = f"; do you mean {near}?" if near else ""
-        raise InputError(
-            Problem(
-                "--template", f"must be {', '.join(TEMPLATES[:-1])} or {TEMPLATES[-1]}{hint}", shown(name)
-            )
+        raise InputError.at(
+            "--template", f"must be {', '.join(TEMPLATES[:-1])} or {TEMPLATES[-1]}{hint}", shown(name)
         )
     return files("fem_seal").joinpath("templates", "cases", f"{name}.toml").read_text(encoding="utf-8")
 
@@ -276,10 +274,8 @@ def required_class(text: str, given: str) -> dict[str, str]:
         if len(known[standard]) == 1 and standard_named(words) == standard:
             return {"requirement.standard": standard, "requirement.class": known[standard][0]}
     listed = "; ".join(f"{standard}: {', '.join(names)}" for standard, names in known.items())
-    raise InputError(
-        Problem(
-            "--class", f"is no class for {'a gas' if gas else 'a liquid'}; known are {listed}", shown(given)
-        )
+    raise InputError.at(
+        "--class", f"is no class for {'a gas' if gas else 'a liquid'}; known are {listed}", shown(given)
     )
 
 
@@ -305,7 +301,7 @@ def _parsed(text: str) -> dict[str, Any]:
     try:
         return parse_toml(text)
     except TomlError as error:
-        raise InputError(Problem("", str(error))) from None
+        raise InputError.at("", str(error)) from None
 
 
 def _entries(text: str) -> dict[str, dict[str, Any]]:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, get_args
 from fem_seal.case.bodies import MaterialTable, inheriting, library_table
 from fem_seal.case.drawing_words import same_entry, words_of
 from fem_seal.case.fields import Number, OneOrMany, OverTemperatureTable, Pressures, Quantity, Table, shown
-from fem_seal.errors import InputError, Problem
+from fem_seal.errors import InputError
 from fem_seal.materials import Material
 from fem_seal.units import DIMENSIONS, Unit, fixed_unit, kind_of, unit_for
 
@@ -106,7 +106,7 @@ def entry_at(case: Case, path: str) -> Entry:
     """
     *parents, last = path.split(".")
     if last in _NO_VALUE:
-        raise InputError(Problem(path, "is the same in all designs of a study; make one study for each"))
+        raise InputError.at(path, "is the same in all designs of a study; make one study for each")
     table: object = case
     for parent in parents:
         table = _inside(table, parent)
@@ -120,7 +120,7 @@ def entry_at(case: Case, path: str) -> Entry:
         ends_alike = [one for one in known if one.split(".")[-1] == last]
         hints = list(dict.fromkeys([*ends_alike[:2], *near]))[:3]
         listed = f"do you mean {' or '.join(hints)}? " if hints else ""
-        raise InputError(Problem(path, f"is no entry of the case; {listed}known are {', '.join(known)}"))
+        raise InputError.at(path, f"is no entry of the case; {listed}known are {', '.join(known)}")
     return Entry(path, _marker(fields[last]), truth=fields[last].annotation is bool)
 
 

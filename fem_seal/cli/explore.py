@@ -10,7 +10,7 @@ import typer
 
 from fem_seal.cli.options import CaseFile, Debug, Quiet, output_option
 from fem_seal.cli.terminal import complain, say
-from fem_seal.errors import InputError, Problem, unexpected
+from fem_seal.errors import InputError, unexpected
 
 
 def explore(
@@ -36,7 +36,7 @@ def explore(
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise InputError(Problem("--output", f"cannot be created ({error.strerror})", str(folder))) from None
+        raise InputError.at("--output", f"cannot be created ({error.strerror})", str(folder)) from None
     from fem_seal.explore.server import serve
 
     def opened(address: str) -> None:

@@ -10,7 +10,7 @@ import typer
 
 from fem_seal.cli.options import Debug, output_option
 from fem_seal.cli.terminal import complain, prompt, say
-from fem_seal.errors import InputError, NoLoadLeftError, Problem
+from fem_seal.errors import InputError, NoLoadLeftError
 from fem_seal.former_names import say_once
 
 if TYPE_CHECKING:
@@ -74,10 +74,8 @@ def new(
         applied_force = applied_force or axial_force
     asks = name is None
     if asks and not _can_ask():
-        raise InputError(
-            Problem(
-                "--template", f"is missing, and without a terminal nothing can be asked; give one: {NAMES}"
-            )
+        raise InputError.at(
+            "--template", f"is missing, and without a terminal nothing can be asked; give one: {NAMES}"
         )
     name = _chosen_template() if name is None else name
     text = template(name)
@@ -128,9 +126,9 @@ def _chosen_template() -> str:
 
 def _check_place(path: Path, force: bool) -> None:
     if path.exists() and not force:
-        raise InputError(Problem("--output", "is there already; --force replaces it", str(path)))
+        raise InputError.at("--output", "is there already; --force replaces it", str(path))
     if path.suffix.lower() != ".toml":
-        raise InputError(Problem("--output", "must end with .toml", str(path)))
+        raise InputError.at("--output", "must end with .toml", str(path))
 
 
 def _with_options(text: str, name: str, given: Mapping[str, str], entries: list[str]) -> str:
@@ -151,17 +149,14 @@ def _with_options(text: str, name: str, given: Mapping[str, str], entries: list[
     missing = [key for key in given if key not in paths]
     if missing:
         known = ", ".join(f"--{one.name}" for one in QUESTIONS if one.name in paths)
-        raise InputError(
-            Problem(
-                f"--{missing[0]}",
-                f"is nothing that the template {name} has; it has {known}, and --set KEY=VALUE",
-            )
+        raise InputError.at(
+            f"--{missing[0]}", f"is nothing that the template {name} has; it has {known}, and --set KEY=VALUE"
         )
     changes = {paths[key]: value for key, value in given.items() if key != "class"}
     for entry in entries:
         key, equals, value = entry.partition("=")
         if not (equals and key.strip() and value.strip()):
-            raise InputError(Problem("--set", 'must be KEY=VALUE, such as seat.land_width="1 mm"', entry))
+            raise InputError.at("--set", 'must be KEY=VALUE, such as seat.land_width="1 mm"', entry)
         changes[key.strip()] = value.strip()
     # the bore before the closure, which may have its own size
     leading = next((paths[key] for key in ("bore", "diameter") if paths.get(key) in changes), None)
@@ -243,7 +238,7 @@ def _write(text: str, path: Path) -> None:
         write_text(path, with_schema(text.replace(" FILE", f" {path.name}"), f"./{SCHEMA_FILE}"))
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
-        raise InputError(Problem("--output", f"cannot be written ({reason})", str(path))) from None
+        raise InputError.at("--output", f"cannot be written ({reason})", str(path)) from None
 
 
 def _quoted(path: Path) -> str:

@@ -7,7 +7,7 @@ from typing import Annotated
 
 from fem_seal.cli.options import Debug, Quiet, ResultsFolder, output_option
 from fem_seal.cli.terminal import say
-from fem_seal.errors import InputError, Problem
+from fem_seal.errors import InputError
 
 
 def pdf(
@@ -21,9 +21,7 @@ def pdf(
 
     page = folder / "report.html"
     if not page.is_file():
-        raise InputError(
-            Problem(str(folder), "holds no report.html; `fem-seal run CASE.toml -o DIR` writes one")
-        )
+        raise InputError.at(str(folder), "holds no report.html; `fem-seal run CASE.toml -o DIR` writes one")
     written = print_pdf(page, output or folder / "report.pdf")
     if not quiet:
         say(f"PDF in {written}")

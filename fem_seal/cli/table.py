@@ -77,15 +77,15 @@ def grid(text: str, dimension: str) -> list[float]:
     >>> grid("1 bar : 4 bar : 4", "pressure"), grid("0 N, 2 kN", "force")
     ([100000.0, 200000.0, 300000.0, 400000.0], [0.0, 2000.0])
     """
-    from fem_seal.errors import InputError, Problem
+    from fem_seal.errors import InputError
     from fem_seal.units import parse_quantity
 
     if ":" not in text:
         return [parse_quantity(one.strip(), dimension) for one in text.split(",")]
     ends = [one.strip() for one in text.split(":")]
     if len(ends) != 3 or not ends[2].isdecimal() or not 2 <= int(ends[2]) <= 1000:
-        raise InputError(
-            Problem(dimension, f"write a list or a range with 2 to 1000 values, such as {_FORM}", repr(text))
+        raise InputError.at(
+            dimension, f"write a list or a range with 2 to 1000 values, such as {_FORM}", repr(text)
         )
     first, last, number = parse_quantity(ends[0], dimension), parse_quantity(ends[1], dimension), int(ends[2])
     return [first + (last - first) * n / (number - 1) for n in range(number)]

@@ -11,7 +11,7 @@ import numpy as np
 
 from fem_seal.arrays import FloatArray
 from fem_seal.contact.laws import HardContact, Law, LawOfRows, ScaledLaw
-from fem_seal.errors import InputError, Problem
+from fem_seal.errors import InputError
 from fem_seal.loads import plastic_half_width
 from meshes import ContactGeometry, Sizing
 
@@ -262,14 +262,12 @@ def element_sizes(
         return sizing
     smallest = (sizing.zone[1] - sizing.zone[0]) / _MOST_ELEMENTS
     if not smallest <= contact_size <= std:
-        raise InputError(
-            Problem(
-                "mesh.contact_size",
-                f"allowed is {smallest * 1e6:.3g} um ({_MOST_ELEMENTS} elements along the contact line) to "
-                f"{std * 1e6:.3g} um (standard deviation of the narrowest pressure profile); or leave it out: "
-                f"{sizing.contact_size * 1e6:.3g} um",
-                f"{contact_size * 1e6:.6g} um",
-            )
+        raise InputError.at(
+            "mesh.contact_size",
+            f"allowed is {smallest * 1e6:.3g} um ({_MOST_ELEMENTS} elements along the contact line) to "
+            f"{std * 1e6:.3g} um (standard deviation of the narrowest pressure profile); or leave it out: "
+            f"{sizing.contact_size * 1e6:.3g} um",
+            f"{contact_size * 1e6:.6g} um",
         )
     return replace(sizing, contact_size=contact_size)
 

@@ -16,7 +16,7 @@ from collections.abc import Collection, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from fem_seal.errors import InputError, OutputError, Problem
+from fem_seal.errors import InputError, OutputError
 from fem_seal.files import write_text
 
 if sys.platform == "win32":
@@ -72,11 +72,9 @@ def _locked(path: Path) -> int:
             if error.errno not in _TAKEN:
                 return handle
             os.close(handle)
-            raise InputError(
-                Problem(
-                    str(path.parent),
-                    "is being written by another fem-seal process; wait for it or choose another folder",
-                )
+            raise InputError.at(
+                str(path.parent),
+                "is being written by another fem-seal process; wait for it or choose another folder",
             ) from None
         # whoever had it has removed the file since it was opened here: a lock on it keeps nobody out
         os.close(handle)

@@ -19,7 +19,7 @@ from fem_seal.case.touched_face import touched_beside
 from fem_seal.contact.laws import HardContact
 from fem_seal.contact.refit import rounded
 from fem_seal.contact.sizing import ContactWidth, Expected, Opening, element_sizes, for_yielding
-from fem_seal.errors import InputError, LoadProblem, Problem
+from fem_seal.errors import InputError, LoadProblem
 from fem_seal.loads import PressureSide, expected_force, line_load, plastic_half_width
 from fem_seal.materials import HardeningCurve, Material, effective_modulus
 from fem_seal.seal.heating import Heating, heating, warmed
@@ -453,7 +453,7 @@ def _periodic_map(file: str, unit: tuple[str, ...] | None, given: Direct) -> tup
 
     scan = read_topography(file, unit=unit)
     if not isinstance(scan, HeightMap):
-        raise InputError(Problem("direct.file", "is a line scan; a map of heights is needed", file))
+        raise InputError.at("direct.file", "is a line scan; a map of heights is needed", file)
     heights, size = periodic_map(scan, continuation=given.continuation)
     if heights.shape[0] > given.points:
         heights, size = periodic_map(scan, points=given.points, continuation=given.continuation)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_seal.arrays import FloatArray
-from fem_seal.errors import InputError, Problem, QuantityError, TextTableError
+from fem_seal.errors import InputError, QuantityError, TextTableError
 from fem_seal.files import TextTable, column, find_columns, read_text_table
 from fem_seal.units import given
 
@@ -78,7 +78,7 @@ def read_profiles(file: str | Path) -> tuple[ImportedProfile, ...]:
         columns = _columns(table)
         return tuple(_profiles(table, columns))
     except (TextTableError, QuantityError) as error:
-        raise InputError(Problem("", str(error)), file=file) from None
+        raise InputError.at("", str(error), file=file) from None
 
 
 def _columns(table: TextTable) -> dict[str, FloatArray]:
