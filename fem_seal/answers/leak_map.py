@@ -182,7 +182,11 @@ def leak_map(
     if case.roughness is None or case.fluid is None:
         raise InputError.at("table", "needs [roughness] and [fluid]: without them there is no leak rate")
     pressures = _pressures(case) if fluid_pressure is None else _increasing("pressures", fluid_pressure)
-    forces = _forces(case) if applied_force is None else _increasing("forces", applied_force)
+    forces = (
+        sorted({force for _, force in case.load.points})
+        if applied_force is None
+        else _increasing("forces", applied_force)
+    )
     if not pressures[0] > 0:
         raise InputError.at(
             "pressures", "must be above zero; at zero nothing leaks", given("fluid pressure", pressures[0])
@@ -329,10 +333,6 @@ def _pressures(case: Case) -> list[float]:
         return own
     least = own[0] if len(own) > 1 else own[-1] / _RANGE
     return [float(f"{one:.4g}") for one in np.geomspace(least, own[-1], _PRESSURES)]
-
-
-def _forces(case: Case) -> list[float]:
-    return sorted({force for _, force in case.load.points})
 
 
 def _increasing(name: str, values: Sequence[float]) -> list[float]:

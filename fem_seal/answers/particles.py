@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 import leak
-from fem_seal.answers.answer import Answer, Inquiry, Wanted
+from fem_seal.answers.answer import Answer, Inquiry
 from fem_seal.arrays import FloatArray
 from fem_seal.profile import PressureProfile
 from fem_seal.seal.bounds import Bounds
@@ -287,10 +287,6 @@ def _size_that_leaves(kept: float, sizes: FloatArray, share: FloatArray) -> floa
     return math.exp(float(at))
 
 
-def _applies(seal: SolvedSeal, wanted: Wanted) -> bool:
-    return seal.case.fluid is not None and seal.case.fluid.particles is not None
-
-
 def _compute(seal: SolvedSeal, ask: Inquiry) -> tuple[ParticleAnswers, ...]:
     fluid = seal.case.fluid
     assert fluid is not None and fluid.particles is not None  # of `applies`
@@ -302,6 +298,6 @@ PARTICLES = Answer[tuple[ParticleAnswers, ...]](
     "answers about particles in the fluid",
     _compute,
     (),
-    _applies,
+    lambda seal, wanted: seal.case.fluid is not None and seal.case.fluid.particles is not None,
     doing="what particles in the fluid do to the leak",
 )

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem_seal.arrays import FloatArray
 from fem_seal.errors import InputError, Problem
 from fem_seal.profile import PressureProfile
 from fem_seal.seal.leak_model import Conductivity, Flow, RoughFlow
@@ -103,16 +102,12 @@ def _ends(contact: ContactGeometry, profile: ImportedProfile) -> tuple[float | N
     return ends if same else (None, None)
 
 
-def _radius(contact: ContactGeometry, profile: ImportedProfile) -> FloatArray:
-    return contact.radius(profile.x) if profile.radius is None else profile.radius
-
-
 def _profile(contact: ContactGeometry, profile: ImportedProfile) -> PressureProfile:
     """The profile with weights of the trapezoidal rule; nothing is known of its gap."""
     x, steps = profile.x, np.diff(profile.x, prepend=profile.x[0], append=profile.x[-1])
     return PressureProfile(
         x,
-        _radius(contact, profile),
+        contact.radius(x) if profile.radius is None else profile.radius,
         profile.pressure,
         np.full(len(x), math.nan),
         0.5 * (steps[1:] + steps[:-1]),

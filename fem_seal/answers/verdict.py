@@ -119,7 +119,7 @@ def _shares(loads: Sequence[LoadResult], hardness: float | None) -> Shares:
         for load in loads
         # without a look at the stress, which a model without displacements does not hold
         for name in ("closure", "seat")
-        if (limit := _yield_stress(load, name)) is not None
+        if (limit := getattr(load.contact.model, name).material.yield_stress) is not None
     ]
     stress, body = max(stressed, default=(None, ""))
     openings = [load.opening.share for load in loads if load.opening is not None]
@@ -133,12 +133,6 @@ def _shares(loads: Sequence[LoadResult], hardness: float | None) -> Shares:
         None if hardness is None or not peaks else max(peaks) / hardness,
         min(openings, default=None),
     )
-
-
-def _yield_stress(load: LoadResult, body: str) -> float | None:
-    return {"closure": load.contact.model.closure, "seat": load.contact.model.seat}[
-        body
-    ].material.yield_stress
 
 
 @dataclass(frozen=True)

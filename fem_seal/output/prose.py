@@ -8,10 +8,13 @@ from __future__ import annotations
 import tomllib
 from functools import cache
 from importlib.resources import files
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from fem_seal.seal.readings import OWN, WORDS
 from leak import Reading
+
+if TYPE_CHECKING:
+    from jinja2 import Template
 
 
 @cache
@@ -19,6 +22,30 @@ def prose() -> dict[str, Any]:
     """The whole file: "definitions", "captions", "sources" and the other groups of sentences."""
     text = files("fem_seal").joinpath("templates", "words.toml").read_text(encoding="utf-8")
     return tomllib.loads(text)
+
+
+@cache
+def template(name: str, *, escaped: bool = True) -> Template:
+    """A template of pages or of their words.
+
+    Parameters
+    ----------
+    name : str
+        File in templates/.
+    escaped : bool
+        Whether what is put into it is escaped, as titles, names and file names have to be, which come from the user;
+        not in words, which are escaped where they enter a page.
+    """
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    environment = Environment(
+        loader=PackageLoader("fem_seal"),
+        autoescape=escaped,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    return environment.get_template(name)
 
 
 def definitions(*, readings: bool) -> list[tuple[str, str]]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from datetime import UTC, datetime
-from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,15 +17,13 @@ from fem_seal.output.pictures.memory import memory_picture
 from fem_seal.output.pictures.sketch import sketch
 from fem_seal.output.pictures.style import Picture, style
 from fem_seal.output.pictures.surface import law_picture, separation_picture, surface_picture
-from fem_seal.output.prose import definitions
+from fem_seal.output.prose import definitions, template
 from fem_seal.output.report import case, tables, words
 from fem_seal.output.sources import sources
 from fem_seal.seal.load_names import load_name
 from fem_seal.version import __version__
 
 if TYPE_CHECKING:
-    from jinja2 import Template
-
     from fem_seal.answers.solution import SealSolution
 
 
@@ -50,7 +47,7 @@ def report(result: SealSolution) -> str:
     """
     derived = derive(result.case)
     sizes = profile_sizes(result, derived)
-    return _template().render(
+    return template("report.html.j2").render(
         title=result.case.title or "fem-seal",
         title_in_css=_in_css(result.case.title or "fem-seal"),
         case_file=None if result.case.file is None else result.case.file.name,
@@ -160,18 +157,3 @@ def _words(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes]) -
         "timings": case.times(result),
         "definitions": definitions(readings=any(load.yields for load in result.loads)),
     }
-
-
-@cache
-def _template() -> Template:
-    from jinja2 import Environment, PackageLoader, StrictUndefined
-
-    # Titles, names and file names come from the user: everything is escaped.
-    environment = Environment(
-        loader=PackageLoader("fem_seal"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    return environment.get_template("report.html.j2")

@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from contextlib import closing
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,7 +14,7 @@ import numpy as np
 from fem_seal.arrays import FloatArray
 from fem_seal.errors import InputError
 from fem_seal.files import write_text
-from fem_seal.output.prose import said
+from fem_seal.output.prose import said, template
 from fem_seal.output.report.words import volumes_of_gas
 from fem_seal.seal.findings import Level
 from fem_seal.seal.readings import WORDS
@@ -71,19 +70,10 @@ def page(designs: Designs, counts: dict[str, int], reasons: list[tuple[str, int]
     reasons : list of (str, int)
         Why designs failed, and how many.
     """
-    from jinja2 import Environment, PackageLoader, StrictUndefined
     from markupsafe import Markup
     from plotly.offline import get_plotlyjs
 
-    # Titles, names and reasons come from the user: everything but plotly's own output is escaped.
-    environment = Environment(
-        loader=PackageLoader("fem_seal"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    return environment.get_template("study.html.j2").render(
+    return template("study.html.j2").render(
         title=designs.about["title"] or "Study",
         headline=_headline(designs, counts),
         warnings=[*(f"{times} failed: {reason}" for reason, times in reasons), *_doubts(designs)],
@@ -94,16 +84,9 @@ def page(designs: Designs, counts: dict[str, int], reasons: list[tuple[str, int]
     )
 
 
-@cache
 def _words() -> Any:
     """What the page says, macro by macro."""
-    from jinja2 import Environment, PackageLoader, StrictUndefined
-
-    # no HTML: it is escaped where it enters the page
-    environment = Environment(
-        loader=PackageLoader("fem_seal"), undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    return environment.get_template("study.words.j2").module
+    return template("study.words.j2", escaped=False).module
 
 
 def _headline(designs: Designs, counts: dict[str, int]) -> str:
