@@ -367,24 +367,19 @@ def _sensitivity(
     logarithmic = bool(np.all(values > 0) and values.max() > 10 * values.min())
     y = np.log(values) if logarithmic else values
     problem = {"num_vars": len(names), "names": list(names), "bounds": [[0.0, 1.0]] * len(names)}
-    analyse = _morris if design.kind == "morris" else _sobol
-    return Sensitivity(output, logarithmic, design.kind, names, *analyse(problem, unit, y, design.seed))
+    if design.kind == "morris":
+        from SALib.analyze import morris
 
+        found = morris.analyze(problem, unit, y, num_levels=MORRIS_LEVELS, seed=design.seed)
+        first, total, first_error, total_error = "mu_star", "sigma", "mu_star_conf", None
+    else:
+        from SALib.analyze import sobol
 
-def _sobol(
-    problem: Mapping[str, Any], unit: FloatArray, y: FloatArray, seed: int
-) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    from SALib.analyze import sobol
-
-    found = sobol.analyze(problem, (y - y.mean()) / y.std(), calc_second_order=False, seed=seed)
-    return found["S1"], found["ST"], found["S1_conf"], found["ST_conf"]
-
-
-def _morris(
-    problem: Mapping[str, Any], unit: FloatArray, y: FloatArray, seed: int
-) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    from SALib.analyze import morris
-
-    found = morris.analyze(problem, unit, y, num_levels=MORRIS_LEVELS, seed=seed)
-    sigma = np.asarray(found["sigma"])
-    return np.asarray(found["mu_star"]), sigma, np.asarray(found["mu_star_conf"]), np.zeros(len(sigma))
+        shown = (y - y.mean()) / y.std()
+        found = sobol.analyze(problem, shown, calc_second_order=False, seed=design.seed)
+        first, total, first_error, total_error = "S1", "ST", "S1_conf", "ST_conf"
+    numbers = (
+        np.zeros(len(names)) if key is None else np.asarray(found[key])
+        for key in (first, total, first_error, total_error)
+    )
+    return Sensitivity(output, logarithmic, design.kind, names, *numbers)
