@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem_seal.arrays import FloatArray
 from fem_seal.seal.readings import WORDS
 from fem_seal.studies.designs_table import LEAK_RATE, Sensitivity, other_leak_rates
 from fem_seal.studies.page.display import BLUE, GREY, LAYOUT, ORANGE, Display
@@ -22,9 +23,18 @@ def distribution_plot(display: Display) -> Figure | None:
     if LEAK_RATE not in done or done[LEAK_RATE].dropna().empty:
         return None
     leak_rate = np.sort(display.shown(LEAK_RATE, done[LEAK_RATE].dropna()))
-    share = np.arange(1, len(leak_rate) + 1) / len(leak_rate)
     step = max(1, len(leak_rate) // 1000)
-    picked = np.unique(np.append(np.arange(0, len(leak_rate), step), len(leak_rate) - 1))
+
+    def below(values: FloatArray, name: str = "share below", **line: str) -> Scatter:
+        picked = np.unique(np.append(np.arange(0, len(values), step), len(values) - 1))
+        return Scatter(
+            x=values[picked].tolist(),
+            y=((picked + 1) / len(values)).tolist(),
+            mode="lines",
+            name=name,
+            line={"color": BLUE, "shape": "hv", **line},
+        )
+
     logarithmic = display.logarithmic(LEAK_RATE)
     bins = min(max(int(np.sqrt(len(leak_rate))), 5), 40)
     edges = np.histogram_bin_edges(np.log(leak_rate) if logarithmic else leak_rate, bins)
@@ -41,28 +51,13 @@ def distribution_plot(display: Display) -> Figure | None:
                 name="share between two leak rates",
                 marker={"color": GREY, "opacity": 0.5},
             ),
-            Scatter(
-                x=leak_rate[picked].tolist(),
-                y=share[picked].tolist(),
-                mode="lines",
-                name="share below",
-                line={"color": BLUE, "shape": "hv"},
-            ),
+            below(leak_rate),
         ]
     )
     for reading, rates in other_leak_rates(display.designs).items():
         # in the unit of the other curve
         values = np.sort(display.shown(LEAK_RATE, rates))
-        picked = np.unique(np.append(np.arange(0, len(values), step), len(values) - 1))
-        figure.add_trace(
-            Scatter(
-                x=values[picked].tolist(),
-                y=((picked + 1) / len(values)).tolist(),
-                mode="lines",
-                name=f"share below, surface {WORDS[reading].title}",
-                line={"color": BLUE, "shape": "hv", "dash": "dash"},
-            )
-        )
+        figure.add_trace(below(values, f"share below, surface {WORDS[reading].title}", dash="dash"))
     figure.update_layout(
         **{**LAYOUT, "margin": {**LAYOUT["margin"], "t": 90}},
         xaxis=display.axis(LEAK_RATE),
