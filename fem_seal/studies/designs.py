@@ -13,7 +13,7 @@ import numpy as np
 
 from fem_seal.case.drawing_words import said_twice
 from fem_seal.case.fields import Quantity, shown
-from fem_seal.case.paths import Entry, Value, entry_at
+from fem_seal.case.paths import Entry, Value, entry_at, with_open_materials
 from fem_seal.errors import InputError
 from fem_seal.files import UnreadableFileError, read_text
 from fem_seal.former_names import in_present_words
@@ -93,8 +93,8 @@ def unit_points(design: Design, dimensions: int) -> FloatArray:
     )
 
 
-def read_list(path: Path, case: Case) -> tuple[tuple[Parameter, ...], FloatArray]:
-    """Parameters and designs of a CSV file.
+def read_list(path: Path, case: Case) -> tuple[Case, tuple[Parameter, ...], FloatArray]:
+    """Parameters and designs of a CSV file, and the case that they are entries of.
 
     Parameters
     ----------
@@ -102,7 +102,7 @@ def read_list(path: Path, case: Case) -> tuple[tuple[Parameter, ...], FloatArray
         The first row holds paths, with the unit of the numbers below in brackets: ``seat.angle [deg]``. Without one
         every cell has its own unit.
     case : Case
-        Base of the study.
+        Base of the study; materials of the library become tables where a part of them varies.
 
     Raises
     ------
@@ -125,6 +125,7 @@ def read_list(path: Path, case: Case) -> tuple[tuple[Parameter, ...], FloatArray
     again = said_twice(paths)
     if again:
         raise _wrong(path, f"has columns {again[0]} and {again[1]}, two words for one entry; remove one")
+    case = with_open_materials(case, paths)
     entries = [_entry(case, name, path) for name in paths]
     columns: list[list[Value]] = [[] for _ in entries]
     for number, row in enumerate(rows[1:], start=2):
@@ -143,7 +144,7 @@ def read_list(path: Path, case: Case) -> tuple[tuple[Parameter, ...], FloatArray
         column if one.numeric else [one.levels.index(value) for value in column]
         for one, column in zip(parameters, columns, strict=True)
     ]
-    return parameters, np.array(numbers, dtype=float).T
+    return case, parameters, np.array(numbers, dtype=float).T
 
 
 def _wrong(path: Path, what: str) -> InputError:

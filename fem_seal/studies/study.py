@@ -16,7 +16,7 @@ from fem_seal.case.drawing_words import said_twice
 from fem_seal.case.messages import problems
 from fem_seal.case.paths import entry_at, with_open_materials
 from fem_seal.errors import InputError
-from fem_seal.files import UnreadableFileError, read_text, read_toml
+from fem_seal.files import read_toml
 from fem_seal.former_names import in_present_entries, in_present_words
 from fem_seal.studies import designs
 from fem_seal.studies.parameters import Parameter, read_parameter
@@ -140,9 +140,7 @@ class Study(StudyPlan):
                 raise InputError.at(
                     "design.file", 'is missing; kind = "list" takes its designs from a CSV file'
                 )
-            heading = _first_row(folder / design.file)
-            self.case = with_open_materials(case, heading)
-            self.parameters, self.points = designs.read_list(folder / design.file, self.case)
+            self.case, self.parameters, self.points = designs.read_list(folder / design.file, case)
             self.parameters = tuple(_placed(one, folder) for one in self.parameters)
         else:
             self.parameters = _read_parameters(case, read.parameters, folder)
@@ -357,12 +355,3 @@ def _placed(parameter: Parameter, folder: Path) -> Parameter:
     if not parameter.name.endswith(".file"):
         return parameter
     return Parameter(parameter.entry, tuple(str(folder / str(level)) for level in parameter.levels))
-
-
-def _first_row(path: Path) -> list[str]:
-    try:
-        first, _, _ = read_text(path).partition("\n")
-    except (UnreadableFileError, UnicodeDecodeError):
-        # `read_list` says what is wrong with it
-        return []
-    return [in_present_words(cell.split("[")[0].strip()) for cell in first.split(",")]
