@@ -20,12 +20,6 @@ if TYPE_CHECKING:
 
 _MOST_LEVELS = 100_000
 RANGE_KEYS = ("start", "stop", "num", "spacing")
-DISTRIBUTIONS: dict[str, tuple[str, ...]] = {
-    "uniform": ("low", "high"),
-    "log-uniform": ("low", "high"),
-    "normal": ("mean", "std"),
-    "lognormal": ("median", "relative"),
-}
 
 
 @dataclass(frozen=True)
@@ -176,10 +170,10 @@ def _distribution(entry: Entry, key: str, given: Mapping[str, Any]) -> Distribut
         raise InputError.at(f"{key}.distribution", f"must be one of {listed}", shown(kind))
     if not entry.numeric:
         raise InputError.at(key, "holds words, which have no distribution; write a list")
-    numbers = DISTRIBUTIONS[kind]
+    numbers, make = DISTRIBUTIONS[kind]
     example = "{ " + ", ".join([f'distribution = "{kind}"', *(f"{one} = ..." for one in numbers)]) + " }"
     _check_keys(key, given, ("distribution", *numbers), numbers, example)
-    made = _MAKE[kind](entry, key, given)
+    made = make(entry, key, given)
     for bound in made.bounds:
         try:
             entry.check(bound)
@@ -216,11 +210,12 @@ def _lognormal(entry: Entry, key: str, given: Mapping[str, Any]) -> Distribution
     return LogNormal(median, float(relative))
 
 
-_MAKE: dict[str, Callable[[Entry, str, Mapping[str, Any]], Distribution]] = {
-    "uniform": _uniform,
-    "log-uniform": _uniform,
-    "normal": _normal,
-    "lognormal": _lognormal,
+# Keys of each distribution, and what makes it of them.
+DISTRIBUTIONS: dict[str, tuple[tuple[str, ...], Callable[[Entry, str, Mapping[str, Any]], Distribution]]] = {
+    "uniform": (("low", "high"), _uniform),
+    "log-uniform": (("low", "high"), _uniform),
+    "normal": (("mean", "std"), _normal),
+    "lognormal": (("median", "relative"), _lognormal),
 }
 
 

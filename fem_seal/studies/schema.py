@@ -41,7 +41,7 @@ def _parameter() -> dict[str, Any]:
             "if": {"properties": {"distribution": {"const": name}}},
             "then": _only({key: {} for key in ("distribution", *keys)}, keys),
         }
-        for name, keys in DISTRIBUTIONS.items()
+        for name, (keys, _) in DISTRIBUTIONS.items()
     ]
     distribution = {"properties": {"distribution": {"enum": list(DISTRIBUTIONS)}}, "allOf": one_of_them}
     return {
