@@ -39,6 +39,8 @@ _PICTURES = {
     "profile": "Contact pressure across the seat",
     "gap": "Gap across the seat",
 }
+# Elements whose contents follow the sliders.
+_FOLLOWS = ("verdict", "numbers", "warnings", "compare", "problem", "lost", "state")
 _GRAPH = {"displaylogo": False, "responsive": True, "displayModeBar": False}
 _TALL = {"height": f"{HEIGHT}px"}
 
@@ -93,17 +95,11 @@ def _layout(answers: Answers, title: str, name: str) -> html.Div:
         children=[
             dcc.Store(id="meta", data=meta),
             dcc.Store(id="entered", data={}),
-            dcc.Store(id="judged"),
             dcc.Store(id="typed", data={}),
-            dcc.Store(id="asked"),
-            dcc.Store(id="shown"),
-            dcc.Store(id="poke"),
-            dcc.Store(id="news"),
             dcc.Store(id="pins", data=[], storage_type="session"),
-            dcc.Store(id="dark"),
+            *map(dcc.Store, ("judged", "asked", "shown", "poke", "news", "dark", "report-folder")),
             dcc.Interval(id="again", interval=_ASK_AGAIN),
             dcc.Interval(id="report-again", interval=500, disabled=True),
-            dcc.Store(id="report-folder"),
             html.Header([html.H1(title), html.Span("", id="state", className="state", role="status")]),
             html.Div(
                 className="columns",
@@ -254,16 +250,10 @@ def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
 
     outputs = {
         "figures": [Output(f"graph-{key}", "figure") for key in _PICTURES],
-        "verdict": Output("verdict", "children"),
-        "numbers": Output("numbers", "children"),
-        "warnings": Output("warnings", "children"),
-        "compare": Output("compare", "children"),
-        "problem": Output("problem", "children"),
-        "lost": Output("lost", "children"),
+        **{name: Output(name, "children") for name in _FOLLOWS},
         "wrong": Output({"kind": "wrong", "key": ALL}, "children"),
         "rows": Output({"kind": "row", "key": ALL}, "className"),
         "results": Output("results", "className"),
-        "state": Output("state", "children"),
         "again": Output("again", "interval"),
         "shown": Output("shown", "data"),
     }
