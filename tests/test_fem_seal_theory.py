@@ -18,7 +18,8 @@ from fem_seal.seal.problem import SealProblem
 from fem_seal.studies.responses import evaluate_design
 from fem_seal.studies.session import run_study
 from leak import Reading
-from leak.flow.leak_rate import leak_through
+from leak.flow.leak_rate import flow_through
+from leak.flow.permeant import LiquidPermeant
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 CORRECTED = {"leak.theory": "corrected"}
@@ -91,7 +92,7 @@ def test_where_the_points_of_a_contact_end_does_not_matter(theory, relative):
         p = np.exp(law.log_pressure(gap))
         contact = fem_seal.PressureProfile(x, np.full(400, 0.014), p, gap, np.gradient(x)).contact
         # at worst the law leaves the parabola of ln p over the gap by so much; by ln p over x it is 1e-2
-        assert leak_through(contact, x, sigma, 1e5).leak_rate == pytest.approx(exact, rel=2e-4)
+        assert flow_through(contact, x, p, LiquidPermeant.of(sigma, 1e5))[0] == pytest.approx(exact, rel=2e-4)
         assert all((tail.bend > 0.0) == (theory == "corrected") for tail in contact.tails)
 
 

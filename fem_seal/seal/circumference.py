@@ -17,7 +17,6 @@ from fem_seal.contact.waves import Stiffening
 from fem_seal.errors import OpenSealError
 from fem_seal.profile import PressureProfile, remembered
 from fem_seal.units import share_text
-from leak import GasLeakResult, LeakResult
 
 if TYPE_CHECKING:
     from fem_seal.arrays import FloatArray
@@ -25,7 +24,7 @@ if TYPE_CHECKING:
     from fem_seal.contact.solution import ContactSolution
     from fem_seal.form import FormError
     from fem_seal.seal.leak_model import ProfileFlow
-    from leak import LeakBounds
+    from leak import LeakBounds, LeakResult
 
 # Angles for each wave of the highest harmonic.
 ANGLES_PER_WAVE = 64
@@ -182,7 +181,7 @@ class Around:
         total = float(each.mean()) + sum(one.largest_extra for one in bounds)
         if bounds and not most.leak_rate > 0:
             # nothing flows through the roughness, but along the grooves
-            most = _above_outlet(max((one.upper for one in bounds), key=lambda one: one.leak_rate))
+            most = max((one.upper for one in bounds), key=lambda one: one.leak_rate).above_outlet
         return replace(self, leak_rate=each / (2 * math.pi), leak=most.scaled(total), bounds=bounds)
 
     def profile_at(self, angle: float | None) -> PressureProfile:
@@ -365,10 +364,6 @@ def _between(rungs: FloatArray, rates: FloatArray, v: FloatArray) -> FloatArray:
     curve, last = interpolator(rungs[leaks], np.log(rates[leaks])), rungs[leaks][-1]
     with np.errstate(under="ignore"):
         return np.where(v <= last, np.exp(curve(np.minimum(v, last))), 0.0)
-
-
-def _above_outlet(flow: LeakResult | GasLeakResult) -> LeakResult:
-    return flow.above_outlet if isinstance(flow, GasLeakResult) else flow
 
 
 def around_after(

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
         PressureLaw,
         RoughContact,
     )
+    from leak.flow.permeant import Permeant
 
 
 # Decades between the highest pressure and the end of a table.
@@ -201,6 +202,24 @@ class Flow:
         """
         return self.table_around(surface, log_peaks(contacts))
 
+    def permeant(self, table: Conductivity, fluid_pressure: float) -> Permeant:
+        """What flows at a pressure difference.
+
+        Parameters
+        ----------
+        table : ConductivityTable or GasConductivityTable
+        fluid_pressure : float
+            Pressure difference [Pa].
+        """
+        from leak.flow.permeant import GasPermeant, LiquidPermeant
+
+        if isinstance(table, leak.ConductivityTable):
+            sigma = table.at(self.viscosity)
+            return LiquidPermeant.of(sigma, fluid_pressure, self.pressure_law, self.viscosity, self.density)
+        assert self.gas is not None  # the table is one of a gas
+        outlet = self.outlet_pressure
+        return GasPermeant.of(table, self.gas, outlet + fluid_pressure, outlet)
+
     def conductivity_at(self, table: Conductivity, pressure: FloatArray, fluid_pressure: float) -> FloatArray:
         """sigma_eff at contact pressures, of a gas at the mean of its pressures at both ends [m^3/(Pa s)].
 
@@ -217,12 +236,17 @@ class Flow:
         ndarray, shape (n,)
             Zero where sealed.
         """
-        log_pressure = np.log(pressure)
+        sigma = self._sigma(table, np.log(pressure))
+        return sigma(np.array(self.outlet_pressure + 0.5 * fluid_pressure)) if callable(sigma) else sigma
+
+    def _sigma(
+        self, table: Conductivity, log_pressure: FloatArray
+    ) -> FloatArray | Callable[[FloatArray], FloatArray]:
+        """sigma_eff at ln(p/Pa), of a gas over its pressure."""
         if isinstance(table, leak.ConductivityTable):
             return table.at(self.viscosity).at_log_pressure(log_pressure)
         assert self.gas is not None  # the table is one of a gas
-        mean = np.array(self.outlet_pressure + 0.5 * fluid_pressure)
-        return leak.rarefied_conductivity(table, self.gas, log_pressure)(mean)
+        return leak.rarefied_conductivity(table, self.gas, log_pressure)
 
     def leak_of(self, table: Conductivity, profile: PressureProfile, fluid_pressure: float) -> LeakResult:
         """Leak of one contact.
@@ -241,37 +265,24 @@ class Flow:
         LeakResult
             A `leak.CoupledLeakResult` for fluid_in_gap = "local".
         """
-        x, pressure, radius, ends = profile.x, profile.pressure, profile.radius, profile.ends
-        side = self.pressure_side
-        if isinstance(table, leak.ConductivityTable):
-            sigma, law = table.at(self.viscosity), self.pressure_law
-            if self.fluid_in_gap == "local":
-                assert profile.largest is None  # the case's own checks refuse it
-                found: LeakResult = leak.coupled_leak_flow(
-                    x,
-                    pressure,
-                    sigma,
-                    fluid_pressure,
-                    radius,
-                    pressure_side=side,
-                    ends=ends,
-                    pressure_law=law,
-                )
-            else:
-                from leak.flow.leak_rate import leak_through
+        x, pressure, side = profile.x, profile.pressure, self.pressure_side
+        if self.fluid_in_gap == "local" and isinstance(table, leak.ConductivityTable):
+            assert profile.largest is None  # the case's own checks refuse it
+            return leak.coupled_leak_flow(
+                x,
+                pressure,
+                table.at(self.viscosity),
+                fluid_pressure,
+                profile.radius,
+                pressure_side=side,
+                ends=profile.ends,
+                pressure_law=self.pressure_law,
+            ).with_density(self.density)
+        from leak.flow.leak_rate import flow_through
 
-                contact = profile.after_largest(sigma)
-                found = leak_through(contact, x, sigma, fluid_pressure, pressure_side=side, pressure_law=law)
-            return found.with_density(self.density)
-        gas, outlet = self.gas, self.outlet_pressure
-        assert gas is not None  # the table is one of a gas
-        inlet = outlet + fluid_pressure
-        from leak.flow.gas_flow import gas_leak_through
-
+        permeant = self.permeant(table, fluid_pressure)
         contact = profile.after_largest(table)
-        return gas_leak_through(
-            contact, x, pressure, table, gas, inlet, outlet, pressure_side=side
-        ).above_outlet
+        return permeant.result(*flow_through(contact, x, pressure, permeant, side)).above_outlet
 
     def bounds(
         self,
@@ -293,39 +304,14 @@ class Flow:
             Pressure difference [Pa].
         grooves : sequence of Groove
         """
-        x, p, radius = profile.x, profile.pressure, profile.radius
-        side, ends, modulus = self.pressure_side, profile.ends, surface.effective_modulus
-        if isinstance(table, leak.ConductivityTable):
-            found = leak.scratch_flow(
-                x,
-                p,
-                grooves,
-                table.at(self.viscosity),
-                fluid_pressure,
-                radius,
-                viscosity=self.viscosity,
-                effective_modulus=modulus,
-                pressure_side=side,
-                ends=ends,
-                largest_pressure=profile.largest,
-                pressure_law=self.pressure_law,
-            )
-            return replace(found, upper=found.upper.with_density(self.density))
-        assert self.gas is not None  # the table is one of a gas
-        return leak.gas_scratch_flow(
-            x,
-            p,
-            grooves,
-            table,
-            self.gas,
-            self.outlet_pressure + fluid_pressure,
-            self.outlet_pressure,
-            radius,
-            effective_modulus=modulus,
-            pressure_side=side,
-            ends=ends,
-            largest_pressure=profile.largest,
-        )
+        from leak.flow.contact_profile import checked_profile, profile_after
+        from leak.flow.scratch import flow_along
+
+        permeant = self.permeant(table, fluid_pressure)
+        points = checked_profile(profile.x, profile.pressure, profile.radius)
+        contact = profile_after(*points, profile.ends, profile.largest, table)
+        modulus, side = surface.effective_modulus, self.pressure_side
+        return flow_along(contact, *points[:2], grooves, permeant, permeant.result, modulus, side)
 
     def goes_round(
         self,
@@ -346,26 +332,13 @@ class Flow:
         fluid_pressure : float
             Pressure difference [Pa].
         """
+        from leak.flow.around import flow_round
+
         with np.errstate(divide="ignore"):
             log_pressure = np.maximum(np.log(pressure.T), -600.0)
-        side = self.pressure_side
-        if isinstance(table, leak.ConductivityTable):
-            sigma = table.at(self.viscosity).at_log_pressure(log_pressure)
-            # psi of a liquid that thickens obeys the same equation: it changes no share
-            found = leak.around_flow(profile.x, profile.radius, sigma, fluid_pressure, pressure_side=side)
-            return found.leak_rate / found.radial_leak_rate - 1.0
-        assert self.gas is not None  # the table is one of a gas
-        field, outlet = leak.rarefied_conductivity(table, self.gas, log_pressure), self.outlet_pressure
-        of_gas = leak.gas_around_flow(
-            profile.x,
-            profile.radius,
-            field,
-            self.gas,
-            outlet + fluid_pressure,
-            outlet,
-            pressure_side=side,
-        )
-        return of_gas.mass_flow / of_gas.radial_mass_flow - 1.0
+        permeant, sigma = self.permeant(table, fluid_pressure), self._sigma(table, log_pressure)
+        found = leak.AroundFlow(*flow_round(profile.x, profile.radius, sigma, permeant, self.pressure_side))
+        return found.leak_rate / found.radial_leak_rate - 1.0
 
 
 def as_first_loaded(table: Conductivity, profile: PressureProfile) -> PressureProfile:

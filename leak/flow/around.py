@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from leak.arrays import FloatArray
-from leak.errors import ConductivityError, ProfileError, positive
+from leak.errors import ConductivityError
 from leak.flow.conductivity import GasConductivity, log_rarefied_flow
-from leak.flow.contact_profile import checked_profile, checked_side
-from leak.flow.gas_flow import checked_outlet
+from leak.flow.contact_profile import checked_profile
+from leak.flow.permeant import GasPermeant, LiquidPermeant, Permeant, potential_ends
 from leak.fluids.pressure_law import FlowPotential, PressureLaw
 from leak.fluids.properties import Gas
 from leak.fluids.real_gas import GasPotential
@@ -157,17 +157,8 @@ def around_flow(
     >>> print(f"{found.leak_rate:.4e}")
     1.7593e-07
     """
-    xs, rs = _checked_ring(x, radius)
-    drop = positive(ProfileError, "pressure_drop", pressure_drop, "Pa")
-    checked_side(pressure_side)
-    ring = _Ring(xs, rs, _checked_conductivity(conductivity, xs.size))
-    potential = FlowPotential(pressure_law, drop)
-    whole = float(potential(drop))
-    first, last = (0.0, whole) if pressure_side == "outer" else (whole, 0.0)
-    found = ring.solved(first, last)
-    edges = (found.last, found.first) if pressure_side == "outer" else (found.first, found.last)
-    pressure = potential.pressure(found.potential)
-    return AroundFlow(found.flow, edges[0], edges[1], ring.radial * whole, pressure)
+    liquid = LiquidPermeant.of(None, pressure_drop, pressure_law)
+    return AroundFlow(*flow_round(x, radius, conductivity, liquid, pressure_side))
 
 
 def gas_around_flow(
@@ -219,23 +210,8 @@ def gas_around_flow(
     >>> round(found.mass_flow / exact, 2)
     1.0
     """
-    xs, rs = _checked_ring(x, radius)
-    p_in = positive(ProfileError, "inlet_pressure", inlet_pressure, "Pa")
-    p_out = checked_outlet(p_in, outlet_pressure)
-    checked_side(pressure_side)
-    low, high = (p_out, p_in) if pressure_side == "outer" else (p_in, p_out)
-    per_density = gas.specific_gas_constant * gas.temperature
-    of = GasPotential(gas.real, p_in)
-    across = _gas_state(xs, rs, conductivity, (low, high), of, around=False)
-    found = _gas_state(xs, rs, conductivity, (low, high), of, around=True)
-    edges = (found.last, found.first) if pressure_side == "outer" else (found.first, found.last)
-    return AroundGasFlow(
-        found.flow / per_density,
-        edges[0] / per_density,
-        edges[1] / per_density,
-        0.5 * (across.first + across.last) / per_density,
-        of.pressure(2.0 * found.potential),
-    )
+    permeant = GasPermeant.of(None, gas, inlet_pressure, outlet_pressure)
+    return AroundGasFlow(*flow_round(x, radius, conductivity, permeant, pressure_side))
 
 
 def rarefied_conductivity(
@@ -280,29 +256,54 @@ def rarefied_conductivity(
     return sigma
 
 
-def _gas_state(
+def flow_round(
+    x: ArrayLike,
+    radius: ArrayLike,
+    conductivity: ArrayLike | GasConductivityField,
+    permeant: Permeant,
+    pressure_side: str,
+) -> tuple[float, FloatArray, FloatArray, FloatArray, FloatArray]:
+    """What an `AroundFlow` holds, of any fluid.
+
+    Parameters
+    ----------
+    x, radius, conductivity, pressure_side
+        See `gas_around_flow`.
+    permeant : LiquidPermeant or GasPermeant
+        Whose own conductivity is not asked.
+    """
+    xs, _, rs = checked_profile(x, np.ones(np.shape(x)), radius)
+    ends = potential_ends(permeant, pressure_side)
+    if callable(conductivity):
+        across, found = (
+            _swept(xs, rs, conductivity, ends, permeant.potential, around) for around in (False, True)
+        )
+        radial = 0.5 * (across.first + across.last)
+    else:
+        ring = _Ring(xs, rs, _checked_conductivity(conductivity, xs.size))
+        found, radial = ring.solved(*ends), ring.radial * abs(ends[1] - ends[0])
+    high, low = (found.last, found.first) if pressure_side == "outer" else (found.first, found.last)
+    c = permeant.per_potential
+    return c * found.flow, c * high, c * low, c * radial, permeant.potential.pressure(found.potential)
+
+
+def _swept(
     x: FloatArray,
     radius: FloatArray,
-    conductivity: ArrayLike | GasConductivityField,
+    conductivity: GasConductivityField,
     ends: tuple[float, float],
-    of: GasPotential,
-    *,
+    potential: FlowPotential | GasPotential,
     around: bool,
 ) -> _Solved:
-    """Solution in the potential w/2, p_f^2/2 of an ideal gas, with or without links around the contact."""
-    first, last = (0.5 * float(of(end)) for end in ends)
-    if not callable(conductivity):
-        ring = _Ring(x, radius, _checked_conductivity(conductivity, x.size), around)
-        return ring.solved(first, last)
-    known = np.linspace(0.0, 1.0, x.size)[:, None]
-    columns = np.asarray(conductivity(np.full((x.size, 1), max(ends)))).shape[-1]
-    pressure = of.pressure(2.0 * (first + (last - first) * known)) * np.ones(columns)
+    """Solution with the conductivity at the fluid pressure that belongs to it."""
+    first, last = ends
+    pressure = potential.pressure(first + (last - first) * np.linspace(0.0, 1.0, x.size)[:, None])
+    pressure = pressure * np.ones(np.asarray(conductivity(np.full((x.size, 1), pressure.max()))).shape[-1])
     before = np.inf
     for _ in range(_MOST_ITERATIONS):
         at = np.maximum(pressure, _VACUUM)
-        ring = _Ring(x, radius, _checked_conductivity(conductivity(at), x.size), around)
-        found = ring.solved(first, last)
-        new = of.pressure(2.0 * found.potential)
+        found = _Ring(x, radius, _checked_conductivity(conductivity(at), x.size), around).solved(first, last)
+        new = potential.pressure(found.potential)
         if abs(found.flow - before) <= _CONVERGED * found.flow:
             return found
         before = found.flow
@@ -454,11 +455,6 @@ def _harmonic_mean(values: FloatArray) -> FloatArray:
     """Of neighbours along the first axis; zero where one of them is zero."""
     with np.errstate(divide="ignore", over="ignore"):
         return np.asarray(2.0 / (1.0 / values[1:] + 1.0 / values[:-1]))
-
-
-def _checked_ring(x: ArrayLike, radius: ArrayLike) -> tuple[FloatArray, FloatArray]:
-    xs, _, rs = checked_profile(x, np.ones(np.shape(x)), radius)
-    return xs, rs
 
 
 def _checked_conductivity(conductivity: ArrayLike, rows: int) -> FloatArray:

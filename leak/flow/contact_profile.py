@@ -76,18 +76,10 @@ class Panels:
     first_loading: FloatArray
     """ln p* of first loading that lets as much through, ln p where nothing larger is remembered."""
 
-    def integral(self, values: FloatArray) -> FloatArray:
-        """int values dx over each stretch, shape (stretches,)."""
-        weights = 0.5 * gauss(values.shape[1])[1]
-        return (values * self.stretch * weights).sum(axis=1)
-
     @property
-    def quadrature(self) -> FloatArray:
-        """Matrix from values at the points of a stretch to their integrals over s: up to each point, and over all.
-
-        Shape (points, points + 1).
-        """
-        return _quadrature(self.stretch.shape[1])
+    def up_to_points(self) -> FloatArray:
+        """Matrix from weighted values at the points of a stretch to the integral up to each, shape (points, points)."""
+        return _up_to_points(self.stretch.shape[1])
 
 
 @dataclass(frozen=True, eq=False)
@@ -446,18 +438,17 @@ def _hermite(t: FloatArray, d0: FloatArray, d1: FloatArray, rise: FloatArray) ->
 
 
 @lru_cache(maxsize=8)
-def _quadrature(count: int) -> FloatArray:
-    """From values at Gauss points on (0, 1): the integral of their interpolant from 0 to each point and to 1."""
+def _up_to_points(count: int) -> FloatArray:
+    """From values at Gauss points on (0, 1) times their weights: the integral of their interpolant up to each."""
     legendre = np.polynomial.legendre
-    t, w = gauss(count)
-    degree = np.arange(count)
-    to_coefficients = (degree + 0.5)[:, None] * legendre.legvander(t, count - 1).T * w
+    t, degree = gauss(count)[0], np.arange(count)
+    to_coefficients = (degree + 0.5)[:, None] * legendre.legvander(t, count - 1).T
     P = legendre.legvander(t, count)
     antiderivative = np.empty((count, count))
     antiderivative[:, 0] = t + 1.0
     for k in range(1, count):
         antiderivative[:, k] = (P[:, k + 1] - P[:, k - 1]) / (2 * k + 1)
-    return 0.5 * np.column_stack([(antiderivative @ to_coefficients).T, w])
+    return np.asarray((antiderivative @ to_coefficients).T)
 
 
 def checked_profile(
@@ -533,6 +524,20 @@ def after_largest(
         return profile
     inner, outer = (0.0 if tail is None else tail.bend for tail in profile.tails)
     return profile.after(ContactProfile.through(x, most, r, ends, (inner, outer)), conductivity)
+
+
+def profile_after(
+    x: FloatArray,
+    p: FloatArray,
+    r: FloatArray,
+    ends: tuple[float | None, float | None] | None,
+    largest: ArrayLike | None,
+    conductivity: object,
+) -> ContactProfile:
+    """The contact through checked points, after its largest pressures if a conductivity remembers them."""
+    places = checked_ends(ends)
+    profile = ContactProfile.through(x, p, r, places)
+    return profile if conductivity is None else after_largest(profile, x, r, largest, places, conductivity)
 
 
 def checked_ends(ends: tuple[float | None, float | None] | None) -> tuple[float, float]:

@@ -1,120 +1,37 @@
-"""The leak integral: how much fluid a pressure profile lets through."""
+"""The leak integral: how much fluid a pressure profile lets through, a liquid or a gas at one temperature."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass, field, replace
-from typing import Protocol, Self, cast, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from leak.arrays import FloatArray
-from leak.errors import ProfileError, positive
-from leak.flow.contact_profile import (
-    SMALLEST_LOG_PRESSURE,
-    ContactProfile,
-    after_largest,
-    checked_ends,
-    checked_profile,
-    checked_side,
+from leak.flow.conductivity import GasConductivity
+from leak.flow.contact_profile import ContactProfile, checked_profile, profile_after
+from leak.flow.leak_result import GasLeakResult, LeakResult
+from leak.flow.permeant import (
+    Function,
+    GasPermeant,
+    LiquidPermeant,
+    LogConductivity,
+    Permeant,
+    SigmaOfPressure,
+    gap_of,
+    gas_table,
+    potential_ends,
+    through_values,
 )
-from leak.fluids.pressure_law import PressureLaw, flow_potential
-from leak.numerics.curves import MonotoneCurve, spline_slopes
+from leak.flow.rough_contact import RoughContact
+from leak.fluids.pressure_law import PressureLaw
+from leak.fluids.properties import Gas
 
-
-@runtime_checkable
-class LogConductivity(Protocol):
-    """A conductivity that can also be asked by ln p, where p underflows."""
-
-    def at_log_pressure(self, log_pressure: ArrayLike) -> FloatArray:
-        """sigma_eff at ln(p/Pa) [m^3/(Pa s)]."""
-
-
-SigmaOfPressure = Callable[[FloatArray], ArrayLike]
-
-
-@dataclass(frozen=True, eq=False)
-class LeakResult:
-    """Flow of a liquid or a gas through a ring-shaped contact.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> import leak
-    >>> x = np.linspace(-0.5e-3, 0.5e-3, 101)
-    >>> p = 50e6 * np.exp(-(x / 0.2e-3) ** 2)
-    >>> found = leak.leak_flow(x, p, lambda p: 1e-10 / p, 1e5, 0.014)
-    >>> found.resistance * found.leak_rate
-    100000.0
-    """
-
-    leak_rate: float
-    """Q at atmospheric pressure, of a gas at 101325 Pa and its temperature [m^3/s]; zero where sealed."""
-    resistance: float
-    """Pressure drop over Q [Pa s/m^3]; infinite where sealed."""
-    fluid_pressure: FloatArray
-    """Fluid pressure above the low side at the points x of the profile, shape (n,) [Pa]."""
-    mass_flow: float | None = field(default=None, kw_only=True)
-    """[kg/s]; None as long as no density is known, see `with_density`."""
-    throughput: float | None = field(default=None, kw_only=True)
-    """pV flow of a gas [Pa m^3/s]; None for a liquid."""
-    standard_leak_rate: float | None = field(default=None, kw_only=True)
-    """Volume flow of a gas at 0 degC and 101325 Pa [m^3/s]; None for a liquid."""
-    knudsen_number: float | None = field(default=None, kw_only=True)
-    """Of a gas: mean free path over u_eff at the peak contact pressure, infinite where sealed; None for a liquid."""
-
-    def with_density(self, density: float | None) -> Self:
-        """The same flow of a liquid with its mass.
-
-        Parameters
-        ----------
-        density : float or None
-            At atmospheric pressure, where the leak rate is counted [kg/m^3]; None leaves the mass unknown.
-
-        Examples
-        --------
-        >>> drops = LeakResult(1e-9, 1e15, np.zeros(3))
-        >>> f"{drops.with_density(1000.0).mass_flow:.1e}"
-        '1.0e-06'
-        """
-        return self if density is None else replace(self, mass_flow=density * self.leak_rate)
-
-    def scaled(self, leak_rate: float) -> Self:
-        """The same flow with another leak rate; mass and pV flow go with it.
-
-        Parameters
-        ----------
-        leak_rate : float
-            [m^3/s]
-
-        Returns
-        -------
-        LeakResult
-            The same one if the contact is sealed or open: there is nothing to scale.
-
-        Examples
-        --------
-        >>> drops = LeakResult(1e-9, 1e15, np.zeros(3)).with_density(1000.0)
-        >>> f"{drops.scaled(2e-9).mass_flow:.1e}"
-        '2.0e-06'
-        """
-        if not 0.0 < self.leak_rate < math.inf:
-            return self
-        share = leak_rate / self.leak_rate
-
-        def times(value: float | None) -> float | None:
-            return None if value is None else share * value
-
-        return replace(
-            self,
-            leak_rate=leak_rate,
-            resistance=self.resistance / share if share else math.inf,
-            mass_flow=times(self.mass_flow),
-            throughput=times(self.throughput),
-            standard_leak_rate=times(self.standard_leak_rate),
-        )
+# Eight are usual, with a vacuum ahead of wide gaps thirty.
+_MOST_SWEEPS = 200
+_CONVERGED = 1e-11
+# So many sweeps before the last are mixed with it; plain ones would swing with a vacuum ahead of wide gaps.
+_MIXED = 4
 
 
 def leak_rate(
@@ -238,119 +155,198 @@ def leak_flow(
     >>> f"{thick.leak_rate / thin.leak_rate:.6f} {1.0 - np.exp(-1.0):.6f}"
     '0.632121 0.632121'
     """
-    x_all, p_all, r_all = checked_profile(x, p, radius)
-    places = checked_ends(ends)
-    profile = ContactProfile.through(x_all, p_all, r_all, places)
-    profile = after_largest(profile, x_all, r_all, largest_pressure, places, conductivity)
+    xs, ps, rs = checked_profile(x, p, radius)
+    profile = profile_after(xs, ps, rs, ends, largest_pressure, conductivity)
     if not (callable(conductivity) or isinstance(conductivity, LogConductivity)):
-        conductivity = _through_values(p_all, conductivity)
-    return leak_through(
-        profile, x_all, conductivity, pressure_drop, pressure_side=pressure_side, pressure_law=pressure_law
-    )
+        conductivity = through_values(ps, conductivity)
+    liquid = LiquidPermeant.of(conductivity, pressure_drop, pressure_law)
+    return liquid.result(*flow_through(profile, xs, ps, liquid, pressure_side))
 
 
-def leak_through(
-    profile: ContactProfile,
-    x: FloatArray,
-    conductivity: SigmaOfPressure | LogConductivity,
-    pressure_drop: float,
+def gas_leak_flow(
+    x: ArrayLike,
+    p: ArrayLike,
+    surface: RoughContact | GasConductivity,
+    gas: Gas,
+    inlet_pressure: float,
+    outlet_pressure: float,
+    radius: ArrayLike,
     *,
     pressure_side: str = "outer",
-    pressure_law: PressureLaw | None = None,
-) -> LeakResult:
-    """`leak_flow` through a profile between and beyond its points, of which several conductivities may make use.
+    method: str = "bruggeman",
+    ends: tuple[float | None, float | None] | None = None,
+    largest_pressure: ArrayLike | None = None,
+) -> GasLeakResult:
+    """Mass flow of a gas through a contact pressure profile.
+
+    The constant mass flow G obeys dp_f/dx = -G/(2 pi r rho(p_f) sigma_eff(p, p_f)) with rho = p_f/(R_s T), or that of a
+    real gas, and sigma_eff of the rarefied gas. The gas pressure must be small against the contact pressure.
+
+    Parameters
+    ----------
+    x : array_like
+        Arc length across the contact, strictly increasing, shape (n,), n >= 3 [m].
+    p : array_like
+        Nominal contact pressure there, not negative, shape (n,) [Pa].
+    surface : RoughContact or GasConductivity
+        The rough interface, or its table from `gas_conductivity_table`.
+    gas : Gas
+        From `leak.gas`.
+    inlet_pressure, outlet_pressure : float
+        Absolute gas pressures; zero at the outlet is vacuum [Pa].
+    radius : float or array_like
+        Distance from the axis r, one number or one per point [m].
+    pressure_side : {"outer", "inner"}
+        Side of the inlet: larger or smaller x.
+    method : {"bruggeman", "critical-junction", "threshold-law"}
+        See `RoughContact.effective_separation`; for a `RoughContact` only.
+    ends : tuple of float or None, optional
+        x at which the faces end, see `leak.leak_flow` [m].
+    largest_pressure : array_like, optional
+        Largest nominal pressure that each place has carried before, see `leak.leak_flow` [Pa].
+
+    Raises
+    ------
+    ProfileError
+        The profile or another input cannot be used; the message says which value.
+
+    Notes
+    -----
+    With ds = dx/(2 pi r u_eff^3), F = 12 eta sigma_eff/u_eff^3 and w = p_f^2 + 2 c p_f the equation is
+    dw/ds = -24 eta R_s T G (p_f + c)/(p_f F). In the continuum F = 1, free molecules have F ~ 1/p_f, and slip
+    p_f F = p_f + c with c = 6 (1.0162) eta v0/u: taken at the narrowest place, the right side hardly depends on p_f in
+    all three. It is integrated with the last p_f, over and over; a vacuum at the outlet is no special case. A real gas
+    has q = (p_f/Z)(eta0/eta) in place of p_f on the right side and in F, and w = int 2 (q + c) dp_f.
+
+    Examples
+    --------
+    >>> from leak import PowerSpectrum, gas, gaussian_line
+    >>> spectrum = PowerSpectrum.self_affine(
+    ...     rms_height=0.2e-6, hurst=0.8, q_low=1e4, q_rolloff=1e5, q_high=1e7
+    ... )
+    >>> surface = RoughContact(spectrum, effective_modulus=115e9)
+    >>> line = gaussian_line(line_load=20e3, radius=0.02, u0=0.1e-6)
+    >>> x = np.linspace(-4, 4, 201) * line.std
+    >>> leak = gas_leak_flow(x, line.pressure(x), surface, gas("helium"), 1e5, 0.0, 0.0141421)
+    >>> leak.throughput > 0.0
+    True
+    """
+    xs, ps, rs = checked_profile(x, p, radius)
+    table = gas_table(surface, ps, largest_pressure, method)
+    permeant = GasPermeant.of(table, gas, inlet_pressure, outlet_pressure)
+    profile = profile_after(xs, ps, rs, ends, largest_pressure, table)
+    return permeant.result(*flow_through(profile, xs, ps, permeant, pressure_side))
+
+
+# -------------------------------------------------------------------- of any fluid
+
+
+def flow_through(
+    profile: ContactProfile,
+    x: FloatArray,
+    p: FloatArray,
+    permeant: Permeant,
+    pressure_side: str = "outer",
+) -> tuple[float, FloatArray, int, float]:
+    """Flow through a profile between and beyond its points, of which several fluids may make use.
 
     Parameters
     ----------
     profile : ContactProfile
-    x : ndarray, shape (n,)
-        Where the fluid pressure is wanted [m].
-    conductivity, pressure_drop, pressure_side, pressure_law
+    x, p : ndarray, shape (n,)
+        Its points [m], where the fluid pressure is wanted, and the contact pressure there [Pa].
+    permeant : LiquidPermeant or GasPermeant
+    pressure_side : {"outer", "inner"}
         See `leak_flow`.
+
+    Returns
+    -------
+    flow, pressure, peak, gap
+        What `permeant.result` takes; the gap only of a gas.
     """
-    drop = positive(ProfileError, "pressure_drop", pressure_drop, "Pa")
-    checked_side(pressure_side)
-    inner_tail, cells, outer_tail = _resistances(profile, by_log_pressure(conductivity))
-    total = inner_tail + float(cells.sum()) + outer_tail
-    below = np.concatenate([[0.0], np.cumsum(cells)])
-    if np.isinf(total):
-        fraction_at_nodes = _sealed_fraction(inner_tail, cells, outer_tail)
-    else:
-        fraction_at_nodes = (inner_tail + below) / total
-    fraction = np.interp(x, profile.x, fraction_at_nodes)
-    if pressure_side == "inner":
-        fraction = 1.0 - fraction
-    potential = flow_potential(pressure_law, drop)
-    whole = potential.whole
-    rate = 0.0 if np.isinf(total) else whole / total
-    return LeakResult(rate, drop / rate if rate > 0.0 else float("inf"), potential.pressure(whole * fraction))
-
-
-def _resistances(
-    profile: ContactProfile, sigma: Callable[[FloatArray], FloatArray]
-) -> tuple[float, FloatArray, float]:
-    """int dx/(2 pi r sigma_eff) over the inner tail, each cell, and the outer tail [Pa s/m^3]."""
-    inner_tail, _, outer_tail = profile.panels
+    profile = profile.refined(permeant.cells)
     asked, weight, begin = profile.quadrature
+    sigma = permeant.sigma(asked)
     # Next to nothing gets through where the contact all but seals: the resistance is infinite there, too.
     with np.errstate(divide="ignore", over="ignore"):
-        found = np.add.reduceat(weight / sigma(asked), begin)
-    inner, outer = (
-        0.0 if one is None else float(found[end]) for one, end in ((inner_tail, 0), (outer_tail, -1))
-    )
-    return inner, found[inner_tail is not None : None if outer_tail is None else -1], outer
+        resistance = weight / sigma
+        whole = np.add.reduceat(resistance, begin)
+    sealed = math.isinf(whole.sum())
+    peak, at_peak = int(np.argmax(p)), 0.0
+    if sealed:
+        # it drops there alone
+        whole = np.isinf(whole).astype(float)
+    elif permeant.sweeps:
+        gap = gap_of(permeant, sigma)
+        permeant = permeant.at_narrowest(float(gap.min()))
+        ends = potential_ends(permeant, pressure_side)
+        whole = _settled(profile, resistance, permeant, permeant.gain(asked, gap), ends)
+        at_peak = float(gap_of(permeant, permeant.sigma(profile.first_loading(x[peak], np.log(p[peak])))))
+    first, last = potential_ends(permeant, pressure_side)
+    before, cells = int(profile.panels[0] is not None), profile.x.size - 1
+    passed = np.cumsum(np.concatenate([[0.0], whole]))
+    share = np.interp(x, profile.x, passed[before : before + cells + 1] / passed[-1])
+    flow = 0.0 if sealed else abs(last - first) * permeant.per_potential / float(whole.sum())
+    return flow, permeant.potential.pressure(first * (1.0 - share) + last * share), peak, at_peak
 
 
-def _sealed_fraction(inner_tail: float, cells: FloatArray, outer_tail: float) -> FloatArray:
-    """Fraction of the pressure drop at the cell edges when part of the contact is sealed: it drops there alone."""
-    parts = np.isinf(np.concatenate([[inner_tail], cells, [outer_tail]])).astype(float)
-    return (np.cumsum(parts) / parts.sum())[:-1]
+def _settled(
+    profile: ContactProfile,
+    resistance: FloatArray,
+    permeant: Permeant,
+    gain: Function,
+    ends: tuple[float, float],
+) -> FloatArray:
+    """Resistance of each stretch with the gains at the fluid pressure that belongs to them.
 
+    Parameters
+    ----------
+    resistance : ndarray
+        At all points of the quadrature, with a gain of one [Pa s/m^3].
+    """
+    begin = profile.quadrature[2]
+    panels = [part for part in profile.panels if part is not None]
+    cuts = np.cumsum([part.stretch.size for part in panels])[:-1]
+    points = np.diff(np.append(begin, resistance.size))
+    low, high = min(ends), max(ends)
 
-def _through_values(p: FloatArray, conductivity: ArrayLike) -> SigmaOfPressure:
-    """sigma_eff(p) through its values at the points: sigma^(1/3), nearly straight over ln p, is interpolated."""
-    try:
-        values = np.asarray(conductivity, dtype=float)
-    except (TypeError, ValueError) as error:
-        raise ProfileError(f"conductivity must be a function of p or numbers: {error}") from None
-    if values.shape != p.shape:
-        raise ProfileError(
-            f"conductivity has shape {values.shape}: must be a function of p, or {p.shape} like p [m^3/(Pa s)]"
+    def potentials(values: FloatArray, whole: FloatArray) -> FloatArray:
+        parts = zip(panels, np.split(values, cuts), strict=True)
+        within = np.concatenate(
+            [(part.reshape(one.stretch.shape) @ one.up_to_points).ravel() for one, part in parts]
         )
-    if np.any(np.isnan(values) | (values < 0.0)):
-        raise ProfileError(
-            f"conductivity = {values[np.isnan(values) | (values < 0.0)][0]}: must not be negative"
-        )
-    there = (p > np.exp(SMALLEST_LOG_PRESSURE)) & np.isfinite(values)
-    # Both flanks pass the same pressures, up to round-off.
-    log_p, order = np.unique(np.round(np.log(p[there]), 9), return_index=True)
-    width = np.cbrt(values[there][order])
-    if log_p.size < 3:
-        raise ProfileError(
-            "conductivity: at least 3 different pressures are needed; give a function of p instead"
-        )
-    curve = MonotoneCurve(log_p, width, spline_slopes(log_p, width))
-    return lambda pressure: np.maximum(curve.value(np.log(pressure)), 0.0) ** 3
+        # counted from the end with the lower pressure, so that vacuum stays exact there
+        if ends[0] < ends[1]:
+            share = np.repeat(np.cumsum(whole) - whole, points) + within
+        else:
+            share = np.repeat(np.cumsum(whole[::-1])[::-1], points) - within
+        return low + (high - low) * (np.maximum(share, 0.0) / whole.sum())
+
+    potential = potentials(resistance, np.add.reduceat(resistance, begin))
+    before, found, steps = math.inf, np.empty((0, potential.size)), np.empty((0, potential.size))
+    for _ in range(_MOST_SWEEPS):
+        now = resistance / gain(permeant.flow_pressure(potential))
+        whole = np.add.reduceat(now, begin)
+        total = float(whole.sum())
+        if abs(total / before - 1.0) < _CONVERGED:
+            break
+        before = total
+        root = np.sqrt(potentials(now, whole))
+        found = np.concatenate([found[-_MIXED:], [root]])
+        steps = np.concatenate([steps[-_MIXED:], [root - np.sqrt(potential)]])
+        potential = np.minimum(np.maximum(_mixed(found, steps) ** 2, low), high)
+    return whole
 
 
-def by_log_pressure(conductivity: SigmaOfPressure | LogConductivity) -> Callable[[FloatArray], FloatArray]:
-    """sigma_eff as a function of ln p; infinite where p underflows and the callable only knows p."""
-    # to look at all of the protocol takes longer than a profile
-    if hasattr(conductivity, "at_log_pressure"):
-        return cast(LogConductivity, conductivity).at_log_pressure
-    of_pressure = conductivity
+def _mixed(found: FloatArray, steps: FloatArray) -> FloatArray:
+    """Where an iteration goes from several results, shape (n, points), and the steps that led there.
 
-    def sigma(log_p: FloatArray) -> FloatArray:
-        usual = log_p > SMALLEST_LOG_PRESSURE
-        p = np.exp(np.where(usual, log_p, 0.0))
-        # In the tails p is tiny: a power law in it may overflow to infinity, which is what it should be.
-        with np.errstate(over="ignore", divide="ignore"):
-            values = np.broadcast_to(np.asarray(of_pressure(p), dtype=float), p.shape)
-        wrong = usual & ~(values >= 0.0)
-        if np.any(wrong):
-            raise ProfileError(
-                f"conductivity({p[wrong].flat[0]}) = {values[wrong].flat[0]}: must not be negative [m^3/(Pa s)]"
-            )
-        return np.where(usual, values, np.inf)
+    D. G. Anderson, J. ACM 12, 547 (1965).
+    """
+    from scipy.linalg.lapack import dgelss
 
-    return sigma
+    if len(found) == 1:
+        return found[0]
+    change = steps[-1] - steps[:-1]
+    share = dgelss(change @ change.T, change @ steps[-1], cond=1e-12)[1]
+    return np.asarray(found[-1] - share @ (found[-1] - found[:-1]))

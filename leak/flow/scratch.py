@@ -5,43 +5,42 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Generic, NamedTuple, Protocol, TypeVar, runtime_checkable
+from typing import Generic, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from leak.arrays import FloatArray
 from leak.errors import ProfileError, positive
-from leak.flow.conductivity import GasConductivity, log_rarefied_flow
+from leak.flow.conductivity import GasConductivity
 from leak.flow.contact_profile import (
     SMALLEST_LOG_PRESSURE,
     ContactProfile,
     Panels,
-    after_largest,
-    checked_ends,
     checked_profile,
-    checked_side,
+    profile_after,
 )
-from leak.flow.gas_flow import GasLeakResult, checked_outlet, gas_table, highest_pressures, slip_pressure
 from leak.flow.groove_section import EllipticGroove, GrooveSection
-from leak.flow.leak_rate import LeakResult, LogConductivity, SigmaOfPressure, by_log_pressure
-from leak.flow.network import Line, NetworkFlow, network_flow
-from leak.flow.rarefied import log_flow_factor
+from leak.flow.leak_result import GasLeakResult, LeakResult
+from leak.flow.network import Line, network_flow
+from leak.flow.permeant import (
+    GasPermeant,
+    LiquidPermeant,
+    LogConductivity,
+    Permeant,
+    SigmaOfPressure,
+    gap_of,
+    gas_table,
+    potential_ends,
+)
 from leak.flow.rough_contact import RoughContact
-from leak.fluids.pressure_law import PressureLaw, flow_potential
+from leak.fluids.pressure_law import PressureLaw
 from leak.fluids.properties import Gas
-from leak.fluids.real_gas import GasPotential
 from leak.numerics.gauss import gauss
 from leak.numerics.roots import root_between
 
 # The fluid pressure bends even where the contact pressure does not.
 _CELLS = 100
-# Of a perfect vacuum: density times conductance of free molecules does not depend on the pressure any more [Pa].
-_VACUUM = 1e-9
-# Of the slip pressure in the potential of a gas, over its highest pressure: where no gap is left w is linear in p_f.
-_MOST_SLIP = 1e3
-# ln of what counts as a gap times the pressure of the gas where there is none.
-_SHUT = -200.0
 # Depths between which a scratch is looked for [m].
 _SHALLOWEST, _DEEPEST = 1e-9, 1.0
 
@@ -277,47 +276,17 @@ def scratch_flow(
     >>> round(found.upper.leak_rate / duct, 6)
     1.0
     """
-    xs, ps, rs = checked_profile(x, p, radius)
-    drop = positive(ProfileError, "pressure_drop", pressure_drop, "Pa")
-    eta = positive(ProfileError, "viscosity", viscosity, "Pa s")
-    modulus = positive(ProfileError, "effective_modulus", effective_modulus, "Pa")
-    checked_side(pressure_side)
     if not (conductivity is None or callable(conductivity) or isinstance(conductivity, LogConductivity)):
         raise ProfileError(
             f"conductivity = {conductivity!r}: must be a function of p [m^3/(Pa s)], or None where only the "
             "scratches leak"
         )
-    grooves = _checked_grooves(scratches)
-    profile = _profile(xs, ps, rs, ends, largest_pressure, conductivity)
-    contact, deeper = _Contact.through(profile, _liquid_gap(conductivity, eta)).cut(grooves, modulus)
-    rough = 2.0 * np.pi * contact.radius * contact.gap**3 / (12.0 * eta)
-    potential = flow_potential(pressure_law, drop)
-    nominal = contact.pressure
-
-    def along(groove: Groove) -> Mobility:
-        path = groove.path(contact.radius)
-
-        def mobility(fluid: _Fluid, at: slice) -> FloatArray:
-            return groove.section.liquid_conductance(nominal[at] - fluid.pressure, modulus, eta) / path[at]
-
-        return mobility
-
-    def result(flow: NetworkFlow) -> LeakResult:
-        rate = flow.flow
-        resistance = drop / rate if rate > 0.0 else float("inf")
-        psi = np.interp(xs, contact.x, flow.potential[contact.nodes])
-        return LeakResult(rate, resistance, potential.pressure(psi))
-
-    bounds = _Bounds(
-        contact,
-        lambda psi: _Fluid(potential.pressure(psi), psi),
-        lambda fluid: np.broadcast_to(rough, fluid.pressure.shape),
-        tuple(along(groove) for groove in grooves),
-        deeper,
-        tuple(potential(nominal - groove.section.closing_pressure(modulus)) for groove in grooves),
+    points = checked_profile(x, p, radius)
+    profile = profile_after(*points, ends, largest_pressure, conductivity)
+    liquid = LiquidPermeant.of(conductivity, pressure_drop, pressure_law, viscosity)
+    return flow_along(
+        profile, *points[:2], scratches, liquid, liquid.result, effective_modulus, pressure_side
     )
-    whole = potential.whole
-    return bounds.found(result, *((0.0, whole) if pressure_side == "outer" else (whole, 0.0)))
 
 
 def gas_scratch_flow(
@@ -375,73 +344,53 @@ def gas_scratch_flow(
     >>> f"{found.upper.leak_rate * 6e7:.1e} ml/min"
     '4.6e-04 ml/min'
     """
-    xs, ps, rs = checked_profile(x, p, radius)
-    p_in = positive(ProfileError, "inlet_pressure", inlet_pressure, "Pa")
-    p_out = checked_outlet(p_in, outlet_pressure)
-    modulus = positive(ProfileError, "effective_modulus", effective_modulus, "Pa")
-    checked_side(pressure_side)
-    grooves = _checked_grooves(scratches)
-    if isinstance(surface, RoughContact):
-        table: GasConductivity | None = gas_table(surface, highest_pressures(ps, largest_pressure), method)
-    else:
-        table = surface
-    gap_at = None if table is None else table.at_log_pressure
-    profile = _profile(xs, ps, rs, ends, largest_pressure, table)
-    contact, deeper = _Contact.through(profile, gap_at).cut(grooves, modulus)
-    gap, nominal = contact.gap, contact.pressure
-    per_density = gas.specific_gas_constant * gas.temperature
-    with np.errstate(divide="ignore"):
-        log_width = np.maximum(np.log(gap / (gas.viscosity * gas.molecular_speed)), _SHUT)
-    in_continuum = 2.0 * np.pi * contact.radius * gap**3 / (12.0 * gas.viscosity * per_density)
-    log_flow = log_flow_factor if table is None else log_rarefied_flow(table, contact.first_loading)
-
-    peak = int(np.argmax(ps))
-    if table is not None:
-        narrowest = float(table.at_log_pressure(profile.first_loading(xs[peak], np.log(ps[peak]))))
-    else:
-        narrowest = max(float(groove.section.open_depth(ps[peak], modulus)) for groove in grooves)
-    slip = min(slip_pressure(gas, max(narrowest, 1e-300)), _MOST_SLIP * p_in)
-    potential = GasPotential(gas.real, p_in, slip)
-
-    def fluid_at(w: FloatArray) -> _Fluid:
-        return _Fluid(potential.pressure(w), np.maximum(potential.flow_pressure(w), _VACUUM))
-
-    def rough(fluid: _Fluid) -> FloatArray:
-        log_q = np.log(fluid.flow_pressure)
-        log_D = log_q + log_width
-        factor = np.exp(log_q + log_flow(log_D))
-        return np.asarray(in_continuum * factor / (2.0 * (fluid.flow_pressure + slip)))
-
-    def along(groove: Groove) -> Mobility:
-        path = per_density * groove.path(contact.radius)
-
-        def mobility(fluid: _Fluid, at: slice) -> FloatArray:
-            q = fluid.flow_pressure
-            K = groove.section.gas_conductance(nominal[at] - (fluid.pressure - p_out), modulus, gas, q)
-            return np.asarray(K * (0.5 * q / (q + slip)) / path[at])
-
-        return mobility
-
-    def opens(groove: Groove) -> FloatArray:
-        closing = groove.section.closing_pressure(modulus)
-        return potential(np.clip(p_out + nominal - closing, 0.0, p_in))
-
-    def result(flow: NetworkFlow) -> GasLeakResult:
-        pressure = potential.pressure(np.interp(xs, contact.x, flow.potential[contact.nodes]))
-        free_path = gas.mean_free_path(max(float(pressure[peak]), 1e-300))
-        knudsen = free_path / narrowest if narrowest > 0.0 else float("inf")
-        return GasLeakResult(gas, p_in, p_out, flow.flow, pressure, knudsen)
-
-    bounds = _Bounds(
-        contact,
-        fluid_at,
-        rough,
-        tuple(along(groove) for groove in grooves),
-        deeper,
-        tuple(opens(groove) for groove in grooves),
+    points = checked_profile(x, p, radius)
+    table = None if surface is None else gas_table(surface, points[1], largest_pressure, method)
+    profile = profile_after(*points, ends, largest_pressure, table)
+    permeant = GasPermeant.of(table, gas, inlet_pressure, outlet_pressure)
+    return flow_along(
+        profile, *points[:2], scratches, permeant, permeant.result, effective_modulus, pressure_side
     )
-    low, high = float(potential(p_out)), float(potential(p_in))
-    return bounds.found(result, *((low, high) if pressure_side == "outer" else (high, low)))
+
+
+def flow_along(
+    profile: ContactProfile,
+    x: FloatArray,
+    p: FloatArray,
+    scratches: Groove | Sequence[Groove],
+    permeant: Permeant,
+    result: Callable[[float, FloatArray, int, float], _Flow],
+    effective_modulus: float,
+    pressure_side: str = "outer",
+) -> LeakBounds[_Flow]:
+    """Flow through a profile with scratches, of any fluid.
+
+    Parameters
+    ----------
+    profile, x, p, permeant, pressure_side
+        See `leak.flow.leak_rate.flow_through`.
+    scratches, effective_modulus
+        See `scratch_flow`.
+    result : callable
+        `result` of the permeant, or what follows from it.
+    """
+    modulus = positive(ProfileError, "effective_modulus", effective_modulus, "Pa")
+    grooves = _checked_grooves(scratches)
+    contact, deeper = _Contact.through(profile, permeant).cut(grooves, modulus)
+    peak = int(np.argmax(p))
+    if permeant.conductivity is None:
+        gap = max(float(groove.section.open_depth(p[peak], modulus)) for groove in grooves)
+    else:
+        gap = float(gap_of(permeant, permeant.sigma(profile.first_loading(x[peak], np.log(p[peak])))))
+    permeant = permeant.at_narrowest(gap)
+    networks = _Networks(contact, permeant, modulus, grooves, deeper)
+
+    def found(lines: Sequence[Line]) -> _Flow:
+        flow = network_flow(lines, *potential_ends(permeant, pressure_side))
+        potential = np.interp(x, contact.x, flow.potential[contact.nodes])
+        return result(flow.flow, permeant.potential.pressure(potential), peak, gap)
+
+    return networks.bounds(found)
 
 
 def deepest_scratch(
@@ -526,27 +475,6 @@ def deepest_scratch(
 # -------------------------------------------------------------------- the contact in slices
 
 
-class _Fluid(NamedTuple):
-    """The fluid where a potential has some values, both (k, n) [Pa]."""
-
-    pressure: FloatArray
-    flow_pressure: FloatArray
-    """q of a gas; of a liquid psi."""
-
-
-Mobility = Callable[[_Fluid, slice], FloatArray]
-GapOfLogPressure = Callable[[FloatArray], FloatArray]
-
-
-def _liquid_gap(
-    conductivity: SigmaOfPressure | LogConductivity | None, viscosity: float
-) -> GapOfLogPressure | None:
-    if conductivity is None:
-        return None
-    sigma = by_log_pressure(conductivity)
-    return lambda log_pressure: np.cbrt(12.0 * viscosity * np.asarray(sigma(log_pressure), dtype=float))
-
-
 @dataclass(frozen=True, eq=False)
 class _Contact:
     """The quadrature points of a profile in the order of x: slices, each with one contact pressure."""
@@ -566,12 +494,16 @@ class _Contact:
     """Number of slices before them, shape (m,)."""
 
     @classmethod
-    def through(cls, profile: ContactProfile, gap_at: GapOfLogPressure | None) -> _Contact:
+    def through(cls, profile: ContactProfile, permeant: Permeant) -> _Contact:
         """Slices of a profile; without roughness only between its points, where a groove would have no end."""
         profile = profile.refined(_CELLS)
         inner, cells, outer = profile.panels
-        parts = [cells] if gap_at is None else [part for part in (inner, cells, outer) if part is not None]
-        before = 0 if gap_at is None or inner is None else inner.log_pressure.size
+        parts = (
+            [part for part in (inner, cells, outer) if part is not None]
+            if permeant.conductivity is not None
+            else [cells]
+        )
+        before = inner.log_pressure.size if permeant.conductivity is not None and inner is not None else 0
         count, per_cell = cells.log_pressure.shape
         log_p = np.concatenate([part.log_pressure.ravel() for part in parts])
         seen = np.concatenate([part.first_loading.ravel() for part in parts])
@@ -580,7 +512,7 @@ class _Contact:
             seen,
             np.concatenate([part.radius.ravel() for part in parts]),
             np.concatenate([_lengths(part).ravel() for part in parts]),
-            np.zeros(log_p.shape) if gap_at is None else np.asarray(gap_at(seen)),
+            gap_of(permeant, permeant.sigma(seen)),
             profile.x,
             before + per_cell * np.arange(count + 1),
         )
@@ -635,65 +567,78 @@ class _Contact:
         return _Contact(log_p, first, self.radius[old], length, self.gap[old], self.x, nodes)
 
 
-def _profile(
-    x: FloatArray,
-    p: FloatArray,
-    r: FloatArray,
-    ends: tuple[float | None, float | None] | None,
-    largest: ArrayLike | None,
-    conductivity: object,
-) -> ContactProfile:
-    """The contact, after its largest pressures; without roughness there is nothing that remembers them."""
-    places = checked_ends(ends)
-    profile = ContactProfile.through(x, p, r, places)
-    return profile if conductivity is None else after_largest(profile, x, r, largest, places, conductivity)
-
-
 def _lengths(part: Panels) -> FloatArray:
     weights = 0.5 * gauss(part.log_pressure.shape[1])[1]
     return np.broadcast_to(part.stretch, part.log_pressure.shape) * weights
 
 
 @dataclass(frozen=True, eq=False)
-class _Bounds:
-    """The three networks of slices: roughness alone, with scratches cut off from it, and joined to it."""
+class _Networks:
+    """Three networks of slices: roughness alone, with scratches cut off from it, and joined to it."""
 
     contact: _Contact
-    fluid_at: Callable[[FloatArray], _Fluid]
-    """Fluid at potentials (k, n): psi of a liquid [Pa], w of a gas [Pa^2]."""
-    rough: Callable[[_Fluid], FloatArray]
-    """Mobility of the roughness, (k, n): flow over the slope of the potential."""
-    grooves: tuple[Mobility, ...]
-    """Mobility along each groove, (k, n)."""
+    permeant: Permeant
+    modulus: float
+    """E* [Pa]."""
+    grooves: tuple[Groove, ...]
     deeper: tuple[NDArray[np.bool_], ...]
     """Where each groove is deeper than the rough gap is wide, shape (n,)."""
-    opens: tuple[FloatArray, ...]
-    """Potential from which on each groove is open, shape (n,)."""
 
-    def found(self, result: Callable[[NetworkFlow], _Flow], first: float, last: float) -> LeakBounds[_Flow]:
-        """Bounds from the flows through networks, for the potentials at small and large x."""
+    def bounds(self, result: Callable[[Sequence[Line]], _Flow]) -> LeakBounds[_Flow]:
+        """What flows through them."""
         everywhere = tuple(np.ones_like(deep) for deep in self.deeper)
         nowhere = tuple(~one for one in everywhere)
         return LeakBounds(
-            result(network_flow([self._main(everywhere)], first, last)),
-            result(network_flow([self._main(nowhere)], first, last)),
-            lambda: result(network_flow([self._main(self.deeper), *self._own()], first, last)),
+            result([self._main(everywhere)]),
+            result([self._main(nowhere)]),
+            lambda: result([self._main(self.deeper), *self._own()]),
         )
+
+    @cached_property
+    def _rough(self) -> Callable[[FloatArray], FloatArray]:
+        """Mobility of the roughness, flow over the slope of the potential, over the flow pressure (k, n)."""
+        fluid, contact = self.permeant, self.contact
+        gain = fluid.gain(contact.first_loading, contact.gap)
+        sigma = contact.gap**3 / (12.0 * fluid.viscosity)
+        rough = 2.0 * np.pi * contact.radius * sigma * fluid.per_potential
+        return lambda flow_pressure: rough * gain(flow_pressure)
+
+    def _along(self, n: int, at: slice, fluid: FloatArray, flow_pressure: FloatArray) -> FloatArray:
+        """Mobility along a groove at fluid pressures and flow pressures (k, n)."""
+        groove, permeant = self.grooves[n], self.permeant
+        acting = self._pressure[at] - (fluid - permeant.low)
+        K = permeant.along(groove.section, acting, self.modulus, flow_pressure)
+        return K * permeant.per_potential / self._paths[n][at]
+
+    @cached_property
+    def _pressure(self) -> FloatArray:
+        return self.contact.pressure
+
+    @cached_property
+    def _paths(self) -> list[FloatArray]:
+        return [groove.path(self.contact.radius) for groove in self.grooves]
+
+    @cached_property
+    def _opens(self) -> list[FloatArray]:
+        """Potential from which on each groove is open, shape (n,)."""
+        low, high = self.permeant.low, self.permeant.high
+        closing = (groove.section.closing_pressure(self.modulus) for groove in self.grooves)
+        return [self.permeant.potential(np.clip(low + self._pressure - one, 0.0, high)) for one in closing]
 
     def _main(self, apart: tuple[NDArray[np.bool_], ...]) -> Line:
         """The roughness, and in it the grooves where they are not apart."""
 
         def mobility(potential: FloatArray) -> FloatArray:
-            everywhere, fluid = slice(None), self.fluid_at(potential)
-            total = self.rough(fluid)
-            for groove, own in zip(self.grooves, apart, strict=True):
+            fluid, q = self.permeant.potential.pressure(potential), self.permeant.flow_pressure(potential)
+            total = self._rough(q)
+            for n, own in enumerate(apart):
                 if not own.all():
-                    along = groove(fluid, everywhere)
+                    along = self._along(n, slice(None), fluid, q)
                     total = total + (np.where(own, 0.0, along) if own.any() else along)
             return total
 
         count = self.contact.length.size
-        opens = [np.where(own, np.inf, at) for at, own in zip(self.opens, apart, strict=True)]
+        opens = [np.where(own, np.inf, at) for at, own in zip(self._opens, apart, strict=True)]
         first = np.minimum.reduce(opens)
         return Line(
             np.arange(count + 1), self.contact.length, mobility, np.where(np.isinf(first), -np.inf, first)
@@ -702,17 +647,18 @@ class _Bounds:
     def _own(self) -> list[Line]:
         """The stretches of the grooves that are apart, with nodes of their own between the ends."""
         lines, following = [], self.contact.length.size + 1
-        for groove, own, opens in zip(self.grooves, self.deeper, self.opens, strict=True):
+        for n, (own, opens) in enumerate(zip(self.deeper, self._opens, strict=True)):
             turns = np.flatnonzero(np.diff(np.concatenate([[False], own, [False]]).astype(int)))
             for begin, end in zip(turns[::2], turns[1::2], strict=True):
                 nodes = np.concatenate([[begin], following + np.arange(end - begin - 1), [end]])
                 following += end - begin - 1
                 at = slice(int(begin), int(end))
-                lines.append(Line(nodes, self.contact.length[at], self._within(groove, at), opens[at]))
+                lines.append(Line(nodes, self.contact.length[at], self._within(n, at), opens[at]))
         return lines
 
-    def _within(self, groove: Mobility, at: slice) -> Callable[[FloatArray], FloatArray]:
-        return lambda potential: groove(self.fluid_at(potential), at)
+    def _within(self, n: int, at: slice) -> Callable[[FloatArray], FloatArray]:
+        fluid = self.permeant
+        return lambda psi: self._along(n, at, fluid.potential.pressure(psi), fluid.flow_pressure(psi))
 
 
 def _checked_grooves(scratches: Groove | Sequence[Groove]) -> tuple[Groove, ...]:

@@ -144,6 +144,11 @@ class GasPotential:
         ideal = self._ideal(np.maximum(np.asarray(potential, dtype=float), 0.0))
         return ideal if self.real is None else self._over_ideal[1].value(ideal)
 
+    @cached_property
+    def whole(self) -> float:
+        """w at the highest pressure [Pa^2]."""
+        return float(self(self.highest))
+
     def _ideal(self, w: FloatArray) -> FloatArray:
         """Pressure at which an ideal gas has these w >= 0 [Pa]."""
         root = np.sqrt(self.slip**2 + w)
