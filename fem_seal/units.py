@@ -8,10 +8,12 @@ from __future__ import annotations
 import difflib
 import math
 import re
-from collections.abc import Collection
+import tomllib
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cache, lru_cache
+from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
 from fem_seal.errors import QuantityError
@@ -20,46 +22,8 @@ from leak.standards import STANDARD_PRESSURE
 if TYPE_CHECKING:
     from pint import UnitRegistry
 
-# The units of a seal's data sheet. The registry is defined here and not taken from pint's own list because
-# that list costs ten times more time to load, and because it accepts units (such as "20 mM") that only a slip
-# of the finger brings into a case file.
-_DEFINITIONS = """
-nano- = 1e-9 = n-
-micro- = 1e-6 = µ- = μ- = u-
-milli- = 1e-3 = m-
-centi- = 1e-2 = c-
-hecto- = 1e2 = h-
-kilo- = 1e3 = k-
-mega- = 1e6 = M-
-giga- = 1e9 = G-
-tera- = 1e12 = T-
-meter = [length] = m = metre
-second = [time] = s
-gram = [mass] = g
-kelvin = [temperature] = K
-radian = [] = rad
-degree = 3.141592653589793 / 180 * radian = deg = ° = degrees
-inch = 0.0254 * meter = in
-foot = 0.3048 * meter = ft
-liter = 1e-3 * meter ** 3 = l = L = litre
-cubic_centimeter = 1e-6 * meter ** 3 = cc
-micron = 1e-6 * meter
-angstrom = 1e-10 * meter = Å
-minute = 60 * second = min
-hour = 3600 * second = h
-newton = 1000 * gram * meter / second ** 2 = N
-kilogram_force = 9.80665 * newton = kgf = kp
-pound_force = 4.4482216152605 * newton = lbf
-pascal = newton / meter ** 2 = Pa
-joule = newton * meter = J
-watt = joule / second = W
-bar = 1e5 * pascal
-standard_atmosphere = 101325 * pascal = atm
-pounds_per_square_inch = pound_force / inch ** 2 = psi
-kilopounds_per_square_inch = 1000 * pound_force / inch ** 2 = ksi
-poise = 0.1 * pascal * second = P
-vickers = 10.576812734279e6 * pascal = HV
-"""
+_TEMPLATES = files("fem_seal").joinpath("templates")
+_TABLES: dict[str, Any] = tomllib.loads(_TEMPLATES.joinpath("units.toml").read_text(encoding="utf-8"))
 
 
 @dataclass(frozen=True)
@@ -68,7 +32,7 @@ class Dimension:
 
     name: str
     si_unit: str
-    examples: tuple[str, ...]
+    examples: Sequence[str]
 
     @property
     def wanted(self) -> str:
@@ -78,27 +42,7 @@ class Dimension:
         return f"{article} {self.name} with its unit, such as {listed}"
 
 
-DIMENSIONS = {
-    dimension.name: dimension
-    for dimension in (
-        Dimension("length", "m", ("20 mm", "0.76 um", "0.5 in")),
-        Dimension("pressure", "Pa", ("20 bar", "3.5 GPa", "300 psi")),
-        Dimension("force", "N", ("250 N", "1.2 kN", "50 lbf")),
-        Dimension("viscosity", "Pa s", ("1 mPa s", "46 cP")),
-        Dimension("pressure-viscosity coefficient", "1/Pa", ("20 1/GPa", "2e-8 1/Pa")),
-        Dimension("wavenumber", "1/m", ("1e3 1/m", "3.1 1/um")),
-        Dimension("time", "s", ("20 s", "2 min")),
-        Dimension("angle", "rad", ("45 deg", "0.785 rad")),
-        Dimension("temperature", "K", ("20 degC", "293.15 K")),
-        Dimension("thermal expansion", "1/K", ("11e-6 1/K", "11 um/(m K)")),
-        Dimension("thermal conductivity", "W/(m K)", ("45 W/(m K)", "0.045 W/(mm K)")),
-        Dimension("heat transfer", "W/(m^2 K)", ("500 W/(m^2 K)", "10 kW/(m^2 K)")),
-        Dimension("spectral density", "m^4", ("1e-18 m^4", "1e6 nm^4")),
-        Dimension("volume", "m^3", ("0.065 ml", "65 mm^3")),
-        Dimension("leak rate", "m^3/s", ("1e-3 cm^3/s", "0.5 ml/min")),
-        Dimension("throughput", "Pa m^3/s", ("1e-3 mbar l/s", "1e-4 Pa m^3/s")),
-    )
-}
+DIMENSIONS = {name: Dimension(name, **entries) for name, entries in _TABLES["dimensions"].items()}
 
 # Significant digits of numbers in tables.
 DIGITS = 4
@@ -122,41 +66,14 @@ def _registry() -> UnitRegistry[Any]:
     from pint import UnitRegistry
 
     registry: UnitRegistry[Any] = UnitRegistry(None)
-    registry.load_definitions(_DEFINITIONS.strip().splitlines())
+    registry.load_definitions(_TEMPLATES.joinpath("units.txt").read_text(encoding="utf-8").splitlines())
     return registry
-
-
-# Units that nearly every case is written in, with what the registry says of them (a test compares them): most cases
-# then need no pint, which takes longer to import than they take to read.
-_PLAIN: dict[str, dict[str, str | float]] = {
-    "length": {"m": "1", "mm": "1e-3", "um": "1e-6", "µm": "1e-6", "μm": "1e-6", "nm": "1e-9"},
-    "pressure": {
-        "Pa": "1",
-        "kPa": "1e3",
-        "MPa": "1e6",
-        "GPa": "1e9",
-        "TPa": "1e12",
-        "bar": "1e5",
-        "mbar": "100",
-    },
-    "force": {"N": "1", "kN": "1e3"},
-    "viscosity": {"Pa s": "1", "mPa s": "1e-3"},
-    "pressure-viscosity coefficient": {"1/GPa": "1e-9", "1/MPa": "1e-6", "1/Pa": "1"},
-    "wavenumber": {"1/m": "1", "1/mm": "1e3", "1/um": "1e6"},
-    "time": {"s": "1"},
-    "angle": {"rad": "1", "deg": math.pi / 180},
-    "thermal expansion": {"1/K": "1"},
-    "thermal conductivity": {"W/(m K)": "1"},
-    "heat transfer": {"W/(m^2 K)": "1"},
-    "leak rate": {"m^3/s": "1"},
-    "throughput": {"Pa m^3/s": "1", "mbar l/s": "0.1"},
-}
 
 
 @cache
 def _factor(unit: str, dimension: str) -> Fraction:
     """Factor from `unit` to the SI unit of `dimension`; QuantityError if the unit is another dimension's."""
-    usual = _PLAIN.get(dimension, {}).get(unit)
+    usual = _TABLES["plain"].get(dimension, {}).get(unit)
     return _registered_factor(unit, dimension) if usual is None else Fraction(usual)
 
 
@@ -357,54 +274,7 @@ class Unit:
         return (value - self.zero) / self.size
 
 
-# From large to small; the last one serves everything below.
-_UNITS = {
-    "length": (Unit("m", 1.0), Unit("mm", 1e-3), Unit("µm", 1e-6), Unit("nm", 1e-9)),
-    "contact pressure": (Unit("GPa", 1e9), Unit("MPa", 1e6), Unit("kPa", 1e3), Unit("Pa", 1.0)),
-    "fluid pressure": (Unit("bar", 1e5), Unit("mbar", 1e2), Unit("Pa", 1.0)),
-    "flow": (
-        Unit("m³/s", 1.0),
-        Unit("l/min", 1e-3 / 60),
-        Unit("ml/min", 1e-6 / 60),
-        Unit("µl/min", 1e-9 / 60),
-        Unit("nl/min", 1e-12 / 60),
-        Unit("pl/min", 1e-15 / 60),
-    ),
-    "force": (Unit("MN", 1e6), Unit("kN", 1e3), Unit("N", 1.0)),
-    "line load": (Unit("MN/m", 1e6), Unit("kN/m", 1e3), Unit("N/m", 1.0)),
-    "viscosity": (Unit("Pa s", 1.0), Unit("mPa s", 1e-3), Unit("µPa s", 1e-6)),
-    "pressure-viscosity coefficient": (Unit("1/GPa", 1e-9),),
-    "throughput": (Unit("mbar l/s", 0.1),),
-    "mass flow": (Unit("g/h", 1e-3 / 3600),),
-    "angle": (Unit("°", math.pi / 180),),
-    "temperature": (Unit("°C", 1.0, 273.15),),
-    "volume": (Unit("m³", 1.0), Unit("l", 1e-3), Unit("ml", 1e-6), Unit("µl", 1e-9), Unit("nl", 1e-12)),
-    "time": (
-        Unit("d", 86400.0),
-        Unit("h", 3600.0),
-        Unit("min", 60.0),
-        Unit("s", 1.0),
-        Unit("ms", 1e-3),
-    ),
-}
-# Units of columns that have the same one in every table, in letters that every terminal has.
-_FIXED = {
-    unit.name: unit
-    for unit in (
-        Unit("", 1.0),
-        Unit("bar", 1e5),
-        Unit("MPa", 1e6),
-        Unit("GPa", 1e9),
-        Unit("N", 1.0),
-        Unit("kN/m", 1e3),
-        Unit("mm", 1e-3),
-        Unit("um", 1e-6),
-        Unit("deg", math.pi / 180),
-        Unit("mPa s", 1e-3),
-        Unit("mm³/s", 1e-9),
-        Unit("mbar l/s", 0.1),
-    )
-}
+_UNITS = {kind: tuple(Unit(**one) for one in several) for kind, several in _TABLES["display"].items()}
 # The smallest figure before the next smaller unit reads better: 0.31 mm, but 90 µm; 1200 N, but 12 kN.
 _SMALLEST = {"length": 0.1, "fluid pressure": 0.1, "flow": 0.1, "force": 10.0}
 # For a value of zero, which has no size.
@@ -438,7 +308,7 @@ def fixed_unit(name: str) -> Unit:
     ----------
     name : {"", "bar", "MPa", "GPa", "N", "kN/m", "mm", "um", "deg", "mPa s", "mm³/s", "mbar l/s"}
     """
-    return _FIXED[name]
+    return Unit(name, _TABLES["fixed"][name])
 
 
 def number(value: float | None, digits: int = 3) -> str:
@@ -775,23 +645,6 @@ def briefly(kind: str, value: float) -> str:
     return given(kind, rounded(value, 4))
 
 
-# Endings of these columns and their SI units, as `fem_seal.units.DIMENSIONS` writes them; longer endings come first.
-_SI_UNITS = {
-    "_Pa_m3_per_s": "Pa m^3/s",
-    "_m3_per_s_per_rad": "m^3/s/rad",
-    "_m3_per_s": "m^3/s",
-    "_kg_per_s": "kg/s",
-    "_per_m3": "1/m^3",
-    "_N_per_m": "N/m",
-    "_Pa_s": "Pa s",
-    "_Pa": "Pa",
-    "_N": "N",
-    "_rad": "rad",
-    "_K": "K",
-    "_m": "m",
-}
-
-
 def split_unit(column: str) -> tuple[str, str]:
     """What a column of leak.csv is called without its unit, and its SI unit, empty for a plain number.
 
@@ -804,26 +657,12 @@ def split_unit(column: str) -> tuple[str, str]:
     >>> split_unit("leak_rate_Pa_m3_per_s")
     ('leak_rate', 'Pa m^3/s')
     """
-    for ending, unit in _SI_UNITS.items():
+    for ending, unit in _TABLES["endings"].items():
         if column.endswith(ending):
             return column.removesuffix(ending), unit
     return column, ""
 
 
-# What a quantity of this SI unit is, unless more is known.
-_KINDS = {
-    "m": "length",
-    "Pa": "contact pressure",
-    "N": "force",
-    "Pa s": "viscosity",
-    "1/Pa": "pressure-viscosity coefficient",
-    "m^3/s": "flow",
-    "Pa m^3/s": "throughput",
-    "kg/s": "mass flow",
-    "N/m": "line load",
-    "rad": "angle",
-    "K": "temperature",
-}
 _OF_FLUID = ("fluid_pressure", "outlet_pressure")
 
 
@@ -843,7 +682,8 @@ def kind_of(path: str, si_unit: str) -> str:
     """
     if si_unit == "Pa" and any(word in path for word in _OF_FLUID):
         return "fluid pressure"
-    return _KINDS.get(si_unit, "")
+    kind: str = _TABLES["kinds"].get(si_unit, "")
+    return kind
 
 
 def duration(seconds: float) -> str:

@@ -126,7 +126,7 @@ def test_si_text_round_trips(value):
     assert parse_quantity(f"{value!r} m", "length") == value
 
 
-@pytest.mark.parametrize("dimension", sorted(units._PLAIN))
+@pytest.mark.parametrize("dimension", sorted(units._TABLES["plain"]))
 def test_usual_units_are_those_of_the_registry(dimension):
-    for unit in units._PLAIN[dimension]:
+    for unit in units._TABLES["plain"][dimension]:
         assert units._factor(unit, dimension) == units._registered_factor(unit, dimension), unit
