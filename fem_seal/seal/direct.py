@@ -10,7 +10,7 @@ from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
 from contextlib import closing, suppress
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import cached_property
 from io import BytesIO
 from itertools import chain, islice
 from pathlib import Path
@@ -750,17 +750,6 @@ def _attempt(simulation: DirectSimulation, piece: Piece) -> _Attempt:
     return records, None
 
 
-def calculate(simulation: DirectSimulation, piece: Piece) -> list[PieceRecord]:
-    """A piece, one record for each of its pressures.
-
-    Parameters
-    ----------
-    simulation : DirectSimulation
-    piece : Piece
-    """
-    return list(_records(simulation, piece))
-
-
 def _records(simulation: DirectSimulation, piece: Piece) -> Iterator[PieceRecord]:
     H, body, heights = simulation.surface.hardness, simulation.body, simulation.map(piece.sample)
     if piece.branch == "cutoff":
@@ -841,25 +830,21 @@ def _read(simulation: DirectSimulation, piece: Piece) -> list[PieceRecord] | Non
 
 
 def _together(simulation: DirectSimulation, known: dict[Piece, list[PieceRecord]]) -> DirectTable:
-    theory = partial(_theory, simulation)
-    largest = max(simulation.pressures)
     found = {
         state: record
         for piece, records in known.items()
         for state, record in zip(piece.states, records, strict=True)
     }
+    loads: list[tuple[Branch, float]] = [("load", p) for p in sorted(simulation.pressures)]
+    loads += [("unload", p) for p in sorted(simulation.unload, reverse=True)]
     rows, densities = [], []
-    for p in sorted(simulation.pressures):
-        records = [found["load", sample, p] for sample in range(simulation.samples)]
-        cut = simulation.cubed(found["cutoff", 0, p])
-        whole = simulation.cubed(records[0])
-        ratio = cut / whole if whole > 0.0 else math.nan
-        rows.append(_row(simulation, "load", p, p, records, ratio, theory(p)))
-        densities.append(_density(simulation, records))
-    for p in sorted(simulation.unload, reverse=True):
-        records = [found["unload", sample, p] for sample in range(simulation.samples)]
-        rows.append(_row(simulation, "unload", p, largest, records, math.nan, None))
-        densities.append(_density(simulation, records))
+    for branch, p in loads:
+        records = [found[branch, sample, p] for sample in range(simulation.samples)]
+        cutoff = found["cutoff", 0, p] if branch == "load" else None
+        rows.append(_row(simulation, branch, p, records, cutoff))
+        counts = np.sum([one.gap_counts for one in records], axis=0)
+        cells = len(records) * simulation.patch.points**2
+        densities.append(counts / cells / np.diff(simulation.gap_edges))
     maps = {p: text for (branch, _, p), record in found.items() if branch == "load" and (text := record.map)}
     return DirectTable(simulation, tuple(rows), np.array(densities), maps)
 
@@ -868,19 +853,17 @@ def _row(
     simulation: DirectSimulation,
     branch: Branch,
     pressure: float,
-    largest: float,
     records: Sequence[PieceRecord],
-    cutoff_ratio: float,
-    theory: TheoryRow | None,
+    cutoff: PieceRecord | None,
 ) -> DirectRow:
     area, gap = (np.array([getattr(one, name) for one in records]) for name in ("contact_area", "mean_gap"))
     cubed = np.array([simulation.cubed(one) for one in records])
     logs = np.log(cubed[cubed > 0.0])
-    several = len(records) > 1
+    several, first = len(records) > 1, float(cubed[0])
     return DirectRow(
         branch=branch,
         pressure=pressure,
-        largest_pressure=largest,
+        largest_pressure=max(simulation.pressures) if cutoff is None else pressure,
         contact_area=float(area.mean()),
         contact_area_scatter=float(area.std(ddof=1)) if several else math.nan,
         yielded_area=float(np.mean([one.yielded_area for one in records])),
@@ -891,8 +874,8 @@ def _row(
         log_scatter=float(logs.std(ddof=1)) if logs.size > 1 else math.nan,
         blocked=int(np.count_nonzero(cubed == 0.0)),
         samples=len(records),
-        cutoff_ratio=cutoff_ratio,
-        theory=theory,
+        cutoff_ratio=simulation.cubed(cutoff) / first if cutoff is not None and first > 0.0 else math.nan,
+        theory=None if cutoff is None else _theory(simulation, pressure),
         log_directions=_log_ratio(records[0].gap_cubed_along, records[0].gap_cubed_across),
     )
 
@@ -901,12 +884,6 @@ def _log_ratio(first: float, second: float) -> float:
     if first > 0.0 and second > 0.0:
         return math.log(first / second)
     return math.nan if first == second else math.copysign(math.inf, first - second)
-
-
-def _density(simulation: DirectSimulation, records: Sequence[PieceRecord]) -> FloatArray:
-    counts = np.sum([one.gap_counts for one in records], axis=0)
-    cells = len(records) * simulation.patch.points**2
-    return counts / cells / np.diff(simulation.gap_edges)
 
 
 def _theory(simulation: DirectSimulation, pressure: float) -> TheoryRow:

@@ -192,16 +192,6 @@ class Flow:
         """
         return self.table(surface, *range_around(log_peaks), num)
 
-    def table_of(self, surface: RoughContact, contacts: Sequence[ContactSolution]) -> Conductivity:
-        """`table_around` the peak pressures of some contacts.
-
-        Parameters
-        ----------
-        surface : RoughContact
-        contacts : sequence of ContactSolution
-        """
-        return self.table_around(surface, log_peaks(contacts))
-
     def permeant(self, table: Conductivity, fluid_pressure: float) -> Permeant:
         """What flows at a pressure difference.
 

@@ -58,6 +58,12 @@ def table_abscissa(
     return log_pressure + (-np.log(left) if method == "threshold-law" else _SEALING_WEIGHT / left)
 
 
+def logarithmic(ratio: FloatArray) -> FloatArray:
+    """Linear in a large ratio and logarithmic in a small one, as u depends on the abscissa; -inf at zero."""
+    with np.errstate(divide="ignore"):
+        return ratio + np.log(-np.expm1(-ratio))
+
+
 @dataclass(frozen=True)
 class Conductivity:
     """sigma_eff(p) for one fluid: call it with pressures [Pa] to get m^3/(Pa s).
@@ -138,9 +144,7 @@ class ConductivityTable:
     @cached_property
     def _curve(self) -> MonotoneCurve:
         x = table_abscissa(np.log(self.pressure), self._log_sealing, self.method)
-        # Linear in u where u is large, logarithmic where it is small: the ways it depends on the abscissa there.
-        ratio = self.separation / self._decay_length
-        y = ratio + np.log(-np.expm1(-ratio))
+        y = logarithmic(self.separation / self._decay_length)
         return MonotoneCurve(x, y, spline_slopes(x, y))
 
     @cached_property

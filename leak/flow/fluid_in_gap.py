@@ -5,7 +5,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from math import exp, inf, log
 
 import numpy as np
@@ -186,31 +186,14 @@ class _Path:
 
     def potential(self, log_Q: float, curve: ResistanceCurve) -> tuple[list[float], list[float]]:
         """psi(p_f) [Pa], which is p_f of a liquid that does not thicken, and ln(p - p_f) at the ends of the steps."""
-        if self.liquid is not None:
-            return self._of_thickening(log_Q, curve, self.liquid)
-        y = 0.0
-        guess = curve.lowest
+        rise_from = curve.rise if self.liquid is None else partial(curve.rise_of_potential, self.liquid)
+        y, guess = 0.0, curve.lowest
         out, left = [y], [guess]
         weight = (1.0 - _STAGE) / _STAGE
         for (p1, p2), (length1, length2) in zip(self.pressures, self.log_lengths, strict=True):
-            rise, guess = curve.rise(p1 - y, log_Q + length1, guess)
+            rise, guess = rise_from(p1, y, log_Q + length1, guess)
             y += weight * rise
-            rise, guess = curve.rise(p2 - y, log_Q + length2, guess)
-            y += rise
-            out.append(y)
-            left.append(guess)
-        return out, left
-
-    def _of_thickening(
-        self, log_Q: float, curve: ResistanceCurve, liquid: _Thickening
-    ) -> tuple[list[float], list[float]]:
-        y, guess = 0.0, curve.lowest
-        out, left = [0.0], [guess]
-        weight = (1.0 - _STAGE) / _STAGE
-        for (p1, p2), (length1, length2) in zip(self.pressures, self.log_lengths, strict=True):
-            rise, guess = curve.rise_of_potential(p1, y, log_Q + length1, guess, liquid)
-            y += weight * rise
-            rise, guess = curve.rise_of_potential(p2, y, log_Q + length2, guess, liquid)
+            rise, guess = rise_from(p2, y, log_Q + length2, guess)
             y += rise
             out.append(y)
             left.append(guess)
@@ -451,21 +434,22 @@ class ResistanceCurve:
         c2, c3 = (3.0 * slope - 2.0 * d0 - d1) / h, (d0 + d1 - 2.0 * slope) / h**2
         return list(zip(self.values[:-1], self.slopes[:-1], c2.tolist(), c3.tolist(), strict=True))
 
-    def rise(self, room: float, log_flow: float, guess: float) -> tuple[float, float]:
-        """Rise a/sigma(w) of the fluid pressure over a step, where w + a/sigma(w) = room, and ln w.
+    def rise(self, p: float, fluid: float, log_flow: float, guess: float) -> tuple[float, float]:
+        """Rise a/sigma(w) of the fluid pressure over a step, where w + a/sigma(w) = room = p - p_f, and ln w.
 
         w is the pressure left for the asperities. Newton on ln(w + a/sigma(w)) = ln(room) in v = ln w, where the left
         side rises and is convex: from above it converges without overshooting. No room: no contact, no rise.
 
         Parameters
         ----------
-        room : float
-            p less the fluid pressure before the step [Pa].
+        p, fluid : float
+            p, and p_f before the step [Pa].
         log_flow : float
             ln a, a = Q dx/(2 pi r).
         guess : float
             Near ln w.
         """
+        room = p - fluid
         if not room > 0.0:
             return 0.0, guess
         target = log(room)
@@ -491,7 +475,7 @@ class ResistanceCurve:
         return (exp(G) if v > G else room - w), v
 
     def rise_of_potential(
-        self, p: float, psi: float, log_flow: float, guess: float, liquid: _Thickening
+        self, liquid: _Thickening, p: float, psi: float, log_flow: float, guess: float
     ) -> tuple[float, float]:
         """Rise a/sigma(w) of psi over a step, with w = p - p_f at its end, and ln w.
 
@@ -500,13 +484,13 @@ class ResistanceCurve:
 
         Parameters
         ----------
+        liquid : _Thickening
         p : float
             [Pa]
         psi : float
             Before the step [Pa].
         log_flow, guess
             See `rise`.
-        liquid : _Thickening
         """
         before, slope = liquid.at(psi)
         room = p - before

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leak.arrays import FloatArray, different
-from leak.flow.conductivity import ConductivityTable, GasConductivityTable, table_abscissa
+from leak.flow.conductivity import ConductivityTable, GasConductivityTable, logarithmic, table_abscissa
 from leak.flow.memory import LoadMemory
 from leak.flow.rough_contact import RoughContact, asked_by, elastic_range, gas_conductivity_table
 from leak.numerics.curves import MonotoneCurve, cubic_spline_slopes, lagrange, spline_weights
@@ -144,7 +144,7 @@ class NearbyTables:
         inside = int(np.count_nonzero(self._abscissa(x) < places[-1] - 1e-3))
         x = np.append(x[:inside], self._log_share(places[-1:]))
         abscissa = self._abscissa(x)
-        known = _logarithmic(liquid.at_log_pressure(x + log_sealing) / _length(self.surface))
+        known = _smooth(liquid.at_log_pressure(x + log_sealing), self.surface)
         change = ours.gap - theirs.gap
         y = known + MonotoneCurve(places, change, cubic_spline_slopes(places, change)).value(abscissa)
         u = _length(surface) * np.logaddexp(0.0, y)
@@ -245,10 +245,10 @@ class NearbyTables:
         p = sealing * np.exp(self._log_share(places))
         if not self.of_gas or self.method != "bruggeman":
             u = np.asarray(few.effective_separation(p, self.method, refinement=_DETAIL))
-            return _Values(_logarithmic(u / _length(surface)), np.zeros((p.size, _LOG_D.size)))
+            return _Values(_smooth(u, surface), np.zeros((p.size, _LOG_D.size)))
         u, log_R = few.rarefied_separation(p, _LOG_D, refinement=_DETAIL)
         log_R[u <= _NOTHING * _length(surface)] = 0.0
-        return _Values(_logarithmic(u / _length(surface)), log_R)
+        return _Values(_smooth(u, surface), log_R)
 
     def _places(self, shares: FloatArray) -> FloatArray:
         """Where in the abscissa surfaces are calculated, for highest pressures over that of sealing."""
@@ -336,7 +336,6 @@ def _length(surface: RoughContact) -> float:
     return 0.5 * surface.spectrum.rms_height
 
 
-def _logarithmic(ratio: FloatArray) -> FloatArray:
-    """Linear in a large ratio and logarithmic in a small one; far below any gap next to sealing."""
-    ratio = np.maximum(ratio, _NOTHING)
-    return ratio + np.log(-np.expm1(-ratio))
+def _smooth(gap: FloatArray, surface: RoughContact) -> FloatArray:
+    """What is interpolated of u_eff; far below any gap next to sealing."""
+    return logarithmic(np.maximum(gap / _length(surface), _NOTHING))

@@ -931,16 +931,10 @@ class _Range:
 
 
 def _allowed(values: FloatArray) -> FloatArray:
-    """Error of `_logarithmic`, the first column, that is the same share of u_eff everywhere; any of the others."""
+    """Error of `logarithmic`, the first column, that is the same share of u_eff everywhere; any of the others."""
     allowed = np.full(values.shape, np.inf)
     allowed[:, 0] = _PREDICTED * np.maximum(1.0, values[:, 0])
     return allowed
-
-
-def _logarithmic(ratio: FloatArray) -> FloatArray:
-    """Linear in a large ratio and logarithmic in a small one: what a table is smooth in; -inf at zero."""
-    with np.errstate(divide="ignore"):
-        return ratio + np.log(-np.expm1(-ratio))
 
 
 @lru_cache(maxsize=32)
@@ -996,7 +990,7 @@ def _tabulated(
 
         def smooth(p: FloatArray) -> FloatArray:
             found = values(p)
-            return np.column_stack([_logarithmic(found[:, 0] / length), found[:, 1:]])
+            return np.column_stack([flow.logarithmic(found[:, 0] / length), found[:, 1:]])
 
         pressure, found = within.adapted(smooth, _allowed)
         found[:, 0] = length * np.logaddexp(0.0, found[:, 0])
