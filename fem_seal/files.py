@@ -13,6 +13,8 @@ import stat
 import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -96,6 +98,12 @@ def read_toml(path: Path, kind: str) -> dict[str, Any]:
     except UnreadableFileError as error:
         message = str(error)
     raise InputError.at("", message, file=path)
+
+
+@cache
+def own_tables(name: str) -> dict[str, Any]:
+    """Tables of a TOML file in templates/, which are part of the program."""
+    return tomllib.loads(files("fem_seal").joinpath("templates", name).read_text(encoding="utf-8"))
 
 
 class TomlError(SealError, ValueError):

@@ -15,6 +15,7 @@ from fem_seal.case.roughness import SelfAffine
 from fem_seal.case.tables import CaseTables, curves
 from fem_seal.case.temperature import Temperature
 from fem_seal.case.uncertainty import Uncertainty
+from fem_seal.case.words import problem
 from fem_seal.errors import InputError, Problem
 from fem_seal.units import given as written
 from meshes import GeometryError
@@ -51,21 +52,12 @@ def contradictions(case: CaseTables) -> list[Problem]:
 
 def _flow(case: CaseTables) -> Iterator[Problem]:
     if case.leak.fluid_in_gap == "local" and case.fluid is not None and case.fluid.gas is not None:
-        yield Problem(
-            "leak.fluid_in_gap",
-            'only for liquids, but the fluid is a gas; remove it, or set "uncoupled"',
-            '"local"',
-        )
+        yield problem("local_gas")
     reading = case.leak.conductivity
     undirected = reading in ("critical-junction", "threshold-law")
     if undirected and case.roughness is not None and case.roughness.directed:
         what = "a single junction" if reading == "critical-junction" else "the closed law of the threshold"
-        yield Problem(
-            "leak.conductivity",
-            f"{what} has no direction, but the roughness has one (peklenik, along and across, or the lay "
-            'of a finish); use "bruggeman"',
-            f'"{reading}"',
-        )
+        yield problem("lay_in_junctions", what=what, reading=reading)
 
 
 def _direct(case: CaseTables) -> Iterator[Problem]:
@@ -76,31 +68,15 @@ def _direct(case: CaseTables) -> Iterator[Problem]:
     if case.direct is not None and case.direct.pressure is not None and hardness is not None:
         highest = max(case.direct.pressure)
         if highest >= hardness:
-            yield Problem(
-                "direct.pressure",
-                f"reaches the hardness, {hardness / 1e6:.4g} MPa, at which everything yields; give smaller ones",
-                f"{highest / 1e6:.4g} MPa",
-            )
+            yield problem("direct_pressure", hardness=hardness / 1e6, highest=highest / 1e6)
     if case.leak.conductivity != "direct":
         return
-    key, value = "leak.conductivity", '"direct"'
     if case.direct is None:
-        yield Problem(
-            key, "takes its numbers from a direct simulation; add a table [direct], which may be empty", value
-        )
+        yield problem("direct_missing")
     if case.fluid is not None and case.fluid.gas is not None:
-        yield Problem(
-            key,
-            "is for liquids: of a gas the flow would have to be simulated at each of its pressures; use "
-            f'"bruggeman" for {shown(case.fluid.name)}',
-            value,
-        )
+        yield problem("direct_gas", fluid=shown(case.fluid.name))
     if case.uncertainty is not None:
-        yield Problem(
-            key,
-            "simulates one surface, but [uncertainty] samples hundreds; remove one of them",
-            value,
-        )
+        yield problem("direct_uncertainty")
 
 
 def _asperities(case: CaseTables) -> Iterator[Problem]:
@@ -109,11 +85,7 @@ def _asperities(case: CaseTables) -> Iterator[Problem]:
     if given is None:
         return
     if given.yield_stress is not None and given.asperities != "von-mises":
-        yield Problem(
-            "direct.yield_stress",
-            'is only for metal that flows; add asperities = "von-mises", or remove it',
-            f"{given.yield_stress / 1e6:.4g} MPa",
-        )
+        yield problem("direct_yield_stress", stress=given.yield_stress / 1e6)
     if given.asperities in (None, "elastic"):
         return
     needs = "a hardness" + (" or direct.yield_stress" if given.asperities == "von-mises" else "")
@@ -138,11 +110,7 @@ def _bodies(case: CaseTables) -> Iterator[Problem]:
         return
     size = case.mesh.contact_size
     if size is not None and size > r0 / 4:
-        yield Problem(
-            "mesh.contact_size",
-            f"too coarse for a contact circle of {mm(r0)}; allowed is up to {mm(r0 / 4)}",
-            mm(size),
-        )
+        yield problem("mesh_contact_size", radius=mm(r0), limit=mm(r0 / 4), value=mm(size))
     yield from _press_fit(case)
 
 
@@ -150,36 +118,29 @@ def _press_fit(case: CaseTables) -> Iterator[Problem]:
     """Around a small bore the strain is up to three times that of the wall, which must stay small, too."""
     interference, wall = getattr(case.seat, "interference", None) or 0.0, case.contact.seat.largest_radius
     if interference > _LARGEST_FIT * wall:
-        yield Problem(
-            "seat.interference",
-            f"is {100 * interference / wall:.2g} % of the radius of the wall, {mm(wall)}; the theory is for small "
-            f"strains and allows up to {100 * _LARGEST_FIT:g} %, {mm(_LARGEST_FIT * wall)}",
-            mm(interference),
+        yield problem(
+            "seat_interference",
+            share=100 * interference / wall,
+            wall=mm(wall),
+            most=100 * _LARGEST_FIT,
+            limit=mm(_LARGEST_FIT * wall),
+            value=mm(interference),
         )
 
 
 def _temperature(case: CaseTables, heat: Temperature) -> Iterator[Problem]:
     """What in [temperature] contradicts itself, or needs a number that no material has."""
-    key = "temperature"
     bodies = [name for name in ("uniform", "closure", "seat") if getattr(heat, name) is not None]
     given = [*bodies, *heat.faces]
     if bodies not in ([], ["uniform"], ["closure", "seat"]) or not given or (bodies and heat.faces):
-        yield Problem(
-            key,
-            f"names {' and '.join(given) or 'no temperature'}; give either uniform, or closure and seat, or faces "
-            "with what is around them (inner, outer, top, bottom, wall)",
-        )
+        yield problem("temperature_given", given=" and ".join(given) or "no temperature")
         return
     if heat.contact_conductance is not None and not heat.faces:
-        yield Problem(
-            f"{key}.contact_conductance", "is for heat that is conducted, and no face is named; remove it"
-        )
+        yield problem("contact_conductance")
     fixed = getattr(case.seat, "wall", "free") == "fixed"
     for name in ("housing", "housing_expansion"):
         if getattr(heat, name) is not None and not fixed:
-            yield Problem(
-                f"{key}.{name}", 'only with seat.wall = "fixed", but wall = "free"; add it, or remove this'
-            )
+            yield problem("without_housing", name=name)
     if heat.faces:
         for name in ("closure", "seat"):
             material = getattr(case, name).material
@@ -187,10 +148,12 @@ def _temperature(case: CaseTables, heat: Temperature) -> Iterator[Problem]:
                 if getattr(material, number) is None and number not in {
                     one.key for one in material.over_temperature
                 }:
-                    yield Problem(
-                        f"{name}.material.{number}",
-                        f"{material.name}: is not known, and the temperature is calculated; "
-                        f"{suggestion(material.name, number, unit)}",
+                    yield problem(
+                        "material_number",
+                        name=name,
+                        number=number,
+                        material=material,
+                        suggestion=suggestion(material.name, number, unit),
                     )
         return
     strains = []
@@ -209,11 +172,7 @@ def _temperature(case: CaseTables, heat: Temperature) -> Iterator[Problem]:
             yield Problem(f"{name}.material.thermal_expansion", f"{material.name}: {message}")
     for name, strain in zip(("closure", "seat"), strains, strict=False):
         if abs(strain) > _LARGEST_STRAIN:
-            yield Problem(
-                key,
-                f"the {name} would grow by {100 * strain:.2g} %; the theory is for small strains and allows up to "
-                f"{100 * _LARGEST_STRAIN:g} %",
-            )
+            yield problem("thermal_strain", name=name, strain=100 * strain, limit=100 * _LARGEST_STRAIN)
     if len(strains) == 2 and fixed:
         yield from _fit(case)
 
@@ -227,17 +186,9 @@ def _fit(case: CaseTables) -> Iterator[Problem]:
         return
     room = 1e-12 * wall
     if moved < -room:
-        yield Problem(
-            "temperature.housing",
-            f"the bore grows {1e6 * -moved:.3g} um more than the seat in it, which is then loose; give an interference "
-            'above that, or wall = "free"',
-        )
+        yield problem("loose_fit", moved=1e6 * -moved)
     if moved > _LARGEST_FIT * wall:
-        yield Problem(
-            "temperature.housing",
-            f"the seat is pressed together by {100 * moved / wall:.2g} % of the radius of its wall, {mm(wall)}; the "
-            f"theory is for small strains and allows up to {100 * _LARGEST_FIT:g} %",
-        )
+        yield problem("tight_fit", share=100 * moved / wall, wall=mm(wall), most=100 * _LARGEST_FIT)
 
 
 def _geometry_problem(message: str) -> Problem:
@@ -257,63 +208,31 @@ def _spectrum(case: CaseTables) -> Iterator[Problem]:
 
 def _wavenumbers(key: str, spectrum: SelfAffine) -> Iterator[Problem]:
     if spectrum.q_low >= spectrum.q_high:
-        yield Problem(
-            f"{key}.q_low",
-            f"must be below q_high = {spectrum.q_high:g} 1/m",
-            f"{spectrum.q_low:g} 1/m",
-        )
+        yield problem("q_low", key=key, spectrum=spectrum)
     elif not spectrum.q_low <= spectrum.q_rolloff <= spectrum.q_high:
-        yield Problem(
-            f"{key}.q_rolloff",
-            f"must lie between q_low = {spectrum.q_low:g} 1/m and q_high = {spectrum.q_high:g} 1/m",
-            f"{spectrum.q_rolloff:g} 1/m",
-        )
+        yield problem("q_rolloff", key=key, spectrum=spectrum)
 
 
 def _interface(case: CaseTables) -> Iterator[Problem]:
     interface, rough = case.interface, case.roughness is not None
     if interface.law == "spectrum" and not rough:
-        yield Problem(
-            "roughness",
-            'is missing; interface.law = "spectrum" takes p(u) from the spectrum. Add [roughness], or use '
-            'law = "smooth"',
-        )
+        yield problem("roughness")
     if interface.law != "exponential":
         for key in ("gamma", "u0", "p_c"):
             if getattr(interface, key) is not None:
-                yield Problem(
-                    f"interface.{key}",
-                    f'only with law = "exponential", but law = "{interface.law}"; remove it',
-                )
+                yield problem("other_law", key=key, interface=interface)
     if interface.law != "spectrum" and interface.plastic:
-        yield Problem(
-            "interface.plastic", f'only with law = "spectrum", but law = "{interface.law}"; remove it', "true"
-        )
+        yield problem("plastic_law", interface=interface)
     if interface.law == "spectrum" and interface.plastic and rough and not case.leak.plasticity:
-        yield Problem(
-            "interface.plastic",
-            "the asperities do not yield with leak.plasticity = false; set plastic = false, or plasticity = true",
-            "true",
-        )
+        yield problem("plastic_elastic")
     if interface.law == "exponential" and interface.gamma is not None and interface.u0 is not None:
-        yield Problem(
-            "interface.gamma",
-            "u0 is given as well, and u0 = gamma times rms height; remove one of them",
-            f"{interface.gamma:g}",
-        )
+        yield problem("gamma_and_u0", interface=interface)
     if interface.law == "exponential" and not rough:
         for key, source in (("u0", "gamma times rms height"), ("p_c", "spectrum")):
             if getattr(interface, key) is None:
-                yield Problem(
-                    f"interface.{key}",
-                    f"is missing; without [roughness] there is no {source} to take it from",
-                )
+                yield problem("law_without_roughness", key=key, source=source)
         if interface.gamma is not None:
-            yield Problem(
-                "interface.gamma",
-                "needs [roughness] with its rms height; give u0 instead",
-                f"{interface.gamma:g}",
-            )
+            yield problem("gamma_without_roughness", interface=interface)
 
 
 def _hardness(case: CaseTables) -> Iterator[Problem]:
@@ -323,36 +242,22 @@ def _hardness(case: CaseTables) -> Iterator[Problem]:
     bodies = f"closure.material = {closure} and seat.material = {seat} have none"
     remedy = 'add hardness = "3.5 GPa" (your value) to the table of one of them'
     if case.leak.plasticity:
-        yield Problem(
-            "leak.plasticity", f"needs a hardness, but {bodies}; {remedy}, or set plasticity = false", "true"
-        )
+        yield problem("no_hardness", bodies=bodies, remedy=remedy)
     if case.interface.plastic:
-        yield Problem(
-            "interface.plastic", f"needs a hardness, but {bodies}; {remedy}, or set plastic = false", "true"
-        )
+        yield problem("no_hardness_of_law", bodies=bodies, remedy=remedy)
 
 
 def _load(case: CaseTables) -> Iterator[Problem]:
     load = case.load
     if isinstance(load.applied_force, tuple) and len(load.applied_force) != len(load.fluid_pressure):
-        yield Problem(
-            "load.applied_force",
-            f"has {len(load.applied_force)} entries, but fluid_pressure has {len(load.fluid_pressure)}; give one for "
-            "each fluid pressure, one for all, or a single fluid_pressure for all forces",
+        yield problem(
+            "load_applied_force", forces=len(load.applied_force), pressures=len(load.fluid_pressure)
         )
     if load.closing == "penetration" and case.leak.fluid_in_gap == "local":
-        yield Problem(
-            "leak.fluid_in_gap",
-            'load.closing = "penetration" already solves contact and fluid pressure in the gap together; remove it',
-            '"local"',
-        )
+        yield problem("local_penetration")
     if load.target_leak_rate is not None and (case.roughness is None or case.fluid is None):
         missing = "roughness" if case.roughness is None else "fluid"
-        yield Problem(
-            "load.target_leak_rate",
-            f"needs a leak rate, and there is none without [{missing}]; add it",
-            written("flow", load.target_leak_rate),
-        )
+        yield problem("load_target_leak_rate", missing=missing, value=written("flow", load.target_leak_rate))
 
 
 def _earlier(case: CaseTables) -> Iterator[Problem]:
@@ -363,11 +268,7 @@ def _earlier(case: CaseTables) -> Iterator[Problem]:
     key, given = load.earlier_key, load.largest_earlier_pressure
     value = written("force", load.earlier[1]) if given is None else written("fluid pressure", given)
     if load.largest_earlier_force is not None and given is not None:
-        yield Problem(
-            "load.largest_earlier_pressure",
-            "largest_earlier_force is given as well, and the largest earlier load is one of them; remove the other",
-            written("fluid pressure", given),
-        )
+        yield problem("two_earlier_loads", value=written("fluid pressure", given))
     elif given is not None:
         yield from _earlier_pressure(case, given)
     leaks = case.roughness is not None and case.fluid is not None
@@ -375,12 +276,7 @@ def _earlier(case: CaseTables) -> Iterator[Problem]:
         missing = "fluid" if case.roughness else "roughness"
         why = "leak.plasticity = false" if leaks else f"no leak rate without [{missing}]"
         remedy = "set plasticity = true" if leaks else "add the table"
-        yield Problem(
-            key,
-            f"has no effect: elastic bodies come back, and with {why} nothing else remembers it; remove it, {remedy}, "
-            "or give a material stress_strain",
-            value,
-        )
+        yield problem("earlier_without_effect", key=key, why=why, remedy=remedy, value=value)
 
 
 def _history(case: CaseTables) -> Iterator[Problem]:
@@ -396,37 +292,17 @@ def _history(case: CaseTables) -> Iterator[Problem]:
     else:
         return
     if case.leak.fluid_in_gap == "local":
-        yield Problem(
-            "leak.fluid_in_gap",
-            f"what the fluid pressure takes off asperities that were pressed harder before ({before}) is not known; "
-            f'remove it, or {instead}, or take [load] closing = "penetration"',
-            '"local"',
-        )
+        yield problem("local_memory", before=before, instead=instead)
     if case.leak.conductivity == "direct":
-        yield Problem(
-            "leak.conductivity",
-            f"is simulated for first loading, and {before} asks what is left after a larger load; use "
-            f'"bruggeman", or {instead} ([direct] unload shows the simulation after a larger pressure)',
-            '"direct"',
-        )
+        yield problem("direct_memory", before=before, instead=instead)
 
 
 def _earlier_pressure(case: CaseTables, pressure: float) -> Iterator[Problem]:
     load = case.load
     if load.pressure_side == "inner":
-        yield Problem(
-            "load.largest_earlier_pressure",
-            'with pressure_side = "inner" the fluid lifts the closure, and a higher pressure has pressed nothing '
-            "harder; give the largest_earlier_force of spring or actuator instead",
-            written("fluid pressure", pressure),
-        )
+        yield problem("earlier_lifts", value=written("fluid pressure", pressure))
     elif len({force for _, force in load.points}) > 1:
-        yield Problem(
-            "load.largest_earlier_pressure",
-            "applied_force has several values, and which of them acted with it is not said; give largest_earlier_force "
-            "instead, spring and fluid force on the sealed area together",
-            written("fluid pressure", pressure),
-        )
+        yield problem("earlier_forces", value=written("fluid pressure", pressure))
 
 
 def _fluid(case: CaseTables) -> Iterator[Problem]:
@@ -434,41 +310,26 @@ def _fluid(case: CaseTables) -> Iterator[Problem]:
     if fluid is None:
         return
     if fluid.gas is None and fluid.outlet_pressure is not None:
-        yield Problem(
-            "fluid.outlet_pressure",
-            f"only for a gas; the leak of a liquid ({shown(fluid.name)}) depends on the pressure difference alone, "
-            "remove it",
-            written("fluid pressure", fluid.outlet_pressure),
+        yield problem(
+            "fluid_outlet_pressure",
+            fluid=shown(fluid.name),
+            value=written("fluid pressure", fluid.outlet_pressure),
         )
     given = [name for name in ("pressure_viscosity", "roelands_z") if getattr(fluid, name) is not None]
     if fluid.gas is not None:
         for name in given:
-            yield Problem(
-                f"fluid.{name}",
-                f"only for a liquid, but {shown(fluid.name)} is a gas; remove it, "
-                'or take the gas of CoolProp, such as "CoolProp:Nitrogen", whose viscosity depends on the pressure',
-            )
+            yield problem("liquid_only", name=name, fluid=shown(fluid.name))
     elif len(given) > 1:
         yield Problem("fluid.roelands_z", "says the same as fluid.pressure_viscosity; remove one of them")
     elif fluid.roelands_z is not None and fluid.viscosity <= 1e-4:
-        yield Problem(
-            "fluid.roelands_z",
-            f"Roelands' law says nothing of a liquid as thin as {1e3 * fluid.viscosity:.3g} mPa s; give "
-            "fluid.pressure_viscosity",
-            f"{fluid.roelands_z:g}",
-        )
+        yield problem("fluid_roelands_z", viscosity=1e3 * fluid.viscosity, fluid=fluid)
     if fluid.particles is None:
         return
     if case.roughness is None:
-        yield Problem(
-            "fluid.particles",
-            "are stopped by the narrow places between rough surfaces, which are not known without [roughness]; add it",
-        )
+        yield problem("fluid_particles")
     if fluid.gas is not None and fluid.particles.iso_4406 is not None:
-        yield Problem(
-            "fluid.particles.iso_4406",
-            f"counts particles in a liquid, but {shown(fluid.name)} is a gas; give sizes and per_ml",
-            shown(fluid.particles.iso_4406),
+        yield problem(
+            "fluid_particles_iso_4406", fluid=shown(fluid.name), value=shown(fluid.particles.iso_4406)
         )
 
 
@@ -484,12 +345,7 @@ def _form(case: CaseTables) -> Iterator[Problem]:
     if form is None:
         return
     if curves(case):
-        yield Problem(
-            "form",
-            "the line load around the axis is that of elastic bodies on the whole, but "
-            f"{_remembering(case)}, and would have another imprint at every angle; remove [form], or leave "
-            "stress_strain out",
-        )
+        yield problem("form", bodies=_remembering(case))
     if (form.scratches or form.lay) and (case.roughness is None or case.fluid is None):
         missing = "roughness" if case.roughness is None else "fluid"
         yield Problem(
@@ -505,19 +361,13 @@ def _requirement(case: CaseTables, required: Requirement) -> Iterator[Problem]:
         yield Problem("requirement", f"needs a leak rate, and there is none without [{missing}]; add it")
         return
     if required.leak_rate is None and required.standard is None:
-        yield Problem(
-            "requirement", 'names no limit; give leak_rate = "0.1 ml/min", or standard and class, or both'
-        )
+        yield problem("requirement")
     yield from _class(required, gas=case.fluid.gas is not None)
     loads = case.load.fluid_pressure
     for pressure in required.pressures:
         if not any(math.isclose(pressure, one, rel_tol=1e-6) for one in loads):
             listed = ", ".join(f"{one / 1e5:.6g}" for one in dict.fromkeys(loads))
-            yield Problem(
-                "requirement.fluid_pressure",
-                f"is no fluid pressure of [load], which has {listed} bar; add it there, or give one of these",
-                f"{pressure / 1e5:.6g} bar",
-            )
+            yield problem("requirement_fluid_pressure", listed=listed, pressure=pressure / 1e5)
 
 
 def _class(required: Requirement, *, gas: bool) -> Iterator[Problem]:
@@ -544,11 +394,7 @@ def _class(required: Requirement, *, gas: bool) -> Iterator[Problem]:
             None if given is None else shown(given),
         )
     elif found[1] not in classes_of(standard, gas=gas, rated_capacity=required.rated_capacity is not None):
-        yield Problem(
-            "requirement.rated_capacity",
-            f"is missing: class {found[1]} of {standard} is a share of the flow through the open valve; give that "
-            'flow, such as "40 m^3/h"',
-        )
+        yield problem("requirement_rated_capacity", name=found[1], standard=standard)
 
 
 def problems_with_uncertainty(case: CaseTables, table: Uncertainty) -> Iterator[Problem]:
@@ -561,11 +407,7 @@ def problems_with_uncertainty(case: CaseTables, table: Uncertainty) -> Iterator[
         The case's own, or another one.
     """
     if case.fluid is not None and case.fluid.gas is not None and table.viscosity is not None:
-        yield Problem(
-            "uncertainty.viscosity",
-            "only for a liquid, whose leak rate is inversely proportional to it; remove it for "
-            f"{shown(case.fluid.name)}",
-        )
+        yield problem("uncertainty_viscosity", fluid=shown(case.fluid.name))
     from fem_seal.case.roughness import SHAPE, scan_spectra, self_affine_part, uncertain_heights
 
     for name in ("roughness", "fluid"):
@@ -577,9 +419,7 @@ def problems_with_uncertainty(case: CaseTables, table: Uncertainty) -> Iterator[
         and not any(uncertain_heights(case.roughness, between_scans=table.spectrum is not None))
         and not (case.roughness is not None and case.roughness.finishes)
     ):
-        yield Problem(
-            "uncertainty", "names no uncertain input; add one, such as hardness = { relative = 0.1 }"
-        )
+        yield problem("no_uncertain_input")
     if table.hardness is not None and not case.leak.plasticity:
         yield Problem("uncertainty.hardness", "has no effect with leak.plasticity = false; remove it")
     if table.form is not None and case.form is None:
@@ -589,12 +429,6 @@ def problems_with_uncertainty(case: CaseTables, table: Uncertainty) -> Iterator[
     shape = [key for key in SHAPE if key in table.spreads]
     if self_affine_part(case.roughness) is None and not case.roughness.finishes:
         for key in shape:
-            yield Problem(
-                f"uncertainty.{key}",
-                'needs one spectrum of kind "self-affine", or a finish, in [roughness]; remove it',
-            )
+            yield problem("shape_of_spectrum", key=key)
     if table.spectrum is not None and not scan_spectra(case.roughness):
-        yield Problem(
-            "uncertainty.spectrum",
-            'needs a spectrum of kind "profile" with two or more files; give the scans, or remove it',
-        )
+        yield problem("uncertainty_spectrum")

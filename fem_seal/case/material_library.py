@@ -5,12 +5,11 @@ from __future__ import annotations
 import difflib
 import math
 import re
-import tomllib
-from importlib.resources import files
 from types import MappingProxyType
 from typing import Any
 
 from fem_seal.errors import InputError
+from fem_seal.files import own_tables
 from fem_seal.materials import ROOM_TEMPERATURE, Material, OverTemperature, celsius
 
 # Half the angle between opposite faces of the Vickers pyramid, 136 degrees.
@@ -56,8 +55,7 @@ def _key(name: str) -> str:
 
 
 def _read() -> tuple[dict[str, Material], dict[str, str]]:
-    text = files("fem_seal").joinpath("templates", "materials.toml").read_text(encoding="utf-8")
-    tables: dict[str, Any] = tomllib.loads(text)
+    tables = dict(own_tables("materials.toml"))
     sources, aliases = tables.pop("sources"), tables.pop("aliases")
     return {name: _material(name, entry, sources) for name, entry in tables.items()}, aliases
 

@@ -22,6 +22,7 @@ from fem_seal.units import DIGITS, beside, briefly, number, rounded, share_text
 from fem_seal.validity.fluid import fluid_cautions, molecule_cautions
 from fem_seal.validity.form import LARGEST_EXCESS, form_cautions
 from fem_seal.validity.materials import temperature_cautions
+from fem_seal.validity.words import caution
 
 if TYPE_CHECKING:
     from fem_seal.seal.direct import DirectTable
@@ -161,7 +162,7 @@ def load_cautions(
         _hot,
         _moved_by_heat,
     )
-    yield from (caution for check in bodies for caution in check(problem, model, loads))
+    yield from (one for check in bodies for one in check(problem, model, loads))
     yield from form_cautions(problem, loads)
     if surface is not None:
         yield from _interface_cautions(problem, surface, loads)
@@ -172,7 +173,7 @@ def _interface_cautions(
 ) -> Iterator[Caution]:
     interface = (_sealed, _nearly_sealed, _range, _long_waves)
     flow = () if problem.flow is None else (_fluid_opens,)
-    yield from (caution for check in (*interface, *flow) for caution in check(problem, surface, loads))
+    yield from (one for check in (*interface, *flow) for one in check(problem, surface, loads))
     if problem.flow is not None:
         yield from fluid_cautions(problem.flow, loads)
 
@@ -230,12 +231,9 @@ def earlier_cautions(problem: SealProblem, earlier: LoadResult) -> Iterator[Caut
     earlier : LoadResult
     """
     for check in (_yielding, _table_left, _turned, _cut_off):
-        for caution in check(problem, earlier.contact.model, [earlier]):
-            reason, text = (
-                f"largest earlier load: {caution.reason}",
-                f"at the largest earlier load: {caution.text}",
-            )
-            yield replace(caution, reason=reason, text=text)
+        for one in check(problem, earlier.contact.model, [earlier]):
+            text = f"at the largest earlier load: {one.text}"
+            yield replace(one, reason=f"largest earlier load: {one.reason}", text=text)
 
 
 def target_cautions(
@@ -255,9 +253,9 @@ def target_cautions(
     named = dict.fromkeys(
         f"{briefly('force', one.applied_force)} at {one.fluid_pressure / 1e5:.4g} bar" for one in ends
     )
-    for caution in _at_target(problem, surface, answers):
-        text = f"at the force for the target leak rate, {' to '.join(named)}: {caution.text}"
-        yield replace(caution, text=text)
+    for one in _at_target(problem, surface, answers):
+        text = f"at the force for the target leak rate, {' to '.join(named)}: {one.text}"
+        yield replace(one, text=text)
 
 
 def target_validity(problem: SealProblem, surface: Surface, answer: LoadResult) -> Validity:
@@ -276,7 +274,7 @@ def target_validity(problem: SealProblem, surface: Surface, answer: LoadResult) 
 def _at_target(problem: SealProblem, surface: Surface, answers: Sequence[LoadResult]) -> Iterator[Caution]:
     model = answers[0].contact.model
     bodies = (_yielding, _turned, _cut_off, _wide, _above_hardness)
-    yield from (caution for check in bodies for caution in check(problem, model, answers))
+    yield from (one for check in bodies for one in check(problem, model, answers))
     yield from _nearly_sealed(problem, surface, answers)
     if problem.flow is not None:
         yield from molecule_cautions(problem.flow, answers)
@@ -284,16 +282,7 @@ def _at_target(problem: SealProblem, surface: Surface, answers: Sequence[LoadRes
 
 def _of_surface(problem: SealProblem) -> Iterator[Caution]:
     if problem.usual_only:
-        yield Caution(
-            "finish",
-            Level.DOUBTFUL,
-            "of a finish the usual surface alone, without its interval",
-            "the drawing's finish leaves much of the surface open, and its interval is not calculated together with "
-            'conductivity = "direct", for given pressure profiles, or for designs of a study without '
-            "leak_rate_high_m3_per_s among their responses: the leak rate is that of the usual surface and may be off "
-            "by a factor of ten",
-            leak_factor=Bounds.either_way(10.0),
-        )
+        yield caution("finish", leak_factor=Bounds.either_way(10.0))
     for text in problem.remarks:
         yield Caution("roughness", Level.DOUBTFUL, text, text)
 
@@ -374,21 +363,25 @@ def _table_left(problem: SealProblem, model: ContactModel, loads: Sequence[LoadR
             continue
         load, zone = max(zones, key=lambda item: item[1].strain)
         if zone.strain > curve.last_strain:
-            yield Caution(
-                "stress-strain curve",
-                Level.OUTSIDE,
-                f"{name}: plastic strain {100 * zone.strain:.3g} % beyond the end of its stress_strain curve",
-                f"{name}: plastic strain {100 * zone.strain:.3g} % at {load_name(load, loads)} is beyond "
-                f"the end of its stress_strain curve, {100 * curve.last_strain:.3g} %; from there on the stress keeps "
-                f"its last value, {curve.stress[-1] / 1e6:.4g} MPa",
+            yield caution(
+                "stress_strain_curve",
+                load,
+                loads,
+                level=Level.OUTSIDE,
+                name=name,
+                strain=100 * zone.strain,
+                last=100 * curve.last_strain,
+                stress=curve.stress[-1] / 1e6,
             )
         if zone.strain > _LARGE_STRAIN:
-            yield Caution(
-                "large strain",
-                Level.OUTSIDE,
-                f"{name}: plastic strain {100 * zone.strain:.3g} %, too large for small-strain theory",
-                f"{name}: plastic strain reaches {100 * zone.strain:.3g} % at {load_name(load, loads)}; the "
-                f"theory is for small strains, and above {100 * _LARGE_STRAIN:g} % imprint and width are estimates",
+            yield caution(
+                "large_strain",
+                load,
+                loads,
+                level=Level.OUTSIDE,
+                name=name,
+                strain=100 * zone.strain,
+                limit=100 * _LARGE_STRAIN,
             )
 
 
@@ -419,12 +412,8 @@ def _cut_off(problem: SealProblem, model: ContactModel, loads: Sequence[LoadResu
             fitting = math.isinf(model.relative_radius)
             much = max(shares) > _MUCH_CUT_OFF and not fitting
             level = Level.OUTSIDE if much else Level.DOUBTFUL
-            yield Caution(
-                "cut off",
-                level,
-                f"contact cut off at the {side} end of the seat's face with {max(shares):.2g} of its peak pressure",
-                f"at {load_name(load, loads)} the contact reaches the {side} end of the seat's face with "
-                f"{max(shares):.2g} of its peak pressure (x = {1e3 * ends[0].x[end]:.4g} mm); it is cut off there",
+            yield caution(
+                "cut_off", load, loads, level=level, side=side, share=max(shares), x=1e3 * ends[0].x[end]
             )
 
 
@@ -432,13 +421,7 @@ def _wide(problem: SealProblem, model: ContactModel, loads: Sequence[LoadResult]
     load = max(loads, key=lambda load: load.std)
     share = 2 * load.std / model.touch_radius
     if share > _NARROW:
-        yield Caution(
-            "wide contact",
-            Level.DOUBTFUL,
-            f"wide contact: two standard deviations are {share:.2g} of its radius",
-            f"the contact is wide: two standard deviations of its pressure are {share:.2g} of its radius at "
-            f"{load_name(load, loads)}; line loads and closed-form profiles assume a narrow line",
-        )
+        yield caution("wide_contact", load, loads, share=share)
 
 
 def _thick_layer(problem: SealProblem, model: ContactModel, loads: Sequence[LoadResult]) -> Iterator[Caution]:
@@ -451,14 +434,13 @@ def _thick_layer(problem: SealProblem, model: ContactModel, loads: Sequence[Load
     if share > _THICK_LAYER:
         load = loads[shares.index(share)]
         apart = float(load.contact.gap[int(np.argmax(load.contact.pressure))])
-        yield Caution(
-            "thick layer",
-            Level.OUTSIDE if share > _NO_LAYER else Level.DOUBTFUL,
-            f"separation of the surfaces is {share:.2g} of the radius of curvature of their faces",
-            f"at {load_name(load, loads)} the surfaces are {1e6 * apart:.3g} um apart, {share:.2g} of the radius of "
-            "curvature of their faces where they carry the load. The interface law is that of parallel planes: peak "
-            "and width are uncertain by about the decay length over that radius. A larger edge radius or smoother "
-            "surfaces remove the problem",
+        yield caution(
+            "thick_layer",
+            load,
+            loads,
+            level=Level.OUTSIDE if share > _NO_LAYER else Level.DOUBTFUL,
+            share=share,
+            apart=1e6 * apart,
         )
 
 
@@ -468,14 +450,7 @@ def _slides(problem: SealProblem, model: ContactModel, loads: Sequence[LoadResul
     share = slope * max(apart)
     if share > _SLIDES:
         load = loads[apart.index(max(apart))]
-        yield Caution(
-            "thick layer",
-            Level.DOUBTFUL,
-            f"separation of the surfaces on a steep seat: {share:.2g} of the radius of first touch",
-            f"at {load_name(load, loads)} the surfaces are {1e6 * max(apart):.3g} um apart. On a seat as steep as "
-            f"this one, that moves the place of closest approach by up to {share:.2g} of its radius. Peak and leak "
-            "rate are calculated for the radius of first touch and are uncertain by as much",
-        )
+        yield caution("steep_seat", load, loads, share=share, apart=1e6 * max(apart))
 
 
 def _moved_by_heat(
@@ -496,14 +471,8 @@ def _moved_by_heat(
     turn = 0.0 if contact.normal_turns else slide * bends * min(contact.relative_radius, 1 / _TINY)
     ends = min(abs(end) for end in contact.reach)
     if turn > _TURNS or slide > _NEAR_END * ends:
-        yield Caution(
-            "heat",
-            Level.DOUBTFUL,
-            f"heat moves the faces {1e6 * slide:.3g} um along each other",
-            f"where they touch the closure moves {1e6 * beyond:.3g} um outwards beyond the seat and slides "
-            f"{1e6 * slide:.3g} um along it, which turns the contact normal by {math.degrees(turn):.2g} deg; the "
-            f"nearest end of a face is {1e6 * ends:.4g} um away. The contact is calculated where the drawing has it: "
-            "give the dimensions of the hot parts instead, with that temperature as reference",
+        yield caution(
+            "heat", slide=1e6 * slide, beyond=1e6 * beyond, turn=math.degrees(turn), ends=1e6 * ends
         )
 
 
@@ -563,12 +532,15 @@ def _above_hardness(
         if share > 1
         else "the theory of yielding asperities is valid only far below the hardness"
     )
-    yield Caution(
+    yield caution(
         "hardness",
-        Level.OUTSIDE if share > 1 else Level.DOUBTFUL,
-        f"{_named_pressure(load)} {told} of the hardness",
-        f"{_named_pressure(load)} {_mpa(peak, load, limit)} MPa at {load_name(load, loads)} is {told} of the hardness; "
-        f"{why}",
+        load,
+        loads,
+        level=Level.OUTSIDE if share > 1 else Level.DOUBTFUL,
+        pressure=_named_pressure(load),
+        told=told,
+        peak=_mpa(peak, load, limit),
+        why=why,
     )
 
 
@@ -594,16 +566,16 @@ def _sealed(problem: SealProblem, surface: Surface, loads: Sequence[LoadResult])
         own = problem.surface
         readings = () if own is None or own.hardness is None else map(own.reading, own.readings)
         leaky = any(_sealing_pressure(problem, one) > peak for one in readings)
-        yield Caution(
+        yield caution(
             "sealed",
-            Level.DOUBTFUL,
-            f"sealed by the percolation threshold, A/A0 = {surface.percolation_threshold:.2g}",
-            f"sealed: at {load_name(load, loads)} the {_named_pressure(load)} {_mpa(peak, load, limit)} MPa is above "
-            f"{limit:g} MPa, where A/A0 = {surface.percolation_threshold:.2g} of the area "
-            f"touches and no leak path is open (from {first} on, of the loads calculated). A leak rate of "
-            "zero is only as certain as this percolation threshold",
-            # the reading that is not sealed is next to it
-            Bounds(0.0, math.inf) if leaky else EXACT,
+            load,
+            loads,
+            leak_factor=Bounds(0.0, math.inf) if leaky else EXACT,
+            surface=surface,
+            pressure=_named_pressure(load),
+            peak=_mpa(peak, load, limit),
+            limit=limit,
+            first=first,
         )
 
 
@@ -628,35 +600,35 @@ def _nearly_sealed(problem: SealProblem, surface: Surface, loads: Sequence[LoadR
         if max(surface.peklenik, 1.0 / surface.peklenik) > _LAY_LONGEST:
             unknown.append(f"a ratio of {_LAY_LONGEST:g} of the correlation lengths")
         beyond = f"; beyond {' and '.join(unknown)} there are none" if unknown else ""
-        yield Caution(
+        yield caution(
             "lay",
-            Level.DOUBTFUL,
-            f"roughness with a lay: leak rate up to a factor {lay:.2g} off",
-            f"A/A0 = {area:.2g} of the area touches under the peak pressure at {load_name(load, loads)}. The roughness "
-            f"has a lay (peklenik = {surface.peklenik:.3g}), for which the theory's flow conductivity differs from "
-            f"direct numerical results with elastic asperities by up to a factor {lay:.2g} either way{beyond}",
+            load,
+            loads,
             leak_factor=Bounds.either_way(lay),
+            lay=lay,
+            area=area,
+            surface=surface,
+            beyond=beyond,
         )
     elif area > _DIRECT_END:
-        yield Caution(
-            "few channels",
-            Level.DOUBTFUL,
-            f"A/A0 = {area:.2g} at the peak: close to the percolation threshold, leak rate uncertain by orders of "
-            "magnitude",
-            f"A/A0 = {area:.2g} of the area touches under the peak pressure at {load_name(load, loads)}, close to "
-            f"{surface.percolation_threshold:.2g}, where no leak path is open. The leak rate falls there by orders of "
-            f"magnitude. Direct numerical results end at {_DIRECT_END:g}: no bound on the error is known",
+        yield caution(
+            "close_to_threshold",
+            load,
+            loads,
             leak_factor=Bounds(0.0, math.inf),
+            area=area,
+            surface=surface,
+            direct_end=_DIRECT_END,
         )
     elif area > _FEW_CHANNELS:
-        yield Caution(
-            "few channels",
-            Level.DOUBTFUL,
-            f"A/A0 = {area:.2g} at the peak: few channels, leak rate up to a factor {factor:g} off",
-            f"A/A0 = {area:.2g} of the area touches under the peak pressure at {load_name(load, loads)}. "
-            f"Above {_FEW_CHANNELS:g} few channels are left, and the theory's flow conductivity differs from direct "
-            f"numerical results by up to a factor {factor:g} either way",
+        yield caution(
+            "few_channels",
+            load,
+            loads,
             leak_factor=Bounds.either_way(factor),
+            area=area,
+            factor=factor,
+            few_channels=_FEW_CHANNELS,
         )
 
 
@@ -668,24 +640,12 @@ def _simulated(table: DirectTable, load: LoadResult, loads: Sequence[LoadResult]
     simulated = f"{ends[0]:g} to {ends[1]:g} MPa"
     if not low <= peak <= high:
         side = "above" if peak > high else "below"
-        yield Caution(
-            "direct range",
-            Level.DOUBTFUL,
-            f"peak pressure {side} those of the direct simulation, {simulated}",
-            f"the peak pressure {at} at {load_name(load, loads)} is {side} the pressures of the direct simulation that "
-            f"let something through, {simulated}; the conductivity goes on by the slope of the theory",
-        )
+        yield caution("direct_range", load, loads, side=side, simulated=simulated, at=at)
     first = [row for row in table.rows if row.branch == "load"]
     nearest = min(first, key=lambda row: abs(math.log(row.pressure / peak)))
     if tight := [row for row in first if row.blocked and row.pressure <= max(peak, nearest.pressure)]:
         n, of, pressed = tight[-1].blocked, tight[-1].samples, f"{tight[-1].pressure / 1e6:.4g} MPa"
-        yield Caution(
-            "tight patches",
-            Level.DOUBTFUL,
-            f"{n} of {of} patches of the direct simulation tight at {pressed}",
-            f"at {pressed} {n} of {of} patches of the direct simulation let nothing through, and the peak pressure at "
-            f"{load_name(load, loads)} is {at}; the conductivity is that of the others",
-        )
+        yield caution("tight_patches", load, loads, n=n, of=of, pressed=pressed, at=at)
     row = min(table.loading, key=lambda row: abs(math.log(row.pressure / peak)))
     down, up = (math.exp(one) for one in table.log_error(row))
     octave = (
@@ -721,25 +681,10 @@ def _range(problem: SealProblem, surface: Surface, loads: Sequence[LoadResult]) 
     load = max(loads, key=lambda load: load.std)
     std, q_low = load.std, surface.spectrum.q_low
     if q_low * std > 1 and problem.cutoff is not None:
-        yield Caution(
-            "waviness",
-            Level.DOUBTFUL,
-            "the drawing's roughness value says nothing of waves as long as the contact is wide",
-            f"the roughness value of a drawing leaves out all waves longer than the cutoff lambda_c, here "
-            f"{problem.cutoff * 1e6:.4g} um, but waves up to {_um(2 * np.pi * std, load)} fit into the contact "
-            f"at {load_name(load, loads)}. Waviness and flatness of the faces come on top: give them in [form], a "
-            "larger lambda_c at which the value was measured, or scans of the faces",
-        )
+        yield caution("waviness", load, loads, cutoff=problem.cutoff * 1e6, width=_um(2 * np.pi * std, load))
     elif q_low * std > 1:
-        yield Caution(
-            "roughness range",
-            Level.DOUBTFUL,
-            "spectrum starts at too short a wave for the width of the contact",
-            f"the spectrum starts at too short a wave: 2 pi/q_low = {2 * np.pi / q_low * 1e6:.4g} um is "
-            f"less than 2 pi times the standard deviation of the contact, {_um(std, load)} at "
-            f"{load_name(load, loads)}. Longer waves fit into the contact, and if the surface has them it "
-            "leaks more. Start the spectrum below "
-            f"q = {1 / std:.3g} 1/m",
+        yield caution(
+            "roughness_range", load, loads, longest=2 * np.pi / q_low * 1e6, std=_um(std, load), q=1 / std
         )
 
 
@@ -748,14 +693,7 @@ def _long_waves(problem: SealProblem, surface: Surface, loads: Sequence[LoadResu
     std, spectrum = load.std, surface.spectrum
     above = float(spectrum.height_variance_above(1 / std)) / spectrum.rms_height**2
     if 1 - above > _LONG_WAVES:
-        yield Caution(
-            "long waves",
-            Level.DOUBTFUL,
-            f"{share_text(1 - above)} of the height variance in waves longer than the contact is wide",
-            f"{share_text(1 - above)} of the height variance is in waves longer than 2 pi times the standard "
-            f"deviation of the contact, {_um(std, load)} at {load_name(load, loads)}. They are waviness "
-            "along the contact rather than roughness inside it, and the contact pressure follows them",
-        )
+        yield caution("long_waves", load, loads, share=share_text(1 - above), std=_um(std, load))
 
 
 def _fluid_opens(problem: SealProblem, surface: Surface, loads: Sequence[LoadResult]) -> Iterator[Caution]:
@@ -770,14 +708,14 @@ def _fluid_opens(problem: SealProblem, surface: Surface, loads: Sequence[LoadRes
         most = (
             f"about {1 + 1.7 * share:.2g} times as much" if share < _FLUID_LIFTS else "several times as much"
         )
-        yield Caution(
-            "fluid opens",
-            Level.OUTSIDE if share > _FLUID_LIFTS else Level.DOUBTFUL,
-            f"fluid pressure is {share:.2g} of the peak contact pressure; its opening of the gap is not calculated",
-            f"at {load_name(load, loads)} the fluid pressure is {share:.2g} of the peak contact pressure. "
-            'How far it opens the gap is not calculated here. [load] closing = "penetration" calculates it; the '
-            f'upper bound, [leak] fluid_in_gap = "local", is {most}',
+        yield caution(
+            "fluid_opens",
+            load,
+            loads,
+            level=Level.OUTSIDE if share > _FLUID_LIFTS else Level.DOUBTFUL,
             leak_factor=Bounds(1.0, 1.0 + 1.7 * share if share < _FLUID_LIFTS else math.inf),
+            share=share,
+            most=most,
         )
 
 
@@ -786,13 +724,7 @@ def _blown_open(loads: Sequence[LoadResult]) -> Iterator[Caution]:
     if blown:
         load = min(blown, key=lambda load: load.point)
         peak = _mpa(load.peak_pressure, load, load.fluid_pressure / 1e6)
-        yield Caution(
-            "lifted open",
-            Level.OUTSIDE,
-            "lifted open: fluid pressure not below the peak contact pressure",
-            f"at {load_name(load, loads)} the fluid pressure is not below the peak contact pressure, "
-            f"{peak} MPa: the fluid lifts the seal open and there is no finite leak rate",
-        )
+        yield caution("lifted_open", load, loads, level=Level.OUTSIDE, peak=peak)
 
 
 def _coarse(model: ContactModel, error: DiscretisationError) -> Iterator[Caution]:
@@ -804,19 +736,7 @@ def _coarse(model: ContactModel, error: DiscretisationError) -> Iterator[Caution
     worst = max(estimates)
     if yielding_bodies(model):
         if worst > _LARGEST_ERROR_OF_PATH:
-            yield Caution(
-                "mesh",
-                Level.DOUBTFUL,
-                f"estimated error of elements and load steps {share_text(worst)}",
-                f"the estimated error of elements and load steps is {share_text(worst)}; further loads between zero "
-                "and the highest one, and a smaller [mesh] contact_size, reduce it",
-            )
+            yield caution("mesh_and_steps", share=share_text(worst))
     elif worst > _LARGEST_ERROR:
         size = min(float(np.diff(line.vertices).min()) for line in model.lines)
-        yield Caution(
-            "mesh",
-            Level.DOUBTFUL,
-            f"estimated discretisation error {share_text(worst)}",
-            f"the estimated discretisation error (of the mesh alone) is {share_text(worst)}; a [mesh] "
-            f"contact_size below the present {1e6 * size:.3g} um reduces it",
-        )
+        yield caution("mesh", share=share_text(worst), size=1e6 * size)

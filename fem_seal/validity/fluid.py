@@ -10,6 +10,7 @@ from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.findings import Caution, Level
 from fem_seal.seal.load_names import load_name
 from fem_seal.units import rounded, share_text
+from fem_seal.validity.words import caution
 
 if TYPE_CHECKING:
     from fem_seal.profile import PressureProfile
@@ -48,7 +49,7 @@ def fluid_cautions(flow: Flow, loads: Sequence[LoadResult]) -> Iterator[Caution]
         What is said is about the worst of them.
     """
     own = (_thickening, _liquid_inertia) if flow.gas is None else (_dense_gas, _inertia)
-    yield from (caution for check in (molecule_cautions, *own) for caution in check(flow, loads))
+    yield from (one for check in (molecule_cautions, *own) for one in check(flow, loads))
 
 
 def molecule_cautions(flow: Flow, loads: Sequence[LoadResult]) -> Iterator[Caution]:
@@ -65,14 +66,13 @@ def molecule_cautions(flow: Flow, loads: Sequence[LoadResult]) -> Iterator[Cauti
     narrow = [load for load in loads if load.critical_separation and load.critical_separation < size]
     if narrow:
         load = min(narrow, key=lambda load: load.critical_separation or 0.0)
-        yield Caution(
+        yield caution(
             "molecules",
-            Level.DOUBTFUL,
-            "critical separation below the size of a molecule of the fluid",
-            f"the critical separation {(load.critical_separation or 0.0) * 1e9:.2g} nm at "
-            f"{load_name(load, loads)} is below the size of a molecule of the fluid, {size * 1e9:.2g} nm. "
-            "The theory treats the fluid as a continuum; in reality the seal is tight there",
+            load,
+            loads,
             leak_factor=Bounds(0.0, 1.0),
+            gap=(load.critical_separation or 0.0) * 1e9,
+            size=size * 1e9,
         )
 
 
@@ -86,24 +86,19 @@ def _thickening(flow: Flow, loads: Sequence[LoadResult]) -> Iterator[Caution]:
         return
     if pressure > law.highest_pressure and abs(math.log(_ratio(flow, pressure))) > math.log(_SLIGHTLY):
         known = f"{law.highest_pressure / 1e5:.4g} bar"
-        yield Caution(
-            "thickening",
-            Level.DOUBTFUL,
-            f"viscosity extrapolated above {known}",
-            f"at {load_name(load, loads)} the viscosity of {flow.fluid} is extrapolated: how it thickens is known up "
-            f"to {known}; {_ratio(flow, pressure):.3g} times the viscosity at atmospheric "
-            "pressure is used on the high side. A liquid may also become solid there",
+        yield caution(
+            "thickening_extrapolated", load, loads, known=known, flow=flow, ratio=_ratio(flow, pressure)
         )
     share = law.uncertainty * abs(math.log(effective_viscosity_ratio(law, pressure)))
     if share > _UNCERTAIN:
-        yield Caution(
-            "thickening",
-            Level.DOUBTFUL,
-            f"leak rate uncertain by {share_text(share)} because of how the liquid thickens",
-            f"at {load_name(load, loads)} how much {flow.fluid} thickens under pressure is known to "
-            f"{share_text(law.uncertainty)} of the logarithm of its viscosity: the leak rate is uncertain by "
-            f"{share_text(share)}. [fluid] pressure_viscosity or roelands_z takes a measured coefficient",
+        yield caution(
+            "thickening_uncertain",
+            load,
+            loads,
             leak_factor=Bounds.either_way(1.0 + share),
+            share=share_text(share),
+            flow=flow,
+            known=share_text(law.uncertainty),
         )
 
 
@@ -121,15 +116,16 @@ def _unknown_thickening(flow: Flow, load: LoadResult, loads: Sequence[LoadResult
     little, much = Barus(_LEAST), Roelands(_MOST, max(flow.viscosity, _THIN))
     most, least = (1.0 / effective_viscosity_ratio(law, pressure) for law in (little, much))
     bar, share = f"{pressure / 1e5:.4g} bar", f"{least:.2g} to {most:.2g}"
-    yield Caution(
-        "thickening",
-        Level.DOUBTFUL,
-        f"thickening of the liquid at {bar} not known: in truth {share} times the leak rate",
-        f"at {load_name(load, loads)} the viscosity of {flow.fluid} under {bar} is not known and that at atmospheric "
-        f"pressure is used. Liquids thicken by {1e9 * little.coefficient:.2g} (with water) to "
-        f"{1e9 * much.coefficient:.2g} 1/GPa (oils as viscous as this): in truth {share} times as much "
-        "leaks. Give [fluid] pressure_viscosity or roelands_z",
+    yield caution(
+        "thickening_unknown",
+        load,
+        loads,
         leak_factor=Bounds(least, most),
+        bar=bar,
+        share=share,
+        flow=flow,
+        little=1e9 * little.coefficient,
+        much=1e9 * much.coefficient,
     )
 
 
@@ -148,20 +144,9 @@ def _beyond_table(gas: Gas, real: RealGas, highest: float) -> Iterator[Caution]:
         return
     at, known = f"{highest / 1e5:.4g} bar", f"{real.highest_pressure / 1e5:.4g} bar"
     if real.condenses:
-        yield Caution(
-            "dense gas",
-            Level.OUTSIDE,
-            f"{gas.name} is a liquid at {at}: it condenses at {known}",
-            f"{gas.name} condenses at {known} and {gas.temperature:.4g} K: at {at} it is a liquid, which the leak rate "
-            "of a gas does not take into account",
-        )
+        yield caution("condensed", level=Level.OUTSIDE, gas=gas, at=at, known=known)
     else:
-        yield Caution(
-            "dense gas",
-            Level.DOUBTFUL,
-            f"{gas.name} is extrapolated from {known} to {at}",
-            f"density and viscosity of {gas.name} are known up to {known} and extrapolated to {at}",
-        )
+        yield caution("dense_gas", gas=gas, known=known, at=at)
 
 
 def _not_ideal(flow: Flow, gas: Gas, highest: float) -> Iterator[Caution]:

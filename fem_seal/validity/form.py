@@ -10,8 +10,8 @@ import numpy as np
 
 from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.findings import Caution, Level
-from fem_seal.seal.load_names import load_name
 from fem_seal.units import DIGITS, beside, rounded, share_text
+from fem_seal.validity.words import caution
 
 if TYPE_CHECKING:
     from fem_seal.seal.circumference import Around
@@ -65,40 +65,30 @@ def _short_waves(loads: Sequence[LoadResult], formed: _Formed) -> Iterator[Cauti
     std, r0 = load.std, load.contact.model.touch_radius
     share = waves * std / r0
     if share > _LONG:
-        yield Caution(
-            "short waves",
-            Level.OUTSIDE if share > _LONGEST else Level.DOUBTFUL,
-            f"waves of the form error only {1 / share:.2g} times as long as the contact is wide",
-            f"{waves} waves per turn are {2 * math.pi * r0 / waves * 1e3:.3g} mm long, and the contact at "
-            f"{load_name(load, loads)} has a standard deviation of {1e3 * std:.3g} mm: wave number times width is "
-            f"{share:.2g}. The line load around the axis is calculated for long waves, where this is below {_LONG:g}; "
-            "shorter waves are partly roughness",
+        yield caution(
+            "short_waves",
+            load,
+            loads,
+            level=Level.OUTSIDE if share > _LONGEST else Level.DOUBTFUL,
+            times=1 / share,
+            waves=waves,
+            length=2 * math.pi * r0 / waves * 1e3,
+            std=1e3 * std,
+            share=share,
+            long=_LONG,
         )
 
 
 def _conforming(formed: _Formed) -> Iterator[Caution]:
     if math.isinf(formed[0][0].contact.model.relative_radius):
-        yield Caution(
-            "form",
-            Level.DOUBTFUL,
-            "form error of faces that fit each other along a stretch",
-            "the faces fit each other along a stretch; there a form error also changes the gap across the width "
-            "(twist, cone errors), which is not calculated",
-        )
+        yield caution("conforming")
 
 
 def _open(loads: Sequence[LoadResult], formed: _Formed) -> Iterator[Caution]:
     load, around = min(formed, key=lambda one: one[1].least_over_mean)
     if around.least_over_mean < _OPEN:
         share = float(np.mean(around.line_load < _OPEN * around.line_load.mean()))
-        yield Caution(
-            "open in part",
-            Level.DOUBTFUL,
-            f"open over {share_text(share)} of the circumference",
-            f"at {load_name(load, loads)} {share_text(share)} of the circumference carry less than {100 * _OPEN:g} % "
-            "of the mean line load: the seal is open there, and what leaks follows from the width of the open gap, and "
-            "so from the form error itself",
-        )
+        yield caution("open_in_part", load, loads, share=share_text(share), limit=100 * _OPEN)
 
 
 def _fluid_opens(problem: SealProblem, loads: Sequence[LoadResult], formed: _Formed) -> Iterator[Caution]:
@@ -108,16 +98,7 @@ def _fluid_opens(problem: SealProblem, loads: Sequence[LoadResult], formed: _For
     load, around = max(formed, key=share)
     worst = share((load, around))
     if problem.flow is not None and worst > _FLUID_OPENS and around.least_over_mean >= _OPEN:
-        yield Caution(
-            "fluid opens",
-            Level.DOUBTFUL,
-            f"fluid pressure {worst:.2g} of the peak contact pressure where the seal carries least",
-            f"at {load_name(load, loads)} the fluid pressure is {worst:.2g} of the peak contact pressure where the "
-            "line load is least; what the fluid does to the gap is taken from the mean line load, which is too little "
-            "there",
-            # several times as much there
-            Bounds(1.0, math.inf),
-        )
+        yield caution("fluid_opens_in_part", load, loads, leak_factor=Bounds(1.0, math.inf), worst=worst)
 
 
 def _crest(problem: SealProblem, loads: Sequence[LoadResult], formed: _Formed) -> Iterator[Caution]:
@@ -132,11 +113,13 @@ def _crest(problem: SealProblem, loads: Sequence[LoadResult], formed: _Formed) -
         limit = rounded(min(limits) / 1e6, DIGITS)
         told = beside(stress / 1e6, limit, min(load.pressure_digits, 3))
         times = beside(stress / min(limits), 1.0, min(load.pressure_digits, 2))
-        yield Caution(
-            "yield stress",
-            Level.OUTSIDE if stress > LARGEST_EXCESS * min(limits) else Level.DOUBTFUL,
-            f"von Mises stress about {times} times the yield stress where the line load is largest",
-            f"at {load_name(load, loads)} the contact pressure reaches {ratio:.3g} times that at the mean line load; "
-            f"the von Mises stress there is about {told} MPa, above the yield stress "
-            f"{limit:g} MPa. A body that yields evens out its form error, so that less leaks",
+        yield caution(
+            "yield_stress_in_part",
+            load,
+            loads,
+            level=Level.OUTSIDE if stress > LARGEST_EXCESS * min(limits) else Level.DOUBTFUL,
+            times=times,
+            ratio=ratio,
+            told=told,
+            limit=limit,
         )

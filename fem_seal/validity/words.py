@@ -1,0 +1,44 @@
+"""What the checks say, in the words of templates/findings.toml."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from fem_seal.files import own_tables
+from fem_seal.seal.bounds import EXACT, Bounds
+from fem_seal.seal.findings import Caution, Level
+from fem_seal.seal.load_names import load_name
+
+if TYPE_CHECKING:
+    from fem_seal.seal.load_result import LoadResult
+
+
+def caution(
+    name: str,
+    load: LoadResult | None = None,
+    loads: Sequence[LoadResult] = (),
+    /,
+    *,
+    level: Level = Level.DOUBTFUL,
+    leak_factor: Bounds = EXACT,
+    **values: object,
+) -> Caution:
+    """One thing that a user should know before believing a result.
+
+    Parameters
+    ----------
+    name : str
+        Of its words: kind, reason and text.
+    load, loads
+        About which load it is, and those from which its name tells it.
+    level, leak_factor
+        See `Caution`.
+    **values
+        What the words have in braces.
+    """
+    words = own_tables("findings.toml")[name]
+    if load is not None:
+        values["where"] = load_name(load, loads)
+    reason, text = (words[part].format(**values) for part in ("reason", "text"))
+    return Caution(words["kind"], level, reason, text, leak_factor)
