@@ -2,60 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
-from fem_seal.arrays import FloatArray
 from fem_seal.seal.evaluate import Evaluation
 from fem_seal.seal.findings import Validity
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.problem import SealProblem
 from fem_seal.validity.checks import earlier_cautions, load_validity
-from leak import ConductivityTable, PowerSpectrum, RoughContact
+from leak import ConductivityTable
 
 # u_eff [m] above which u_c, which is of its size, need not be compared with molecules of half a nanometre.
 _NARROW = 20e-9
-
-
-@dataclass(frozen=True)
-class TabulatedSurface:
-    """A surface whose sealing pressure is that of its table: to look for it takes longer than a design.
-
-    Parameters
-    ----------
-    surface : RoughContact
-    sealing_pressure : float
-        [Pa]
-    """
-
-    surface: RoughContact
-    sealing_pressure: float
-
-    def sealing_pressure_by(self, method: str) -> float:
-        """The same: the table is that of the reading in use [Pa]."""
-        return self.sealing_pressure
-
-    @property
-    def spectrum(self) -> PowerSpectrum:
-        """Of the surface."""
-        return self.surface.spectrum
-
-    @property
-    def percolation_threshold(self) -> float:
-        """Of the surface."""
-        return self.surface.percolation_threshold
-
-    @property
-    def peklenik(self) -> float:
-        """Of the surface."""
-        return self.surface.peklenik
-
-    def contact_area(self, pressure: float) -> FloatArray | float:
-        """Relative contact area A/A0 at a nominal pressure [Pa]."""
-        return self.surface.contact_area(pressure)
-
-    def most_contact_area(self, pressure: float) -> float:
-        """What it does not exceed."""
-        return self.surface.most_contact_area(pressure)
 
 
 def validity_by_table(problem: SealProblem, load: LoadResult) -> Validity:
@@ -75,7 +32,7 @@ def validity_by_table(problem: SealProblem, load: LoadResult) -> Validity:
     beyond = table.separation[table.pressure.searchsorted(load.peak_pressure) :]
     if len(beyond) and beyond[0] >= _NARROW:
         load = load.knowing(critical_separation=None)
-    return load_validity(problem, load, TabulatedSurface(problem.surface, table.sealing_pressure))
+    return load_validity(problem, load, problem.surface, sealing=table.sealing_pressure)
 
 
 def validity_of(

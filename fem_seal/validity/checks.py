@@ -5,11 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem_seal.arrays import FloatArray
 from fem_seal.contact.load_path import yielding_bodies
 from fem_seal.contact.model import ContactModel
 from fem_seal.contact.yielding import PlasticZone, YieldedZone, yielding_of
@@ -28,7 +27,7 @@ if TYPE_CHECKING:
     from fem_seal.seal.direct import DirectTable
     from fem_seal.seal.load_result import DiscretisationError, GivenLoad, LoadResult
     from fem_seal.seal.problem import SealProblem
-    from leak import PowerSpectrum
+    from leak import RoughContact
 
 
 # Share of what acts that is left to opening below which the contact force is a small difference of large ones.
@@ -76,41 +75,12 @@ _TURNS, _NEAR_END, _TINY = 0.02, 0.2, 1e-12
 _NARROW = 0.2
 
 
-class Surface(Protocol):
-    """What the checks ask of a rough contact."""
-
-    @property
-    def spectrum(self) -> PowerSpectrum:
-        """Of the combined roughness."""
-
-    @property
-    def percolation_threshold(self) -> float:
-        """A/A0 from which on no path is open."""
-
-    @property
-    def sealing_pressure(self) -> float:
-        """Nominal pressure at which it is reached [Pa]."""
-
-    def sealing_pressure_by(self, method: str, /) -> float:
-        """The same in a reading of the flow conductivity [Pa]."""
-
-    @property
-    def peklenik(self) -> float:
-        """Correlation length along the flow over that across it."""
-
-    def contact_area(self, pressure: float, /) -> FloatArray | float:
-        """A/A0 under a nominal pressure [Pa]."""
-
-    def most_contact_area(self, pressure: float, /) -> float:
-        """What it does not exceed, at once."""
-
-
 def contact_cautions(
     problem: SealProblem,
     model: ContactModel,
     loads: Sequence[LoadResult],
     error: DiscretisationError,
-    surface: Surface | None = None,
+    surface: RoughContact | None = None,
 ) -> tuple[Caution, ...]:
     """Everything that a user should know before believing the result, one caution of each kind for all loads.
 
@@ -134,7 +104,11 @@ def contact_cautions(
 
 
 def load_cautions(
-    problem: SealProblem, model: ContactModel, loads: Sequence[LoadResult], surface: Surface | None = None
+    problem: SealProblem,
+    model: ContactModel,
+    loads: Sequence[LoadResult],
+    surface: RoughContact | None = None,
+    sealing: float | None = None,
 ) -> Iterator[Caution]:
     """What the numbers of the loads themselves say against them, without mesh and roughness.
 
@@ -146,6 +120,8 @@ def load_cautions(
         What is said is about the worst of them.
     surface : RoughContact, optional
         The problem's rough contact.
+    sealing : float, optional
+        See `load_validity`.
     """
     bodies = (
         _touched_beside,
@@ -165,13 +141,16 @@ def load_cautions(
     yield from (one for check in bodies for one in check(problem, model, loads))
     yield from form_cautions(problem, loads)
     if surface is not None:
-        yield from _interface_cautions(problem, surface, loads)
+        yield from _interface_cautions(problem, surface, loads, sealing)
 
 
 def _interface_cautions(
-    problem: SealProblem, surface: Surface, loads: Sequence[LoadResult]
+    problem: SealProblem, surface: RoughContact, loads: Sequence[LoadResult], sealing: float | None = None
 ) -> Iterator[Caution]:
-    interface = (_sealed, _nearly_sealed, _range, _long_waves)
+    sealing = _sealing_pressure(problem, surface) if sealing is None else sealing
+    yield from _sealed(problem, surface, loads, sealing)
+    yield from _nearly_sealed(problem, surface, loads, sealing)
+    interface = (_range, _long_waves)
     flow = () if problem.flow is None else (_fluid_opens,)
     yield from (one for check in (*interface, *flow) for one in check(problem, surface, loads))
     if problem.flow is not None:
@@ -181,8 +160,9 @@ def _interface_cautions(
 def load_validity(
     problem: SealProblem,
     load: LoadResult,
-    surface: Surface | None = None,
+    surface: RoughContact | None = None,
     error: DiscretisationError | None = None,
+    sealing: float | None = None,
 ) -> Validity:
     """How far the numbers of one load can be trusted, by its own checks alone.
 
@@ -194,14 +174,17 @@ def load_validity(
         The problem's rough contact.
     error : DiscretisationError, optional
         Of the mesh; left out where it is not known.
+    sealing : float, optional
+        Pressure from which on the surface is tight, where a table has it [Pa]: to look for it takes longer than a
+        design of a study.
     """
     model = load.contact.model
     mesh = () if error is None else _coarse(model, error)
-    own = load_cautions(problem, model, [load], surface)
+    own = load_cautions(problem, model, [load], surface, sealing)
     return Validity.of((*_of_surface(problem), *own, *mesh))
 
 
-def profile_validity(problem: SealProblem, surface: Surface, load: GivenLoad) -> Validity:
+def profile_validity(problem: SealProblem, surface: RoughContact, load: GivenLoad) -> Validity:
     """How far the leak rate of a given pressure profile can be trusted; of its bodies nothing is known.
 
     Parameters
@@ -237,7 +220,7 @@ def earlier_cautions(problem: SealProblem, earlier: LoadResult) -> Iterator[Caut
 
 
 def target_cautions(
-    problem: SealProblem, surface: Surface, answers: Sequence[LoadResult]
+    problem: SealProblem, surface: RoughContact, answers: Sequence[LoadResult]
 ) -> Iterator[Caution]:
     """What a user should know before believing the force for a target leak rate.
 
@@ -258,7 +241,7 @@ def target_cautions(
         yield replace(one, text=text)
 
 
-def target_validity(problem: SealProblem, surface: Surface, answer: LoadResult) -> Validity:
+def target_validity(problem: SealProblem, surface: RoughContact, answer: LoadResult) -> Validity:
     """How far the force for a target leak rate can be trusted at one fluid pressure.
 
     Parameters
@@ -271,11 +254,13 @@ def target_validity(problem: SealProblem, surface: Surface, answer: LoadResult) 
     return Validity.of(_at_target(problem, surface, [answer]))
 
 
-def _at_target(problem: SealProblem, surface: Surface, answers: Sequence[LoadResult]) -> Iterator[Caution]:
+def _at_target(
+    problem: SealProblem, surface: RoughContact, answers: Sequence[LoadResult]
+) -> Iterator[Caution]:
     model = answers[0].contact.model
     bodies = (_yielding, _turned, _cut_off, _wide, _above_hardness)
     yield from (one for check in bodies for one in check(problem, model, answers))
-    yield from _nearly_sealed(problem, surface, answers)
+    yield from _nearly_sealed(problem, surface, answers, _sealing_pressure(problem, surface))
     if problem.flow is not None:
         yield from molecule_cautions(problem.flow, answers)
 
@@ -544,7 +529,7 @@ def _above_hardness(
     )
 
 
-def _sealing_pressure(problem: SealProblem, surface: Surface) -> float:
+def _sealing_pressure(problem: SealProblem, surface: RoughContact) -> float:
     return surface.sealing_pressure if problem.flow is None else problem.flow.sealing_pressure(surface)
 
 
@@ -555,8 +540,9 @@ def _is_sealed(load: LoadResult, sealing: float) -> bool:
     return profile.peak_pressure >= sealing or stays
 
 
-def _sealed(problem: SealProblem, surface: Surface, loads: Sequence[LoadResult]) -> Iterator[Caution]:
-    sealing = _sealing_pressure(problem, surface)
+def _sealed(
+    problem: SealProblem, surface: RoughContact, loads: Sequence[LoadResult], sealing: float
+) -> Iterator[Caution]:
     tight = [load for load in loads if _is_sealed(load, sealing)]
     if tight:
         load = max(tight, key=lambda load: load.peak_pressure)
@@ -579,8 +565,9 @@ def _sealed(problem: SealProblem, surface: Surface, loads: Sequence[LoadResult])
         )
 
 
-def _nearly_sealed(problem: SealProblem, surface: Surface, loads: Sequence[LoadResult]) -> Iterator[Caution]:
-    sealing = _sealing_pressure(problem, surface)
+def _nearly_sealed(
+    problem: SealProblem, surface: RoughContact, loads: Sequence[LoadResult], sealing: float
+) -> Iterator[Caution]:
     leaky = [load for load in loads if load.peak_pressure < sealing]
     if not leaky:
         return
@@ -677,7 +664,7 @@ def _lay_factor(area: float, peklenik: float) -> float:
     return float(known ** min(1.0, math.log2(ratio)) * max(1.0, ratio / _LAY_LONG) ** _LAY_POWER)
 
 
-def _range(problem: SealProblem, surface: Surface, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+def _range(problem: SealProblem, surface: RoughContact, loads: Sequence[LoadResult]) -> Iterator[Caution]:
     load = max(loads, key=lambda load: load.std)
     std, q_low = load.std, surface.spectrum.q_low
     if q_low * std > 1 and problem.cutoff is not None:
@@ -688,7 +675,9 @@ def _range(problem: SealProblem, surface: Surface, loads: Sequence[LoadResult]) 
         )
 
 
-def _long_waves(problem: SealProblem, surface: Surface, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+def _long_waves(
+    problem: SealProblem, surface: RoughContact, loads: Sequence[LoadResult]
+) -> Iterator[Caution]:
     load = min(loads, key=lambda load: load.std)
     std, spectrum = load.std, surface.spectrum
     above = float(spectrum.height_variance_above(1 / std)) / spectrum.rms_height**2
@@ -696,7 +685,9 @@ def _long_waves(problem: SealProblem, surface: Surface, loads: Sequence[LoadResu
         yield caution("long_waves", load, loads, share=share_text(1 - above), std=_um(std, load))
 
 
-def _fluid_opens(problem: SealProblem, surface: Surface, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+def _fluid_opens(
+    problem: SealProblem, surface: RoughContact, loads: Sequence[LoadResult]
+) -> Iterator[Caution]:
     local = problem.flow is not None and problem.flow.fluid_in_gap == "local"
     if local:
         yield from _blown_open(loads)
