@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
+from itertools import accumulate
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,6 +18,7 @@ from fem_seal.contact.fluid_path import FlowThrough, FluidPath, HeldFluid
 from fem_seal.contact.load_path import (
     ElastoplasticContact,
     LoadPath,
+    OpenLoad,
     PlaceOnPath,
     Unloaded,
     load_path,
@@ -146,15 +148,14 @@ class LoadSolver:
         except OpenSealError as error:
             raise self._open_seal(seal, fluid_pressure, applied_force, error) from error
 
-    def open_seal(
-        self, fluid_pressure: float, applied_force: float, error: OpenSealError, model: ContactModel
-    ) -> InputError:
-        """What is said of a load that opens a seal whose bodies are those of a model."""
-        return self._open_seal(replace(self.seal, model=model), fluid_pressure, applied_force, error)
+    def open_on_path(self, point: tuple[float, float], opened: OpenLoad) -> InputError:
+        """What is said of a load that opens the seal on the path of bodies that yield."""
+        return self._open_seal(replace(self.seal, model=opened.model), *point, opened.error)
 
     def _open_seal(
         self, seal: FluidAndContact, fluid_pressure: float, applied_force: float, error: OpenSealError
     ) -> InputError:
+        """What is said of a load that opens a seal."""
         least = least_applied_force(seal, fluid_pressure)
         allowed = "" if least is None else f"; give an applied_force above {briefly('force', least)}"
         problem = Problem(
@@ -358,8 +359,6 @@ def solve_loads(
     points = solver.problem.loads.points
     if solver.yields:
         return _solved_path(solver, progress)
-    contacts: list[ContactSolution] = []
-    formed: list[Around] = []
     failures: dict[int, Exception] = {}
     problem = solver.problem
     # the number of waves that hurts most is one for all loads, that of the highest fluid pressure
@@ -375,10 +374,8 @@ def solve_loads(
         if around is not None:
             problem = replace(problem, form=around.form)
         found[number] = contact, around
-    for number in sorted(found):
-        contact, around = found[number]
-        contacts.append(contact)
-        formed += [] if around is None else [around]
+    contacts = [found[number][0] for number in sorted(found)]
+    formed = [around for number in sorted(found) if (around := found[number][1]) is not None]
     earlier = solver.earlier if contacts else None
     return SolvedLoads(contacts, failures=dict(sorted(failures.items())), formed=formed, earlier=earlier)
 
@@ -388,8 +385,7 @@ def _solved_path(solver: LoadSolver, progress: Progress | None) -> SolvedLoads:
     points = solver.problem.loads.points
     path, earlier = _path(solver, points, progress=progress)
     failures: dict[int, Exception] = {
-        number: solver.open_seal(*points[number], opened.error, opened.model)
-        for number, opened in path.opened.items()
+        number: solver.open_on_path(points[number], opened) for number, opened in path.opened.items()
     }
     closed = [number for number in range(len(points)) if number not in failures]
     unsolved = closed[len(path.contacts) :]
@@ -443,7 +439,7 @@ def _end_of_path(
     path, _ = _path(solver, points, steps, unload=False, progress=progress)
     last = len(points) - 1
     if last in path.opened:
-        raise solver.open_seal(*points[last], path.opened[last].error, path.opened[last].model)
+        raise solver.open_on_path(points[last], path.opened[last])
     if path.stopped is not None:
         raise path.stopped
     return path.contacts[-1]
@@ -483,11 +479,12 @@ def _path(
             raise
         path = error.partial
     if solver.asperities_remember:
-        path = replace(path, contacts=_remembering(path.contacts))
+        # each with the largest pressures before it
+        path = replace(path, contacts=tuple(accumulate(path.contacts, lambda before, one: one.after(before))))
     if not first:
         return path, None
     if 0 in path.opened:
-        raise solver.open_seal(*first[0], path.opened[0].error, path.opened[0].model)
+        raise solver.open_on_path(first[0], path.opened[0])
     if not path.contacts:
         return replace(path, stopped=ConvergenceError(f"the largest earlier load: {path.stopped}")), None
     earlier, *contacts = path.contacts
@@ -517,14 +514,6 @@ def _now_and_then(progress: Progress, before: int, count: int) -> Callable[[Plac
         )
 
     return tell
-
-
-def _remembering(contacts: Sequence[ElastoplasticContact]) -> tuple[ElastoplasticContact, ...]:
-    """Contacts of a path, each with the largest pressures before it."""
-    found: list[ElastoplasticContact] = []
-    for contact in contacts:
-        found.append(contact.after(found[-1]) if found else contact)
-    return tuple(found)
 
 
 def path_again(solver: LoadSolver) -> list[ContactSolution]:

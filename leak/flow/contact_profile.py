@@ -76,11 +76,6 @@ class Panels:
     first_loading: FloatArray
     """ln p* of first loading that lets as much through, ln p where nothing larger is remembered."""
 
-    @property
-    def up_to_points(self) -> FloatArray:
-        """Matrix from weighted values at the points of a stretch to the integral up to each, shape (points, points)."""
-        return _up_to_points(self.stretch.shape[1])
-
 
 @dataclass(frozen=True, eq=False)
 class Patch:
@@ -438,7 +433,7 @@ def _hermite(t: FloatArray, d0: FloatArray, d1: FloatArray, rise: FloatArray) ->
 
 
 @lru_cache(maxsize=8)
-def _up_to_points(count: int) -> FloatArray:
+def up_to_points(count: int) -> FloatArray:
     """From values at Gauss points on (0, 1) times their weights: the integral of their interpolant up to each."""
     legendre = np.polynomial.legendre
     t, degree = gauss(count)[0], np.arange(count)

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from leak.arrays import FloatArray
 from leak.flow.conductivity import GasConductivity
-from leak.flow.contact_profile import ContactProfile, checked_profile, profile_after
+from leak.flow.contact_profile import ContactProfile, checked_profile, profile_after, up_to_points
 from leak.flow.leak_result import GasLeakResult, LeakResult
 from leak.flow.permeant import (
     Function,
@@ -313,7 +313,10 @@ def _settled(
     def potentials(values: FloatArray, whole: FloatArray) -> FloatArray:
         parts = zip(panels, np.split(values, cuts), strict=True)
         within = np.concatenate(
-            [(part.reshape(one.stretch.shape) @ one.up_to_points).ravel() for one, part in parts]
+            [
+                (part.reshape(one.stretch.shape) @ up_to_points(one.stretch.shape[1])).ravel()
+                for one, part in parts
+            ]
         )
         # counted from the end with the lower pressure, so that vacuum stays exact there
         if ends[0] < ends[1]:

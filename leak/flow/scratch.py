@@ -498,12 +498,10 @@ class _Contact:
         """Slices of a profile; without roughness only between its points, where a groove would have no end."""
         profile = profile.refined(_CELLS)
         inner, cells, outer = profile.panels
-        parts = (
-            [part for part in (inner, cells, outer) if part is not None]
-            if permeant.conductivity is not None
-            else [cells]
-        )
-        before = inner.log_pressure.size if permeant.conductivity is not None and inner is not None else 0
+        if permeant.conductivity is None:
+            inner = outer = None
+        parts = [part for part in (inner, cells, outer) if part is not None]
+        before = 0 if inner is None else inner.log_pressure.size
         count, per_cell = cells.log_pressure.shape
         log_p = np.concatenate([part.log_pressure.ravel() for part in parts])
         seen = np.concatenate([part.first_loading.ravel() for part in parts])
@@ -521,7 +519,7 @@ class _Contact:
             np.isfinite(contact.gap) & ((contact.gap > 0.0) | (log_p > SMALLEST_LOG_PRESSURE))
         )
 
-    @property
+    @cached_property
     def pressure(self) -> FloatArray:
         """p at the slices [Pa]."""
         return np.exp(self.log_pressure)
@@ -606,13 +604,9 @@ class _Networks:
     def _along(self, n: int, at: slice, fluid: FloatArray, flow_pressure: FloatArray) -> FloatArray:
         """Mobility along a groove at fluid pressures and flow pressures (k, n)."""
         groove, permeant = self.grooves[n], self.permeant
-        acting = self._pressure[at] - (fluid - permeant.low)
+        acting = self.contact.pressure[at] - (fluid - permeant.low)
         K = permeant.along(groove.section, acting, self.modulus, flow_pressure)
         return K * permeant.per_potential / self._paths[n][at]
-
-    @cached_property
-    def _pressure(self) -> FloatArray:
-        return self.contact.pressure
 
     @cached_property
     def _paths(self) -> list[FloatArray]:
@@ -623,7 +617,9 @@ class _Networks:
         """Potential from which on each groove is open, shape (n,)."""
         low, high = self.permeant.low, self.permeant.high
         closing = (groove.section.closing_pressure(self.modulus) for groove in self.grooves)
-        return [self.permeant.potential(np.clip(low + self._pressure - one, 0.0, high)) for one in closing]
+        return [
+            self.permeant.potential(np.clip(low + self.contact.pressure - one, 0.0, high)) for one in closing
+        ]
 
     def _main(self, apart: tuple[NDArray[np.bool_], ...]) -> Line:
         """The roughness, and in it the grooves where they are not apart."""
