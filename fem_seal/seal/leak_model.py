@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any, Literal, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 import numpy as np
 
@@ -37,17 +37,6 @@ if TYPE_CHECKING:
 MARGIN = 0.3
 
 Conductivity: TypeAlias = "ConductivityTable | GasConductivityTable"
-
-
-class Seals(Protocol):
-    """What is asked of a surface that may be tight."""
-
-    @property
-    def sealing_pressure(self) -> float:
-        """Contact pressure at which no path is open [Pa]."""
-
-    def sealing_pressure_by(self, method: str, /) -> float:
-        """The same in a reading of the flow conductivity [Pa]."""
 
 
 # The gases that the standards test with, at 5 to 40 °C (ISO 5208) [K], and what stands for them.
@@ -144,7 +133,7 @@ class Flow:
             return self
         return replace(self, direct=simulated.elastic)
 
-    def sealing_pressure(self, surface: Seals) -> float:
+    def sealing_pressure(self, surface: RoughContact) -> float:
         """Contact pressure from which nothing flows; of a simulation that of the theory's default [Pa].
 
         Parameters
