@@ -5,16 +5,18 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from inspect import cleandoc
+from itertools import chain
 from pathlib import Path
+from typing import get_args
 
 from pydantic.fields import FieldInfo
 
 from fem_seal.case.bodies import MaterialTable
 from fem_seal.case.case import Case
 from fem_seal.case.drawing_words import words_of
-from fem_seal.case.fields import Table
+from fem_seal.case.fields import Number, Place, Pressures, Quantity, Table
 from fem_seal.case.material_library import ALIASES, LIBRARY
-from fem_seal.case.messages import allowed_range, choices, tables_of, toml
+from fem_seal.case.messages import choices, tables_of, toml
 from fem_seal.case.schema import case_schema
 from fem_seal.files import as_json
 from fem_seal.output.columns import COLUMNS, MEANINGS, PROFILE_LEAK_COLUMNS
@@ -179,7 +181,13 @@ def _allowed(table: type[Table], key: str, field: FieldInfo) -> str:
         return " or ".join(f'`"{word}"`' for word in words)
     if field.annotation is bool:
         return "`true` or `false`"
-    return allowed_range(field)
+    members = (getattr(member, "__metadata__", ()) for member in get_args(field.annotation))
+    for marker in chain(field.metadata, *members):
+        if isinstance(marker, (Quantity, Number, Place)):
+            return marker.range
+        if isinstance(marker, Pressures):
+            return marker.pressure.range
+    return ""
 
 
 def _default(field: FieldInfo) -> str:

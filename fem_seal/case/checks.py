@@ -239,12 +239,15 @@ def _hardness(case: CaseTables) -> Iterator[Problem]:
     if case.roughness is None or case.hardness is not None:
         return
     closure, seat = shown(case.closure.material.name), shown(case.seat.material.name)
-    bodies = f"closure.material = {closure} and seat.material = {seat} have none"
-    remedy = 'add hardness = "3.5 GPa" (your value) to the table of one of them'
     if case.leak.plasticity:
-        yield problem("no_hardness", bodies=bodies, remedy=remedy)
+        yield problem("no_hardness", closure=closure, seat=seat)
     if case.interface.plastic:
-        yield problem("no_hardness_of_law", bodies=bodies, remedy=remedy)
+        yield problem("no_hardness_of_law", closure=closure, seat=seat)
+
+
+def _missing(case: CaseTables) -> str | None:
+    """The table without which there is no leak rate."""
+    return next((name for name in ("roughness", "fluid") if getattr(case, name) is None), None)
 
 
 def _load(case: CaseTables) -> Iterator[Problem]:
@@ -255,8 +258,7 @@ def _load(case: CaseTables) -> Iterator[Problem]:
         )
     if load.closing == "penetration" and case.leak.fluid_in_gap == "local":
         yield problem("local_penetration")
-    if load.target_leak_rate is not None and (case.roughness is None or case.fluid is None):
-        missing = "roughness" if case.roughness is None else "fluid"
+    if load.target_leak_rate is not None and (missing := _missing(case)):
         yield problem("load_target_leak_rate", missing=missing, value=written("flow", load.target_leak_rate))
 
 
@@ -271,11 +273,10 @@ def _earlier(case: CaseTables) -> Iterator[Problem]:
         yield problem("two_earlier_loads", value=written("fluid pressure", given))
     elif given is not None:
         yield from _earlier_pressure(case, given)
-    leaks = case.roughness is not None and case.fluid is not None
-    if not curves(case) and not (leaks and case.leak.plasticity):
-        missing = "fluid" if case.roughness else "roughness"
-        why = "leak.plasticity = false" if leaks else f"no leak rate without [{missing}]"
-        remedy = "set plasticity = true" if leaks else "add the table"
+    missing = _missing(case)
+    if not curves(case) and (missing or not case.leak.plasticity):
+        why = f"no leak rate without [{missing}]" if missing else "leak.plasticity = false"
+        remedy = "add the table" if missing else "set plasticity = true"
         yield problem("earlier_without_effect", key=key, why=why, remedy=remedy, value=value)
 
 
@@ -346,8 +347,7 @@ def _form(case: CaseTables) -> Iterator[Problem]:
         return
     if curves(case):
         yield problem("form", bodies=_remembering(case))
-    if (form.scratches or form.lay) and (case.roughness is None or case.fluid is None):
-        missing = "roughness" if case.roughness is None else "fluid"
+    if (form.scratches or form.lay) and (missing := _missing(case)):
         yield Problem(
             "form.scratches" if form.scratches else "form.lay",
             f"leak beside the rough contact, and there is no leak rate without [{missing}]; add it",
@@ -356,8 +356,8 @@ def _form(case: CaseTables) -> Iterator[Problem]:
 
 def _requirement(case: CaseTables, required: Requirement) -> Iterator[Problem]:
     """What in [requirement] cannot be judged."""
-    if case.roughness is None or case.fluid is None:
-        missing = "roughness" if case.roughness is None else "fluid"
+    missing = _missing(case)
+    if missing or case.fluid is None:
         yield Problem("requirement", f"needs a leak rate, and there is none without [{missing}]; add it")
         return
     if required.leak_rate is None and required.standard is None:

@@ -15,7 +15,7 @@ from pydantic_core import ErrorDetails
 
 from fem_seal.case.bodies import CURVE_FORMS, MaterialTable
 from fem_seal.case.drawing_words import words_of
-from fem_seal.case.fields import Number, Place, Pressures, Quantity, Table, shown
+from fem_seal.case.fields import Table, shown
 from fem_seal.errors import Problem
 from fem_seal.former_names import ENTRIES
 from fem_seal.materials import Material
@@ -317,18 +317,3 @@ def toml(value: object) -> str:
     if isinstance(value, dict):
         return "{ " + ", ".join(f"{key} = {toml(entry)}" for key, entry in value.items()) + " }"
     return str(value)
-
-
-def allowed_range(field: FieldInfo) -> str:
-    """Range of a quantity or number, empty for anything else."""
-    for marker in (*field.metadata, *_metadata(field.annotation)):
-        if isinstance(marker, (Quantity, Number, Place)):
-            return marker.range
-        if isinstance(marker, Pressures):
-            return marker.pressure.range
-    return ""
-
-
-def _metadata(annotation: Any) -> Iterator[Any]:
-    for member in get_args(annotation):
-        yield from getattr(member, "__metadata__", ())
