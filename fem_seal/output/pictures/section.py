@@ -1,6 +1,6 @@
-"""The section of a case as a drawing: both bodies, the dimensions that an engineer looks for, and the contact enlarged.
+"""The section of a case: of the report, and as a drawing with the dimensions that an engineer looks for.
 
-`fem-seal check --picture` draws it before anything is calculated. All lengths in it are millimetres, as on a drawing.
+`fem-seal check --picture` draws the latter before anything is calculated. All coordinates are millimetres.
 """
 
 from __future__ import annotations
@@ -12,30 +12,52 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from fem_seal.errors import InputError, Problem
 from fem_seal.output.case_words import chosen_dimensions, listed_dimensions, section, section_text
-from fem_seal.output.pictures.style import BLUE, FILL, GREY, INK, ORANGE, outside_text, style
-from fem_seal.units import rounded, trimmed
+from fem_seal.output.pictures.style import (
+    BLUE,
+    FILL,
+    GREY,
+    INCH,
+    INK,
+    ORANGE,
+    Picture,
+    outside_text,
+    style,
+    svg,
+)
+from fem_seal.output.prose import said
+from fem_seal.units import number, quantity, rounded, trimmed
 from meshes.geometry.curve import Curve
-from meshes.geometry.segment import Segment
+from meshes.geometry.segment import Point, Segment
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from fem_seal.answers.solution import SealSolution
     from fem_seal.arrays import FloatArray
     from fem_seal.case.case import Case
     from meshes import ContactGeometry, Outline
 
 FORMATS = (".png", ".svg", ".pdf")
-_SEAT_FILL = "#ece7dd"
+_SEAT_FILL, _FLUID_FILL = "#ece7dd", "#eaf4fb"
+# Of an arrow: from point to point.
+_TO_THE_END = {"shrinkA": 0, "shrinkB": 0}
 _WIDTH, _HEIGHT = 11.0, 6.6
 # Share of the figure's width that the section takes, and height of a row of dimensions [inch].
 _SHARE, _ROW = 0.60, 0.27
 _SMALL, _CHARACTER = 8.5, 0.078
 # Chords of a quarter of a circle, in the section and where the contact is enlarged.
 _CHORDS, _FINE_CHORDS = 60, 2000
+_AXIS_DASHES = (0, (12, 3, 2, 3))
+# Of the report's section [pt]: width, room on the sides, above, and below for rollers and dimensions; sizes of type.
+_SKETCH, _SIDE, _TOP, _FOOT = 390.0, 25.5, 10.5, 58.5
+_LARGE, _MEASURE = 10.5, 9.0
+# From roller to roller, their diameter, and from a surface to their middle and to the ground [pt].
+_SPACING, _ROLLER, _OFF, _GROUND = 11.0, 5.4, 3.3, 6.6
 
 
 def write_section(case: Case, path: Path) -> Path:
@@ -82,13 +104,8 @@ def section_figure(case: Case) -> Figure:
     _draw_whole(whole, case)
     _draw_detail(detail, case)
     _list(listed, case)
-    figure.text(
-        0.02,
-        0.015,
-        "dimensions in mm; grey: left open by the case, chosen by the program",
-        color=GREY,
-        fontsize=8,
-    )
+    told = "dimensions in mm; grey: left open by the case, chosen by the program"
+    figure.text(0.02, 0.015, told, color=GREY, fontsize=8)
     return figure
 
 
@@ -105,53 +122,58 @@ class _Diameter:
 def _draw_whole(axes: Axes, case: Case) -> None:
     contact = case.contact
     _bodies(axes, contact, mirrored=True)
-    seat_low, top = 1e3 * _lowest(contact.seat), 1e3 * _highest(contact.closure)
+    low, high = _heights(contact)
     widest = 1e3 * max(contact.closure.largest_radius, contact.seat.largest_radius)
-    highest = max(top, 1e3 * _highest(contact.seat))
     below = sorted(_seat_diameters(case), key=lambda one: one.radius)
     width, height = _WIDTH * _SHARE, 0.89 * _HEIGHT
     # millimetres per inch, so that the rows of dimensions above and below have their room
     rows = len(below) + 1.6
-    scale = max(2.1 * widest / width, (highest - seat_low) / (height - _ROW * (rows + 1.4)))
-    axes.set_xlim(-0.5 * width * scale, 0.5 * width * scale)
-    middle = 0.5 * (highest + seat_low) + 0.5 * _ROW * scale * (1.2 - rows)
-    axes.set_ylim(middle - 0.5 * height * scale, middle + 0.5 * height * scale)
-    axes.set_aspect("equal")
-    axes.axis("off")
-    axes.plot(
-        [0, 0],
-        [seat_low - _ROW * scale * 0.5, highest + _ROW * scale * 0.5],
-        color=INK,
-        lw=0.8,
-        ls=(0, (12, 3, 2, 3)),
-    )
+    scale = max(2.1 * widest / width, (high - low) / (height - _ROW * (rows + 1.4)))
+    middle = 0.5 * (high + low) + 0.5 * _ROW * scale * (1.2 - rows)
+    _frame(axes, 0.5 * width * scale, middle - 0.5 * height * scale, middle + 0.5 * height * scale)
+    ends = [low - _ROW * scale * 0.5, high + _ROW * scale * 0.5]
+    axes.plot([0, 0], ends, color=INK, lw=0.8, ls=_AXIS_DASHES)
     for row, one in enumerate(below, start=1):
-        _diameter(axes, one, seat_low - _ROW * scale * row, scale)
+        _diameter(axes, one, low - _ROW * scale * row, scale)
     size = 1e3 * contact.closure.largest_radius
     at = max((s.start for s in contact.closure.segments), key=lambda p: (p[0], p[1]))
-    _diameter(axes, _Diameter(size, "closure", 1e3 * at[1], INK), highest + _ROW * scale * 0.9, scale)
-    for side in (-1, 1):
-        axes.plot(side * 1e3 * contact.touch_radius, 0, "o", color=ORANGE, ms=4.5, zorder=6)
+    _diameter(axes, _Diameter(size, "closure", 1e3 * at[1], INK), high + _ROW * scale * 0.9, scale)
     if hasattr(case.seat, "angle"):
         _included_angle(axes, contact, float(case.seat.angle), scale)
-    name: dict[str, Any] = {
-        "color": INK,
-        "fontsize": 9,
-        "ha": "center",
-        "va": "center",
-        "zorder": 5,
-        "bbox": {"facecolor": "white", "edgecolor": "none", "pad": 1.0, "alpha": 0.8},
-    }
-    axes.text(-0.5 * 1e3 * contact.closure.largest_radius, 0.7 * top, "closure", **name)
-    inner, outer = 1e3 * _smallest(contact.seat), 1e3 * contact.seat.largest_radius
-    axes.text(-0.5 * (inner + outer), 0.75 * seat_low, "seat", **name)
-    _pressures(axes, case, highest, seat_low, 0.97 * widest)
+    _names(axes, contact, 9.0, 0.8)
+    _pressures(axes, case, (0.97 * widest, high), (0.0, low), _SMALL)
+
+
+def _heights(contact: ContactGeometry) -> tuple[float, float]:
+    """Lowest and highest point of both bodies."""
+    low, high = zip(contact.closure.extent[1], contact.seat.extent[1], strict=True)
+    return 1e3 * min(low), 1e3 * max(high)
+
+
+def _frame(axes: Axes, reach: float, low: float, high: float) -> None:
+    """What axes show that nobody sees: as much on either side of the axis."""
+    axes.set(xlim=(-reach, reach), ylim=(low, high), aspect="equal")
+    axes.axis("off")
+
+
+def _names(axes: Axes, contact: ContactGeometry, size: float, white: float) -> None:
+    """Dots at first touch, and both bodies by their names, on white that is so dense."""
+    r0 = 1e3 * contact.touch_radius
+    axes.plot([-r0, r0], [0, 0], "o", color=ORANGE, ms=4.5, zorder=6)
+    closure, seat = contact.closure, contact.seat
+    inner, outer = seat.extent[0]
+    for name, r, z in (
+        ("closure", -0.5 * closure.largest_radius, 0.7 * closure.extent[1][1]),
+        ("seat", -0.5 * (inner + outer), 0.75 * seat.extent[1][0]),
+    ):
+        place = 1e3 * r, 1e3 * z
+        _note(axes, place, name, INK, 1.0, white, fontsize=size, ha="center", va="center", zorder=5)
 
 
 def _seat_diameters(case: Case) -> Iterator[_Diameter]:
     """Bore, contact circle, ends of the face and housing."""
     contact, chosen = case.contact, chosen_dimensions(case, "seat")
-    low = 1e3 * _lowest(contact.seat)
+    low = 1e3 * contact.seat.extent[1][0]
 
     def colour(*keys: str) -> str:
         return GREY if set(keys) & set(chosen) else INK
@@ -162,7 +184,7 @@ def _seat_diameters(case: Case) -> Iterator[_Diameter]:
         s = face.project_radius(min(max(radius, ends[0]), ends[1]))
         return 1e3 * float(face.point(np.asarray(s))[1])
 
-    inner, outer = _smallest(contact.seat), contact.seat.largest_radius
+    inner, outer = contact.seat.extent[0]
     yield _Diameter(1e3 * inner, "bore", low, colour("bore_radius", "land_radius"))
     r0 = contact.touch_radius
     yield _Diameter(1e3 * r0, "contact", 0.0, ORANGE)
@@ -177,82 +199,49 @@ def _seat_diameters(case: Case) -> Iterator[_Diameter]:
 
 def _diameter(axes: Axes, one: _Diameter, z: float, scale: float) -> None:
     """A dimension line across the axis with its extension lines; the text beside it where it has no room inside."""
-    for side in (-1, 1):
-        axes.plot([side * one.radius] * 2, [one.z, z], color=one.colour, lw=0.5, zorder=4, alpha=0.7)
-    axes.annotate(
-        "",
-        (-one.radius, z),
-        (one.radius, z),
-        arrowprops={
-            "arrowstyle": "<|-|>",
-            "color": one.colour,
-            "lw": 0.8,
-            "shrinkA": 0,
-            "shrinkB": 0,
-            "mutation_scale": 9,
-        },
-    )
+    _on_both_sides(axes, [one.radius] * 2, [one.z, z], color=one.colour, lw=0.5, zorder=4, alpha=0.7)
+    arrow = {"arrowstyle": "<|-|>", "color": one.colour, "lw": 0.8, "mutation_scale": 9, **_TO_THE_END}
+    axes.annotate("", (-one.radius, z), (one.radius, z), arrowprops=arrow)
     text = f"{one.name} ⌀{trimmed(rounded(2 * one.radius, 4))}"
     fits = 2 * one.radius / scale > _CHARACTER * len(text) + 0.35
-    axes.text(
-        0 if fits else one.radius + 0.08 * scale,
-        z,
-        text,
-        ha="center" if fits else "left",
-        va="center",
-        color=one.colour,
-        fontsize=_SMALL,
-        bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.8},
-        zorder=7,
-    )
+    place = (0.0 if fits else one.radius + 0.08 * scale, z)
+    _note(axes, place, text, one.colour, 0.8, ha="center" if fits else "left", va="center")
+
+
+def _on_both_sides(axes: Axes, r: ArrayLike, z: ArrayLike, **how: Any) -> None:
+    """A line and its mirror image."""
+    sides = np.array([[1, -1]])
+    axes.plot(np.column_stack([r, r]) * sides, np.column_stack([z, z]), **how)
+
+
+def _note(
+    axes: Axes, place: Point, text: str, colour: str, pad: float, alpha: float = 1.0, **how: Any
+) -> None:
+    """A small text on white."""
+    box = {"facecolor": "white", "edgecolor": "none", "pad": pad, "alpha": alpha}
+    axes.text(*place, text, **{"color": colour, "fontsize": _SMALL, "bbox": box, "zorder": 7, **how})
 
 
 def _included_angle(axes: Axes, contact: ContactGeometry, angle: float, scale: float) -> None:
     """The faces of a conical seat continued to the apex, and the angle between them."""
     r0, slope = 1e3 * contact.touch_radius, math.tan(angle)
-    apex = (0.0, -r0 * slope)
-    out = 1.12 * r0
-    for side in (-1, 1):
-        axes.plot(
-            [0, side * out],
-            [apex[1], apex[1] + out * slope],
-            color=BLUE,
-            lw=0.8,
-            ls=(0, (6, 2, 1, 2)),
-            zorder=5,
-        )
+    apex, out = -r0 * slope, 1.12 * r0
+    dashes = (0, (6, 2, 1, 2))
+    _on_both_sides(axes, [0, out], [apex, apex + out * slope], color=BLUE, lw=0.8, ls=dashes, zorder=5)
     radius = min(0.62 * r0 / math.cos(angle), 0.75 * scale)
     turn = np.linspace(angle, math.pi - angle, 60)
-    axes.plot(radius * np.cos(turn), apex[1] + radius * np.sin(turn), color=BLUE, lw=1.0, zorder=6)
-    axes.text(
-        0,
-        apex[1] + radius,
-        f"{trimmed(180 - 2 * math.degrees(angle))}°",
-        ha="center",
-        va="center",
-        color=BLUE,
-        fontsize=_SMALL,
-        bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6, "alpha": 0.9},
-        zorder=7,
-    )
+    axes.plot(radius * np.cos(turn), apex + radius * np.sin(turn), color=BLUE, lw=1.0, zorder=6)
+    text = f"{trimmed(180 - 2 * math.degrees(angle))}°"
+    _note(axes, (0.0, apex + radius), text, BLUE, 0.6, 0.9, ha="center", va="center")
 
 
-def _pressures(axes: Axes, case: Case, high: float, low: float, wide: float) -> None:
-    outside = case.load.pressure_side == "outer"
-    words = ("high pressure", "low pressure") if outside else ("low pressure", "high pressure")
-    colours = (BLUE, GREY) if outside else (GREY, BLUE)
-    axes.text(wide, high, words[0], ha="right", va="center", color=colours[0], fontsize=_SMALL)
-    axes.text(
-        0,
-        low,
-        words[1].replace(" ", "\n"),
-        ha="center",
-        va="bottom",
-        color=colours[1],
-        fontsize=_SMALL,
-        zorder=7,
-        bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6},
-    )
+def _pressures(axes: Axes, case: Case, above: Point, below: Point, size: float) -> None:
+    """Names of the two sides: above the seat, and in its bore."""
+    told = [("low pressure", GREY), ("high pressure", BLUE)]
+    (top, top_colour), (bottom, bottom_colour) = told[:: -1 if case.load.pressure_side == "outer" else 1]
+    axes.text(*above, top, ha="right", va="center", color=top_colour, fontsize=size)
+    words = bottom.replace(" ", "\n")
+    _note(axes, below, words, bottom_colour, 0.6, 0.0, ha="center", va="bottom", fontsize=size)
 
 
 def _draw_detail(axes: Axes, case: Case) -> None:
@@ -260,49 +249,25 @@ def _draw_detail(axes: Axes, case: Case) -> None:
     contact = case.contact
     _bodies(axes, contact, mirrored=False)
     r0, theta, half = 1e3 * contact.touch_radius, contact.angle, 1e3 * _window(case)
-    axes.set_xlim(r0 - 1.45 * half, r0 + 1.45 * half)
-    axes.set_ylim(-half, half)
-    axes.set_aspect("equal")
-    axes.set_xticks([])
-    axes.set_yticks([])
+    axes.set(
+        xlim=(r0 - 1.45 * half, r0 + 1.45 * half), ylim=(-half, half), aspect="equal", xticks=[], yticks=[]
+    )
     axes.set_title(f"contact, enlarged; picture {trimmed(rounded(2.9 * half, 2))} mm wide", fontsize=9)
     axes.plot(r0, 0, "o", color=ORANGE, ms=5, zorder=6)
     normal = 0.75 * half
-    axes.plot(
-        [r0, r0 - normal * math.sin(theta)], [0, normal * math.cos(theta)], color=BLUE, lw=1.2, zorder=5
-    )
+    end = r0 - normal * math.sin(theta), normal * math.cos(theta)
+    axes.plot([r0, end[0]], [0, end[1]], color=BLUE, lw=1.2, zorder=5)
     axes.plot([r0, r0], [0, normal], color=INK, lw=0.8, ls=(0, (8, 3, 2, 3)), zorder=5)
     if abs(theta) > math.radians(3):
         turn = np.linspace(0, theta, 40)
         axes.plot(r0 - 0.55 * half * np.sin(turn), 0.55 * half * np.cos(turn), color=INK, lw=0.9, zorder=6)
-    note = {"facecolor": "white", "edgecolor": "none", "pad": 1.5, "alpha": 0.85}
-    axes.text(
-        0.02,
-        0.97,
-        f"angle θ = {trimmed(rounded(math.degrees(theta), 4))}°\nbetween axis and normal",
-        transform=axes.transAxes,
-        fontsize=_SMALL,
-        va="top",
-        bbox=note,
-        zorder=7,
-    )
+    at: dict[str, Any] = {"transform": axes.transAxes}
+    angle = f"angle θ = {trimmed(rounded(math.degrees(theta), 4))}°\nbetween axis and normal"
+    _note(axes, (0.02, 0.97), angle, INK, 1.5, 0.85, va="top", **at)
     radius = contact.relative_radius
-    bend = (
-        "faces conform: contact along a stretch"
-        if math.isinf(radius)
-        else f"relative curvature R {trimmed(rounded(1e3 * radius, 4))}"
-    )
-    axes.text(
-        0.98,
-        0.03,
-        bend,
-        transform=axes.transAxes,
-        ha="right",
-        fontsize=_SMALL,
-        color=INK,
-        bbox=note,
-        zorder=7,
-    )
+    conform = "faces conform: contact along a stretch"
+    bend = conform if math.isinf(radius) else f"relative curvature R {trimmed(rounded(1e3 * radius, 4))}"
+    _note(axes, (0.98, 0.03), bend, INK, 1.5, 0.85, ha="right", **at)
 
 
 def _window(case: Case) -> float:
@@ -322,62 +287,44 @@ def _window(case: Case) -> float:
 def _list(axes: Axes, case: Case) -> None:
     """All dimensions of both bodies below each other."""
     axes.axis("off")
-    lines: list[tuple[str, str, str]] = []
+    lines: list[tuple[str, str, str, str]] = []
     for name in ("closure", "seat"):
         body = getattr(case, name)
-        lines.append((name, f"{body.shape}, {outside_text(body.material.name)}", "title"))
+        lines.append((name, f"{body.shape}, {outside_text(body.material.name)}", INK, "bold"))
         drawn = section(case, name)
         for key, text in (section_text(drawn) if drawn else {}).items():
             for row, part in enumerate(text.split(", ")):
-                lines.append((key if row == 0 else "", part, INK))
+                lines.append((key if row == 0 else "", part, INK, "normal"))
         for key, (value, chosen) in listed_dimensions(case, name).items():
             size = math.degrees(value) if key.endswith("angle") else 1e3 * value
             text = trimmed(rounded(size, 4) if chosen else size) + ("°" if key.endswith("angle") else "")
             mark = "⌀" if key.endswith("diameter") else "R " if key.endswith("radius") else ""
-            lines.append((key.replace("_", " "), mark + text, GREY if chosen else INK))
+            lines.append((key.replace("_", " "), mark + text, GREY if chosen else INK, "normal"))
     step = min(0.075, 1.0 / max(len(lines), 1))
-    type_size = min(_SMALL, 130 * step)
-    for row, (what, text, colour) in enumerate(lines):
-        y = 1 - step * (row + 0.5)
-        bold = "bold" if colour == "title" else "normal"
-        ink = INK if colour == "title" else colour
-        axes.text(
-            0.0 if colour == "title" else 0.03,
-            y,
-            what,
-            color=ink,
-            fontsize=type_size,
-            weight=bold,
-            va="center",
+    for row, (what, text, colour, weight) in enumerate(lines):
+        y, how = (
+            1 - step * (row + 0.5),
+            {"color": colour, "fontsize": min(_SMALL, 130 * step), "va": "center"},
         )
-        axes.text(0.45, y, text, color=ink, fontsize=type_size, va="center")
+        axes.text(0.0 if weight == "bold" else 0.03, y, what, weight=weight, **cast(Any, how))
+        axes.text(0.45, y, text, **cast(Any, how))
 
 
-def _bodies(axes: Axes, contact: ContactGeometry, mirrored: bool) -> None:
+def _bodies(axes: Axes, contact: ContactGeometry, *, mirrored: bool, hatched: bool = True) -> None:
     from matplotlib.patches import Polygon
 
     sides = (1, -1) if mirrored else (1,)
     for outline, fill, hatch in ((contact.seat, _SEAT_FILL, "////"), (contact.closure, FILL, "\\\\\\\\")):
         pieces = list(_pieces(outline, _CHORDS if mirrored else _FINE_CHORDS))
         r, z = np.hstack([points for _, points in pieces])
+        how: dict[str, Any] = {"facecolor": fill, "edgecolor": "#c3c9d2", "hatch": hatch if hatched else None}
         for side in sides:
-            section = Polygon(
-                np.column_stack([side * r, z]),
-                facecolor=fill,
-                edgecolor="#c3c9d2",
-                hatch=hatch,
-                lw=0,
-                zorder=2,
-            )
             # the axes reach as far as the lines around it: `add_patch` would look at each of its chords in Python
-            axes.add_artist(section)
-        for s, points in pieces:
-            # beyond the axis the body goes on
-            if not s.start[0] == s.end[0] == 0.0:
-                for side in sides:
-                    axes.plot(
-                        side * points[0], points[1], color=INK, lw=1.2, zorder=3, solid_capstyle="round"
-                    )
+            axes.add_artist(Polygon(np.column_stack([side * r, z]), lw=0, zorder=2, **how))
+        # beyond the axis the body goes on
+        for r, z in (points for s, points in pieces if not s.start[0] == s.end[0] == 0.0):
+            edge = np.outer(r, sides), np.outer(z, np.ones(len(sides)))
+            axes.plot(*edge, color=INK, lw=1.2, zorder=3, solid_capstyle="round")
 
 
 def _pieces(outline: Outline, chords: int) -> Iterator[tuple[Segment, FloatArray]]:
@@ -388,13 +335,128 @@ def _pieces(outline: Outline, chords: int) -> Iterator[tuple[Segment, FloatArray
         yield s, 1e3 * curve.point(np.linspace(0, curve.length, 2 if s.centre is None else count))
 
 
-def _lowest(outline: Outline) -> float:
-    return outline.extent[1][0]
+def sketch(result: SealSolution) -> Picture:
+    """The section of the report: the bodies as they are held, and where the normal of the contact points.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    from matplotlib.figure import Figure
+
+    case, contact = result.case, result.seal_mesh.contact
+    low, high = _heights(contact)
+    widest = 1e3 * max(contact.closure.largest_radius, contact.seat.largest_radius)
+    # millimetres per point
+    scale = 2 * widest / (_SKETCH - 2 * _SIDE)
+    bottom, top = low - _FOOT * scale, high + _TOP * scale
+    figure = Figure(figsize=(_SKETCH / INCH, (top - bottom) / scale / INCH))
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    _frame(axes, 0.5 * _SKETCH * scale, bottom, top)
+    _fluids(axes, case, widest, low, top)
+    _bodies(axes, contact, mirrored=True, hatched=False)
+    axes.plot([0, 0], [low + 36 * scale, high], color=GREY, lw=0.8, ls=_AXIS_DASHES)
+    _normal(axes, contact)
+    _names(axes, contact, _LARGE, 0.0)
+    _pressures(axes, case, (widest - 7 * scale, high - 2 * scale), (0.0, low + 4 * scale), _LARGE)
+    _supports(axes, case, contact.seat, scale)
+    _measures(axes, case, contact.seat, scale)
+    return Picture(
+        "sketch",
+        svg(figure),
+        said(
+            "captions.sketch",
+            "alt",
+            closure=case.closure.shape,
+            seat=case.seat.shape,
+            angle=number(math.degrees(contact.angle)),
+            radius=quantity("length", contact.touch_radius),
+            side=case.load.pressure_side,
+        ),
+        said("captions.sketch", "all"),
+    )
 
 
-def _highest(outline: Outline) -> float:
-    return outline.extent[1][1]
+def _fluids(axes: Axes, case: Case, widest: float, low: float, top: float) -> None:
+    """Background: the side of the high pressure tinted; the circle of contact parts the two."""
+    from matplotlib.patches import Rectangle
+
+    fills = ("white", _FLUID_FILL) if case.load.pressure_side == "outer" else (_FLUID_FILL, "white")
+    r0 = 1e3 * case.contact.touch_radius
+    for reach, end, fill in ((widest, top, fills[1]), (r0, 0.0, fills[0])):
+        axes.add_artist(Rectangle((-reach, low), 2 * reach, end - low, facecolor=fill, lw=0, zorder=1))
 
 
-def _smallest(outline: Outline) -> float:
-    return outline.extent[0][0]
+def _normal(axes: Axes, contact: ContactGeometry) -> None:
+    """The contact normal with its angle, and the radius of first touch."""
+    r0, theta, size = 1e3 * contact.touch_radius, contact.angle, 1e3 * contact.closure.largest_radius
+    face = contact.closure_face
+    curvature = 1e-3 * face.curvature(face.project_radius(contact.touch_radius))
+    # drawn to the centre of the closure's curvature where that lies in the picture and can be seen
+    drawn = curvature > 0 and 0.15 * size < 1 / curvature < 1.01 * size
+    arm = 1 / curvature if drawn else 0.5 * size
+    r, z = r0 - arm * math.sin(theta), arm * math.cos(theta)
+    axes.plot([r, r0], [z, 0], color=BLUE, lw=1.1, zorder=5)
+    axes.plot([-r0, r0], [0, 0], color=ORANGE, lw=0.8, ls=(0, (3, 3)), zorder=5)
+    notes = [(-0.55 * r0, 0.0, "r₀", ORANGE, (0, 4), "center")]
+    if drawn:
+        notes.append((0.5 * (r + r0), 0.5 * z, "R", BLUE, (6, 4), "left"))
+    if abs(theta) >= math.radians(3):
+        turn = np.linspace(0, theta, 40)
+        axes.plot(r + 0.36 * arm * np.sin(turn), z - 0.36 * arm * np.cos(turn), color=INK, lw=0.8, zorder=5)
+        half = 0.48 * arm * np.array([math.sin(theta / 2), -math.cos(theta / 2)])
+        notes.append((r + half[0], z + half[1], "θ", INK, (0, -4), "center"))
+    for x, y, text, colour, away, ha in notes:
+        how: dict[str, Any] = {"textcoords": "offset points", "fontsize": _LARGE, "zorder": 6}
+        axes.annotate(text, (x, y), away, color=colour, ha=ha, **how)
+
+
+def _supports(axes: Axes, case: Case, seat: Outline, scale: float) -> None:
+    """Rollers below the bottom of the seat, and beside its wall if that is held; arrows where it is pressed in."""
+    held = {"seat_bottom": (0.0, -scale), "seat_wall": (scale, 0.0)}
+    if case.seat.wall != "fixed":
+        del held["seat_wall"]
+    for s in (s for s in seat.segments if s.name in held):
+        start, end = 1e3 * np.array([s.start, s.end])
+        count = max(1, round(math.dist(start, end) / scale / _SPACING))
+        rollers = start + np.outer((np.arange(count) + 0.5) / count, end - start)
+        for side in (1, -1):
+            for points, off, how in (
+                (rollers, _OFF, {"ls": "none", "marker": "o", "ms": _ROLLER, "mfc": "none", "mew": 0.8}),
+                (np.array([start, end]), _GROUND, {"lw": 1.0}),
+            ):
+                r, z = (points + off * np.array(held[s.name])).T
+                axes.plot(side * r, z, color=INK, **cast(Any, how))
+    if case.seat.interference:
+        wall = 1e3 * np.array([p for s in seat.segments if s.name == "seat_wall" for p in (s.start, s.end)])
+        r, z = wall[:, 0].max(), 0.5 * (wall[:, 1].min() + wall[:, 1].max())
+        arrow = {"arrowstyle": "-|>", "color": ORANGE, "lw": 1.5, **_TO_THE_END}
+        for side in (1, -1):
+            axes.annotate("", (side * r, z), (side * (r + 18 * scale), z), arrowprops=arrow)
+        text = f"pressed in by {quantity('length', case.seat.interference)}"
+        axes.text(r - 4 * scale, z + 6 * scale, text, color=ORANGE, ha="right", fontsize=_MEASURE, zorder=5)
+
+
+def _measures(axes: Axes, case: Case, seat: Outline, scale: float) -> None:
+    """Radii of bore and housing below the section, height of the seat inside its wall."""
+    (inner, outer), (low, high) = seat.extent
+    chosen = chosen_dimensions(case, "seat")
+
+    def measure(key: str, a: Point, b: Point, marks: str, at: Point, text: str) -> None:
+        colour = GREY if key in chosen else INK
+        axes.plot(*zip(a, b, strict=True), color=colour, lw=0.8, marker=marks, ms=6, markevery=[1], zorder=4)
+        axes.text(*at, text, color=colour, ha="right", va="center", fontsize=_MEASURE, zorder=5)
+
+    for row, (what, radius) in enumerate((("bore", inner), ("outer", outer))):
+        z = 1e3 * low - (18 + 15 * row) * scale
+        diameters = case.in_diameters("seat")
+        size = (
+            f"diameter {quantity('length', 2 * radius)}"
+            if diameters
+            else f"radius {quantity('length', radius)}"
+        )
+        key = f"{what}_radius"
+        measure(key, (0.0, z), (1e3 * radius, z), "|", (-4 * scale, z), f"{what} {size}")
+    r, z = 1e3 * outer - 8 * scale, 1e3 * (0.4 * high + 0.6 * low)
+    text = f"total height {quantity('length', high - low)}"
+    measure("height", (r, 1e3 * low), (r, 1e3 * high), "", (r - 3 * scale, z), text)

@@ -14,7 +14,7 @@ from fem_seal.output.pictures.contact import gap_picture, profile_picture, size_
 from fem_seal.output.pictures.fields import imprint_picture, mesh_picture, stress_picture, temperature_picture
 from fem_seal.output.pictures.leak import leak_picture
 from fem_seal.output.pictures.memory import memory_picture
-from fem_seal.output.pictures.sketch import sketch
+from fem_seal.output.pictures.section import sketch
 from fem_seal.output.pictures.style import Picture, style
 from fem_seal.output.pictures.surface import law_picture, separation_picture, surface_picture
 from fem_seal.output.prose import definitions, template
