@@ -20,6 +20,7 @@ from leak.direct.flow import Flow, Streams, patch_flow, periodic_flow, rarefied_
 from leak.direct.half_space import PeriodicHalfSpace
 from leak.direct.patch import Patch, periodic_map, refined, smoothed
 from leak.direct.simulation import DirectBranch, DirectResult, PressedPatch, simulate
+from leak.direct.strip import Strip, StripState, rest_gap
 from leak.direct.studies import cutoff_study, grid_study, size_study
 
 __all__ = [
@@ -32,6 +33,8 @@ __all__ = [
     "PeriodicHalfSpace",
     "PressedPatch",
     "Streams",
+    "Strip",
+    "StripState",
     "cutoff_study",
     "grid_study",
     "patch_flow",
@@ -41,6 +44,7 @@ __all__ = [
     "press_elastoplastic",
     "rarefied_gap",
     "refined",
+    "rest_gap",
     "simulate",
     "size_study",
     "smoothed",

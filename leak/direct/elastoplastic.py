@@ -38,9 +38,9 @@ class ElastoplasticState:
     contact : ContactState
         Pressure and gap; its overlap is zero, since the metal itself has moved.
     raised : ndarray
-        Displacement of the surface by plastic strain, upwards, shape (n, n) [m].
+        Displacement of the surface by plastic strain, upwards, shape (n, m) [m].
     yielded_points : ndarray
-        Where the grid below the surface has flowed, flat indices into (layers, n, n).
+        Where the grid below the surface has flowed, flat indices into (layers, n, m).
     plastic_strain : ndarray
         There, components xx, yy, xy, xz, yz (zz = -xx - yy), shape (5, m) [-].
     equivalent_strain : ndarray
@@ -69,12 +69,12 @@ class ElastoplasticState:
 
     @property
     def pressure(self) -> FloatArray:
-        """p on the surface, shape (n, n) [Pa]."""
+        """p on the surface, shape (n, m) [Pa]."""
         return self.contact.pressure
 
     @property
     def gap(self) -> FloatArray:
-        """Zero in contact, shape (n, n) [m]."""
+        """Zero in contact, shape (n, m) [m]."""
         return self.contact.gap
 
     @property
@@ -85,48 +85,44 @@ class ElastoplasticState:
     @property
     def yielded_area(self) -> float:
         """Share of the surface below which the metal has flowed [-]."""
-        n = self.body.surface.points
-        return np.unique(self.yielded_points % n**2).size / n**2
+        points = math.prod(self.body.surface.shape)
+        return np.unique(self.yielded_points % points).size / points
 
     @property
     def yielded_depth(self) -> float:
         """Down to which the metal has flowed [m]."""
-        n = self.body.surface.points
-        deepest = int(self.yielded_points.max(initial=-1)) // n**2
+        points = math.prod(self.body.surface.shape)
+        deepest = int(self.yielded_points.max(initial=-1)) // points
         return float(self.body.thickness[: deepest + 1].sum())
 
     @property
     def flattened_volume(self) -> float:
         """Of all that plastic strain has lowered the surface by, in one cell [m^3]."""
-        return self._cell_area * float(np.maximum(-self.raised, 0.0).mean())
+        return self.body.surface.cell_area * float(np.maximum(-self.raised, 0.0).mean())
 
     @property
     def raised_volume(self) -> float:
         """Of all that plastic strain has raised the surface by, in one cell [m^3]."""
-        return self._cell_area * float(np.maximum(self.raised, 0.0).mean())
-
-    @property
-    def _cell_area(self) -> float:
-        return self.body.surface.size**2
+        return self.body.surface.cell_area * float(np.maximum(self.raised, 0.0).mean())
 
     def field(self) -> FloatArray:
-        """Plastic strain on the whole grid, shape (5, layers, n, n) [-]."""
+        """Plastic strain on the whole grid, shape (5, layers, n, m) [-]."""
         return self._on_grid(self.plastic_strain)
 
     def equivalent_field(self) -> FloatArray:
-        """Equivalent plastic strain on the whole grid, shape (layers, n, n) [-]."""
+        """Equivalent plastic strain on the whole grid, shape (layers, n, m) [-]."""
         return self._on_grid(self.equivalent_strain)
 
     def deviatoric_stress(self) -> FloatArray:
-        """s at the middle of each layer, shape (5, layers, n, n) [Pa]."""
+        """s at the middle of each layer, shape (5, layers, n, m) [Pa]."""
         body, strain = self.body, self.field()
         return 2.0 * body.shear_modulus * (body.distortion(body.response(strain), self.pressure) - strain)
 
     def _on_grid(self, values: FloatArray) -> FloatArray:
-        n = self.body.surface.points
-        grid = np.zeros((*values.shape[:-1], self.body.layers * n * n))
+        shape = self.body.layers, *self.body.surface.shape
+        grid = np.zeros((*values.shape[:-1], math.prod(shape)))
         grid[..., self.yielded_points] = values
-        return grid.reshape(*values.shape[:-1], self.body.layers, n, n)
+        return grid.reshape(*values.shape[:-1], *shape)
 
 
 @dataclass(frozen=True)
@@ -181,7 +177,7 @@ def press_elastoplastic(
     ----------
     body : PeriodicHalfSpace
         Grid, side and E*. The flat is rigid: the solid's own E is E*(1 - nu^2).
-    heights : array_like, shape (n, n)
+    heights : array_like, shape (n, m)
         h [m], upwards out of the body; periodic.
     pressures : array_like, shape (P,)
         Mean pressures in the order of the path [Pa].
@@ -254,9 +250,9 @@ def _along_path(
     tolerance: float,
     start: ElastoplasticState | None,
 ) -> list[ElastoplasticState]:
-    n, states = solid.surface.points, []
+    states, grid = [], (solid.layers, *solid.surface.shape)
     if start is None:
-        strain, equivalent = np.zeros((5, solid.layers, n, n)), np.zeros((solid.layers, n, n))
+        strain, equivalent = np.zeros((5, *grid)), np.zeros(grid)
     else:
         strain, equivalent = start.field(), start.equivalent_field()
     contact = None if start is None else start.contact
@@ -324,7 +320,7 @@ def _state(
 ) -> ElastoplasticState:
     flat = equivalent.reshape(-1)
     points = np.flatnonzero(flat)
-    if flat[-(solid.surface.points**2) :].max() > _BOTTOM * flat.max(initial=0.0) > 0.0:
+    if flat[-math.prod(solid.surface.shape) :].max() > _BOTTOM * flat.max(initial=0.0) > 0.0:
         raise DirectError(
             f"at the mean pressure {contact.pressure.mean():g} Pa metal flows down to a third of the side of the "
             "map, the bottom of the grid: take a smaller pressure or a map with more waves"
@@ -333,13 +329,12 @@ def _state(
 
 
 def _checked_map(body: PeriodicHalfSpace, heights: ArrayLike) -> FloatArray:
-    n = body.points
     try:
         h = np.asarray(heights, dtype=float)
     except (TypeError, ValueError):
-        raise DirectError("heights: must be an array of numbers, shape (n, n) [m]") from None
-    if h.shape != (n, n):
-        raise DirectError(f"heights has shape {h.shape}: must be that of the body's grid, ({n}, {n})")
+        raise DirectError("heights: must be an array of numbers, shape (n, m) [m]") from None
+    if h.shape != body.shape:
+        raise DirectError(f"heights has shape {h.shape}: must be that of the body's grid, {body.shape}")
     if not np.isfinite(h).all():
         raise DirectError("heights: every height must be finite [m]")
     return h

@@ -9,6 +9,7 @@ what grows, so that the compliance of the surface is 2/(E* q) whatever the layer
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -19,7 +20,7 @@ from leak.arrays import FloatArray
 from leak.direct.half_space import PeriodicHalfSpace
 from leak.numerics.roots import root_of_rising
 
-# The first layer is half as thick as the grid is wide, all of them reach a third of a side.
+# The first layer is half as thick as the grid is wide, all of them reach a third of the shorter side.
 _FIRST, _DEPTH = 0.5, 1.0 / 3.0
 
 # Components of a strain without change of volume; e_zz = -e_xx - e_yy.
@@ -76,7 +77,7 @@ class LayeredHalfSpace:
     poissons_ratio : float
         nu [-].
     layers : int
-        Down to a third of the side, the first one half a grid cell thick.
+        Down to a third of the shorter side, the first one half a grid cell thick.
 
     References
     ----------
@@ -111,8 +112,8 @@ class LayeredHalfSpace:
     @cached_property
     def thickness(self) -> FloatArray:
         """Of each layer from the top, shape (layers,) [m]."""
-        first = _FIRST * self.surface.size / self.surface.points
-        whole = _DEPTH * self.surface.size / first
+        first = _FIRST * self.surface.spacing
+        whole = _DEPTH * min(self.surface.shape) * self.surface.spacing / first
         n = np.arange(self.layers)
         log_growth = root_of_rising(
             lambda x: float(np.log(np.exp(n * x).sum() / whole)), -5.0, 5.0, 0.05, 1e-12
@@ -123,9 +124,9 @@ class LayeredHalfSpace:
 
     @cached_property
     def _waves(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """q [1/m], and cosine and sine of its angle, shape (n, n // 2 + 1)."""
-        n, spacing = self.surface.points, self.surface.size / self.surface.points
-        along, across = np.fft.fftfreq(n, spacing)[:, None], np.fft.rfftfreq(n, spacing)[None, :]
+        """q [1/m], and cosine and sine of its angle, shape (n, m // 2 + 1)."""
+        (n, m), spacing = self.surface.shape, self.surface.spacing
+        along, across = np.fft.fftfreq(n, spacing)[:, None], np.fft.rfftfreq(m, spacing)[None, :]
         q = np.hypot(along, across)
         q[0, 0] = 1.0
         return 2.0 * np.pi * q, along / q, across / q
@@ -137,11 +138,13 @@ class LayeredHalfSpace:
     @cached_property
     def _coupled(self) -> FloatArray:
         """Waves through which plastic strain acts: all but the mean and, odd derivatives having none, the shortest."""
-        n = self.surface.points
+        n, m = self.surface.shape
         found = np.ones(self._waves[0].shape)
         found[0, 0] = 0.0
         if n % 2 == 0:
-            found[n // 2, :] = found[:, n // 2] = 0.0
+            found[n // 2, :] = 0.0
+        if m % 2 == 0:
+            found[:, m // 2] = 0.0
         return found
 
     @cached_property
@@ -232,13 +235,13 @@ class LayeredHalfSpace:
         Parameters
         ----------
         strain : ndarray
-            Plastic strain without change of volume, shape (5, layers, n, n), components `XX` to `YZ` [-].
+            Plastic strain without change of volume, shape (5, layers, n, m), components `XX` to `YZ` [-].
         """
         from scipy import fft
 
-        n, G, q, h = self.surface.points, self.shear_modulus, self._q, self.thickness[:, None]
+        G, q, h = self.shear_modulus, self._q, self.thickness[:, None]
         waves = fft.rfft2(strain)
-        mean = waves[..., 0, 0].real / n**2
+        mean = waves[..., 0, 0].real / math.prod(self.surface.shape)
         waves *= self._coupled
         _, c, s = self._waves
         xx, yy, xy, xz, yz = waves
@@ -265,31 +268,32 @@ class LayeredHalfSpace:
         return PlasticResponse(self._solved(force), self._solved_across(across), mean)
 
     def raised(self, response: PlasticResponse) -> FloatArray:
-        """Displacement of the surface by plastic strain, upwards, shape (n, n) [m].
+        """Displacement of the surface by plastic strain, upwards, shape (n, m) [m].
 
         Its mean is that of a body that cannot become wider: (1 - 2 nu)/(1 - nu) of the mean plastic strain along z,
         over the depth.
         """
         from scipy import fft
 
-        n, nu = self.surface.points, self.poissons_ratio
-        surface = -response.along[0, 1].reshape(n, -1)
+        shape, nu = self.surface.shape, self.poissons_ratio
+        surface = -response.along[0, 1].reshape(shape[0], -1)
         stretch = -(response.mean[XX] + response.mean[YY])
-        surface[0, 0] = n**2 * (1.0 - 2.0 * nu) / (1.0 - nu) * float(stretch @ self.thickness)
-        return np.asarray(fft.irfft2(surface, (n, n)))
+        surface[0, 0] = math.prod(shape) * (1.0 - 2.0 * nu) / (1.0 - nu) * float(stretch @ self.thickness)
+        return np.asarray(fft.irfft2(surface, shape))
 
     def distortion(self, response: PlasticResponse, pressure: FloatArray) -> FloatArray:
-        """Total strain less its change of volume, elastic and plastic, shape (5, layers, n, n) [-].
+        """Total strain less its change of volume, elastic and plastic, shape (5, layers, n, m) [-].
 
         Parameters
         ----------
         response : PlasticResponse
         pressure : ndarray
-            On the surface, shape (n, n) [Pa].
+            On the surface, shape (n, m) [Pa].
         """
         from scipy import fft
 
-        n, q, h = self.surface.points, self._q, self.thickness[:, None]
+        shape, q, h = self.surface.shape, self._q, self.thickness[:, None]
+        points = math.prod(shape)
         _, c, s = self._waves
         pressed = fft.rfft2(pressure).ravel()
         U, W = (response.along[:, k] + self._by_pressure[:, k] * pressed for k in (0, 1))
@@ -317,6 +321,6 @@ class LayeredHalfSpace:
         G = self.shear_modulus
         stretch = -(response.mean[XX] + response.mean[YY])
         rise = (2.0 * G * stretch - float(np.mean(pressure))) / (self._lame + 2.0 * G)
-        waves[[XX, YY], :, 0, 0] = -rise / 3.0 * n**2
-        waves[[XZ, YZ], :, 0, 0] = response.mean[[XZ, YZ]] * n**2
-        return np.asarray(fft.irfft2(waves, (n, n), overwrite_x=True))
+        waves[[XX, YY], :, 0, 0] = -rise / 3.0 * points
+        waves[[XZ, YZ], :, 0, 0] = response.mean[[XZ, YZ]] * points
+        return np.asarray(fft.irfft2(waves, shape, overwrite_x=True))

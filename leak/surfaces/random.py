@@ -71,21 +71,21 @@ def random_map(
     spectrum: PowerSpectrum,
     *,
     size: float,
-    points: int,
+    points: int | tuple[int, int],
     seed: int,
     peklenik: float = 1.0,
     amplitudes: Literal["gaussian", "exact"] = "gaussian",
 ) -> FloatArray:
-    """Heights of a square piece of a random surface.
+    """Heights of a rectangular piece of a random surface.
 
     Parameters
     ----------
     spectrum : PowerSpectrum
         C(q) of the isotropic surface.
     size : float
-        Side of the square [m].
-    points : int
-        Number of points along a side.
+        First side of the piece [m].
+    points : int or tuple of int
+        Number of points along a side of a square, or along both sides; they are as far apart in both directions.
     seed : int
         Of the random numbers.
     peklenik : float
@@ -98,7 +98,7 @@ def random_map(
 
     Returns
     -------
-    ndarray, shape (points, points)
+    ndarray, shape (points, points) or points
         Heights [m], index 0 along x; periodic.
 
     Raises
@@ -116,12 +116,12 @@ def random_map(
     """
     L = positive(ScanError, "size", size, "m")
     stretch = np.sqrt(positive(ScanError, "peklenik", peklenik, "-"))
-    n = _count("points", points)
-    q = 2.0 * np.pi * np.fft.fftfreq(n, L / n)
-    C = np.asarray(spectrum(np.hypot(q[:, None] * stretch, q[None, :] / stretch)))
-    white = np.fft.fft2(np.random.default_rng(seed).standard_normal((n, n)))
+    n, m = (_count("points", one) for one in (points if isinstance(points, tuple) else (points, points)))
+    q, across = (2.0 * np.pi * np.fft.fftfreq(one, L / n) for one in (n, m))
+    C = np.asarray(spectrum(np.hypot(q[:, None] * stretch, across[None, :] / stretch)))
+    white = np.fft.fft2(np.random.default_rng(seed).standard_normal((n, m)))
     if amplitudes == "exact":
-        white *= n / np.abs(white)
+        white *= np.sqrt(n * m) / np.abs(white)
     elif amplitudes != "gaussian":
         raise ScanError(f"amplitudes = {amplitudes!r}: must be 'gaussian' or 'exact'")
     return np.real(np.fft.ifft2(white * np.sqrt(C) * (2.0 * np.pi / L) * n))
