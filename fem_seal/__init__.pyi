@@ -30,6 +30,7 @@ from .result import SealResult as SealResult
 from .result import applied_force_for_leak as applied_force_for_leak
 from .result import blow_off_pressures as blow_off_pressures
 from .result import direct as direct
+from .result import direct_seal as direct_seal
 from .result import run as run
 from .studies.results import StudyResult as StudyResult
 from .studies.study import Study as Study

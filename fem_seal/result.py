@@ -25,7 +25,9 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
+    from fem_seal.case.direct import Asperities
     from fem_seal.seal.direct import DirectTable
+    from fem_seal.seal.direct_seal import SealRow
 
 
 class SealResult(SealSolution):
@@ -382,3 +384,79 @@ def direct(
     if folder is not None:
         settings = replace(settings, folder=Path(folder))
     return settings.table(surface, jobs=jobs, progress=progress or (lambda text: None))
+
+
+def direct_seal(
+    case: CaseSource,
+    *,
+    folder: str | os.PathLike[str] | None = None,
+    jobs: int = 1,
+    progress: Callable[[str], None] | None = None,
+) -> list[SealRow]:
+    """Simulate strips of a case's contact directly, as `fem-seal direct --seal` does, beside what `run` says.
+
+    Parameters
+    ----------
+    case : Case, path or mapping
+        With roughness and fluid. Its [direct] says how: the strip has its points along the contact and twice as many
+        across. Elastic and, where there is a hardness, capped asperities unless it names one kind.
+    folder, jobs, progress
+        See `direct`.
+
+    Returns
+    -------
+    list of SealRow
+        One for each load, place around the axis and kind of asperities.
+
+    Raises
+    ------
+    InputError
+        The case has no roughness or no fluid.
+    LeakError
+        A contact does not converge, or the grid holds no wave of the roughness.
+
+    Examples
+    --------
+    >>> import fem_seal
+    >>> case = fem_seal.Case(
+    ...     closure={"shape": "ball", "radius": "20 mm", "material": "steel"},
+    ...     seat={"shape": "cone", "angle": "45 deg", "material": "steel"},
+    ...     roughness={"spectrum": {
+    ...         "kind": "self-affine", "rms_height": "1 um", "hurst": 0.8,
+    ...         "q_low": "1e4 1/m", "q_rolloff": "5e4 1/m", "q_high": "1e6 1/m",
+    ...     }},
+    ...     leak={"plasticity": False},
+    ...     fluid={"name": "water"},
+    ...     load={"fluid_pressure": "20 bar"},
+    ...     direct={"points": 64, "samples": 2},
+    ... )
+    >>> (row,) = fem_seal.direct_seal(case)
+    >>> bool(0.3 < row.leak_rate / row.chain_held < 3.0)
+    True
+    """
+    from fem_seal.seal.direct import DirectSettings
+    from fem_seal.seal.direct_seal import simulate_seal
+    from fem_seal.seal.problem import direct_settings
+
+    case = case_of(case)
+    for key, there in (("roughness", case.roughness), ("fluid", case.fluid)):
+        if there is None:
+            raise InputError(
+                Problem(key, "is missing, and a simulated seal has both roughness and fluid; add the table"),
+                file=case.file,
+            )
+    given = direct_settings(case) or DirectSettings()
+    if given.map is not None:
+        raise InputError(
+            Problem("direct.file", "is a map of a patch; strips of a seal have random roughness: remove it"),
+            file=case.file,
+        )
+    settings = replace(given, folder=given.folder if folder is None else Path(folder))
+    tell = progress or (lambda text: None)
+    result = run(case, tell, levers=False, verdict_force=False)
+    named = None if case.direct is None else case.direct.asperities
+    yields = result.surface is not None and result.surface.hardness is not None
+    kinds: tuple[Asperities, ...] = (
+        (("elastic", "capped") if yields else ("elastic",)) if named is None else (named,)
+    )
+    return simulate_seal(result.problem, result.loads, settings, kinds, jobs=jobs, progress=tell)[1]

@@ -5,22 +5,19 @@ from __future__ import annotations
 import base64
 import hashlib
 import math
-import signal
-from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
-from contextlib import closing, suppress
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from io import BytesIO
-from itertools import chain, islice
+from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
 from fem_seal.errors import InputError, Problem
-from fem_seal.files import as_json, parse_json, read_text, write_text
-from leak import ConductivityTable, DirectError, LeakError, RoughContact
+from fem_seal.seal.pieces import work
+from leak import ConductivityTable, DirectError, RoughContact
 from leak.direct import (
     ElastoplasticState,
     Patch,
@@ -54,7 +51,7 @@ _SIGMAS = 2.0
 # Factor upwards where nothing says what the shorter half of the waves does, since without it the first patch is tight.
 _UNKNOWN = 10.0
 # Indentation hardness over the yield stress in tension.
-_HARDNESS = 2.9
+HARDNESS_OVER_YIELD_STRESS = 2.9
 # Metal that flows asks for small steps of the load: the longest over the hardness, and by what share the conductivity
 # of rough surfaces is then too low at most, see leak.direct.press_elastoplastic.
 LOAD_STEP, LOAD_STEP_ERROR = 0.025, 0.09
@@ -149,20 +146,26 @@ class DirectSettings:
             direction=self.direction or ("both" if surface.peklenik == 1.0 else "x"),
             heights=heights,
             folder=self.folder,
-            yield_stress=self._yield_stress(surface),
+            yield_stress=self.yield_stress_of(surface) if self.asperities == "von-mises" else None,
             poissons_ratio=self.poissons_ratio,
         )
         if self.pressures:
             return found
         held = found.held
         if found.yield_stress is not None and held.hardness is None:
-            held = replace(held, hardness=_HARDNESS * found.yield_stress)
+            held = replace(held, hardness=HARDNESS_OVER_YIELD_STRESS * found.yield_stress)
         return replace(found, pressures=usual_pressures(held))
 
-    def _yield_stress(self, surface: RoughContact) -> float | None:
-        if self.asperities != "von-mises" or self.yield_stress is not None:
-            return self.yield_stress if self.asperities == "von-mises" else None
-        return None if surface.hardness is None else surface.hardness / _HARDNESS
+    def yield_stress_of(self, surface: RoughContact) -> float | None:
+        """Of metal that flows [Pa]; None where no hardness says it.
+
+        Parameters
+        ----------
+        surface : RoughContact
+        """
+        if self.yield_stress is not None:
+            return self.yield_stress
+        return None if surface.hardness is None else surface.hardness / HARDNESS_OVER_YIELD_STRESS
 
     def table(
         self, surface: RoughContact, *, jobs: int = 1, progress: Callable[[str], None] = lambda text: None
@@ -236,7 +239,9 @@ class DirectSimulation:
     @property
     def load_step(self) -> float | None:
         """Longest of metal that flows [Pa]; None where every pressure is pressed by itself."""
-        return None if self.yield_stress is None else LOAD_STEP * _HARDNESS * self.yield_stress
+        return (
+            None if self.yield_stress is None else LOAD_STEP * HARDNESS_OVER_YIELD_STRESS * self.yield_stress
+        )
 
     @property
     def held(self) -> RoughContact:
@@ -297,6 +302,51 @@ class DirectSimulation:
             digest.update(repr((self.seed + piece.sample, self.amplitudes)).encode())
             digest.update(spectrum.wavenumber.tobytes() + spectrum.density.tobytes())
         return digest.hexdigest()[:20]
+
+    def keys(self, piece: Piece) -> list[str]:
+        """Of each record of a piece, which is known by all that came before it.
+
+        Parameters
+        ----------
+        piece : Piece
+        """
+        return [self.key(piece.until(count)) for count in range(1, len(piece.states) + 1)]
+
+    @property
+    def takes_minutes(self) -> bool:
+        """Whether a piece does: a path of metal that flows."""
+        return self.yield_stress is not None
+
+    def record(self, values: Mapping[str, Any]) -> PieceRecord:
+        """A record as it stands in a file.
+
+        Parameters
+        ----------
+        values : mapping
+        """
+        lists = ("gap_quantiles", "gap_counts")
+        return PieceRecord(**{**values, **{name: tuple(values[name]) for name in lists}})
+
+    def records(self, piece: Piece) -> Iterator[PieceRecord]:
+        """Press the sample of a piece at its pressures.
+
+        Parameters
+        ----------
+        piece : Piece
+        """
+        H, heights, start = self.surface.hardness, self.map(piece.sample), None
+        if piece.branch == "cutoff":
+            heights = smoothed(heights, self.patch.size, self.second_cutoff)
+        if self.yield_stress is not None:
+            yield from _path(self, piece, heights)
+            return
+        if piece.branch == "unload":
+            state = press(self.body, heights, max(self.pressures), hardness=H)
+            heights, start = heights - state.overlap, state.pressure
+        for p in piece.pressures:
+            state = press(self.body, heights, p, hardness=H, start=start)
+            start = None if start is None else state.pressure
+            yield _record(self, state)
 
     @property
     def second_cutoff(self) -> float:
@@ -676,95 +726,7 @@ def simulate_surface(
     LeakError
         A pressure reaches the hardness, or a contact does not converge.
     """
-    pieces = simulation.pieces()
-    known = {piece: found for piece in pieces if (found := _read(simulation, piece)) is not None}
-    missing = [piece for piece in pieces if piece not in known]
-    if known and missing:
-        progress(f"{len(known)} of {len(pieces)} pieces are there already")
-    failed: LeakError | None = None
-    try:
-        with closing(_calculated(simulation, missing, jobs)) as calculated:
-            for piece, records, error in calculated:
-                _write(simulation, piece, records)
-                failed = failed or error
-                if error is None:
-                    known[piece] = records
-                    progress(f"direct simulation: {len(known)} of {len(pieces)} pieces")
-    except KeyboardInterrupt:
-        if simulation.folder is not None:
-            progress("interrupted; finished pieces are kept, and the same command goes on from there")
-        raise
-    if failed is not None:
-        raise failed
-    return _together(simulation, known)
-
-
-# The records that were made, and what went wrong then.
-_Attempt = tuple[list["PieceRecord"], LeakError | None]
-
-
-def _calculated(
-    simulation: DirectSimulation, pieces: Sequence[Piece], jobs: int
-) -> Generator[tuple[Piece, list[PieceRecord], LeakError | None], None, None]:
-    """Pieces as they are done; once one has failed no other is begun."""
-    if jobs < 2 or len(pieces) < 2:
-        for piece in pieces:
-            records, error = _attempt(simulation, piece)
-            yield piece, records, error
-            if error is not None:
-                return
-        return
-    from multiprocessing import active_children, get_context
-
-    # no more of them wait than processes can take: an interruption waits for those that have begun, and for no other
-    left, others = iter(pieces), set(active_children())
-    with ProcessPoolExecutor(
-        jobs,
-        mp_context=get_context("spawn"),
-        initializer=signal.signal,
-        initargs=(signal.SIGINT, signal.SIG_IGN),
-    ) as pool:
-        try:
-            waiting = {pool.submit(_attempt, simulation, piece): piece for piece in islice(left, jobs)}
-            while waiting:
-                for future in wait(waiting, return_when=FIRST_COMPLETED).done:
-                    piece, (records, error) = waiting.pop(future), future.result()
-                    left = left if error is None else iter(())
-                    for following in islice(left, 1):
-                        waiting[pool.submit(_attempt, simulation, following)] = following
-                    yield piece, records, error
-        except BaseException:
-            if simulation.yield_stress is not None:
-                # a path takes minutes, and half of one is nothing
-                for process in set(active_children()) - others:
-                    process.terminate()
-            raise
-
-
-def _attempt(simulation: DirectSimulation, piece: Piece) -> _Attempt:
-    records: list[PieceRecord] = []
-    try:
-        records.extend(_records(simulation, piece))
-    except LeakError as error:
-        return records, error
-    return records, None
-
-
-def _records(simulation: DirectSimulation, piece: Piece) -> Iterator[PieceRecord]:
-    H, body, heights = simulation.surface.hardness, simulation.body, simulation.map(piece.sample)
-    if piece.branch == "cutoff":
-        heights = smoothed(heights, simulation.patch.size, simulation.second_cutoff)
-    if simulation.yield_stress is not None:
-        yield from _path(simulation, piece, heights)
-        return
-    start = None
-    if piece.branch == "unload":
-        state = press(body, heights, max(simulation.pressures), hardness=H)
-        heights, start = heights - state.overlap, state.pressure
-    for p in piece.pressures:
-        state = press(body, heights, p, hardness=H, start=start)
-        start = None if start is None else state.pressure
-        yield _record(simulation, state)
+    return _together(simulation, work(simulation, simulation.pieces(), jobs=jobs, progress=progress))
 
 
 def _path(simulation: DirectSimulation, piece: Piece, heights: FloatArray) -> Iterator[PieceRecord]:
@@ -798,35 +760,6 @@ def _record(simulation: DirectSimulation, state: ContactState) -> PieceRecord:
     counts, _ = np.histogram(state.gap[state.gap > 0.0], simulation.gap_edges)
     quantiles = np.quantile(state.gap, QUANTILES)
     return PieceRecord(*numbers, tuple(quantiles.tolist()), tuple(counts.tolist()))
-
-
-def _files(simulation: DirectSimulation, piece: Piece) -> list[Path]:
-    """One for each record, known by all that came before it."""
-    if simulation.folder is None:
-        return []
-    keys = [simulation.key(piece.until(count)) for count in range(1, len(piece.states) + 1)]
-    return [simulation.folder / "pieces" / f"{key}.json" for key in keys]
-
-
-def _write(simulation: DirectSimulation, piece: Piece, records: Sequence[PieceRecord]) -> None:
-    # of a piece that failed there are fewer records
-    for path, record in zip(_files(simulation, piece), records, strict=False):
-        write_text(path, as_json([record._asdict()]))
-
-
-def _read(simulation: DirectSimulation, piece: Piece) -> list[PieceRecord] | None:
-    """None if it is not there, or is no whole piece."""
-    paths = _files(simulation, piece)
-    if not paths or not all(path.is_file() for path in paths):
-        return None
-    with suppress(ValueError, TypeError, KeyError):
-        records = []
-        for path in paths:
-            (one,) = parse_json(read_text(path))
-            lists = ("gap_quantiles", "gap_counts")
-            records.append(PieceRecord(**{**one, **{name: tuple(one[name]) for name in lists}}))
-        return records
-    return None
 
 
 def _together(simulation: DirectSimulation, known: dict[Piece, list[PieceRecord]]) -> DirectTable:

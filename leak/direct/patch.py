@@ -93,7 +93,7 @@ class Patch:
             See `size`.
         """
         if size is None:
-            size = waves * 2.0 * np.pi / _median_wavenumber(spectrum)
+            size = waves * 2.0 * np.pi / median_wavenumber(spectrum)
         return cls(spectrum, points, size, points_per_wave, peklenik)
 
     @property
@@ -146,8 +146,13 @@ class Patch:
         )
 
 
-def _median_wavenumber(spectrum: PowerSpectrum) -> float:
-    """q with half of the height variance above it [1/m]."""
+def median_wavenumber(spectrum: PowerSpectrum) -> float:
+    """q with half of the height variance above it [1/m].
+
+    Parameters
+    ----------
+    spectrum : PowerSpectrum
+    """
     q = np.geomspace(spectrum.q_low, spectrum.q_high, 2000)
     above = np.asarray(spectrum.height_variance_above(q))
     return float(np.exp(np.interp(-0.5 * above[0], -above, np.log(q))))

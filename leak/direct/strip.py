@@ -16,14 +16,11 @@ import numpy as np
 from leak.arrays import FloatArray
 from leak.direct.contact import ContactState, press
 from leak.direct.elastoplastic import ElastoplasticState, press_elastoplastic
-from leak.direct.flow import patch_flow
+from leak.direct.flow import patch_flow, rarefied_gap
 from leak.direct.half_space import PeriodicHalfSpace
-from leak.errors import DirectError, positive
+from leak.errors import DirectError, positive, um
 from leak.surfaces.random import random_map
 from leak.surfaces.spectrum import PowerSpectrum
-
-# The pressure along x is a mean over the strip's length: a running mean over this share of its own FWHM shows the peak.
-_RUNNING = 0.25
 
 
 class StripState(NamedTuple):
@@ -36,7 +33,7 @@ class StripState(NamedTuple):
     >>> x = np.linspace(-3e-4, 3e-4, 64, endpoint=False)
     >>> strip = Strip(None, (64, 8), 6e-4, x**2 / 0.04)
     >>> state = strip.pressed(5e3, effective_modulus=115e9, asperities="elastic")
-    >>> bool(0.9 < state.peak_pressure / (115e9 * 5e3 / (np.pi * 0.02)) ** 0.5 < 1.1)
+    >>> bool(0.9 < state.pressure.max() / (115e9 * 5e3 / (np.pi * 0.02)) ** 0.5 < 1.1)
     True
     """
 
@@ -46,16 +43,13 @@ class StripState(NamedTuple):
     """Shape (n, m) [Pa]."""
     yielded: np.ndarray
     """Points at the hardness or above metal that has flowed, shape (n, m)."""
-    profile: FloatArray
-    """Pressure over x, mean along the strip, shape (n,) [Pa]."""
-    std: float
-    """Standard deviation of that pressure about its centre [m]."""
-    peak_pressure: float
-    """Largest running mean of it over a quarter of its FWHM [Pa]."""
-    fwhm: float
-    """Of a Gaussian with that standard deviation [m]."""
     conductance: float
     """12 eta times the leak rate per length of the strip and pressure difference [m^2]."""
+
+    @property
+    def profile(self) -> FloatArray:
+        """Pressure over x, mean along the strip, shape (n,) [Pa]."""
+        return np.asarray(self.pressure.mean(axis=1))
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,6 +69,8 @@ class Strip:
         are not, their displacement beyond that of a half-space stands in this gap, see `rest_gap`.
     points_per_wave : float
         Grid points on the shortest wave, at least 2.
+    peklenik : float
+        Stretch of the roughness along x, see `leak.random_map`.
 
     Raises
     ------
@@ -98,6 +94,7 @@ class Strip:
     width: float
     macroscopic_gap: FloatArray
     points_per_wave: float = 4.0
+    peklenik: float = 1.0
 
     def __post_init__(self) -> None:
         positive(DirectError, "width", self.width, "m")
@@ -109,8 +106,8 @@ class Strip:
             raise DirectError(f"points_per_wave = {self.points_per_wave!r}: must be at least 2")
         if self.spectrum is not None and not self.spectrum.q_low < self.q_high:
             raise DirectError(
-                f"the shortest wave of the strip is {2e6 * math.pi / self.q_high:.4g} um, and all waves of the spectrum "
-                "are shorter: take more points or a narrower strip"
+                f"the shortest wave of the strip is {um(2.0 * math.pi / self.q_high)}, longer than all waves of the "
+                "spectrum: take more points or a narrower strip"
             )
 
     @property
@@ -138,7 +135,7 @@ class Strip:
         """Roughness of a sample, as of a piece cut out of an endless surface, shape (n, m) [m]."""
         if self.held is None:
             return np.zeros(self.points)
-        return random_map(self.held, size=self.width, points=self.points, seed=seed)
+        return random_map(self.held, size=self.width, points=self.points, seed=seed, peklenik=self.peklenik)
 
     def pressed(
         self,
@@ -151,6 +148,7 @@ class Strip:
         yield_stress: float | None = None,
         poissons_ratio: float = 0.3,
         load_steps: int = 1,
+        flight: float | None = None,
     ) -> StripState:
         """Press a sample of the strip and let a fluid flow across it.
 
@@ -170,6 +168,8 @@ class Strip:
             Of "von-mises" [Pa], [-].
         load_steps : int
             Of "von-mises", equal ones up to the load.
+        flight : float, optional
+            Of a gas, see `rarefied_gap` [m]; a liquid unless given.
 
         Raises
         ------
@@ -196,23 +196,15 @@ class Strip:
             assert state is not None
             flowed = np.zeros(n * m, bool)
             flowed[state.yielded_points % (n * m)] = True
-            return self._state(state.contact, flowed.reshape(n, m))
+            return self._state(state.contact, flowed.reshape(n, m), flight)
         cap = hardness if asperities == "capped" else None
         contact = press(body, h, mean, hardness=cap, tolerance=tolerance, most_iterations=20_000)
-        return self._state(contact, contact.pressure >= (cap or math.inf))
+        return self._state(contact, contact.pressure >= (cap or math.inf), flight)
 
-    def _state(self, contact: ContactState, yielded: np.ndarray) -> StripState:
-        n = self.points[0]
-        dx = self.width / n
-        profile = contact.pressure.mean(axis=1)
-        x = (np.arange(n) + 0.5) * dx
-        centre = float(np.average(x, weights=profile))
-        std = float(np.sqrt(np.average((x - centre) ** 2, weights=profile)))
-        fwhm = 2.0 * math.sqrt(2.0 * math.log(2.0)) * std
-        points = max(1, round(_RUNNING * fwhm / dx))
-        peak = float(np.convolve(profile, np.full(points, 1.0 / points), "same").max())
-        conductance = patch_flow(contact.gap).gap_cubed / self.width
-        return StripState(contact.gap, contact.pressure, yielded, profile, std, peak, fwhm, conductance)
+    def _state(self, contact: ContactState, yielded: np.ndarray, flight: float | None) -> StripState:
+        gap = contact.gap if flight is None else rarefied_gap(contact.gap, flight)
+        conductance = patch_flow(gap).gap_cubed / self.width
+        return StripState(contact.gap, contact.pressure, yielded, conductance)
 
 
 def rest_gap(gap: FloatArray, pressure: FloatArray, width: float, effective_modulus: float) -> FloatArray:

@@ -1,0 +1,386 @@
+"""Direct simulation of a seal: strips of its contact with their roughness, beside what the chain says.
+
+A strip has the macroscopic gap of the solved contact: under the chain's own pressure the mean planes of its smooth
+bodies are as far apart as in the chain, and from there on they give way as half-spaces. The roughness is pressed as it
+stands, so that p(u), the separation of scales and the flow through a contact few waves wide are all put to the test.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from fem_seal.profile import PressureProfile
+from fem_seal.seal.direct import HARDNESS_OVER_YIELD_STRESS, LOAD_STEP, DirectSettings
+from fem_seal.seal.pieces import work
+from leak import RoughContact
+from leak.direct import Strip, rest_gap
+from leak.direct.patch import median_wavenumber
+
+if TYPE_CHECKING:
+    from fem_seal.arrays import FloatArray
+    from fem_seal.case.direct import Asperities
+    from fem_seal.contact.solution import ContactSolution
+    from fem_seal.seal.leak_model import Flow
+    from fem_seal.seal.load_result import LoadResult
+    from fem_seal.seal.problem import SealProblem
+
+# Raised when a finished piece would come out differently.
+_VERSION = 1
+# A strip is so many standard deviations of the pressure wide, beyond which nothing of the flow's resistance lies, and
+# so many waves that make the height, so that what they do across a narrow contact is in it.
+_STDS, _WAVES = 13.0, 6.0
+# Beyond the line of contact points the faces are apart by more than the roughness: so many rms heights, and a slope.
+_APART = 20.0
+# Least load steps of metal that flows.
+_LEAST_STEPS = 4
+# The pressure over x is a mean over strips: its peak is that of a running mean over this share of the FWHM.
+_RUNNING = 0.25
+
+
+class StripPiece(NamedTuple):
+    """What is calculated in one go."""
+
+    place: int
+    asperities: Asperities
+    sample: int
+
+
+class StripRecord(NamedTuple):
+    """What is kept of a pressed strip."""
+
+    conductance: float
+    """12 eta times the leak rate per length and pressure difference [m^2]."""
+    contact_area: float
+    """Share of the points that touch within a standard deviation of the centre [-]."""
+    profile: tuple[float, ...]
+    """Pressure over x, mean along the strip [Pa]."""
+
+
+@dataclass(frozen=True)
+class SealPlace:
+    """A contact of a load whose strips are simulated.
+
+    Parameters
+    ----------
+    name : {"round", "least loaded", "most loaded"}
+        Where around the axis.
+    fluid_pressure, applied_force : float
+        [Pa], [N]
+    line_load : float
+        [N/m]
+    profile : PressureProfile
+        Of the chain.
+    strip : Strip
+    chain_conductance, held_conductance : float
+        12 eta times the chain's leak rate per length and pressure difference, with all waves of the spectrum and with
+        those that the strip holds, of asperities that yield as the case has it [m^2].
+    leak_rate : float
+        Of the chain, all around with this line load [m^3/s].
+    interval : tuple of float or None
+        Ends that the chain prints [m^3/s]; None where it prints none, and at a place of a seal that is not round.
+    flight : float or None
+        Of a gas at the mean of its pressures, see `leak.direct.rarefied_gap` [m]; None for a liquid.
+    """
+
+    name: str
+    fluid_pressure: float
+    applied_force: float
+    line_load: float
+    profile: PressureProfile
+    strip: Strip
+    chain_conductance: float
+    held_conductance: float
+    leak_rate: float
+    interval: tuple[float, float] | None
+    flight: float | None
+
+
+@dataclass(frozen=True, eq=False)
+class SealSimulation:
+    """Strips of all places.
+
+    Parameters
+    ----------
+    surface : RoughContact
+    places : tuple of SealPlace
+    asperities : tuple of {"elastic", "capped", "von-mises"}
+    samples, seed : int
+    yield_stress : float or None
+        Of metal that flows [Pa].
+    poissons_ratio : float
+    folder : Path or None
+        Where finished pieces are kept.
+    """
+
+    surface: RoughContact
+    places: tuple[SealPlace, ...]
+    asperities: tuple[Asperities, ...]
+    samples: int
+    seed: int
+    yield_stress: float | None
+    poissons_ratio: float
+    folder: Path | None = None
+
+    @property
+    def takes_minutes(self) -> bool:
+        """Whether a piece does: a path of metal that flows."""
+        return "von-mises" in self.asperities
+
+    def pieces(self) -> list[StripPiece]:
+        """All strips."""
+        return [
+            StripPiece(place, asperities, sample)
+            for asperities in self.asperities
+            for sample in range(self.samples)
+            for place in range(len(self.places))
+        ]
+
+    def keys(self, piece: StripPiece) -> list[str]:
+        """Hash of everything that a piece depends on."""
+        place, strip = self.places[piece.place], self.places[piece.place].strip
+        assert strip.held is not None  # the surface is rough
+        yields = {
+            "elastic": None,
+            "capped": self.surface.hardness,
+            "von-mises": (self.yield_stress, self.poissons_ratio, LOAD_STEP),
+        }[piece.asperities]
+        # the chain's last digits are those of its solver
+        about = [
+            _VERSION, self.surface.effective_modulus, yields, strip.points, strip.points_per_wave, strip.peklenik,
+            f"{strip.width:.9g} {place.line_load:.9g} {place.flight}", self.seed + piece.sample,
+        ]  # fmt: skip
+        digest = hashlib.sha256(repr(about).encode())
+        digest.update(np.round(strip.macroscopic_gap / self.surface.spectrum.rms_height, 6).tobytes())
+        digest.update(strip.held.wavenumber.tobytes() + strip.held.density.tobytes())
+        return [digest.hexdigest()[:20]]
+
+    def record(self, values: Mapping[str, Any]) -> StripRecord:
+        """A record as it stands in a file."""
+        return StripRecord(**{**values, "profile": tuple(values["profile"])})
+
+    def records(self, piece: StripPiece) -> Iterator[StripRecord]:
+        """Press a strip."""
+        place, steps = self.places[piece.place], 1
+        if piece.asperities == "von-mises":
+            assert self.yield_stress is not None
+            longest = LOAD_STEP * HARDNESS_OVER_YIELD_STRESS * self.yield_stress
+            steps = max(_LEAST_STEPS, math.ceil(place.profile.peak_pressure / longest))
+        state = place.strip.pressed(
+            place.line_load,
+            effective_modulus=self.surface.effective_modulus,
+            seed=self.seed + piece.sample,
+            asperities=piece.asperities,
+            hardness=self.surface.hardness,
+            yield_stress=self.yield_stress,
+            poissons_ratio=self.poissons_ratio,
+            load_steps=steps,
+            flight=place.flight,
+        )
+        n = place.strip.points[0]
+        near = max(1, round(place.profile.std / place.strip.width * n))
+        touches = state.pressure[n // 2 - near : n // 2 + near + 1] > 0.0
+        yield StripRecord(state.conductance, float(touches.mean()), tuple(state.profile.tolist()))
+
+
+@dataclass(frozen=True)
+class SealRow:
+    """A place with asperities of one kind, and the chain there.
+
+    Parameters
+    ----------
+    place : SealPlace
+    asperities : {"elastic", "capped", "von-mises"}
+    leak_rates : tuple of float
+        Of each sample, all around with this line load, with the waves that the strip holds [m^3/s].
+    profile : ndarray
+        Pressure over x, mean of the samples [Pa].
+    contact_area : float
+        Near the centre [-].
+    """
+
+    place: SealPlace
+    asperities: Asperities
+    leak_rates: tuple[float, ...]
+    profile: FloatArray
+    contact_area: float
+
+    @property
+    def leak_rate(self) -> float:
+        """Mean of the samples, which lie side by side around the axis [m^3/s]."""
+        return float(np.mean(self.leak_rates))
+
+    @property
+    def deviation(self) -> float:
+        """Standard deviation of the samples [m^3/s]; nan of one."""
+        return float(np.std(self.leak_rates, ddof=1)) if len(self.leak_rates) > 1 else math.nan
+
+    @property
+    def chain_held(self) -> float:
+        """The chain's leak rate with the waves that the strip holds [m^3/s]."""
+        return self.place.leak_rate * self.place.held_conductance / self.place.chain_conductance
+
+    @property
+    def with_all_waves(self) -> float:
+        """The mean with what the chain says of the waves that the grid does not hold [m^3/s]."""
+        held = self.chain_held
+        return self.leak_rate * self.place.leak_rate / held if held > 0.0 else math.nan
+
+    @cached_property
+    def measures(self) -> tuple[float, float]:
+        """Peak pressure [Pa], and FWHM of a Gaussian with the standard deviation of the pressure [m]."""
+        p, dx = self.profile, self.place.strip.width / len(self.profile)
+        x = (np.arange(len(p)) + 0.5) * dx
+        centre = np.average(x, weights=p)
+        fwhm = 2.0 * math.sqrt(2.0 * math.log(2.0) * float(np.average((x - centre) ** 2, weights=p)))
+        points = max(1, round(_RUNNING * fwhm / dx))
+        return float(np.convolve(p, np.full(points, 1.0 / points), "same").max()), fwhm
+
+
+def simulate_seal(
+    problem: SealProblem,
+    loads: Sequence[LoadResult],
+    settings: DirectSettings,
+    asperities: tuple[Asperities, ...],
+    *,
+    jobs: int = 1,
+    progress: Callable[[str], None] = lambda text: None,
+) -> tuple[SealSimulation, list[SealRow]]:
+    """Simulate strips of each load.
+
+    Parameters
+    ----------
+    problem : SealProblem
+        With roughness and fluid.
+    loads : sequence of LoadResult
+        Solved by the chain.
+    settings : DirectSettings
+        Grid points along the contact (twice as many across), samples, seed.
+    asperities : tuple of {"elastic", "capped", "von-mises"}
+    jobs, progress
+        See `fem_seal.seal.pieces.work`.
+
+    Raises
+    ------
+    LeakError
+        A contact does not converge, or the strip holds no wave of the spectrum.
+    """
+    surface, flow = problem.surface, problem.flow
+    assert surface is not None
+    assert flow is not None
+    places = tuple(place for load in loads for place in _places(load, surface, flow, settings))
+    simulation = SealSimulation(
+        surface,
+        places,
+        asperities,
+        settings.samples,
+        settings.seed,
+        settings.yield_stress_of(surface) if "von-mises" in asperities else None,
+        settings.poissons_ratio,
+        settings.folder,
+    )
+    found = work(simulation, simulation.pieces(), jobs=jobs, progress=progress)
+    rows = []
+    for number, place in enumerate(places):
+        for kind in asperities:
+            records = [found[StripPiece(number, kind, sample)][0] for sample in range(settings.samples)]
+            rates = [place.leak_rate * one.conductance / place.chain_conductance for one in records]
+            profile = np.mean([one.profile for one in records], axis=0)
+            area = float(np.mean([one.contact_area for one in records]))
+            rows.append(SealRow(place, kind, tuple(rates), profile, area))
+    return simulation, rows
+
+
+def _places(
+    load: LoadResult, surface: RoughContact, flow: Flow, settings: DirectSettings
+) -> Iterator[SealPlace]:
+    formed = load.formed
+    if formed is None:
+        yield _place("round", load, load.contact, surface, flow, settings)
+        return
+    for name, line_load in (
+        ("least loaded", formed.line_load.min()),
+        ("most loaded", formed.line_load.max()),
+    ):
+        yield _place(name, load, formed.local.at(float(line_load)), surface, flow, settings)
+
+
+def _place(
+    name: str,
+    load: LoadResult,
+    contact: ContactSolution,
+    surface: RoughContact,
+    flow: Flow,
+    settings: DirectSettings,
+) -> SealPlace:
+    profile = contact.profile
+    strip = _strip(contact, surface, settings)
+    assert strip.held is not None  # the surface is rough
+    held = replace(surface, spectrum=strip.held)
+    whole = flow.table_of(surface, [contact])
+    whole, less = (flow.table_of(one, [contact]) for one in (surface, held))
+    through = [_conductance(flow, table, profile, load.fluid_pressure) for table in (whole, less)]
+    leak = flow.leak_of(whole, profile, load.fluid_pressure).leak_rate
+    mean = flow.outlet_pressure + 0.5 * load.fluid_pressure
+    gas = flow.gas
+    flight = (
+        None
+        if gas is None
+        else gas.viscosity * gas.molecular_speed / float(gas.flow_pressure(np.array(mean)))
+    )
+    interval = load.leak_interval if name == "round" and load.has_interval else None
+    return SealPlace(
+        name,
+        load.fluid_pressure,
+        load.applied_force,
+        contact.line_load,
+        profile,
+        strip,
+        through[0],
+        through[1],
+        leak,
+        interval,
+        flight,
+    )
+
+
+def _conductance(flow: Flow, table: Any, profile: PressureProfile, fluid_pressure: float) -> float:
+    """12 eta over the integral of dx/sigma [m^2]; zero where the contact is sealed."""
+    sigma = flow.conductivity_at(table, np.maximum(profile.pressure, 1e-300), fluid_pressure)
+    if not (sigma > 0.0).all():
+        return 0.0
+    return 12.0 * flow.viscosity / float(profile.arc_weight @ (1.0 / sigma))
+
+
+def _strip(contact: ContactSolution, surface: RoughContact, settings: DirectSettings) -> Strip:
+    """The contact's neighbourhood on a grid, its pressure in the middle."""
+    profile, line = contact.profile, contact.model.line
+    points = 2 * settings.points, settings.points
+    width = max(_STDS * profile.std, _WAVES * 2.0 * math.pi / median_wavenumber(surface.spectrum))
+    x = profile.centroid + ((np.arange(points[0]) + 0.5) / points[0] - 0.5) * width
+    p = np.interp(x, profile.x, profile.pressure, left=0.0, right=0.0)
+    p *= contact.line_load / (p.sum() * width / points[0])
+    gap = np.interp(x, profile.x, profile.gap)
+    # behind its ends the line goes on with the slope of its faces
+    for outside, end, step in ((x < line.x[0], 0, 1), (x > line.x[-1], -1, -2)):
+        slope = abs((profile.gap[end] - profile.gap[step]) / (line.x[end] - line.x[step]))
+        away = np.abs(x[outside] - line.x[end])
+        gap[outside] = profile.gap[end] + slope * away
+    lower, upper = profile.ends
+    off_face = np.zeros(len(x), bool)
+    if lower is not None:
+        off_face |= x < lower
+    if upper is not None:
+        off_face |= x > upper
+    rest = rest_gap(gap, p, width, surface.effective_modulus)
+    rest[off_face] = np.maximum(rest[off_face], rest[~off_face].max() + _APART * surface.spectrum.rms_height)
+    return Strip(
+        surface.spectrum, points, width, rest, points_per_wave=settings.points_per_wave, peklenik=surface.peklenik
+    )  # fmt: skip

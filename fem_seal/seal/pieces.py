@@ -1,0 +1,157 @@
+"""Pieces of a simulation: calculated by several processes, each kept on disk as soon as it is done."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Callable, Generator, Hashable, Iterator, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
+from contextlib import closing, suppress
+from itertools import islice
+from pathlib import Path
+from typing import Any, Protocol, TypeVar
+
+from fem_seal.files import as_json, parse_json, read_text, write_text
+from leak import LeakError
+
+
+class Record(Protocol):
+    """Numbers of a piece, a named tuple."""
+
+    def _asdict(self) -> dict[str, Any]:
+        """As it is written."""
+
+
+Piece = TypeVar("Piece", bound=Hashable)
+Asked = TypeVar("Asked", bound=Hashable, contravariant=True)
+Found = TypeVar("Found", bound=Record)
+Kept = TypeVar("Kept", bound=Record, covariant=True)
+
+
+class Simulation(Protocol[Asked, Kept]):
+    """What is cut into pieces; it goes to other processes."""
+
+    @property
+    def folder(self) -> Path | None:
+        """Where finished pieces are kept."""
+
+    @property
+    def takes_minutes(self) -> bool:
+        """Whether one piece does, so that an interruption does not wait for it."""
+
+    def keys(self, piece: Asked) -> list[str]:
+        """Hash of all that each record of a piece depends on."""
+
+    def records(self, piece: Asked) -> Iterator[Kept]:
+        """Calculate a piece: its records, one after the other."""
+
+    def record(self, values: Mapping[str, Any]) -> Kept:
+        """A record as it stands in a file."""
+
+
+def work(
+    simulation: Simulation[Piece, Found],
+    pieces: Sequence[Piece],
+    *,
+    jobs: int = 1,
+    progress: Callable[[str], None] = lambda text: None,
+) -> dict[Piece, list[Found]]:
+    """Records of all pieces; those that are on disk are not calculated again.
+
+    Parameters
+    ----------
+    simulation : Simulation
+    pieces : sequence
+    jobs : int
+        Processes; 1 calculates in this one.
+    progress : callable
+        Told how far it is.
+
+    Raises
+    ------
+    LeakError
+        Of the first piece that fails; what was finished is kept.
+    """
+    known = {piece: found for piece in pieces if (found := _read(simulation, piece)) is not None}
+    missing = [piece for piece in pieces if piece not in known]
+    if known and missing:
+        progress(f"{len(known)} of {len(pieces)} pieces are there already")
+    failed: LeakError | None = None
+    try:
+        with closing(_calculated(simulation, missing, jobs)) as calculated:
+            for piece, records, error in calculated:
+                # of a piece that failed there are fewer records
+                for path, record in zip(_files(simulation, piece), records, strict=False):
+                    write_text(path, as_json([record._asdict()]))
+                failed = failed or error
+                if error is None:
+                    known[piece] = records
+                    progress(f"direct simulation: {len(known)} of {len(pieces)} pieces")
+    except KeyboardInterrupt:
+        if simulation.folder is not None:
+            progress("interrupted; finished pieces are kept, and the same command goes on from there")
+        raise
+    if failed is not None:
+        raise failed
+    return known
+
+
+def _calculated(
+    simulation: Simulation[Piece, Found], pieces: Sequence[Piece], jobs: int
+) -> Generator[tuple[Piece, list[Found], LeakError | None], None, None]:
+    """Pieces as they are done; once one has failed no other is begun."""
+    if jobs < 2 or len(pieces) < 2:
+        for piece in pieces:
+            records, error = _attempt(simulation, piece)
+            yield piece, records, error
+            if error is not None:
+                return
+        return
+    from multiprocessing import active_children, get_context
+
+    # no more of them wait than processes can take: an interruption waits for those that have begun, and for no other
+    left, others = iter(pieces), set(active_children())
+    with ProcessPoolExecutor(
+        jobs,
+        mp_context=get_context("spawn"),
+        initializer=signal.signal,
+        initargs=(signal.SIGINT, signal.SIG_IGN),
+    ) as pool:
+        try:
+            waiting = {pool.submit(_attempt, simulation, piece): piece for piece in islice(left, jobs)}
+            while waiting:
+                for future in wait(waiting, return_when=FIRST_COMPLETED).done:
+                    piece, (records, error) = waiting.pop(future), future.result()
+                    left = left if error is None else iter(())
+                    for following in islice(left, 1):
+                        waiting[pool.submit(_attempt, simulation, following)] = following
+                    yield piece, records, error
+        except BaseException:
+            if simulation.takes_minutes:
+                # half of a piece is nothing
+                for process in set(active_children()) - others:
+                    process.terminate()
+            raise
+
+
+def _attempt(simulation: Simulation[Piece, Found], piece: Piece) -> tuple[list[Found], LeakError | None]:
+    records: list[Found] = []
+    try:
+        records.extend(simulation.records(piece))
+    except LeakError as error:
+        return records, error
+    return records, None
+
+
+def _files(simulation: Simulation[Piece, Found], piece: Piece) -> list[Path]:
+    folder = simulation.folder
+    return [] if folder is None else [folder / "pieces" / f"{key}.json" for key in simulation.keys(piece)]
+
+
+def _read(simulation: Simulation[Piece, Found], piece: Piece) -> list[Found] | None:
+    """None if it is not there, or is no whole piece."""
+    paths = _files(simulation, piece)
+    if not paths or not all(path.is_file() for path in paths):
+        return None
+    with suppress(ValueError, TypeError, KeyError):
+        return [simulation.record(parse_json(read_text(path))[0]) for path in paths]
+    return None
