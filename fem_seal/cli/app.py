@@ -260,6 +260,9 @@ def direct(
         int | None,
         typer.Option("--jobs", min=1, show_default="one per core", help="Processes that calculate."),
     ] = None,
+    seal: Annotated[
+        bool, typer.Option("--seal", help="Strips of the seal's contact instead of patches of its surface.")
+    ] = False,
     quiet: Quiet = False,
     json: Json = False,
     debug: Debug = False,
@@ -267,15 +270,30 @@ def direct(
     """Simulate rough contact and flow of a case's surface directly, beside the theory; an interrupted run goes on."""
     from fem_seal import result as seal_result
     from fem_seal.case.case import load_case
+    from fem_seal.output import direct_seal as of_seal
     from fem_seal.output.direct import direct_lines, direct_numbers, direct_rows, shown_rows, write_direct
     from fem_seal.output.folders import alone
 
     case = load_case(case_file)
     given = None if case.direct is None else case.direct.folder
     folder = _made(output or (Path(given) if given else case_file.with_suffix(".direct")))
+    processes = jobs or os.cpu_count() or 1
+    if seal:
+        with alone(folder), _progress(quiet) as progress:
+            strips = seal_result.direct_seal(case, folder=folder, jobs=processes, progress=progress)
+            progress("drawing")
+            of_seal.write_direct_seal(strips, folder)
+        if json:
+            say_json({"folder": str(folder), "strips": of_seal.seal_rows(strips)})
+        elif not quiet:
+            for line in of_seal.seal_lines(strips):
+                say(line)
+            show_table(f"Simulated seal: {case.title}", *of_seal.shown_seal_rows(strips), keys=4)
+            _list_files(folder)
+        return
     viscosity = None if case.fluid is None or case.fluid.gas is not None else case.fluid.viscosity
     with alone(folder), _progress(quiet) as progress:
-        table = seal_result.direct(case, folder=folder, jobs=jobs or os.cpu_count() or 1, progress=progress)
+        table = seal_result.direct(case, folder=folder, jobs=processes, progress=progress)
         progress("drawing")
         write_direct(table, folder, viscosity)
     rows = direct_rows(table, viscosity)

@@ -41,8 +41,6 @@ _STDS, _WAVES = 13.0, 6.0
 _APART = 20.0
 # Least load steps of metal that flows.
 _LEAST_STEPS = 4
-# The pressure over x is a mean over strips: its peak is that of a running mean over this share of the FWHM.
-_RUNNING = 0.25
 
 
 class StripPiece(NamedTuple):
@@ -235,13 +233,17 @@ class SealRow:
 
     @cached_property
     def measures(self) -> tuple[float, float]:
-        """Peak pressure [Pa], and FWHM of a Gaussian with the standard deviation of the pressure [m]."""
+        """Peak pressure [Pa] and FWHM [m] of the Gaussian with the line load and standard deviation of the pressure.
+
+        The pressure itself is one of single summits: its highest value says nothing of the contact.
+        """
         p, dx = self.profile, self.place.strip.width / len(self.profile)
         x = (np.arange(len(p)) + 0.5) * dx
         centre = np.average(x, weights=p)
-        fwhm = 2.0 * math.sqrt(2.0 * math.log(2.0) * float(np.average((x - centre) ** 2, weights=p)))
-        points = max(1, round(_RUNNING * fwhm / dx))
-        return float(np.convolve(p, np.full(points, 1.0 / points), "same").max()), fwhm
+        std = math.sqrt(float(np.average((x - centre) ** 2, weights=p)))
+        return self.place.line_load / (math.sqrt(2.0 * math.pi) * std), 2.0 * math.sqrt(
+            2.0 * math.log(2.0)
+        ) * std
 
 
 def simulate_seal(

@@ -198,7 +198,7 @@ class Strip:
             flowed[state.yielded_points % (n * m)] = True
             return self._state(state.contact, flowed.reshape(n, m), flight)
         cap = hardness if asperities == "capped" else None
-        contact = press(body, h, mean, hardness=cap, tolerance=tolerance, most_iterations=20_000)
+        contact = press(body, h, mean, hardness=cap, tolerance=tolerance)
         return self._state(contact, contact.pressure >= (cap or math.inf), flight)
 
     def _state(self, contact: ContactState, yielded: np.ndarray, flight: float | None) -> StripState:
