@@ -123,9 +123,15 @@ TAKE_A_CASE = [
 
 
 def test_the_functions_that_take_a_case_are_known():
-    assert {"run", "direct", "derive", "leak_map", "applied_force_for_leak", "blow_off_pressures"} == set(
-        TAKE_A_CASE
-    )
+    assert {
+        "run",
+        "direct",
+        "direct_seal",
+        "derive",
+        "leak_map",
+        "applied_force_for_leak",
+        "blow_off_pressures",
+    } == set(TAKE_A_CASE)
 
 
 @pytest.mark.parametrize("name", [*TAKE_A_CASE, "Study"])
