@@ -219,7 +219,8 @@ class RoughContact:
         p = self._elastic_pressure(_checked(pressure))
         if self.theory == "paper":
             return p
-        with np.errstate(divide="ignore"):
+        # where no gap is left the pressure has no end
+        with np.errstate(divide="ignore", over="ignore"):
             return np.exp(self._of_equal_gap(np.log(p)))
 
     def _elastic_pressure(self, p: FloatArray) -> FloatArray:
