@@ -54,6 +54,10 @@ from .flow.scratch import SpiralLay as SpiralLay
 from .flow.scratch import deepest_scratch as deepest_scratch
 from .flow.scratch import gas_scratch_flow as gas_scratch_flow
 from .flow.scratch import scratch_flow as scratch_flow
+from .flow.short_medium import ShortMedium as ShortMedium
+from .flow.short_medium import in_contact as in_contact
+from .flow.short_medium import short_medium as short_medium
+from .flow.short_medium import short_threshold as short_threshold
 from .fluids.contamination import Concentration as Concentration
 from .fluids.contamination import ParticleCounts as ParticleCounts
 from .fluids.find import gas as gas

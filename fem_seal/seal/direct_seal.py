@@ -22,7 +22,6 @@ from fem_seal.seal.direct import HARDNESS_OVER_YIELD_STRESS, LOAD_STEP, DirectSe
 from fem_seal.seal.pieces import work
 from leak import RoughContact
 from leak.direct import Strip, rest_gap
-from leak.direct.patch import median_wavenumber
 
 if TYPE_CHECKING:
     from fem_seal.arrays import FloatArray
@@ -331,7 +330,7 @@ def _place(
     whole = flow.table_of(surface, [contact])
     whole, less = (flow.table_of(one, [contact]) for one in (surface, held))
     through = [_conductance(flow, table, profile, load.fluid_pressure) for table in (whole, less)]
-    leak = flow.leak_of(whole, profile, load.fluid_pressure).leak_rate
+    leak = flow.leak_of(whole, surface, profile, load.fluid_pressure).leak_rate
     mean = flow.outlet_pressure + 0.5 * load.fluid_pressure
     gas = flow.gas
     flight = (
@@ -370,7 +369,7 @@ def _strip(contact: ContactSolution, surface: RoughContact, settings: DirectSett
     """The contact's neighbourhood on a grid, its pressure in the middle."""
     profile, line = contact.profile, contact.model.line
     points = 2 * settings.points, settings.points
-    width = max(_STDS * profile.std, _WAVES * 2.0 * math.pi / median_wavenumber(surface.spectrum))
+    width = max(_STDS * profile.std, _WAVES * 2.0 * math.pi / surface.spectrum.median_wavenumber)
     x = profile.centroid + ((np.arange(points[0]) + 0.5) / points[0] - 0.5) * width
     p = np.interp(x, profile.x, profile.pressure, left=0.0, right=0.0)
     p *= contact.line_load / (p.sum() * width / points[0])

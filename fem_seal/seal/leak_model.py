@@ -227,13 +227,35 @@ class Flow:
         assert self.gas is not None  # the table is one of a gas
         return leak.rarefied_conductivity(table, self.gas, log_pressure)
 
-    def leak_of(self, table: Conductivity, profile: PressureProfile, fluid_pressure: float) -> LeakResult:
+    def in_contact(
+        self, table: Conductivity, surface: RoughContact, profile: PressureProfile
+    ) -> Conductivity:
+        """Table of a contact, which may be only a few waves wide; a simulation's own knows no width.
+
+        Parameters
+        ----------
+        table : ConductivityTable or GasConductivityTable
+            Of the endless surface.
+        surface : RoughContact
+        profile : PressureProfile
+        """
+        if self.simulated is not None:
+            return table
+        from leak.flow.short_medium import in_profile
+
+        return in_profile(surface, table, profile.after_largest(table), float(profile.radius.mean()))
+
+    def leak_of(
+        self, table: Conductivity, surface: RoughContact, profile: PressureProfile, fluid_pressure: float
+    ) -> LeakResult:
         """Leak of one contact.
 
         Parameters
         ----------
         table : ConductivityTable or GasConductivityTable
             For all pressures of the contact.
+        surface : RoughContact
+            Of which the table is.
         profile : PressureProfile
             Not after a larger load with fluid_in_gap = "local", of which the theory says nothing then.
         fluid_pressure : float
@@ -245,6 +267,7 @@ class Flow:
             A `leak.CoupledLeakResult` for fluid_in_gap = "local".
         """
         x, pressure, side = profile.x, profile.pressure, self.pressure_side
+        table = self.in_contact(table, surface, profile)
         if self.fluid_in_gap == "local" and isinstance(table, leak.ConductivityTable):
             assert profile.largest is None  # the case's own checks refuse it
             return leak.coupled_leak_flow(
@@ -286,6 +309,7 @@ class Flow:
         from leak.flow.contact_profile import checked_profile, profile_after
         from leak.flow.scratch import flow_along
 
+        table = self.in_contact(table, surface, profile)
         permeant = self.permeant(table, fluid_pressure)
         points = checked_profile(profile.x, profile.pressure, profile.radius)
         contact = profile_after(*points, profile.ends, profile.largest, table)
@@ -490,7 +514,7 @@ class RoughFlow(ByReading):
         """
         if self.flow is None or self.table is None:
             return None
-        return self.flow.leak_of(self.table, profile, fluid_pressure)
+        return self.flow.leak_of(self.table, self.surface, profile, fluid_pressure)
 
     def at(self, fluid_pressure: float) -> ProfileFlow | None:
         """Flow at a pressure difference [Pa]; None without a fluid."""
@@ -498,7 +522,7 @@ class RoughFlow(ByReading):
         if flow is None or table is None:
             return None
         return ProfileFlow(
-            lambda profile: flow.leak_of(table, profile, fluid_pressure),
+            lambda profile: flow.leak_of(table, self.surface, profile, fluid_pressure),
             lambda profile, grooves: flow.bounds(table, self.surface, profile, fluid_pressure, grooves),
             lambda pressure: flow.conductivity_at(table, pressure, fluid_pressure),
         )

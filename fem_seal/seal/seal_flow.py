@@ -56,7 +56,7 @@ class SealFlow:
 
     def leak(self, profile: PressureProfile, fluid_pressure: float) -> LeakResult:
         """Flow through a contact at a pressure difference [Pa]."""
-        return self.flow.leak_of(self._table(profile), profile, fluid_pressure)
+        return self.flow.leak_of(self._table(profile), self.surface, profile, fluid_pressure)
 
     def as_first_loaded(self, profile: PressureProfile, largest: FloatArray) -> PressureProfile:
         """Profile of first loading that lets as much through as a contact that was pressed harder before.

@@ -93,7 +93,7 @@ class Patch:
             See `size`.
         """
         if size is None:
-            size = waves * 2.0 * np.pi / median_wavenumber(spectrum)
+            size = waves * 2.0 * np.pi / spectrum.median_wavenumber
         return cls(spectrum, points, size, points_per_wave, peklenik)
 
     @property
@@ -144,18 +144,6 @@ class Patch:
             peklenik=self.peklenik,
             amplitudes=amplitudes,
         )
-
-
-def median_wavenumber(spectrum: PowerSpectrum) -> float:
-    """q with half of the height variance above it [1/m].
-
-    Parameters
-    ----------
-    spectrum : PowerSpectrum
-    """
-    q = np.geomspace(spectrum.q_low, spectrum.q_high, 2000)
-    above = np.asarray(spectrum.height_variance_above(q))
-    return float(np.exp(np.interp(-0.5 * above[0], -above, np.log(q))))
 
 
 def refined(heights: FloatArray, points: int) -> FloatArray:

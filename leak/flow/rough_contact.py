@@ -210,6 +210,11 @@ class RoughContact:
         return None if self.hardness is None or self._smoothed else self.elastic
 
     @property
+    def wavelength_along_flow(self) -> float:
+        """Of the waves with half of the height variance below them; a lay stretches them along the flow [m]."""
+        return 2.0 * math.pi / self.spectrum.median_wavenumber * math.sqrt(self.peklenik)
+
+    @property
     def _smoothed(self) -> bool:
         """Whether C_pl stands in for C."""
         return self.hardness is not None and self.yielding == Reading.CONSERVED

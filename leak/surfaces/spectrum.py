@@ -330,6 +330,13 @@ class PowerSpectrum:
         return self._hash
 
     @cached_property
+    def median_wavenumber(self) -> float:
+        """q with half of the height variance above it [1/m]."""
+        q = np.geomspace(self.q_low, self.q_high, 2000)
+        above = np.asarray(self.height_variance_above(q))
+        return float(np.exp(np.interp(-0.5 * above[0], -above, np.log(q))))
+
+    @cached_property
     def _hash(self) -> int:
         return hash((self.wavenumber.tobytes(), self.density.tobytes()))
 
