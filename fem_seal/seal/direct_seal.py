@@ -238,10 +238,10 @@ class SealRow:
 
         The pressure itself is one of single summits: its highest value says nothing of the contact.
         """
-        p, dx = self.profile, self.place.strip.width / len(self.profile)
-        x = (np.arange(len(p)) + 0.5) * dx
-        centre = np.average(x, weights=p)
-        std = math.sqrt(float(np.average((x - centre) ** 2, weights=p)))
+        p, n = self.profile, len(self.profile)
+        # about the middle of the strip, the chain's centroid: that of few samples lies where their highest summits do
+        x = ((np.arange(n) + 0.5) / n - 0.5) * self.place.strip.width
+        std = math.sqrt(float(np.average(x**2, weights=p)))
         return self.place.line_load / (math.sqrt(2.0 * math.pi) * std), 2.0 * math.sqrt(
             2.0 * math.log(2.0)
         ) * std
@@ -328,8 +328,8 @@ def _place(
     assert strip.held is not None  # the surface is rough
     held = replace(surface, spectrum=strip.held)
     whole = flow.table_of(surface, [contact])
-    whole, less = (flow.table_of(one, [contact]) for one in (surface, held))
-    through = [_conductance(flow, table, profile, load.fluid_pressure) for table in (whole, less)]
+    tables = (flow.in_contact(flow.table_of(one, [contact]), one, profile) for one in (surface, held))
+    through = [_conductance(flow, table, profile, load.fluid_pressure) for table in tables]
     leak = flow.leak_of(whole, surface, profile, load.fluid_pressure).leak_rate
     mean = flow.outlet_pressure + 0.5 * load.fluid_pressure
     gas = flow.gas
