@@ -45,9 +45,9 @@ def line(name: str, row: SealRow) -> str:
         f"{name}, {place.fluid_pressure / 1e5:.3g} bar"
         + ("" if place.name == "round" else f", {place.name} side"),
         row.asperities,
-        f"{place.profile.peak_pressure / 1e6:.3g}",
+        f"{place.line_load / (math.sqrt(2.0 * math.pi) * place.profile.std) / 1e6:.3g}",
         f"{row.measures[0] / 1e6:.3g}",
-        f"{place.profile.fwhm * 1e6:.0f}",
+        f"{2.0 * math.sqrt(2.0 * math.log(2.0)) * place.profile.std * 1e6:.0f}",
         f"{row.measures[1] * 1e6:.0f}",
         f"{row.contact_area:.2g}",
         f"{row.leak_rate * 6e7:.3g}",

@@ -239,10 +239,10 @@ def test_a_number_of_a_load_that_fails_costs_no_other(broken, named, lost, monke
 def test_a_leak_rate_that_fails_costs_no_contact(monkeypatch):
     leak_of = Flow.leak_of
 
-    def failing(flow, table, profile, fluid_pressure):
+    def failing(flow, table, surface, profile, fluid_pressure):
         if fluid_pressure == 5e5:
             raise ZeroDivisionError("float division by zero")
-        return leak_of(flow, table, profile, fluid_pressure)
+        return leak_of(flow, table, surface, profile, fluid_pressure)
 
     monkeypatch.setattr(Flow, "leak_of", failing)
     result = run_loads(case())

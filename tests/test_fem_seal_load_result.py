@@ -78,7 +78,7 @@ def test_a_load_answers_alike_after_pickling_touched_or_not():
 @pytest.mark.parametrize("of", [case(load={"fluid_pressure": "20 bar"}), single_case(), HELIUM])
 def test_a_design_with_the_contact_of_a_run_has_its_numbers(of, monkeypatch):
     monkeypatch.setattr(responses, "_source", lambda *asked: EXACT)
-    found = responses.responses(of, LEAK_COLUMNS, interpolate=False)
+    found = responses.evaluate_design(of, LEAK_COLUMNS, interpolate=False).values
     (row,) = leak_rows(fem_seal.run(of))
     assert found == pytest.approx({name: row[name] for name in LEAK_COLUMNS}, rel=1e-12, nan_ok=True)
 

@@ -139,7 +139,8 @@ def test_the_filter_that_keeps_the_leak_keeps_it():
             strict=True,
         ):
             shut = leak.shut_conductivity(load.rough.table, load.rough.surface, size)
-            left = load.rough.flow.leak_of(shut, load.contact.profile, load.fluid_pressure).leak_rate
+            rough, profile = load.rough, load.contact.profile
+            left = rough.flow.leak_of(shut, rough.surface, profile, load.fluid_pressure).leak_rate
             # interpolated between sizes a fifth apart
             assert left / load.leak.leak_rate == pytest.approx(KEPT, abs=3e-3)
 

@@ -52,7 +52,7 @@ def test_a_variant_of_a_problem_leaks_as_a_case_that_asks_for_it():
     flow = replace(problem.flow, conductivity="critical-junction")
     (load,) = result.loads
     table = flow.table_around(problem.surface, log_peaks(result.contact))
-    found = flow.leak_of(table, load.contact.profile, load.fluid_pressure).leak_rate
+    found = flow.leak_of(table, problem.surface, load.contact.profile, load.fluid_pressure).leak_rate
     (expected,) = fem_seal.run(result.case.replace(changed)).loads
     assert found == pytest.approx(expected.leak.leak_rate, rel=1e-9)
     assert abs(found / load.leak.leak_rate - 1) > 0.01
@@ -79,10 +79,10 @@ def test_the_seat_of_a_case_and_its_larger_housing():
 def test_a_liquid_without_density_has_no_mass_flow_and_only_a_gas_a_throughput():
     own, rough = Flow("my oil", 0.05), rough_result().loads[0].rough
     profile = rough_result().loads[0].contact.profile
-    drops = own.leak_of(rough.table, profile, 1e5)
+    drops = own.leak_of(rough.table, rough.surface, profile, 1e5)
     assert (drops.mass_flow, drops.throughput, drops.standard_leak_rate) == (None, None, None)
     helium = SealProblem.of(case(fluid={"name": "helium", "temperature": "20 degC"})).flow
-    found = helium.leak_of(helium.table(rough.surface, 1e1, 1e9), profile, 1e5)
+    found = helium.leak_of(helium.table(rough.surface, 1e1, 1e9), rough.surface, profile, 1e5)
     rate = found.leak_rate
     assert found.throughput == pytest.approx(101325 * rate, rel=1e-12)
     assert found.standard_leak_rate == pytest.approx(rate * 273.15 / 293.15, rel=1e-12)

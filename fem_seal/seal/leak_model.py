@@ -243,7 +243,8 @@ class Flow:
             return table
         from leak.flow.short_medium import in_profile
 
-        return in_profile(surface, table, profile.after_largest(table), float(profile.radius.mean()))
+        radius = float(np.interp(profile.centroid, profile.x, profile.radius))
+        return in_profile(surface, table, profile.after_largest(table), radius)
 
     def leak_of(
         self, table: Conductivity, surface: RoughContact, profile: PressureProfile, fluid_pressure: float

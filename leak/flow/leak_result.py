@@ -51,6 +51,7 @@ class LeakResult:
 
         Examples
         --------
+        >>> import numpy as np
         >>> drops = LeakResult(1e-9, 1e15, np.zeros(3))
         >>> f"{drops.with_density(1000.0).mass_flow:.1e}"
         '1.0e-06'
@@ -77,6 +78,7 @@ class LeakResult:
 
         Examples
         --------
+        >>> import numpy as np
         >>> drops = LeakResult(1e-9, 1e15, np.zeros(3)).with_density(1000.0)
         >>> f"{drops.scaled(2e-9).mass_flow:.1e}"
         '2.0e-06'

@@ -34,7 +34,7 @@ _OPEN, _TOUCHING, _EXPONENT = 0.25, 1.2, -1.25
 # Where the pressure is below this share of its peak next to nothing of the resistance lies.
 _FAINT = 1e-4
 # Of ln n; the conductivity follows to a few times as much.
-_CLOSE = 1e-4
+_CLOSE = 1e-6
 # Steps of ln n between which tables of the standard spectrum are interpolated; from which share of the sealing pressure
 # on, and at so many pressures.
 _SPACING, _LOWEST, _NODES = 0.1, 1e-9, 50
