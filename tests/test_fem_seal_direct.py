@@ -26,7 +26,6 @@ from fem_seal.seal.direct import DirectSettings, DirectTable, simulate_surface
 from fem_seal.seal.problem import direct_settings, rough_contact
 from fem_seal.validity.checks import _simulated
 from leak import DirectError, Reading, RoughContact
-from leak.direct import PressedPatch, press
 
 SMALL = {"points": 64, "samples": 2, "pressure": ["40 MPa", "150 MPa", "500 MPa"]}
 CASE = """

@@ -19,6 +19,7 @@ import numpy as np
 
 from fem_seal.profile import PressureProfile
 from fem_seal.seal.direct import HARDNESS_OVER_YIELD_STRESS, LOAD_STEP, DirectSettings
+from fem_seal.seal.leak_model import log_peaks
 from fem_seal.seal.pieces import work
 from leak import RoughContact
 from leak.direct import Strip, rest_gap
@@ -327,8 +328,9 @@ def _place(
     strip = _strip(contact, surface, settings)
     assert strip.held is not None  # the surface is rough
     held = replace(surface, spectrum=strip.held)
-    whole = flow.table_of(surface, [contact])
-    tables = (flow.in_contact(flow.table_of(one, [contact]), one, profile) for one in (surface, held))
+    peaks = log_peaks([contact])
+    whole = flow.table_around(surface, peaks)
+    tables = (flow.in_contact(flow.table_around(one, peaks), one, profile) for one in (surface, held))
     through = [_conductance(flow, table, profile, load.fluid_pressure) for table in tables]
     leak = flow.leak_of(whole, surface, profile, load.fluid_pressure).leak_rate
     mean = flow.outlet_pressure + 0.5 * load.fluid_pressure
