@@ -5,7 +5,7 @@ that are dead ends in the endless medium reach both of its edges, and it is open
 one is sealed. Here the piece is an effective medium of its own, whose number n = 1/(1 - a_c) grows with N^(-5/4), N the
 waves across: of the order of the finite-size shift of a percolation threshold, N^(-1/nu) with nu = 4/3, and faster,
 since the edges let the fluid in everywhere. Both constants come from strips cut out of simulated maps (elastic, three
-spectra, contact areas up to 0.25, 1 to 8 waves; theory/short contacts in the manual). No seal is in them.
+spectra, contact areas up to 0.25, 1 to 8 waves; theory/gap in the manual). No seal is in them.
 """
 
 from __future__ import annotations
