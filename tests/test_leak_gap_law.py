@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import leak
+from leak.numerics.stiff import stiff_steps
 from leak.theory import gap_law as solver
 from leak.theory.gap_law import gap_law
 
@@ -104,7 +105,7 @@ def test_heights_and_lengths_only_scale(height, hurst, rolloff, cutoff, scale):
         )
         x = np.log(spectrum.rms_slope) + np.linspace(-15.0, 0.0, 31)
         laws.append(gap_law(spectrum).gap(x) / rms)
-    assert laws[0] == pytest.approx(laws[1], abs=1e-4)
+    assert laws[0] == pytest.approx(laws[1], abs=1e-6)
 
 
 def test_error_falls_with_the_square_of_the_spacing(monkeypatch):
@@ -116,14 +117,52 @@ def test_error_falls_with_the_square_of_the_spacing(monkeypatch):
         return gap_law.__wrapped__(SPECTRA["paper"]).gap(x) / SPECTRA["paper"].rms_height
 
     usual = solver._POINTS
-    monkeypatch.setattr(solver, "_RELATIVE", 1e-9)
-    monkeypatch.setattr(solver, "_ABSOLUTE", 1e-11)
+    monkeypatch.setattr(solver, "_IN_M", 0.02)
+    monkeypatch.setattr(solver, "_IN_Q", 0.04)
     coarse, middle, fine, finest = (gaps(n) for n in (80, 160, 320, 2560))
     errors = [np.abs(one - finest).max() for one in (coarse, middle, fine)]
     assert errors[0] / errors[1] > 3.0
     assert errors[1] / errors[2] > 3.0
     monkeypatch.undo()
     assert np.abs(gaps(usual) - finest).max() < 1e-4
+
+
+@pytest.mark.parametrize("hurst", [0.3, 0.6, 0.9])
+@pytest.mark.parametrize(("rolloff", "high"), [(1e3, 1e6), (4e4, 3e6), (2e5, 4e5)])
+def test_steps_half_as_long_change_little(hurst, rolloff, high, monkeypatch):
+    spectrum = leak.PowerSpectrum.self_affine(
+        rms_height=1e-6, hurst=hurst, q_low=1e3, q_rolloff=rolloff, q_high=high
+    )
+    x = np.log(spectrum.rms_slope) + np.linspace(-18.0, 0.0, 100)
+    usual = gap_law.__wrapped__(spectrum).gap(x)
+    monkeypatch.setattr(solver, "_IN_M", 0.5 * solver._IN_M)
+    monkeypatch.setattr(solver, "_IN_Q", 0.5 * solver._IN_Q)
+    assert gap_law.__wrapped__(spectrum).gap(x) == pytest.approx(usual, abs=2e-5 * spectrum.rms_height)
+
+
+def test_stiff_steps_converge_with_the_third_power_of_their_length():
+    """Diffusion with a sink that grows: the decay of a sine, and a stiffness of some thousand."""
+    n = 40
+    mode = np.sin(np.pi * np.arange(1, n + 1) / (n + 1))
+    second = np.ones(n - 1) * (n + 1) ** 2
+    slowest = 4.0 * (n + 1) ** 2 * np.sin(0.5 * np.pi / (n + 1)) ** 2
+
+    def jacobian(t, v):
+        return second, np.full(n, -2.0 * (n + 1) ** 2 - t), second
+
+    def rate(t, v):
+        below, own, above = jacobian(t, v)
+        return own * v + np.append(above * v[1:], 0.0) + np.append(0.0, below * v[:-1])
+
+    exact = mode * np.exp(-0.3 * slowest - 0.5 * 0.3**2)
+    errors = [
+        np.abs(stiff_steps(rate, jacobian, np.linspace(0.0, 0.3, steps + 1), mode) - exact).max()
+        for steps in (10, 20, 40)
+    ]
+    assert errors[0] / errors[1] > 6.0 and errors[1] / errors[2] > 6.5
+    # what decays at once leaves no trace
+    rough = stiff_steps(rate, jacobian, np.linspace(0.0, 0.3, 41), mode + (-1.0) ** np.arange(n))
+    assert np.abs(rough - exact).max() < 1e-2
 
 
 def direct_rows():

@@ -22,6 +22,7 @@ import numpy as np
 from leak.arrays import FloatArray
 from leak.errors import SurfaceError
 from leak.numerics.curves import spline_slopes
+from leak.numerics.stiff import stiff_steps
 from leak.surfaces.spectrum import PowerSpectrum
 from leak.theory.interface_law import RoughSurfaceLaw
 
@@ -31,7 +32,10 @@ _LOWEST, _HIGHEST, _POINTS, _STRETCH = -45.0, 2.5, 320, 3.0
 _FIRST = 1e-5
 # Steps in ln q, between kinks, at which m is tabulated; closer toward the shortest waves, where it all begins.
 _STEP, _CLOSEST = 0.02, 1e-7
-_RELATIVE, _ABSOLUTE = 1e-6, 1e-8
+# Longest steps of the integration in ln m and in ln q: the gap errs by 1e-5 h_rms.
+_IN_M, _IN_Q = 0.1, 0.2
+# A spectrum of more points has no kinks that a step should end at.
+_FEW = 10
 # Far below u^2 is linear in ln p: places there, each this much further than the one before, to gaps of 140 h_rms.
 _FURTHER, _FURTHEST = 1.15, 1e4
 # Below this gap over h_rms a surface is flat for any purpose.
@@ -67,8 +71,6 @@ def gap_law(spectrum: PowerSpectrum) -> RoughSurfaceLaw:
     >>> print(f"{1e6 * float(gap_law(spectrum).gap(np.log(50e6 / 115e9))):.2f} um")
     4.36 um
     """
-    from scipy.integrate import solve_ivp
-
     height, slope = spectrum.rms_height, spectrum.rms_slope
     log_q, log_m = _bands(spectrum)
     y = _places()
@@ -79,33 +81,41 @@ def gap_law(spectrum: PowerSpectrum) -> RoughSurfaceLaw:
     lower = np.concatenate([[0.5], step[1:] / (step[1:] + step[:-1])])
     apart = np.diff(middle)
 
-    def rate(at: float, v: FloatArray) -> FloatArray:
-        """Of v = u/m^(1/2) over ln m: as large for the first band as for the last."""
+    first, second = 0.5 * (lower - 1.0 / apart), 0.5 * (1.0 - lower + 1.0 / apart)
+    before = np.concatenate([step[:1], step])
+
+    def series(at: float, v: FloatArray) -> tuple[FloatArray, float]:
+        """Compliances in series, of v = u/m^(1/2), which is as large for the first band as for the last."""
         decay = -np.diff(v) / step
+        share = step[0] * decay[0] / v[0]
         # u^2 is linear in ln p far below
-        below = decay[0] * (1.0 - step[0] * decay[0] / v[0])
+        below = decay[0] * (1.0 - share)
         band = np.exp(np.interp(at, log_m, log_q) + 0.5 * at)
-        series = 1.0 / (np.concatenate([[below], decay]) + pressure / band)
-        change = -v
-        change[:-1] += lower * series[:-1] + (1.0 - lower) * series[1:] + np.diff(series) / apart
-        return 0.5 * change
+        return 1.0 / (np.concatenate([[below], decay]) + pressure / band), float(share)
+
+    def rate(at: float, v: FloatArray) -> FloatArray:
+        """dv/d(ln m)."""
+        found, _ = series(at, v)
+        change = -0.5 * v
+        change[:-1] += first * found[:-1] + second * found[1:]
+        return change
+
+    def jacobian(at: float, v: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        found, share = series(at, v)
+        of_own = found**2 / before
+        of_next = -of_own[1:]
+        of_own[0] *= share * (2.0 - share) - 1.0
+        own = np.full(v.size, -0.5)
+        own[:-1] += first * of_own[:-1] + second * of_next
+        above = second * of_own[1:]
+        above[0] += first[0] * found[0] ** 2 / before[0] * (1.0 - 2.0 * share)
+        return np.append(first[1:] * of_next[:-1], 0.0), own, above
 
     # heights over h_rms and pressures over E* h' from here on; the first band closes at about this pressure
     closing = np.exp(log_q[0] + 0.5 * log_m[0] - y) * height / (2.0 * slope)
-    found = solve_ivp(
-        rate,
-        (log_m[0], log_m[-1]),
-        0.5 * np.log1p(closing),
-        "LSODA",
-        [log_m[-1]],
-        lband=1,
-        uband=1,
-        rtol=_RELATIVE,
-        atol=_ABSOLUTE,
-    )
-    if not found.success:
-        raise SurfaceError(f"gap law: {found.message} (spectrum with h_rms = {height:g} m, slope {slope:g})")
-    u = found.y[:, -1]
+    u = stiff_steps(rate, jacobian, _places_in_m(spectrum, log_q, log_m), 0.5 * np.log1p(closing))
+    if not np.isfinite(u).all():
+        raise SurfaceError(f"gap law: no solution (spectrum with h_rms = {height:g} m, slope {slope:g})")
     open_ = u > _CLOSED
     y, u = y[open_], u[open_]
     decay = -spline_slopes(y, u)
@@ -122,10 +132,20 @@ def _places() -> FloatArray:
     return np.asarray(_HIGHEST - (_HIGHEST - _LOWEST) * np.sinh(_STRETCH * share) / np.sinh(_STRETCH))
 
 
+def _places_in_m(spectrum: PowerSpectrum, log_q: FloatArray, log_m: FloatArray) -> FloatArray:
+    """ln m at which steps of the integration end: each changes ln m and ln q by little, and some end at kinks."""
+    way = np.concatenate([[0.0], np.cumsum(np.diff(log_m) / _IN_M - np.diff(log_q) / _IN_Q)])
+    kinks = np.log(spectrum.wavenumber) if spectrum.wavenumber.size <= _FEW else np.empty(0)
+    ends = np.unique(np.concatenate([way[[0, -1]], np.interp(-kinks, -log_q, way)]))
+    counts = np.maximum(np.ceil(np.diff(ends) - 1e-6), 1).astype(int)
+    even = [np.linspace(a, b, n + 1) for a, b, n in zip(ends[:-1], ends[1:], counts, strict=True)]
+    return np.unique(np.interp(np.unique(np.concatenate(even)), way, log_m))
+
+
 def _bands(spectrum: PowerSpectrum) -> tuple[FloatArray, FloatArray]:
     """ln q, falling, and ln(m/h_rms^2) of all waves above it, rising; from the first band on."""
     kinks = np.log(spectrum.wavenumber)
-    counts = np.maximum(np.ceil(np.diff(kinks) / _STEP), 1).astype(int)
+    counts = np.maximum(np.ceil(np.diff(kinks) / _STEP - 1e-6), 1).astype(int)
     even = [np.linspace(a, b, n + 1) for a, b, n in zip(kinks[:-1], kinks[1:], counts, strict=True)]
     log_q = np.unique(np.concatenate([*even, kinks[-1] - np.geomspace(_CLOSEST, _STEP, 30)]))
     log_q = log_q[log_q >= kinks[0]]
