@@ -307,15 +307,13 @@ class Flow:
             Pressure difference [Pa].
         grooves : sequence of Groove
         """
-        from leak.flow.contact_profile import checked_profile, profile_after
         from leak.flow.scratch import flow_along
 
         table = self.in_contact(table, surface, profile)
         permeant = self.permeant(table, fluid_pressure)
-        points = checked_profile(profile.x, profile.pressure, profile.radius)
-        contact = profile_after(*points, profile.ends, profile.largest, table)
+        x, pressure, contact = profile.x, profile.pressure, profile.after_largest(table)
         modulus, side = surface.effective_modulus, self.pressure_side
-        return flow_along(contact, *points[:2], grooves, permeant, permeant.result, modulus, side)
+        return flow_along(contact, x, pressure, grooves, permeant, permeant.result, modulus, side)
 
     def goes_round(
         self,
