@@ -27,7 +27,8 @@ FOLDER, FILE = HERE / "validation", HERE / "verification" / "validation.md"
 # What was predicted for the files as they were: calculating takes minutes, writing the page does not.
 PREDICTIONS = FOLDER / "predictions.json"
 TEMPLATE = "template.toml"
-_READINGS = ("conserved", "capped")
+# Readings of yielding asperities by theory; the corrected one has one, whose column is that of the leak rate itself.
+_READINGS = {"corrected": ("",), "paper": ("conserved", "capped")}
 
 
 def read(path: Path) -> Experiment:
@@ -45,19 +46,21 @@ def digest(path: Path) -> str:
     return sha256(path.read_bytes()).hexdigest()
 
 
-def predict(experiment: Experiment) -> list[Prediction]:
+def predict(experiment: Experiment, theory: str) -> list[Prediction]:
     """The interval of each observation over all corners and readings.
 
     Parameters
     ----------
     experiment : Experiment
+    theory : {"paper", "corrected"}
+        Of the rough contact.
     """
     values = [Expression(one.value) for one in experiment.observed]
     found: list[list[float]] = [[] for _ in values]
     refused = ""
     for corner in experiment.corners():
         try:
-            case = Case(**experiment.case).replace(corner)
+            case = Case(**experiment.case).replace({**corner, "leak.theory": theory})
         except InputError as error:
             return [Prediction(None, None, f"this version cannot read the case: {error}") for _ in values]
         readings, reasons = _numbers(case, values, experiment.surface_only)
@@ -85,24 +88,24 @@ def _numbers(
         return _of_surfaces(case), ""
     asked = {name for value in values for name in value.names}
     columns = {name.rpartition("_at_")[0] for name in asked}
-    wanted = tuple(columns | {f"leak_rate_{one}_m3_per_s" for one in _READINGS})
-    both: list[dict[str, float]] = [{}, {}]
+    readings = {f"leak_rate_{one}_m3_per_s": {} for one in _READINGS[case.leak.theory]}
+    wanted = (*columns, *readings)
     reasons: list[str] = []
     for number, (pressure, force) in enumerate(case.load.points, start=1):
         one = case.replace({"load.fluid_pressure": pressure, "load.applied_force": force})
         row = evaluate_design(one, [name for name in wanted if name in COLUMNS], interpolate=False)
         reasons += [f"load {number}, {reason}" for reason in row.validity.reasons if row.validity.outside]
-        for reading, numbers in zip(_READINGS, both, strict=True):
-            read_so = row.values[f"leak_rate_{reading}_m3_per_s"]
+        for column, numbers in readings.items():
+            read_so = row.values.get(column, math.nan)
             chosen = dict(row.values)
             if not math.isnan(read_so):
                 chosen["leak_rate_m3_per_s"] = read_so
             numbers.update({f"{name}_at_{number}": value for name, value in chosen.items()})
-    return both, "; ".join(reasons)
+    return list(readings.values()), "; ".join(reasons)
 
 
 def _of_surfaces(case: Case) -> list[dict[str, float]]:
-    """What follows from the surfaces alone, in both readings."""
+    """What follows from the surfaces alone, in each reading."""
     surface = SealProblem.of(case).surface
     if surface is None:
         raise ValueError("the case has no roughness")
@@ -113,7 +116,7 @@ def _of_surfaces(case: Case) -> list[dict[str, float]]:
     ]
     common = {"hardness_Pa": surface.hardness or math.nan, "yield_stress_Pa": min(yields, default=math.nan)}
     return [
-        {**common, "sealing_pressure_Pa": getattr(surface, reading).sealing_pressure} for reading in _READINGS
+        {**common, "sealing_pressure_Pa": surface.reading(one).sealing_pressure} for one in surface.readings
     ]
 
 
@@ -125,7 +128,10 @@ def stored() -> dict[str, dict[str, Any]]:
 
 def rendered(known: dict[str, dict[str, Any]]) -> str:
     """The page from stored predictions."""
-    predictions = {name: [Prediction(**one) for one in entry["predictions"]] for name, entry in known.items()}
+    predictions = {
+        name: {theory: [Prediction(**one) for one in each] for theory, each in entry["predictions"].items()}
+        for name, entry in known.items()
+    }
     return page([read(path) for path in files()], predictions)
 
 
@@ -136,10 +142,12 @@ def update(everything: bool) -> None:
     for path in files():
         entry = known.get(path.name)
         # what an earlier version could not calculate this one perhaps can
-        refused = entry is not None and any(one["refused"] for one in entry["predictions"])
+        refused = entry is not None and any(
+            one["refused"] for each in entry["predictions"].values() for one in each
+        )
         if entry is None or entry["sha256"] != digest(path) or refused:
             print(path.name, flush=True)
-            found = [one.__dict__ for one in predict(read(path))]
+            found = {theory: [one.__dict__ for one in predict(read(path), theory)] for theory in _READINGS}
             entry = {"sha256": digest(path), "predictions": found}
         fresh[path.name] = entry
         PREDICTIONS.write_text(json.dumps({**known, **fresh}, indent=1) + "\n", encoding="utf-8")
@@ -151,9 +159,11 @@ def show(path: Path) -> None:
     """Print the verdict on a file of the user's own."""
     experiment = read(path)
     print(experiment.title)
-    for observed, prediction in zip(experiment.observed, predict(experiment), strict=True):
-        word, why = verdict(observed, prediction)
-        print(f"  {observed.what}: predicted {prediction.low} to {prediction.high}; {word}: {why}")
+    for theory in _READINGS:
+        for observed, prediction in zip(experiment.observed, predict(experiment, theory), strict=True):
+            word, why = verdict(observed, prediction)
+            ends = f"{prediction.low} to {prediction.high}"
+            print(f"  {observed.what}, {theory} theory: predicted {ends}; {word}: {why}")
 
 
 if __name__ == "__main__":

@@ -17,11 +17,11 @@ HEAD = """\
 
 [Verification](verification.md) asks whether the equations are solved right; this page asks whether they are the right
 ones. Each experiment is a file in `docs/validation/`: a case as every user writes it, what the report does
-not say and between which values it is taken to lie, and what was measured. The prediction is an interval: the least and
-the largest value over all corners of what was not reported and over both readings of yielding asperities
-(`leak_rate_conserved_m3_per_s`, `leak_rate_capped_m3_per_s`). **Nothing is fitted.** The corners are assumptions,
-stated in the files; they were chosen before the comparison, from what is usual for the finish and the material, and
-stayed as they were.
+not say and between which values it is taken to lie, and what was measured. Both theories of the rough contact predict
+an interval: the least and the largest value over all corners of what was not reported, and in the paper's theory over
+both readings of yielding asperities (`leak_rate_conserved_m3_per_s`, `leak_rate_capped_m3_per_s`). **Nothing is
+fitted.** The corners are assumptions, stated in the files; they were chosen before the comparison, from what is usual
+for the finish and the material, and stayed as they were.
 
 - **inside**: the interval of the prediction and that of the measurement overlap. How wide the prediction is stands
   beside it: one that spans decades is inside easily.
@@ -188,14 +188,19 @@ def _times(span: float) -> str:
     return f"a factor {span:.0f}" if 10 <= span < 1e4 else f"a factor {span:.2g}"
 
 
-def page(experiments: Sequence[Experiment], predictions: Mapping[str, Sequence[Prediction]]) -> str:
+# What each theory says of each observation of an experiment.
+ByTheory = Mapping[str, Sequence[Prediction]]
+_NAMES = {"corrected": "corrected theory", "paper": "paper's theory"}
+
+
+def page(experiments: Sequence[Experiment], predictions: Mapping[str, ByTheory]) -> str:
     """The whole page, Markdown.
 
     Parameters
     ----------
     experiments : sequence of Experiment
     predictions : mapping
-        One for each observation, by the name of the experiment.
+        One for each observation in each theory, by the name of the experiment.
     """
     return "\n".join(
         [HEAD, *_summary(experiments, predictions), *_sections(experiments, predictions), TEMPLATE]
@@ -203,44 +208,40 @@ def page(experiments: Sequence[Experiment], predictions: Mapping[str, Sequence[P
 
 
 def _judged(
-    experiment: Experiment, predictions: Mapping[str, Sequence[Prediction]]
+    experiment: Experiment, predictions: Mapping[str, ByTheory], theory: str
 ) -> Iterator[tuple[Observed, Prediction, str, str]]:
-    for observed, prediction in zip(experiment.observed, predictions[experiment.name], strict=True):
+    for observed, prediction in zip(experiment.observed, predictions[experiment.name][theory], strict=True):
         yield observed, prediction, *verdict(observed, prediction)
 
 
-def _summary(
-    experiments: Sequence[Experiment], predictions: Mapping[str, Sequence[Prediction]]
-) -> Iterator[str]:
-    yield "| experiment | inside | outside | not decidable |\n|---|---|---|---|"
+def _summary(experiments: Sequence[Experiment], predictions: Mapping[str, ByTheory]) -> Iterator[str]:
+    yield f"| experiment | theory | {INSIDE} | {OUTSIDE} | {NOT_DECIDABLE} |\n|---|---|---|---|---|"
     for experiment in experiments:
-        found = [word for _, _, word, _ in _judged(experiment, predictions)]
-        counts = " | ".join(str(found.count(word)) for word in (INSIDE, OUTSIDE, NOT_DECIDABLE))
         anchor = "".join(c for c in experiment.title.lower().replace(" ", "-") if c.isalnum() or c == "-")
-        yield f"| [{experiment.title}](#{anchor}) | {counts} |"
+        for theory, name in _NAMES.items():
+            found = [word for _, _, word, _ in _judged(experiment, predictions, theory)]
+            counts = " | ".join(str(found.count(word)) for word in (INSIDE, OUTSIDE, NOT_DECIDABLE))
+            yield f"| [{experiment.title}](#{anchor}) | {name} | {counts} |"
     yield ""
 
 
-def _sections(
-    experiments: Sequence[Experiment], predictions: Mapping[str, Sequence[Prediction]]
-) -> Iterator[str]:
+def _sections(experiments: Sequence[Experiment], predictions: Mapping[str, ByTheory]) -> Iterator[str]:
     for experiment in experiments:
         yield f"## {experiment.title}\n"
         yield f"{experiment.source}. File: [{experiment.name}](../validation/{experiment.name}).\n"
         yield f"Reported: {experiment.reported}\n"
         yield f"Not reported: {experiment.not_reported} ({len(experiment.corners())} corners.)\n"
-        yield "| what | measured | predicted | verdict | why |\n|---|---|---|---|---|"
-        remarks = []
-        for observed, prediction, word, why in _judged(experiment, predictions):
-            measured = "–" if observed.missing else _interval(observed.low, observed.high)
-            predicted = _interval(prediction.low, prediction.high)
-            yield f"| {observed.what} | {measured} | {predicted} | **{word}** | {why} |"
-            if observed.taken:
-                remarks.append(f"- {observed.what}: {observed.taken}.")
+        yield "| what | measured | theory | predicted | verdict | why |\n|---|---|---|---|---|---|"
+        by_theory = [_judged(experiment, predictions, theory) for theory in _NAMES]
+        for each in zip(*by_theory, strict=True):
+            for name, (observed, prediction, word, why) in zip(_NAMES.values(), each, strict=True):
+                measured = "–" if observed.missing else _interval(observed.low, observed.high)
+                predicted = _interval(prediction.low, prediction.high)
+                yield f"| {observed.what} | {measured} | {name} | {predicted} | **{word}** | {why} |"
         yield ""
-        if remarks:
+        if any(one.taken for one in experiment.observed):
             yield "How the numbers were taken from the report:\n"
-            yield from remarks
+            yield from (f"- {one.what}: {one.taken}." for one in experiment.observed if one.taken)
             yield ""
 
 

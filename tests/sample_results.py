@@ -57,7 +57,10 @@ def cone(material: object = STEEL, angle: str = "45 deg", **more: str) -> dict[s
 
 
 def case(**tables: Any) -> Case:
-    """A ball of 20 mm on a cone of 45 deg with some tables changed; None leaves one out."""
+    """A ball of 20 mm on a cone of 45 deg with some tables changed; None leaves one out.
+
+    By the paper's theory unless said otherwise: its two readings of yielding asperities fill more cells and sentences.
+    """
     standard: dict[str, Any] = {
         "title": 'Ball & cone <script>alert("x")</script>',
         "closure": ball(),
@@ -66,6 +69,7 @@ def case(**tables: Any) -> Case:
         "fluid": {"name": "water"},
         "load": {"fluid_pressure": ["2 bar", "5 bar", "20 bar"]},
         **tables,
+        "leak": {"theory": "paper", **tables.get("leak", {})},
     }
     return Case(**{name: table for name, table in standard.items() if table is not None})
 

@@ -209,6 +209,8 @@ def test_a_later_step_that_fails_costs_neither_contact_nor_leak(broken, named, m
                 "leak_rate_high_m3_per_s",
                 "leak_rate_conserved_m3_per_s",
                 "leak_rate_capped_m3_per_s",
+                "leak_rate_paper_m3_per_s",
+                "leak_rate_corrected_m3_per_s",
             ],
         ),
     ],
@@ -314,6 +316,7 @@ def test_a_nearly_sealed_gas_contact_has_a_knudsen_number():
                 "applied_force": "3155.6872382289393 N",
                 "closing": "penetration",
             },
+            leak={"theory": "paper"},
         )
     )
     (row,) = result.table.itertuples()

@@ -33,7 +33,8 @@ LEAK_HEADER = (
     "peak_pressure_max_Pa,line_load_min_over_mean,leak_rate_round_m3_per_s,"
     "leak_rate_scratches_low_m3_per_s,leak_rate_scratches_high_m3_per_s,"
     "leak_rate_conserved_m3_per_s,leak_rate_capped_m3_per_s,force_for_target_leak_capped_N,force_for_verdict_N,"
-    "contact_temperature_K,effective_viscosity_Pa_s,margin,verdict,validity,validity_reasons"
+    "contact_temperature_K,effective_viscosity_Pa_s,margin,"
+    "leak_rate_paper_m3_per_s,leak_rate_corrected_m3_per_s,verdict,validity,validity_reasons"
 )
 PROFILE_HEADER = (
     "fluid_pressure_Pa,x_m,r_m,contact_pressure_Pa,gap_m,fluid_pressure_in_gap_Pa,"
@@ -112,11 +113,13 @@ def test_what_was_not_calculated_is_not_a_number(tmp_path):
         "contact_temperature_K",
         "effective_viscosity_Pa_s",
         "margin",
+        "leak_rate_paper_m3_per_s",
+        "leak_rate_corrected_m3_per_s",
     ]
     assert table[missing].isna().all().all()
     assert table.drop(columns=[*missing, "verdict", "validity_reasons"]).notna().all().all()
-    numbers = np.loadtxt(tmp_path / "leak.csv", delimiter=",", skiprows=1, usecols=range(40))
-    assert numbers.shape == (2, 40)
+    numbers = np.loadtxt(tmp_path / "leak.csv", delimiter=",", skiprows=1, usecols=range(42))
+    assert numbers.shape == (2, 42)
 
 
 def test_profile_csv_gives_the_line_load_back(tmp_path):
@@ -158,6 +161,7 @@ def test_summary_is_valid_json_and_complete(tmp_path):
         "far_field",
         "form",
         "particles",
+        "theories",
         "interface_variants",
         "theory_variants",
         "uncertainty",
@@ -276,6 +280,7 @@ def test_every_sentence_of_the_report_is_asked_for_and_every_one_asked_for_is_th
         "verdict",
         "levers",
         "leak_map",
+        "theories",
     )
     tables = {f"{kind}.{name}": table for kind in kinds for name, table in prose()[kind].items()}
     assert set(re.findall(r'said\(\s*"([^"]+)"', code)) == set(tables)

@@ -589,7 +589,7 @@ def test_variants_on_the_command_line(tmp_path, capsys):
         interface = { law = "exponential", u0 = "1 um" }
         fluid = { name = "water" }
         load = { fluid_pressure = "20 bar" }
-        leak = { plasticity = false }
+        leak = { theory = "paper", plasticity = false }
         [roughness.spectrum]
         kind = "self-affine"
         rms_height = "1.9 um"

@@ -319,7 +319,7 @@ VALVE = {
         "largest_earlier_force": "6 kN",
         "fluid_pressure": ["100 bar", "350 bar", "450 bar", "100 bar"],
     },
-    "mesh": {"contact_size": "60 um"},
+    "mesh": {"contact_size": "50 um"},
 }
 
 
@@ -408,7 +408,7 @@ def test_a_sample_of_the_modulus_has_its_own_path() -> None:
     # as a case of its own, on a mesh of its own
     moduli = {f"{body}.material.youngs_modulus": f"{factor * size:.9g} Pa" for body, size in MODULI.items()}
     assert rates[0] == pytest.approx(leak_of(result.case.replace(moduli)), rel=5e-3)
-    assert abs(rates[0] / study.of_case[0] - 1) > 0.02
+    assert abs(rates[0] / study.of_case[0] - 1) > 0.015
 
 
 MODULI = {"closure": 600e9, "seat": 210e9}

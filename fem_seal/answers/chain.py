@@ -18,6 +18,7 @@ from fem_seal.answers.particles import PARTICLES
 from fem_seal.answers.sensitivities import LEVERS
 from fem_seal.answers.solution import SealSolution
 from fem_seal.answers.target import TARGET
+from fem_seal.answers.theories import THEORIES
 from fem_seal.answers.uncertainty import UNCERTAINTY
 from fem_seal.answers.variants import INTERFACE_VARIANTS, THEORY_VARIANTS
 from fem_seal.answers.verdict import VERDICT
@@ -47,6 +48,7 @@ ANSWERS: tuple[Answer[Any], ...] = (
     TARGET,
     FORM,
     PARTICLES,
+    THEORIES,
     INTERFACE_VARIANTS,
     FINDINGS,
     THEORY_VARIANTS,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
@@ -65,8 +65,13 @@ def leak_of_profiles(problem: SealProblem, profiles: Sequence[ImportedProfile]) 
     problem = replace(problem, usual_only=problem.of_finish)
     peaks = [float(profile.pressure.max()) for profile in profiles]
     rough = RoughFlow(surface, flow, partial(_conductivity, peaks))
+    others = {
+        theory: replace(rough, surface=other.surface, flow=other.flow)
+        for theory in problem.other_theories
+        if (other := problem.in_theory(theory)).surface is not None
+    }
     return [
-        _given_load(problem, rough, profile, fluid_pressure)
+        _given_load(problem, rough, others, profile, fluid_pressure)
         for profile in profiles
         for fluid_pressure in (
             [profile.fluid_pressure]
@@ -77,11 +82,16 @@ def leak_of_profiles(problem: SealProblem, profiles: Sequence[ImportedProfile]) 
 
 
 def _given_load(
-    problem: SealProblem, rough: RoughFlow, profile: ImportedProfile, fluid_pressure: float
+    problem: SealProblem,
+    rough: RoughFlow,
+    others: Mapping[str, RoughFlow],
+    profile: ImportedProfile,
+    fluid_pressure: float,
 ) -> GivenLoad:
     contact = GivenContact(_profile(problem.contact, profile))
     # the force is not known, and the same for all
-    load = GivenLoad(fluid_pressure, 0.0, contact, rough)
+    by_theory = {theory: GivenLoad(fluid_pressure, 0.0, contact, one) for theory, one in others.items()}
+    load = GivenLoad(fluid_pressure, 0.0, contact, rough, by_theory=by_theory)
     return load.knowing(validity=profile_validity(problem, rough.surface, load))
 
 

@@ -10,6 +10,7 @@ from fem_seal.answers.accuracy import ACCURACY
 from fem_seal.answers.form import FORM
 from fem_seal.answers.particles import PARTICLES
 from fem_seal.answers.sensitivities import LEVERS
+from fem_seal.answers.theories import THEORIES
 from fem_seal.answers.uncertainty import UNCERTAINTY
 from fem_seal.answers.variants import INTERFACE_VARIANTS, THEORY_VARIANTS
 from fem_seal.answers.verdict import VERDICT
@@ -38,6 +39,7 @@ class SealSolution(SolvedSeal):
     form = FORM
     particles = PARTICLES
     interface_variants = INTERFACE_VARIANTS
+    theories = THEORIES
     theory_variants = THEORY_VARIANTS
     uncertainty = UNCERTAINTY
     levers = LEVERS

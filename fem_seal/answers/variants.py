@@ -157,6 +157,8 @@ def interface_variants(solver: LoadSolver, loads: Sequence[LoadResult]) -> tuple
     surface = problem.surface
     if surface is None or surface.hardness is None or problem.interface.law != "spectrum":
         return ()
+    if surface.theory != "paper":
+        return ()
     strongest = strongest_load(loads)
     load, variants = loads[strongest], []
     # pressures over which the loads have their tables: the same ones serve this contact

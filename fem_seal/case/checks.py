@@ -12,7 +12,7 @@ from fem_seal.case.load_limits import problem_of_earlier_load, problems_of_all_l
 from fem_seal.case.material_library import suggestion
 from fem_seal.case.requirement import Requirement
 from fem_seal.case.roughness import SelfAffine
-from fem_seal.case.tables import CaseTables, curves
+from fem_seal.case.tables import CaseTables, Leak, curves
 from fem_seal.case.temperature import Temperature
 from fem_seal.case.uncertainty import Uncertainty
 from fem_seal.case.words import problem
@@ -33,6 +33,7 @@ def contradictions(case: CaseTables) -> list[Problem]:
         *(geometry := list(_bodies(case))),
         *_spectrum(case),
         *_interface(case),
+        *_of_paper(case),
         *_hardness(case),
         *(load := list(_load(case))),
         *([] if geometry or load else problems_of_all_loads(case)),
@@ -233,6 +234,23 @@ def _interface(case: CaseTables) -> Iterator[Problem]:
                 yield problem("law_without_roughness", key=key, source=source)
         if interface.gamma is not None:
             yield problem("gamma_without_roughness", interface=interface)
+
+
+def _of_paper(case: CaseTables) -> Iterator[Problem]:
+    """What only the paper's theory has."""
+    if case.leak.theory == "paper":
+        return
+    remove = "remove it"
+    if case.interface.plastic:
+        yield problem("of_paper", key="interface.plastic", instead=remove, value="true")
+    if case.leak.percolation_threshold != Leak().percolation_threshold:
+        threshold = f"{case.leak.percolation_threshold:g}"
+        yield problem("of_paper", key="leak.percolation_threshold", instead=remove, value=threshold)
+    if case.leak.conductivity in ("critical-junction", "threshold-law"):
+        given = shown(case.leak.conductivity)
+        yield problem("of_paper", key="leak.conductivity", instead='use "bruggeman"', value=given)
+    if case.leak.variants:
+        yield problem("of_paper", key="leak.variants", instead=remove, value="true")
 
 
 def _hardness(case: CaseTables) -> Iterator[Problem]:

@@ -57,8 +57,8 @@ class Interface(Table):
     )
     plastic: bool = Field(
         False,
-        description='with law = "spectrum": p(u) of elastic asperities (false) or of those that yield (true); with '
-        'leak.theory = "paper" the latter is that of the plastically smoothed spectrum',
+        description='with law = "spectrum" and leak.theory = "paper": p(u) of elastic asperities (false) or of the '
+        "plastically smoothed spectrum (true)",
     )
     gamma: Annotated[float, Number(0.01, 2)] | None = optional(
         'with law = "exponential": u0 = gamma times the rms height; 0.4 unless given', 0.4
@@ -161,24 +161,25 @@ class Leak(Table):
     """[leak]: how the leak rate is calculated from the contact."""
 
     theory: Literal["paper", "corrected"] = Field(
-        "paper",
-        description='theory of the rough contact. "paper": gaps as in Fischer et al. 2020, and two readings of '
-        'asperities that yield; "corrected": p(u) and flow by the gap law of theory/gap in the manual, and asperities '
-        "that yield by von Mises' criterion, in one reading",
+        "corrected",
+        description='theory of the rough contact. "corrected": p(u) and flow by the gap law of theory/gap in the '
+        'manual, and asperities that yield by von Mises\' criterion, as direct simulation finds them; "paper": as in '
+        "Fischer et al. 2020, with two readings of asperities that yield. leak.csv has both leak rates; "
+        "guide/which_number in the manual says which to believe",
     )
     plasticity: bool = Field(
         True,
         description="asperities yield at the hardness of the softer body; needs a hardness of a material",
     )
     percolation_threshold: Annotated[float, Number(0.05, 0.95)] = Field(
-        0.42, description="relative contact area above which no channel is open"
+        0.42, description='with leak.theory = "paper": relative contact area above which no channel is open'
     )
     conductivity: Literal["bruggeman", "critical-junction", "threshold-law", "direct"] = Field(
         "bruggeman",
         description="effective medium of all channels; the narrowest junction alone; the effective medium that goes "
         "over into a closed law of the percolation threshold where more than 0.15 of the area touches "
-        "(theory/index in the manual), these two for roughness without a lay; or the direct simulation of [direct], "
-        "which is for liquids and takes minutes (guide/direct in the manual)",
+        '(theory/index in the manual), these two with leak.theory = "paper" and for roughness without a lay; or the '
+        "direct simulation of [direct], which is for liquids and takes minutes (guide/direct in the manual)",
     )
     fluid_in_gap: Literal["uncoupled", "local"] = Field(
         "uncoupled",
@@ -193,7 +194,7 @@ class Leak(Table):
     )
     variants: bool = Field(
         False,
-        description="also calculate the leak rate with the other readings of the theory, into variants.csv and the "
+        description='with leak.theory = "paper": also its leak rate with the other readings, into variants.csv and the '
         "report; `fem-seal run --variants` does the same",
     )
 

@@ -577,11 +577,16 @@ def show_leak_table(
     volume : LeakVolume, optional
         What a volume is that leaks; that of a liquid unless given.
     """
-    from fem_seal.output.columns import COLUMNS, LEAK_ON_TERMINAL
+    from fem_seal.output.columns import COLUMNS, LEAK_ON_TERMINAL, own_theory
     from fem_seal.output.report.words import volume_notes
     from fem_seal.seal.findings import Level
 
-    columns = [column for column in LEAK_ON_TERMINAL if any(_filled(row.get(column.name)) for row in rows)]
+    twice = own_theory(loads)
+    columns = [
+        column
+        for column in LEAK_ON_TERMINAL
+        if column.name not in twice and any(_filled(row.get(column.name)) for row in rows)
+    ]
     cells = [
         [_cell(row.get(column.name), column.unit, COLUMNS[column.name].digits(load)) for column in columns]
         for row, load in zip(rows, loads, strict=True)

@@ -18,6 +18,7 @@ from fem_seal.answers.judgement import JudgedLoad
 from fem_seal.seal.readings import FURTHER, OWN, WORDS, force_column, leak_rate_column
 from fem_seal.units import DIGITS, Unit, fixed_unit, quantity_worth, split_unit
 from leak import Reading
+from leak.theory.reading import READINGS
 
 if TYPE_CHECKING:
     from fem_seal.seal.load_result import LoadResult
@@ -183,6 +184,29 @@ def _force_read(reading: Reading) -> Column:
     )
 
 
+def _leak_rate_by(theory: str) -> Column:
+    """Leak rate by a theory of the rough contact."""
+
+    def of(row: Row) -> float | None:
+        load = row.load.in_theory(theory)
+        return None if load is None else _rate(load.leak)
+
+    return Column(
+        leak_rate_column(theory),
+        "flow",
+        f"leak rate by {_THEORY_WORDS[theory]} theory of the rough contact, on a contact of its own",
+        of,
+        heading=f"leak rate, {theory}",
+        title=f"leak rate, {_THEORY_WORDS[theory]} theory",
+        short=theory,
+        shown_in="mm³/s",
+        unit_like="leak_rate_m3_per_s",
+        spare_digits=0,
+        error_of="leak_rate",
+        needs=_FLOW,
+    )
+
+
 def _rate(leak: LeakResult | None) -> float | None:
     return None if leak is None else leak.leak_rate
 
@@ -240,6 +264,7 @@ def _of_scratches(row: Row, which: int) -> float | None:
 
 
 _FLOW = ("roughness", "fluid")
+_THEORY_WORDS = {"paper": "the paper's", "corrected": "the corrected"}
 
 
 def _said() -> dict[str, Any]:
@@ -303,9 +328,24 @@ def _columns() -> Iterator[Column]:
             yield from map(_leak_rate_read, (OWN, *FURTHER))
             yield from map(_force_read, FURTHER)
         yield Column(name, of=of, **_SAID["loads"][name])
+    yield from map(_leak_rate_by, READINGS)
 
 
 COLUMNS = {column.name: column for column in _columns()}
+
+
+def own_theory(loads: Sequence[LoadResult]) -> set[str]:
+    """Columns of theories that are those of the loads themselves: they say the same as the leak rate.
+
+    Parameters
+    ----------
+    loads : sequence of LoadResult
+    """
+    return {
+        leak_rate_column(theory)
+        for theory in READINGS
+        if all(load.in_theory(theory) is load for load in loads)
+    }
 
 
 def in_words(load: LoadResult, name: str) -> str:
@@ -323,7 +363,7 @@ def in_words(load: LoadResult, name: str) -> str:
 
 LEAK_COLUMNS = tuple(COLUMNS)
 # What is known of the pressure profile of another program.
-PROFILE_LEAK_COLUMNS = (*_SAID["of_profiles"], *map(leak_rate_column, (OWN, *FURTHER)))
+PROFILE_LEAK_COLUMNS = (*_SAID["of_profiles"], *map(leak_rate_column, (OWN, *FURTHER, *READINGS)))
 # What the terminal shows of the loads, where a row fills it.
 LEAK_ON_TERMINAL = tuple(COLUMNS[name].on_terminal for name in _SAID["on_terminal"])
 # What `fem-seal check` shows of the loads: what is known of the columns before a solve, and the closed forms.

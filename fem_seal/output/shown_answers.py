@@ -7,6 +7,7 @@ from fem_seal.output.answers import (
     particles,
     sensitivities,
     target,
+    theories,
     uncertainty,
     variants,
     verdict,
@@ -14,5 +15,5 @@ from fem_seal.output.answers import (
 from fem_seal.output.shown import Shown
 
 # In the order in which they are told.
-_TOLD = accuracy, target, form, particles, variants, findings, uncertainty, verdict, sensitivities
+_TOLD = accuracy, target, form, particles, theories, variants, findings, uncertainty, verdict, sensitivities
 SHOWN: tuple[Shown, ...] = tuple(one.SHOWN for one in _TOLD)

@@ -66,6 +66,8 @@ class LoadResult(ByReading):
         Ends of the samples of uncertain inputs, in all readings [m^3/s]; None where none is sampled.
     sampled_in_test : Bounds or None
         The same with the gas of the standards' tests, see `in_test` [m^3/s].
+    by_theory : mapping or None
+        The load by theories of the rough contact that it is not calculated with; None where nobody asked.
     """
 
     fluid_pressure: float
@@ -82,6 +84,7 @@ class LoadResult(ByReading):
     mesh_error: DiscretisationError | None = None
     sampled: Bounds | None = None
     sampled_in_test: Bounds | None = None
+    by_theory: Mapping[str, LoadResult] | None = None
 
     def __repr__(self) -> str:
         at = f"{given('fluid pressure', self.fluid_pressure)}, {given('force', self.applied_force)} applied"
@@ -157,6 +160,19 @@ class LoadResult(ByReading):
         error = surface.flow_error(self.peak_pressure, waves=self.fwhm * around / wavelength**2)
         # what is told lies between its ends
         return Bounds.of([1.0, *error.factor(_NINE_OF_TEN)])
+
+    def in_theory(self, theory: str) -> LoadResult | None:
+        """The load by a theory of the rough contact, on its own contact; None where it is not known.
+
+        Parameters
+        ----------
+        theory : {"paper", "corrected"}
+        """
+        if theory in (self.by_theory or {}):
+            return self.by_theory[theory]  # type: ignore[index]
+        # a simulated flow is neither
+        own = self.rough is not None and not self.rough.ends and self.rough.surface.theory == theory
+        return self if own else None
 
     @property
     def pressure_digits(self) -> int:

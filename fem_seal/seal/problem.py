@@ -289,6 +289,35 @@ class SealProblem:
         return self.given_law or self.interface.of_surface(self.surface)
 
     @property
+    def other_theories(self) -> tuple[str, ...]:
+        """Theories of the rough contact that the leak is not calculated with; none without roughness or fluid."""
+        from leak.theory.reading import READINGS
+
+        surface, flow = self.surface, self.flow
+        if surface is None or flow is None:
+            return ()
+        # a simulation of the flow is neither
+        return tuple(one for one in READINGS if one != surface.theory or flow.simulated is not None)
+
+    def in_theory(self, theory: str) -> SealProblem:
+        """The problem by a theory of the rough contact, with what that theory takes by default.
+
+        Parameters
+        ----------
+        theory : {"paper", "corrected"}
+        """
+        surface, flow = self.surface, self.flow
+        assert surface is not None and flow is not None  # of all who ask
+        threshold = type(surface).percolation_threshold
+        return replace(
+            self,
+            surface=replace(surface, theory=theory, yielding="", percolation_threshold=threshold),
+            interface=replace(self.interface, plastic=False),
+            flow=replace(flow, conductivity="bruggeman"),
+            given_law=None,
+        )
+
+    @property
     def touch_radius(self) -> float:
         """Radius r0 of the circle of first touch [m]."""
         return self.contact.touch_radius

@@ -10,12 +10,12 @@ OWN, *FURTHER = READINGS["paper"]
 """The reading that a case takes, and those that stand beside it."""
 
 
-def leak_rate_column(reading: Reading) -> str:
-    """Column of the leak rate in a reading.
+def leak_rate_column(reading: str) -> str:
+    """Column of the leak rate in a reading, or by a theory.
 
     Parameters
     ----------
-    reading : Reading
+    reading : Reading or str
     """
     return f"leak_rate_{reading}_m3_per_s"
 

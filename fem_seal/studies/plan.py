@@ -253,10 +253,10 @@ def _check_possible(key: str, name: str, study: StudyPlan) -> None:
     for table in () if column is None else column.needs:
         if getattr(study.case, table) is None:
             raise InputError.at(key, f"{name} needs a table [{table}] in the base case")
-    sampled = name in _SAMPLED and study.case.sampled is not None
     missing = _missing_for_readings(study)
-    if name in (*_OF_YIELDING, *_SAMPLED) and missing and not sampled:
-        also = " or a table [uncertainty]" if name in _SAMPLED else ""
+    told = name in _SAMPLED and (study.case.sampled is not None or study.case.leak.theory == "corrected")
+    if name in (*_OF_YIELDING, *_SAMPLED) and missing and not told:
+        also = ', leak.theory = "corrected" or a table [uncertainty]' if name in _SAMPLED else ""
         raise InputError.at(key, f"{name} needs {missing}{also} in the base case")
 
 

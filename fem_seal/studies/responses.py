@@ -20,6 +20,7 @@ from fem_seal.answers.findings import FINDINGS
 from fem_seal.answers.judgement import JudgedLoad, Verdict
 from fem_seal.answers.opening import OPENING
 from fem_seal.answers.target import TARGET
+from fem_seal.answers.theories import THEORIES
 from fem_seal.answers.uncertainty import UNCERTAINTY
 from fem_seal.answers.verdict import VERDICT, judged
 from fem_seal.answers.verdict_force import VERDICT_FORCE
@@ -36,10 +37,12 @@ from fem_seal.seal.readings import FURTHER, leak_rate_column
 from fem_seal.seal.sources import EXACT, Shared, Source, family_or_own_table
 from fem_seal.studies.cost import FORCE_FOR_VERDICT, INTERVAL, is_target
 from fem_seal.validity.by_table import validity_of
+from leak.theory.reading import READINGS
 
 # A margin counts up to here: a sealed design, whose margin is infinite, can be compared with others.
 LARGEST_MARGIN = 1e6
 _OTHER_READINGS = {leak_rate_column(one) for one in FURTHER}
+_THEORIES = set(map(leak_rate_column, READINGS))
 _FOR_VERDICT = (ACCURACY, OPENING, TARGET, FINDINGS, UNCERTAINTY, VERDICT_FORCE, VERDICT)
 _SOURCES = {
     (stress, interpolate): Shared(stress=stress, tables=family_or_own_table if interpolate else EXACT.table)
@@ -146,6 +149,8 @@ def _with_answers(found: Evaluation, case: Case, columns: Sequence[str]) -> Load
     answers: list[Answer[Any]] = [OPENING]
     if any(map(is_target, columns)):
         answers.append(TARGET)
+    if not _THEORIES.isdisjoint(columns):
+        answers.append(THEORIES)
     if found.seal_mesh is not None and not INTERVAL.isdisjoint(columns):
         answers.append(ACCURACY)
     return answered(found.seal(case), Inquiry(found.solver, SILENT), answers).loads[0]
@@ -207,6 +212,7 @@ def _read(row: Row, columns: Sequence[str]) -> dict[str, float]:
 
 def _with_verdict_force(case: Case, columns: Sequence[str]) -> DesignResult:
     """Of the force with which the verdict passes every force that is tried takes a run of its own."""
-    result = solve(case, wanted=Wanted(verdict_force=True), answers=_FOR_VERDICT)
+    answers = _FOR_VERDICT if _THEORIES.isdisjoint(columns) else (THEORIES, *_FOR_VERDICT)
+    result = solve(case, wanted=Wanted(verdict_force=True), answers=answers)
     (row, *_), (load, *_) = rows_of(result), result.loads
     return _result(row, load, columns)

@@ -18,7 +18,7 @@ from fem_seal.studies.cost import design_seconds
 from fem_seal.studies.pools import KEPT, Pool, pool
 from fem_seal.studies.progress import Progress
 from fem_seal.studies.results import StudyResult
-from fem_seal.studies.store import FILE, FORMAT_VERSION, Row, Store, create
+from fem_seal.studies.store import FILE, FORMAT_VERSION, Row, Store, create, open_to_read
 from fem_seal.studies.stored import TRUTH
 from fem_seal.studies.time_limit import OvertimeError, ended_after, overtime_reason
 from fem_seal.studies.work import Chunk, Recipe, check_unchanged, chunks
@@ -105,6 +105,7 @@ def run_study(
             pool(client, workers, scheduler, study.run_settings.retries, progress.note, stuck) as ready,
             alone(place),
         ):
+            _set_aside(study, place / FILE, progress)
             store = create(place / FILE, _column_types(study), study.output_names)
             with closing(store):
                 if retry_failed:
@@ -119,6 +120,26 @@ def run_study(
             progress.note(f"interrupted; {KEPT}")
         raise
     return StudyResult(place, temporary=temporary)
+
+
+def _set_aside(study: StudyPlan, path: Path, progress: Progress) -> None:
+    """Designs by the paper's theory, which have columns that the corrected one has not, stay in a file of their own."""
+    if not path.exists():
+        return
+    with closing(open_to_read(path)) as store:
+        about = store.about
+    gone = set(about.get("beside", ())) - set(study.beside)
+    left = [name for name in about.get("responses", ()) if name not in gone]
+    if not gone or left != list(study.responses):
+        return
+    aside = path.with_name(f"{path.stem}_paper{path.suffix}")
+    for end in ("", "-wal", "-shm"):
+        if (part := path.with_name(path.name + end)).exists():
+            part.replace(aside.with_name(aside.name + end))
+    progress.note(
+        "the designs held here were calculated by the paper's theory, the default then; they stay in "
+        f'{aside.name}, and all are calculated anew (leak.theory = "paper" in the base case keeps that theory)'
+    )
 
 
 def _calculate(study: StudyPlan, store: Store, ready: Pool, progress: Progress) -> None:

@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from fem_seal.answers.judgement import Limit, SealJudgement, Shares, Why
+from fem_seal.answers.judgement import Limit, SealJudgement, Shares, Why, severity
 from fem_seal.answers.leakage_class import next_class, nominal_size, volume_of
 from fem_seal.answers.limits import OF_LEAK_RATE, limits
 from fem_seal.case.leak_rate import Bubbles, NormalVolume, Throughput
@@ -31,6 +31,7 @@ from fem_seal.units import (
     worth,
 )
 from leak import millibar_litres_per_second, millilitres_per_minute
+from leak.theory.reading import READINGS
 
 if TYPE_CHECKING:
     from fem_seal.answers.judgement import JudgedLoad, VerdictForce
@@ -184,9 +185,32 @@ def _besides(result: SealSolution, found: SealJudgement) -> Iterator[str]:
         yield said("verdict.said", "converted", fluid=limit.test_fluid, ratio=_ratio(limit.ratio))
     if reason := _doubt(result, found):
         yield said("verdict.said", "doubtful", reason=reason)
+    yield from _other_theory(result, found)
     count = len(found.judged) + found.left_out
     if count > 1:
         yield said("verdict.said", "several", count=count)
+
+
+def _other_theory(result: SealSolution, found: SealJudgement) -> Iterator[str]:
+    """That the other theory would come to another verdict; of uncertain inputs it has no samples."""
+    from fem_seal.answers.verdict import judged
+
+    loads = [result.loads[number] for number in found.judged]
+    for theory in READINGS:
+        others = [load.in_theory(theory) for load in loads]
+        judged_ = [
+            (judged(result.case, other), other)
+            for load, other in zip(loads, others, strict=True)
+            if other is not None and other is not load and load.sampled is None
+        ]
+        known = [(one, other) for one, other in judged_ if one is not None]
+        if not known:
+            continue
+        worst, other = max(known, key=lambda one: severity(one[0]))
+        if worst.verdict is not found.verdict:
+            rate = leak_range_text(worst.ends, 2, beside=(worst.limit.leak_rate,))
+            at = load_name(other, result.loads)
+            yield said("verdict.said", "theory", theory=theory, verdict=worst.verdict, rate=rate, load=at)
 
 
 def _bubble(volume: float) -> str:

@@ -239,8 +239,9 @@ _SIMULATED = {
 }
 _THEORIES = {
     "paper": "of the paper: gaps by Persson's theory",
-    "corrected": "corrected: gap law of waves in series, asperities that flow by von Mises",
+    "corrected": "corrected: gap law of waves in series, checked by direct simulation",
 }
+_YIELD = {"paper": "yield at the hardness", "corrected": "flow by von Mises, at the hardness in full"}
 
 
 def _leak(case: Case) -> list[tuple[str, str]]:
@@ -252,7 +253,7 @@ def _leak(case: Case) -> list[tuple[str, str]]:
     }
     return [
         ("theory", _THEORIES[case.leak.theory]),
-        ("asperities", "yield at the hardness" if case.leak.plasticity else "elastic"),
+        ("asperities", _YIELD[case.leak.theory] if case.leak.plasticity else "elastic"),
         # a simulation finds by itself where the last path closes
         *(
             [("no open path above", f"{percent(case.leak.percolation_threshold)} real contact")]

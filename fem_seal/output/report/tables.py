@@ -11,12 +11,14 @@ from fem_seal.answers.solution import SealSolution
 from fem_seal.contact.load_path import ElastoplasticContact
 from fem_seal.contact.yielding import PlasticZone, yielding_of
 from fem_seal.output.case_words import law_word
+from fem_seal.output.columns import own_theory
 from fem_seal.output.prose import said
 from fem_seal.output.readable import ReadableTable, columns_table, filled_column
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.readings import FURTHER, leak_rate_column
 from fem_seal.units import given, percent, quantity_worth
+from leak.theory.reading import READINGS
 
 if TYPE_CHECKING:
     from fem_seal.materials import HardeningCurve
@@ -36,6 +38,7 @@ _OF_LOADS = (
     "leak_rate_m3_per_s",
     *(leak_rate_column(one) for one in FURTHER),
     "leak_rate_elastic_m3_per_s",
+    *map(leak_rate_column, READINGS),
     "leak_rate_round_m3_per_s",
     "max_von_mises_Pa",
 )
@@ -50,6 +53,8 @@ def load_table(result: SealSolution) -> ReadableTable:
         names.insert(1, "applied_force_N")
     if result.surface is None or result.surface.hardness is None:
         names = [name for name in names if "_elastic_" not in name]
+    twice = own_theory(loads)
+    names = [name for name in names if name not in twice]
     columns = [one for one in (filled_column(name, result) for name in names) if one.some]
     for name in _SPARED:
         if len(columns) > _WIDEST:

@@ -13,6 +13,7 @@ from fem_seal.answers.leakage_class import leakage_classes, nominal_size, test_o
 from fem_seal.answers.solution import SealSolution
 from fem_seal.contact.yielding import PlasticZone, yielding_of
 from fem_seal.output.answers.target import TARGET_FORCE, opens_at, valve_facts, what_opens
+from fem_seal.output.answers.theories import corrected_beside
 from fem_seal.output.case_words import earlier_load
 from fem_seal.output.columns import COLUMNS, in_words
 from fem_seal.output.prose import said
@@ -290,8 +291,9 @@ def headline(result: SealSolution) -> str:
     opens = {opens_at(load) for load in result.loads}
     (only,) = opens if len(opens) == 1 else (None,)
     opening = f" It opens at {only}." if only else ""
-    before = " ".join(["", *remembered(result)])
-    return _what_leaks(result) + opening + before + _how_sure(result)
+    beside = corrected_beside(result)
+    more = " ".join(["", *([beside] if beside else []), *remembered(result)])
+    return _what_leaks(result) + opening + more + _how_sure(result)
 
 
 def remembered(result: SealSolution) -> list[str]:
