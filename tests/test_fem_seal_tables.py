@@ -165,6 +165,7 @@ def test_summary_is_valid_json_and_complete(tmp_path):
         "interface_variants",
         "theory_variants",
         "uncertainty",
+        "error_shares",
         "requirement",
         "verdict_force",
         "levers",

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property, reduce
-from typing import TYPE_CHECKING, TypeVar
+from functools import cached_property, partial, reduce
+from typing import TYPE_CHECKING, Literal, TypeVar
 
 import numpy as np
 
@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from fem_seal.materials import Material
     from fem_seal.seal.leak_model import Conductivity, Flow
     from fem_seal.seal.problem import SealProblem
-    from leak import NearbyTables, PowerSpectrum, Reading, RoughContact
+    from leak import FlowError, NearbyTables, PowerSpectrum, Reading, RoughContact
 
 
 _FIRST_RUNS = 16
@@ -66,6 +66,17 @@ Load = TypeVar("Load", bound=LoadResult)
 _NOTHING, _TRACE = 1e-35, 1e-9
 # Share of the sealing pressure that counts for a sealed contact between whose asperities fluid carries.
 _NEARLY_SEALED = 0.95
+
+
+# Factors of the theory's own error for each sample, and the most of both together.
+_FACTORS, _MOST_FOUND = 32, 2**18
+
+
+def _quantile(share: float, rates: FloatArray) -> FloatArray:
+    """Of each row."""
+    # between a finite and an infinite leak rate there is nothing to interpolate
+    method: Literal["linear", "nearest"] = "linear" if np.isfinite(rates).all() else "nearest"
+    return np.asarray(np.quantile(rates, share, axis=1, method=method))
 
 
 @dataclass(frozen=True)
@@ -92,6 +103,8 @@ class LeakInterval:
         case itself leaks counts as nothing. None if every sample was calculated so.
     others : mapping of ndarray, shape (loads, samples)
         The same samples in the other readings of yielding asperities [m^3/s].
+    own_error : sequence of FlowError or None
+        Of the theory, at each load; it is in both ends of the interval.
     in_test : LeakInterval or None
         The same samples with the gas of the standards' tests; None where the fluid is one, and of a liquid.
     """
@@ -104,6 +117,7 @@ class LeakInterval:
     shares: FloatArray
     error: float | None
     others: Mapping[Reading, FloatArray] = field(default_factory=dict, repr=False)
+    own_error: Sequence[FlowError | None] = field(default=(), repr=False)
     in_test: LeakInterval | None = field(default=None, repr=False)
 
     @property
@@ -114,25 +128,28 @@ class LeakInterval:
     @cached_property
     def low(self) -> FloatArray:
         """Lower end of the interval in the reading that leaks less, at each load, shape (loads,) [m^3/s]."""
-        return np.minimum.reduce(self._quantiles(0.5 - 0.5 * self.confidence))
+        return np.minimum.reduce(list(map(partial(_quantile, 0.5 - 0.5 * self.confidence), self._found)))
 
     @cached_property
     def median(self) -> FloatArray:
         """Leak rate that half of the samples exceed, shape (loads,) [m^3/s]."""
-        return self._quantiles(0.5)[0]
+        return _quantile(0.5, self.leak_rate)
 
     @cached_property
     def high(self) -> FloatArray:
         """Upper end of the interval in the reading that leaks more, at each load, shape (loads,) [m^3/s]."""
-        return np.maximum.reduce(self._quantiles(0.5 + 0.5 * self.confidence))
+        return np.maximum.reduce(list(map(partial(_quantile, 0.5 + 0.5 * self.confidence), self._found)))
 
-    def _quantiles(self, share: float) -> list[FloatArray]:
-        """Of each reading."""
-        return [
-            # between a finite and an infinite leak rate there is nothing to interpolate
-            np.quantile(rates, share, axis=1, method="linear" if np.isfinite(rates).all() else "nearest")
-            for rates in (self.leak_rate, *self.others.values())
-        ]
+    @cached_property
+    def _found(self) -> list[FloatArray]:
+        """What direct simulation may find of the samples, in each reading: with evenly spread factors of its error."""
+        every = [self.leak_rate, *self.others.values()]
+        if not any(self.own_error):
+            return every
+        count = min(_FACTORS, max(_MOST_FOUND // self.samples, 1))
+        even = (np.arange(count) + 0.5) / count
+        factors = np.array([np.ones(count) if one is None else one.factor(even) for one in self.own_error])
+        return [(rates[:, :, None] * factors[:, None, :]).reshape(len(rates), -1) for rates in every]
 
     @cached_property
     def sealed(self) -> FloatArray:
@@ -286,12 +303,14 @@ def _interval_of_finish(
     rates = _at_all_loads(np.log(_line_loads(result.loads)), chosen, by_kind) * nominal
     shares = _shares(study, ratios * usual, surface)
     near = np.argmin(np.abs(np.arange(len(result.loads))[:, None] - chosen), axis=1)
-    return _told(study, settings, [one.T for one in rates], runs=runs, shares=shares[near], error=error)
+    kinds = [one.T for one in rates]
+    return _told(study, settings, result.loads, kinds, runs=runs, shares=shares[near], error=error)
 
 
 def _told(
     study: _Study,
     settings: Uncertainty,
+    loads: Sequence[LoadResult],
     rates: Sequence[FloatArray],
     *,
     runs: int,
@@ -300,10 +319,11 @@ def _told(
 ) -> LeakInterval:
     """The interval of samples, shape (loads, samples) in each reading of the case's fluid, then of the tests' gas."""
     names = tuple(one.name for one in study.inputs)
+    errors = [load.flow_error for load in loads]
 
     def interval(own: FloatArray, *others: FloatArray) -> LeakInterval:
         read = dict(zip(study.others, others, strict=True))
-        return LeakInterval(names, settings.confidence, settings.seed, runs, own, shares, error, read)
+        return LeakInterval(names, settings.confidence, settings.seed, runs, own, shares, error, read, errors)
 
     own, *tested = (
         interval(*rates[first : first + study.readings]) for first in range(0, study.kinds, study.readings)
@@ -359,7 +379,8 @@ def _interval(study: _Study, settings: Uncertainty, progress: Callable[[str], No
             runs += len(checked)
         nominal[checked] = np.where(np.isnan(truth), nominal[checked], truth)
     by_kind = np.split((nominal / viscosity[:, None]).T, study.kinds)
-    return _told(study, settings, by_kind, runs=runs, shares=_shares(study, nominal, surface), error=error)
+    shares = _shares(study, nominal, surface)
+    return _told(study, settings, study.result.loads, by_kind, runs=runs, shares=shares, error=error)
 
 
 def _largest_difference(found: FloatArray, truth: FloatArray, of_case: Sequence[float]) -> float:

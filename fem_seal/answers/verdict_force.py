@@ -176,7 +176,7 @@ class _Search:
         at = math.log(max(self.load.contact_force, 1e-9 * largest_force(self.problem)))
         sampled, calculated = self.load.sampled, self.load.leak_range
         rate = math.nan if self.load.leak is None else self.load.leak.leak_rate
-        most = rate if calculated is None else calculated[1]
+        most = self.load.theory_error.high * (rate if calculated is None else calculated[1])
         if sampled is None or not (0.0 < most < math.inf and 0.0 < sampled[1] < math.inf):
             return at, 0.0
         return at, max(math.log(sampled[1] / most), 0.0)

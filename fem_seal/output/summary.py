@@ -49,7 +49,8 @@ def summary(result: SealSolution) -> dict[str, Any]:
         (force with which the verdict passes or why none does, one entry per load; empty unless asked), ``levers`` (what
         changes the leak rate, the strongest first), ``particles`` (answers about particles in the fluid, one entry per
         load that leaks),
-        ``interface_variants``, ``uncertainty`` (null unless asked for),
+        ``theories`` (what the other theory gives, and why), ``interface_variants``, ``uncertainty`` (null unless asked
+        for), ``error_shares`` (what makes the interval of each load as wide as it is),
         ``theory_variants`` (rows of variants.csv), ``warnings``, ``wall_times_s``, ``sources``.
     """
     case = result.case

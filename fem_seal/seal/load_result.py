@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from fem_seal.profile import PressureProfile
     from fem_seal.seal.circumference import Around
     from fem_seal.seal.leak_model import Flow
-    from leak import LeakResult, RoughContact
+    from leak import FlowError, LeakResult, RoughContact
 
 
 _NINE_OF_TEN = 0.05, 0.95
@@ -63,7 +63,8 @@ class LoadResult(ByReading):
     mesh_error : DiscretisationError or None
         What the mesh leaves uncertain; None where nobody asked.
     sampled : Bounds or None
-        Ends of the samples of uncertain inputs, in all readings [m^3/s]; None where none is sampled.
+        Ends of the samples of uncertain inputs, in all readings and with the theory's own error [m^3/s]; None where
+        none is sampled.
     sampled_in_test : Bounds or None
         The same with the gas of the standards' tests, see `in_test` [m^3/s].
     by_theory : mapping or None
@@ -137,29 +138,33 @@ class LoadResult(ByReading):
         if share is not None and share > 0.0:
             told = f"the mesh leaves an error of {share_text(share)}"
             known.append(Caution("mesh", Level.VALID, told, told, Bounds.either_way(1.0 + share)))
-        if self.theory_error != EXACT:
+        if self.theory_error != EXACT and self.sampled is None:  # or the samples have it
             low, high = self.theory_error
             told = f"direct simulation of rough surfaces finds {low:.2f} to {high:.2f} times as much"
             known.append(Caution("theory", Level.VALID, told, told, self.theory_error))
         return Validity.of(known)
 
-    @cached_property
+    @property
     def theory_error(self) -> Bounds:
-        """Factors on the leak rate between which direct simulation finds it in nine of ten seals.
+        """Factors on the leak rate between which direct simulation finds it in nine of ten seals, see `flow_error`."""
+        # what is told lies between its ends
+        return EXACT if self.flow_error is None else Bounds.of([1.0, *self.flow_error.factor(_NINE_OF_TEN)])
 
-        By `RoughContact.flow_error` at the peak pressure, with the waves of the sealing area; `EXACT` where the
+    @cached_property
+    def flow_error(self) -> FlowError | None:
+        """Distribution of what direct simulation finds over the leak rate.
+
+        By `RoughContact.flow_error` at the peak pressure, with the waves of the sealing area; None where the
         conductivity is itself simulated, and for the paper's theory, which does not know its error.
         """
         surface = None if self.rough is None or self.rough.ends else self.rough.surface
         if surface is None or surface.theory == "paper" or not self.peak_pressure > 0.0:
-            return EXACT
+            return None
         # a lay stretches waves one way and shortens them as much the other
         wavelength = 2.0 * math.pi / surface.spectrum.median_wavenumber
         profile = self.tightest
         around = 2.0 * math.pi * float(np.interp(profile.centroid, profile.x, profile.radius))
-        error = surface.flow_error(self.peak_pressure, waves=self.fwhm * around / wavelength**2)
-        # what is told lies between its ends
-        return Bounds.of([1.0, *error.factor(_NINE_OF_TEN)])
+        return surface.flow_error(self.peak_pressure, waves=self.fwhm * around / wavelength**2)
 
     def in_theory(self, theory: str) -> LoadResult | None:
         """The load by a theory of the rough contact, on its own contact; None where it is not known.

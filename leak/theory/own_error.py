@@ -9,7 +9,8 @@ load few summits touch, and towards sealing few channels are left, X again.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -39,6 +40,8 @@ class FlowError:
         Mean [-].
     spread : ndarray
         Standard deviation [-].
+    parts : mapping of ndarray
+        Its square by source [-].
 
     Examples
     --------
@@ -48,6 +51,7 @@ class FlowError:
 
     bias: FloatArray
     spread: FloatArray
+    parts: Mapping[str, FloatArray] = field(default_factory=dict)
 
     def factor(self, quantile: ArrayLike) -> FloatArray:
         """Factor on the conductivity that this share of contacts stays below.
@@ -109,5 +113,7 @@ def flow_error(
     X = closing(area)
     sample = (LONG_WAVES**2 + SUMMITS**2 / np.sqrt(p) + (CHANNELS * X) ** 2) / waves
     metal = (YIELDING_SPREAD * np.asarray(yielded, dtype=float)) ** 2
-    spread = np.sqrt(OPEN_SPREAD**2 + (CLOSING_SPREAD * X) ** 2 + sample + metal)
-    return FlowError(*np.broadcast_arrays(OPEN_BIAS + CLOSING_BIAS * X, spread))
+    bias = OPEN_BIAS + CLOSING_BIAS * X
+    parts = {"gap law": OPEN_SPREAD**2 + (CLOSING_SPREAD * X) ** 2, "few waves": sample, "yielding": metal}
+    bias, spread = np.broadcast_arrays(bias, np.sqrt(np.sum(np.broadcast_arrays(*parts.values()), axis=0)))
+    return FlowError(bias, spread, parts)

@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import math
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fem_seal.answers.error_shares import ErrorShares, error_shares
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.answers.solution import SealSolution
 from fem_seal.output.prose import said
 from fem_seal.output.readable import ReadableTable
 from fem_seal.output.shown import Shown
 from fem_seal.seal.load_names import load_name
+from fem_seal.seal.load_result import highest_load
+from fem_seal.units import number as number_text
 from fem_seal.units import percent, unit_for, worth
 
 if TYPE_CHECKING:
@@ -31,11 +35,20 @@ _NAMES = {
     "scan_length": "length of the scans",
     "form": "form error",
     "lay": "lay",
+    "inputs together": "what inputs do only together",
+    "gap law": "gap law",
+    "few waves": "few waves of the roughness in the contact",
+    "yielding": "how asperities yield",
+    "readings": "readings of yielding asperities",
 }
+# An interval narrower than this has no sources that are worth naming, and how many of them are.
+_NARROW, _NAMED, _LEAST = 1.25, 4, 0.01
 
 
 def _named(name: str) -> str:
     """An uncertain input in words; one of several measured spectra is called by its key."""
+    if name.startswith("accuracy: "):
+        return f"accuracy of the calculation ({name.removeprefix('accuracy: ')})"
     key = name.removeprefix("scan_length_")
     return _NAMES.get(name, f"length of the scans ({key})" if key != name else f"{name} between scans")
 
@@ -92,12 +105,42 @@ def interval_note(result: SealSolution) -> str:
         "shares",
         "shares_both" if result.highest.yields else "",
         "held",
+        "" if result.highest.flow_error is None else "own",
         samples=interval.samples,
         seed=interval.seed,
         inputs=", ".join(_named(name) + spreads.get(name, "") for name in interval.inputs),
         runs=interval.runs,
         error=percent(interval.error or 0.0),
         sealed=percent(sealed),
+    )
+
+
+def error_shares_of(result: SealSolution) -> list[ErrorShares]:
+    """What makes the interval of each load.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    return [error_shares(load, result.uncertainty, number) for number, load in enumerate(result.loads)]
+
+
+def error_sentence(result: SealSolution) -> str:
+    """What makes the interval of the highest load, and what would narrow it; empty where it is narrow."""
+    number = highest_load(result.loads)
+    found = error_shares_of(result)[number]
+    if found.factor < _NARROW or len(found.of_width) < 2:
+        return ""
+    largest = next(iter(found.of_width))
+    told = [(name, share) for name, share in list(found.of_width.items())[:_NAMED] if share >= _LEAST]
+    return said(
+        "notes.error_shares",
+        "interval",
+        load=load_name(result.loads[number], result.loads),
+        factor=number_text(found.factor, 2),
+        shares=", ".join(f"{_named(name)} {percent(share, 1)}" for name, share in told),
+        largest=_named(largest),
+        left=number_text(found.left[largest], 2),
     )
 
 
@@ -122,7 +165,13 @@ def interval_numbers(result: SealSolution, interval: LeakInterval) -> dict[str, 
 
 SHOWN = Shown(
     summary=lambda result: {
-        "uncertainty": None if result.uncertainty is None else interval_numbers(result, result.uncertainty)
+        "uncertainty": None if result.uncertainty is None else interval_numbers(result, result.uncertainty),
+        "error_shares": [asdict(one) for one in error_shares_of(result)],
     },
-    words=lambda result: {"interval": interval_table(result), "interval_note": interval_note(result)},
+    words=lambda result: {
+        "interval": interval_table(result),
+        "interval_note": interval_note(result),
+        "error_sentence": error_sentence(result),
+    },
+    lines=lambda result: [f"  {one}" for one in [error_sentence(result)] if one],
 )

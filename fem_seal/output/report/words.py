@@ -426,7 +426,13 @@ def accuracy_in_words(load: LoadResult) -> list[str]:
 def _samples_in_words(case: Case, load: LoadResult) -> str:
     """What the two ends of a leak rate are whose inputs are uncertain."""
     assert case.sampled is not None
-    of_finish, of_inputs = ("finish_both", "inputs_both") if load.yields else ("finish", "inputs")
+    of_finish, of_inputs = (
+        ("finish_both", "inputs_both")
+        if load.yields
+        else ("finish", "inputs")
+        if load.flow_error is None
+        else ("finish_own", "inputs_own")
+    )
     return said(
         "readings.sampled",
         of_finish if has_finish(case) else of_inputs,
