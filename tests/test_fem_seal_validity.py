@@ -130,6 +130,12 @@ def test_waves_longer_than_the_contact():
     half = float(np.interp(-0.5, -above, q))
     assert "50 % of the height variance" in said("long waves", load(), load(std=1 / half))
     assert said("long waves", load(std=1 / q[above > 0.91][-1])) == ""
+    # simulated strips say how much: 1 + 1.5 times the share, of the corrected theory alone
+    corrected = replace(SURFACE, theory="corrected", yielding="")
+    assert said("long waves", load(std=1 / half), surface=corrected).endswith(
+        ": up to 1.8 times as much leaks"
+    )
+    assert "as much leaks" not in said("long waves", load(std=1 / half))
 
 
 def test_sizes_of_molecules():

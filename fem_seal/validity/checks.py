@@ -56,6 +56,8 @@ _WORTH_SAYING = 1.3
 _UNSURE = 2.0
 # Share of the height variance in waves too long to be roughness of this contact.
 _LONG_WAVES = 0.1
+# ... and what strips of such seals let through, less or more than the corrected theory says, per such share.
+_LESS_OF_LONG, _MORE_OF_LONG = 0.25, 1.5
 # Fluid pressure over peak contact pressure from which on it opens the gap noticeably: a fifth more leaks at 0.1.
 FLUID_OPENS = 0.1
 # ... and from which on a leak rate that does not take it into account says nothing.
@@ -682,8 +684,15 @@ def _long_waves(
     load = min(loads, key=lambda load: load.std)
     std, spectrum = load.std, surface.spectrum
     above = float(spectrum.height_variance_above(1 / std)) / spectrum.rms_height**2
-    if 1 - above > _LONG_WAVES:
-        yield caution("long_waves", load, loads, share=share_text(1 - above), std=_um(std, load))
+    share = 1.0 - above
+    if share <= _LONG_WAVES:
+        return
+    factors, more = EXACT, ""
+    if surface.theory == "corrected":
+        factors = Bounds(1.0 / (1.0 + _LESS_OF_LONG * share), 1.0 + _MORE_OF_LONG * share)
+        more = f": up to {factors.high:.2g} times as much leaks"
+    told = share_text(share)
+    yield caution("long_waves", load, loads, leak_factor=factors, share=told, std=_um(std, load), more=more)
 
 
 def _fluid_opens(
