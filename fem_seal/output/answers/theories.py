@@ -8,11 +8,10 @@ from dataclasses import replace
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.answers.solution import SealSolution
 from fem_seal.output.prose import said
-from fem_seal.output.readable import ReadableTable
 from fem_seal.output.shown import Section, Shown
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.load_result import LoadResult
-from fem_seal.units import LeakVolume, leak_range_text, number, percent, quantity_worth, unit_for, worth
+from fem_seal.units import LeakVolume, leak_range_text, number, percent, quantity_worth
 from leak import Reading
 from leak.theory.reading import READINGS
 
@@ -111,60 +110,11 @@ def _yielding(load: LoadResult, theory: str, other: LoadResult) -> Iterator[str]
     yield said("theories.why", "yielding", **left)
 
 
-def theories_table(result: SealSolution) -> ReadableTable:
-    """Leak rate and peak pressure of each load by both theories; no rows where only one is known.
-
-    Parameters
-    ----------
-    result : SealSolution
-    """
-    both = [
-        (load, paper, corrected)
-        for load in result.loads
-        if (paper := load.in_theory("paper")) and (corrected := load.in_theory("corrected"))
-    ]
-    volume = volume_of(result.case)
-    largest = max((_rate(one) for _, *pair in both for one in pair), default=0.0)
-    unit = volume.named(unit_for("flow", largest))
-    rows = []
-    for load, paper, corrected in both:
-        digits = min(load.leak_digits, 3)
-        rates = [_rate(one) for one in (paper, corrected)]
-        rows.append(
-            (
-                load_name(load, result.loads),
-                *(worth(unit.of(volume.measurable(one)), digits) if one else "sealed" for one in rates),
-                number(rates[1] / rates[0], 2) if rates[0] else "–",
-                *(
-                    quantity_worth("contact pressure", one.peak_pressure, load.pressure_digits)
-                    for one in (paper, corrected)
-                ),
-            )
-        )
-    headings = (
-        "load",
-        f"leak rate, paper [{unit.name}]",
-        f"leak rate, corrected [{unit.name}]",
-        "corrected over paper",
-        "peak, paper",
-        "peak, corrected",
-    )
-    return ReadableTable(headings, tuple(rows))
-
-
 def _section(result: SealSolution) -> Section | None:
     sentences = theories_in_words(result)
     if not sentences:
         return None
-    caption = "Both theories of the rough contact, each with a contact of its own."
-    table = theories_table(result)
-    return Section(
-        "theories",
-        "By both theories",
-        "Theories",
-        sentences,
-        tables=((table, caption),) if table.rows else (),
-    )
+    return Section("theories", "By both theories", "Theories", sentences)
 
 
 SHOWN = Shown(

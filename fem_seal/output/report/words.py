@@ -26,6 +26,7 @@ from fem_seal.seal.readings import WORDS
 from fem_seal.units import (
     LIQUID,
     LeakVolume,
+    digits_beside,
     leak_range_text,
     number,
     percent,
@@ -542,9 +543,13 @@ def _less_by_yielding(load: LoadResult) -> tuple[str, str]:
     if not high > 0:
         return "", ""
     elastic, digits = never.leak_rate, min(load.leak_digits, 2)
+
+    def factor_text(factor: float) -> str:
+        return worth(factor, digits_beside(factor, 1.0, digits))
+
     if low == 0:
-        return worth(elastic / high, digits), "never_sealed"
-    factor = range_text(worth(elastic / high, digits), worth(elastic / low, digits))
+        return factor_text(elastic / high), "never_sealed"
+    factor = range_text(factor_text(elastic / high), factor_text(elastic / low))
     return factor, "never" if elastic / low > _NOTICED else "hardly"
 
 
