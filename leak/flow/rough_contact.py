@@ -647,8 +647,7 @@ class RoughContact:
         """Pressure at which p/(2 sqrt(G)) at full magnification is z [Pa]."""
         elastic = float(z * np.sqrt(np.pi * self.spectrum.last_moment) * self.effective_modulus)
         if self.theory == "corrected":
-            most = math.inf if self.hardness is None else self.hardness
-            return self._reaches(elastic, 0.0, min(_MOST_SEALING * elastic, most))
+            return _sealing_by_equal_gap(self, elastic)
         if self.hardness is None:
             return elastic
         low, high = 0.0, min(elastic, self.hardness)
@@ -808,6 +807,16 @@ def _parts(index: NDArray[np.intp]) -> list[NDArray[np.intp]]:
 
 
 # Surfaces that differ in hardness alone have one elastic surface in common.
+@lru_cache(maxsize=256)
+def _sealing_by_equal_gap(surface: RoughContact, elastic: float) -> float:
+    """Pressure at which the gaps are those of an elastic surface of the paper's theory at its own sealing [Pa].
+
+    Made once per surface: of all that a load is asked for it would take the longest.
+    """
+    most = math.inf if surface.hardness is None else surface.hardness
+    return surface._reaches(elastic, 0.0, min(_MOST_SEALING * elastic, most))
+
+
 @lru_cache(maxsize=64)
 def _bearing_and_sealing(elastic: RoughContact) -> tuple[float, float]:
     gap = BEARING_GAP * elastic.spectrum.rms_height
