@@ -2,6 +2,7 @@
 
 import csv
 import sys
+import warnings
 from itertools import pairwise
 from pathlib import Path
 
@@ -301,3 +302,20 @@ def test_a_lay_is_met_as_well_as_by_the_papers_theory():
     paper, corrected = (np.sqrt(np.mean(np.concatenate(parts) ** 2)) for parts in off.values())
     assert corrected < paper < 0.25
     assert corrected < 0.22
+
+
+def test_from_the_hardness_on_what_acts_has_no_end_and_nobody_is_warned():
+    surface = leak.RoughContact(SPECTRA["paper"], effective_modulus=115e9, hardness=1e9, theory="corrected")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        acting = surface.acting_pressure([0.9e9, 1e9, 2e9])
+        x = np.linspace(-1e-4, 1e-4, 41)
+        sealed = leak.leak_flow(
+            x,
+            2e9 * np.exp(-0.5 * (x / 3e-5) ** 2),
+            surface.conductivity_table(1e3, 2.1e9).at(1e-3),
+            1e5,
+            0.01,
+        )
+    assert 1e9 < acting[0] < np.inf and acting[1:].tolist() == [np.inf, np.inf]
+    assert sealed.leak_rate == 0.0

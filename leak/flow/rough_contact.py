@@ -64,6 +64,8 @@ _MOST_STRETCHED = 1000.0
 _LEAST_RELATIVE_PRESSURE = 1e-100
 # Below this ln(p/Pa) what acts on a capped surface is in a fixed ratio to p; gaps of the gap law go on much further.
 _LEAST_LOG_PRESSURE, _WIDEST_LOG_PRESSURE = -600.0, -1e5
+# Above this ln(p/Pa) no gap is left: from the hardness on what acts has no end.
+_LARGEST_LOG_PRESSURE = 700.0
 
 
 @dataclass(frozen=True)
@@ -235,7 +237,7 @@ class RoughContact:
     def _of_equal_gap(self, log_pressure: FloatArray) -> FloatArray:
         """ln p at which the paper's theory has the mean gap of the gap law at ln(p/Pa)."""
         assert self.stand_in is not None  # of the corrected theory
-        known = np.maximum(log_pressure, _WIDEST_LOG_PRESSURE)
+        known = np.clip(log_pressure, _WIDEST_LOG_PRESSURE, _LARGEST_LOG_PRESSURE)
         gap = gap_law(self.spectrum).gap(known - math.log(self.effective_modulus))
         return _interface_law(self.stand_in).log_pressure(gap) + (log_pressure - known)
 
