@@ -286,9 +286,11 @@ class AlikeTables:
         ]
         return cls(first.pressure[:count] / first.sealing_pressure, np.array(rows), first.method)
 
-    def between(self, weights: Sequence[float]) -> ConductivityTable:
-        """The table with such weights of each, whose sum is one."""
+    def between(self, weights: Sequence[float], sealing_pressure: float | None = None) -> ConductivityTable:
+        """The table with such weights of each, whose sum is one; with its own sealing pressure where that is known."""
         row, n = np.asarray(weights) @ self.rows, self.over_sealing.size
+        if sealing_pressure is not None:
+            row[0] = math.log(sealing_pressure)
         sealing, at = math.exp(row[0]), 2 + n
         table = ConductivityTable(
             self.over_sealing * sealing, np.exp(row[2:at]), sealing, math.inf, self.method

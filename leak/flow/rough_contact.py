@@ -24,7 +24,7 @@ from leak.flow.effective_gap import (
 )
 from leak.flow.memory import LoadMemory
 from leak.flow.rarefied import log_flow_factor
-from leak.numerics.curves import spline_slopes
+from leak.numerics.curves import MonotoneCurve, spline_slopes
 from leak.numerics.roots import root_of_rising
 from leak.numerics.sampling import sampled
 from leak.surfaces.spectrum import PowerSpectrum
@@ -236,10 +236,15 @@ class RoughContact:
 
     def _of_equal_gap(self, log_pressure: FloatArray) -> FloatArray:
         """ln p at which the paper's theory has the mean gap of the gap law at ln(p/Pa)."""
-        assert self.stand_in is not None  # of the corrected theory
+        curve, unit = self._equal_gap
         known = np.clip(log_pressure, _WIDEST_LOG_PRESSURE, _LARGEST_LOG_PRESSURE)
-        gap = gap_law(self.spectrum).gap(known - math.log(self.effective_modulus))
-        return _interface_law(self.stand_in).log_pressure(gap) + (log_pressure - known)
+        return curve.value(known - unit) + unit + (log_pressure - known)
+
+    @cached_property
+    def _equal_gap(self) -> tuple[MonotoneCurve, float]:
+        """Acting over nominal ln p of elastic asperities, both without their unit, and ln of the unit in Pa."""
+        height = self.spectrum.rms_height / self.spectrum.shape.rms_height
+        return _equal_gap(self.spectrum.shape, self.gamma), math.log(self.effective_modulus * height)
 
     def log_acting_pressure(self, log_pressure: FloatArray) -> FloatArray:
         """`acting_pressure` as logarithms, where p itself may be too small for a floating-point number.
@@ -808,17 +813,28 @@ def _parts(index: NDArray[np.intp]) -> list[NDArray[np.intp]]:
     return np.array_split(index, max(round(index.size / _CHUNK), 1)) if index.size else []
 
 
-# Surfaces that differ in hardness alone have one elastic surface in common.
+@lru_cache(maxsize=64)
+def _equal_gap(shape: PowerSpectrum, gamma: float) -> MonotoneCurve:
+    """ln(p/E*) at which the paper's theory has the mean gap of the gap law at ln(p/E*), for elastic asperities."""
+    law, paper = gap_law(shape), RoughContact(shape, effective_modulus=1.0, gamma=gamma).interface_law()
+    acting = paper.log_pressure(law.gap_nodes)
+    return MonotoneCurve(law.log_pressure_nodes, acting, law.decay_nodes / paper.decay_length(acting))
+
+
 @lru_cache(maxsize=256)
 def _sealing_by_equal_gap(surface: RoughContact, elastic: float) -> float:
     """Pressure at which the gaps are those of an elastic surface of the paper's theory at its own sealing [Pa].
 
     Made once per surface: of all that a load is asked for it would take the longest.
     """
+    if surface.hardness is None:
+        curve, unit = surface._equal_gap
+        return math.exp(float(curve.inverse(np.array(math.log(elastic) - unit))) + unit)
     most = math.inf if surface.hardness is None else surface.hardness
     return surface._reaches(elastic, 0.0, min(_MOST_SEALING * elastic, most))
 
 
+# Surfaces that differ in hardness alone have one elastic surface in common.
 @lru_cache(maxsize=64)
 def _bearing_and_sealing(elastic: RoughContact) -> tuple[float, float]:
     gap = BEARING_GAP * elastic.spectrum.rms_height

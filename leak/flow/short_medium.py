@@ -34,9 +34,9 @@ _OPEN, _TOUCHING, _EXPONENT = 0.25, 1.2, -1.25
 # Where the pressure is below this share of its peak next to nothing of the resistance lies.
 _FAINT = 1e-4
 # Of ln n; the conductivity follows to a few times as much.
-_CLOSE = 1e-6
-# Steps of ln n between which tables of the standard spectrum are interpolated; from which share of the sealing pressure
-# on, and at so many pressures.
+_CLOSE = 1e-5
+# Steps of ln n between which tables are interpolated; from which share of the sealing pressure on those of the standard
+# spectrum reach, and at so many pressures.
 _SPACING, _LOWEST, _NODES = 0.1, 1e-9, 50
 # Pressures of a contact at which its area is calculated: it enters as a mean.
 _AREAS = 16
@@ -136,12 +136,12 @@ def short_medium(
     touches = log_pressure > log_pressure.max() + math.log(_FAINT)
     log_p, length = log_pressure[touches], length[touches]
     area, wave = _contact_area(surface, log_p), surface.wavelength_along_flow
-    endless, asked, table = surface.percolation_threshold, table.asked(log_p), replace(table, acting=None)
+    endless, asked = surface.percolation_threshold, table.asked(log_p)
 
     def found(log_n: float) -> ShortMedium:
-        opened = with_threshold(table, endless, -math.expm1(-log_n))
+        opened = _with_threshold(table, endless, -math.expm1(-log_n))
         with np.errstate(divide="ignore"):
-            resistance = opened.at_log_pressure(asked) ** -3.0
+            resistance = 1.0 / opened.at_log_pressure(asked) ** 3
         waves = resisting_width(length, resistance) / wave
         weight = length * _shares(resistance)
         touching = float(weight @ area / weight.sum())
@@ -236,40 +236,56 @@ def with_threshold(table: ConductivityTable, endless: float, threshold: float) -
     endless, threshold : float
         Thresholds of the table and of the one that is wanted [-].
     """
-    argument = area_argument_at(threshold) / area_argument_at(endless)
+    opened, more = _with_threshold(table, endless, threshold), _argument(endless, threshold)
+    return replace(opened, p_max=table.p_max * more, memory=table.memory, acting=table.acting)
+
+
+def _with_threshold(table: ConductivityTable, endless: float, threshold: float) -> ConductivityTable:
+    """`with_threshold` that is asked at acting pressures, without an end."""
+    steps = (math.log1p(-endless) - math.log1p(-threshold)) / _SPACING
+    first = math.floor(steps) - 1
+    sealing = table.sealing_pressure * _argument(endless, threshold)
+    return _opened(table, endless, first).between(lagrange(steps - first), sealing)
+
+
+def _argument(endless: float, threshold: float) -> float:
+    """Sealing pressure at a threshold over that of the endless medium [-]."""
+    return area_argument_at(threshold) / area_argument_at(endless)
+
+
+@lru_cache
+def _opened(table: ConductivityTable, endless: float, first: int) -> AlikeTables:
+    """The table at four steps of ln n from that of the endless medium."""
+    return AlikeTables.of([_at_step(table, endless, first + step) for step in range(4)])
+
+
+def _at_step(table: ConductivityTable, endless: float, step: int) -> ConductivityTable:
+    argument = _argument(endless, _threshold_at(endless, step))
     log_share = np.log(table.pressure / table.sealing_pressure)
-    opened, as_it_was = (_standard(one) for one in (threshold, endless))
+    opened, as_it_was = _standard(endless, step), _standard(endless, 0)
     closed = as_it_was.at_log_pressure(log_share + math.log(as_it_was.sealing_pressure))
     gap = opened.at_log_pressure(log_share + math.log(opened.sealing_pressure))
     flows = (gap > 0.0) & (closed > 0.0)
     return replace(
         table,
         pressure=table.pressure[flows] * argument,
-        separation=(table.separation[flows] * gap[flows] / closed[flows]),
+        separation=table.separation[flows] * gap[flows] / closed[flows],
         sealing_pressure=table.sealing_pressure * argument,
-        p_max=table.p_max * argument,
     )
 
 
-def _standard(threshold: float) -> ConductivityTable:
-    """Table of the standard spectrum at a threshold, between four on a lattice of ln n."""
-    steps = -math.log1p(-threshold) / _SPACING
-    first = math.floor(steps) - 1
-    return _alike(first).between(lagrange(steps - first))
-
-
 @lru_cache
-def _alike(first: int) -> AlikeTables:
-    return AlikeTables.of([_on_lattice(first + step) for step in range(4)])
-
-
-@lru_cache
-def _on_lattice(place: int) -> ConductivityTable:
+def _standard(endless: float, step: int) -> ConductivityTable:
+    """Table of the standard spectrum, so many steps of ln n from that of the endless medium."""
     spectrum = PowerSpectrum.self_affine(rms_height=1e-6, hurst=0.8, q_low=3e4, q_rolloff=1e5, q_high=3e6)
-    threshold = -math.expm1(-_SPACING * place)
+    threshold = _threshold_at(endless, step)
     surface = RoughContact(spectrum, effective_modulus=1e11, percolation_threshold=threshold)
     sealing = surface.sealing_pressure
     return surface.conductivity_table(_LOWEST * sealing, sealing, _NODES)
+
+
+def _threshold_at(endless: float, step: int) -> float:
+    return -math.expm1(math.log1p(-endless) - _SPACING * step)
 
 
 def _contact_area(surface: RoughContact, log_pressure: FloatArray) -> FloatArray:
