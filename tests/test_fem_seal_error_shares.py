@@ -8,7 +8,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from sample_results import case, run_loads
+from sample_results import SPECTRUM, case, run_loads
 
 import fem_seal
 from fem_seal.answers.error_shares import ErrorShares, error_shares
@@ -17,6 +17,8 @@ from fem_seal.output.summary import write_summary
 from fem_seal.seal.bounds import Bounds
 
 CORRECTED = {"theory": "corrected"}
+# Waves longer than the contact is wide.
+FEW = {"spectrum": SPECTRUM | {"rms_height": "1 um", "q_rolloff": "5e3 1/m"}}
 SPREADS = {"rms_height": {"relative": 0.15}, "q_rolloff": {"relative": 0.4}, "viscosity": {"relative": 0.05}}
 
 
@@ -82,6 +84,8 @@ def test_the_papers_theory_has_its_readings_and_no_error_of_its_own():
 def test_the_sentence_and_the_summary_have_them(tmp_path):
     told = error_sentence(result())
     assert "spans a factor of" in told and "rms height" in told and "known exactly a factor of" in told
+    close = run_loads(case(load={"fluid_pressure": "20 bar"}, roughness=FEW, leak=CORRECTED))
+    assert "Without the doubt of long waves a factor of" in error_sentence(close)
     assert error_sentence(result(*SPREADS, theory="paper")) == ""
     summary = json.loads(write_summary(result(), tmp_path / "summary.json").read_text(encoding="utf-8"))
     (entry,) = summary["error_shares"]

@@ -287,6 +287,7 @@ def test_every_sentence_of_the_report_is_asked_for_and_every_one_asked_for_is_th
     assert set(re.findall(r'said\(\s*"([^"]+)"', code)) == set(tables)
     # chosen by the interface law of the case, by the order of its loads and by the reading
     elsewhere = {"smooth", "exponential", "spectrum", "joined", "numbered", "conserved"}
+    elsewhere |= {f"{what}_{also}" for what in ("inputs", "finish") for also in ("own", "both")}
     keys = {key for table in tables.values() for key in table}
     assert {key for key in keys if f'"{key}"' not in code} <= elsewhere
 

@@ -400,7 +400,7 @@ def test_samples_of_a_surface_linearise_bodies_that_yield() -> None:
 
 def test_a_sample_of_the_modulus_has_its_own_path() -> None:
     _, result = sampled()
-    study = _Study.of(result, Uncertainty(youngs_modulus=Spread(relative=0.05)))
+    study = _Study.of(result, Uncertainty(youngs_modulus=Spread(relative=0.07)))
     assert study.whole_paths and not study.linearised
     (rates,) = study.leak_rates([0])
     factor = study.values["youngs_modulus"][0, 0]
@@ -408,7 +408,7 @@ def test_a_sample_of_the_modulus_has_its_own_path() -> None:
     # as a case of its own, on a mesh of its own
     moduli = {f"{body}.material.youngs_modulus": f"{factor * size:.9g} Pa" for body, size in MODULI.items()}
     assert rates[0] == pytest.approx(leak_of(result.case.replace(moduli)), rel=5e-3)
-    assert abs(rates[0] / study.of_case[0] - 1) > 0.015
+    assert abs(rates[0] / study.of_case[0] - 1) > 0.02
 
 
 MODULI = {"closure": 600e9, "seat": 210e9}

@@ -65,11 +65,11 @@ def leak_of_profiles(problem: SealProblem, profiles: Sequence[ImportedProfile]) 
     problem = replace(problem, usual_only=problem.of_finish)
     peaks = [float(profile.pressure.max()) for profile in profiles]
     rough = RoughFlow(surface, flow, partial(_conductivity, peaks))
-    others = {
-        theory: replace(rough, surface=other.surface, flow=other.flow)
-        for theory in problem.other_theories
-        if (other := problem.in_theory(theory)).surface is not None
-    }
+    others = {}
+    for theory in problem.other_theories:
+        other = problem.in_theory(theory)
+        assert other.surface is not None  # there is one
+        others[theory] = replace(rough, surface=other.surface, flow=other.flow)
     return [
         _given_load(problem, rough, others, profile, fluid_pressure)
         for profile in profiles

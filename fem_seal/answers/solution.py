@@ -64,6 +64,11 @@ class SealSolution(SolvedSeal):
         return VERDICT.of(self.answers).seal
 
     @property
+    def judgement_by_theory(self) -> Mapping[str, tuple[int, Judgement]]:
+        """Number and judgement of the load that would decide by another theory, see `fem_seal.answers.verdict`."""
+        return VERDICT.of(self.answers).by_theory
+
+    @property
     def strongest(self) -> JudgedLoad:
         """The load with the largest closing force; for it error, far field and interface laws are compared."""
         return self.loads[strongest_load(self.loads)]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 from fem_seal.answers.answer import Answer, Inquiry, Loads
 from fem_seal.contact.newton import solve_together
@@ -16,6 +17,22 @@ from leak import Reading
 
 # Loads by theory, in the order of the result; None where a theory has no contact.
 ByTheory = Mapping[str, Sequence[LoadResult | None]]
+
+
+@dataclass(frozen=True)
+class Theories:
+    """The loads by the theories that they are not calculated with.
+
+    Parameters
+    ----------
+    loads : mapping
+        By theory, in the order of the result; None where a theory has no contact or no leak rate.
+    same_contact : mapping
+        Leak rate by theory through the very contact of the highest load [m^3/s].
+    """
+
+    loads: ByTheory = field(default_factory=dict)
+    same_contact: Mapping[str, float] = field(default_factory=dict)
 
 
 def by_theory(seal: SolvedSeal) -> ByTheory:
@@ -46,12 +63,14 @@ def _loads(seal: SolvedSeal, problem: SealProblem) -> list[LoadResult | None]:
     shown = [contact for load in found.values() for contact in load.contacts]
     rough = RoughFlow.of(problem.surface, problem.flow, shown) if shown else None
     return [
-        found[number].knowing(rough=rough, mesh_error=load.mesh_error) if number in found else None
+        found[number].knowing(rough=rough, mesh_error=load.mesh_error, opening=load.opening)
+        if number in found
+        else None
         for number, load in enumerate(seal.loads)
     ]
 
 
-def _compute(seal: SolvedSeal, ask: Inquiry) -> ByTheory:
+def _compute(seal: SolvedSeal, ask: Inquiry) -> Theories:
     highest = highest_load(seal.loads)
 
     def settled(load: LoadResult, what: str) -> LoadResult:
@@ -68,24 +87,31 @@ def _compute(seal: SolvedSeal, ask: Inquiry) -> ByTheory:
         what = f"leak rate by the {theory} theory of elastic asperities"
         return load.with_readings({Reading.ELASTIC: settled(elastic, what)})
 
-    return {
+    found = {
         theory: [None if load is None else known(theory, n, load) for n, load in enumerate(loads)]
         for theory, loads in by_theory(seal).items()
     }
+    same_contact = {}
+    for theory, loads in found.items():
+        other = loads[highest]
+        leak = None if other is None else replace(seal.loads[highest], rough=other.rough).leak
+        if leak is not None:
+            same_contact[theory] = leak.leak_rate
+    return Theories(found, same_contact)
 
 
-def _told(loads: Loads, found: ByTheory) -> Loads:
+def _told(loads: Loads, found: Theories) -> Loads:
     return [
-        load.knowing(by_theory={theory: one for theory, each in found.items() if (one := each[number])})
+        load.knowing(by_theory={theory: one for theory, each in found.loads.items() if (one := each[number])})
         for number, load in enumerate(loads)
     ]
 
 
-THEORIES = Answer[ByTheory](
+THEORIES = Answer[Theories](
     "theories",
     "leak rates by the other theory",
     _compute,
-    {},
+    Theories(),
     lambda seal, wanted: bool(seal.problem.other_theories),
     _told,
     "contacts and leak rates by the other theory",

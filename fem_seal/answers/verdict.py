@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from fem_seal.answers.answer import Answer, Inquiry, Loads
@@ -143,10 +143,14 @@ class Judgements:
     ----------
     seal : SealJudgement or None
     of_loads : tuple of Judgement or None
+    by_theory : mapping
+        Number and judgement of the load that would decide by a theory that the loads are not calculated with; empty
+        where inputs are sampled, which is done for one theory.
     """
 
     seal: SealJudgement | None = None
     of_loads: tuple[Judgement | None, ...] = ()
+    by_theory: Mapping[str, tuple[int, Judgement]] = field(default_factory=dict)
 
 
 def _compute(seal: SolvedSeal, ask: Inquiry) -> Judgements:
@@ -154,7 +158,23 @@ def _compute(seal: SolvedSeal, ask: Inquiry) -> Judgements:
     sampled = UNCERTAINTY.of(ask.answers) is not None or not open_inputs
     loads = with_judgements(seal.case, seal.loads, sampled=sampled)
     found = seal_judgement(seal.case, loads, seal.missing, seal.problem.hardness)
-    return Judgements(found, tuple(load.judgement for load in loads))
+    others = {
+        theory: worst
+        for theory in seal.problem.other_theories
+        if (worst := _worst_by_theory(seal.case, seal.loads, theory)) is not None
+    }
+    return Judgements(found, tuple(load.judgement for load in loads), others)
+
+
+def _worst_by_theory(case: Case, loads: Loads, theory: str) -> tuple[int, Judgement] | None:
+    known = [
+        (number, one)
+        for number, load in enumerate(loads)
+        if load.sampled is None
+        and (other := (load.by_theory or {}).get(theory)) is not None
+        and (one := judged(case, other)) is not None
+    ]
+    return max(known, key=lambda one: severity(one[1]), default=None)
 
 
 def _told(loads: Loads, found: Judgements) -> Loads:

@@ -15,10 +15,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem_seal.answers.judgement import JudgedLoad
-from fem_seal.seal.readings import FURTHER, OWN, WORDS, force_column, leak_rate_column
+from fem_seal.seal.readings import FURTHER, OWN, THEORIES, WORDS, force_column, leak_rate_column
 from fem_seal.units import DIGITS, Unit, fixed_unit, quantity_worth, split_unit
 from leak import Reading
-from leak.theory.reading import READINGS
 
 if TYPE_CHECKING:
     from fem_seal.seal.load_result import LoadResult
@@ -194,10 +193,10 @@ def _leak_rate_by(theory: str) -> Column:
     return Column(
         leak_rate_column(theory),
         "flow",
-        f"leak rate by {_THEORY_WORDS[theory]} theory of the rough contact, on a contact of its own",
+        f"leak rate by {THEORIES[theory]} of the rough contact, on a contact of its own",
         of,
         heading=f"leak rate, {theory}",
-        title=f"leak rate, {_THEORY_WORDS[theory]} theory",
+        title=f"leak rate, {THEORIES[theory]}",
         short=theory,
         shown_in="mm³/s",
         unit_like="leak_rate_m3_per_s",
@@ -264,7 +263,6 @@ def _of_scratches(row: Row, which: int) -> float | None:
 
 
 _FLOW = ("roughness", "fluid")
-_THEORY_WORDS = {"paper": "the paper's", "corrected": "the corrected"}
 
 
 def _said() -> dict[str, Any]:
@@ -328,7 +326,7 @@ def _columns() -> Iterator[Column]:
             yield from map(_leak_rate_read, (OWN, *FURTHER))
             yield from map(_force_read, FURTHER)
         yield Column(name, of=of, **_SAID["loads"][name])
-    yield from map(_leak_rate_by, READINGS)
+    yield from map(_leak_rate_by, THEORIES)
 
 
 COLUMNS = {column.name: column for column in _columns()}
@@ -343,7 +341,7 @@ def own_theory(loads: Sequence[LoadResult]) -> set[str]:
     """
     return {
         leak_rate_column(theory)
-        for theory in READINGS
+        for theory in THEORIES
         if all(load.in_theory(theory) is load for load in loads)
     }
 
@@ -363,7 +361,7 @@ def in_words(load: LoadResult, name: str) -> str:
 
 LEAK_COLUMNS = tuple(COLUMNS)
 # What is known of the pressure profile of another program.
-PROFILE_LEAK_COLUMNS = (*_SAID["of_profiles"], *map(leak_rate_column, (OWN, *FURTHER, *READINGS)))
+PROFILE_LEAK_COLUMNS = (*_SAID["of_profiles"], *map(leak_rate_column, (OWN, *FURTHER, *THEORIES)))
 # What the terminal shows of the loads, where a row fills it.
 LEAK_ON_TERMINAL = tuple(COLUMNS[name].on_terminal for name in _SAID["on_terminal"])
 # What `fem-seal check` shows of the loads: what is known of the columns before a solve, and the closed forms.

@@ -421,6 +421,19 @@ def leak_rates(
     return found
 
 
+def rate_of(load: LoadResult) -> float | Bounds:
+    """The leak rate of a load as it is told: its interval, or the only number; NaN without one [m^3/s].
+
+    Parameters
+    ----------
+    load : LoadResult
+    """
+    ends = load.leak_interval
+    if load.leak is None or ends is None:
+        return math.nan
+    return ends if ends.apart else load.leak.leak_rate
+
+
 def strongest_load(loads: Sequence[LoadResult]) -> int:
     """Number of the load with the largest closing force F_N."""
     return max(range(len(loads)), key=lambda n: loads[n].contact_force)

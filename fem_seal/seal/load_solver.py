@@ -556,7 +556,16 @@ def linearised_again(contacts: Sequence[ContactSolution], law: Law) -> list[Cont
         for one in reversed([one for one in _history(contact) if id(one) not in found]):
             assert isinstance(one, ElastoplasticContact) and one.linear is not None
             again = solve(one.linear, law, contact_force=one.contact_force, loads=one.loads, start=one)
-            found[id(one)] = again.after(found.get(id(one.earlier)))
+            # a contact of the true bodies, in the states that they are in
+            moved = replace(
+                one,
+                approach=again.approach,
+                log_pressure=again.log_pressure,
+                gap=again.gap,
+                iterations=again.iterations,
+                residuals=again.residuals,
+            )
+            found[id(one)] = moved.after(found.get(id(one.earlier)))
     return [found[id(contact)] for contact in contacts]
 
 

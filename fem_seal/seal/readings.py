@@ -1,4 +1,4 @@
-"""Words for the readings of asperities that yield, all of them here."""
+"""Words for the theories of the rough contact and their readings of asperities that yield, all of them here."""
 
 from __future__ import annotations
 
@@ -8,6 +8,10 @@ from leak.theory.reading import READINGS, Reading
 
 OWN, *FURTHER = READINGS["paper"]
 """The reading that a case takes, and those that stand beside it."""
+
+
+THEORIES = {"paper": "the paper's theory", "corrected": "the corrected theory"}
+"""What the theories of the rough contact are called."""
 
 
 def leak_rate_column(reading: str) -> str:

@@ -133,6 +133,8 @@ def _set_aside(study: StudyPlan, path: Path, progress: Progress) -> None:
     if not gone or left != list(study.responses):
         return
     aside = path.with_name(f"{path.stem}_paper{path.suffix}")
+    if aside.exists():
+        return  # nothing is written over; that the columns differ is said next
     for end in ("", "-wal", "-shm"):
         if (part := path.with_name(path.name + end)).exists():
             part.replace(aside.with_name(aside.name + end))

@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.answers.solution import SealSolution
 from fem_seal.output.prose import said
 from fem_seal.output.shown import Section, Shown
+from fem_seal.seal.bounds import EXACT, Bounds
 from fem_seal.seal.load_names import load_name
-from fem_seal.seal.load_result import LoadResult
-from fem_seal.units import LeakVolume, leak_range_text, number, percent, quantity_worth
+from fem_seal.seal.load_result import LoadResult, rate_of
+from fem_seal.seal.readings import THEORIES
+from fem_seal.units import leak_range_text, number, percent, quantity_worth
 from leak import Reading
-from leak.theory.reading import READINGS
 
-_NAMES = {"paper": "the paper's theory", "corrected": "the corrected theory"}
 # Factors closer to one are told as none.
 _NOTICED = 1.02
 
@@ -24,12 +23,13 @@ def _rate(load: LoadResult) -> float:
     return 0.0 if load.leak is None else load.leak.leak_rate
 
 
-def _told(load: LoadResult, digits: int, volume: LeakVolume) -> str:
-    """A leak rate with its interval, as far as that is two numbers."""
-    ends = load.leak_interval
-    return leak_range_text(
-        ends if ends is not None and ends.apart else _rate(load), min(digits, 2), volume=volume
-    )
+def _told(result: SealSolution, load: LoadResult) -> str:
+    return leak_range_text(rate_of(load), min(result.highest.leak_digits, 2), volume=volume_of(result.case))
+
+
+def _inputs(load: LoadResult) -> str:
+    """Samples of uncertain inputs are calculated with one theory, the other number is that of the inputs as given."""
+    return "" if load.sampled is None else " with the inputs as given"
 
 
 def corrected_beside(result: SealSolution) -> str:
@@ -43,8 +43,8 @@ def corrected_beside(result: SealSolution) -> str:
     other = load.in_theory("corrected")
     if load.in_theory("paper") is not load or other is None:
         return ""
-    rate = _told(other, load.leak_digits, volume_of(result.case)) if _rate(other) else "nothing"
-    return said("theories.beside", "headline", rate=rate, load=load_name(load, result.loads))
+    rate, at = _told(result, other) if _rate(other) else "nothing", load_name(load, result.loads)
+    return said("theories.beside", "headline", rate=rate, load=at, inputs=_inputs(load))
 
 
 def theories_in_words(result: SealSolution) -> list[str]:
@@ -61,8 +61,8 @@ def theories_in_words(result: SealSolution) -> list[str]:
     found = [_compared(result, load, theory, other) for theory, other in others.items()]
     if len(others) == 1:
         ((theory, other),) = others.items()
-        found += [*_contact(load, theory, other), *_yielding(load, theory, other)]
-    return [*found, said("theories.why", "simulated")]
+        found += [*_contact(result, theory, other), *_yielding(load, theory, other)]
+    return [*found, *_simulated(load), said("theories.why", "believe")]
 
 
 def _compared(result: SealSolution, load: LoadResult, theory: str, other: LoadResult) -> str:
@@ -71,27 +71,26 @@ def _compared(result: SealSolution, load: LoadResult, theory: str, other: LoadRe
     return said(
         "theories.beside",
         kind,
-        theory=_NAMES[theory],
+        theory=THEORIES[theory],
         load=load_name(load, result.loads),
-        rate=_told(other, load.leak_digits, volume_of(result.case)) if rate else "",
+        inputs=_inputs(load),
+        rate=_told(result, other) if rate else "",
         factor=number(rate / own, 2) if own else "",
         own=leak_range_text(own, min(load.leak_digits, 2), volume=volume_of(result.case)) if own else "",
     )
 
 
-def _contact(load: LoadResult, theory: str, other: LoadResult) -> Iterator[str]:
+def _contact(result: SealSolution, theory: str, other: LoadResult) -> Iterator[str]:
     """How much of the difference the contact makes, and how much what leaks through one and the same."""
-    on_its_own = replace(load, rough=other.rough)
-    shares = _rate(load), _rate(on_its_own), _rate(other)
-    if not all(shares) or max(other.peak_pressure, load.peak_pressure) < _NOTICED * min(
-        other.peak_pressure, load.peak_pressure
-    ):
+    load = result.highest
+    own, same, rate = _rate(load), result.theories.same_contact.get(theory, 0.0), _rate(other)
+    peaks = Bounds.of([load.peak_pressure, other.peak_pressure])
+    if not all((own, same, rate)) or peaks.high < _NOTICED * peaks.low:
         return
-    own, same, rate = shares
     yield said(
         "theories.why",
         "contact",
-        theory=_NAMES[theory],
+        theory=THEORIES[theory],
         gaps=number(same / own, 2),
         contact=number(rate / same, 2),
         peak=quantity_worth("contact pressure", other.peak_pressure, min(3, load.pressure_digits)),
@@ -102,12 +101,20 @@ def _contact(load: LoadResult, theory: str, other: LoadResult) -> Iterator[str]:
 def _yielding(load: LoadResult, theory: str, other: LoadResult) -> Iterator[str]:
     """What asperities that yield leave of the elastic leak rate in each theory."""
     left = {}
-    for name, one in ((theory, other), (next(known for known in READINGS if known != theory), load)):
+    for name, one in ((theory, other), (next(known for known in THEORIES if known != theory), load)):
         elastic = _rate(one.reading(Reading.ELASTIC))
         if not elastic or one.reading(Reading.ELASTIC) is one:
             return
         left[name] = percent(_rate(one) / elastic)
     yield said("theories.why", "yielding", **left)
+
+
+def _simulated(load: LoadResult) -> Iterator[str]:
+    """What the corrected theory may be off by here, as direct simulation finds it."""
+    corrected = load.in_theory("corrected")
+    if corrected is not None and corrected.theory_error != EXACT:
+        low, high = (f"{one:.2f}" for one in corrected.theory_error)
+        yield said("theories.why", "simulated", low=low, high=high)
 
 
 def _section(result: SealSolution) -> Section | None:

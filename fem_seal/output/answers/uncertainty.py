@@ -48,7 +48,7 @@ _NARROW, _NAMED, _LEAST = 1.25, 4, 0.01
 def _named(name: str) -> str:
     """An uncertain input in words; one of several measured spectra is called by its key."""
     if name.startswith("accuracy: "):
-        return f"accuracy of the calculation ({name.removeprefix('accuracy: ')})"
+        return name.removeprefix("accuracy: ")
     key = name.removeprefix("scan_length_")
     return _NAMES.get(name, f"length of the scans ({key})" if key != name else f"{name} between scans")
 
@@ -136,6 +136,7 @@ def error_sentence(result: SealSolution) -> str:
     return said(
         "notes.error_shares",
         "interval",
+        "doubt" if largest.startswith("accuracy: ") else "source",
         load=load_name(result.loads[number], result.loads),
         factor=number_text(found.factor, 2),
         shares=", ".join(f"{_named(name)} {percent(share, 1)}" for name, share in told),

@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from fem_seal.answers.judgement import Limit, SealJudgement, Shares, Why, severity
+from fem_seal.answers.judgement import Limit, SealJudgement, Shares, Why
 from fem_seal.answers.leakage_class import next_class, nominal_size, volume_of
 from fem_seal.answers.limits import OF_LEAK_RATE, limits
 from fem_seal.case.leak_rate import Bubbles, NormalVolume, Throughput
@@ -15,6 +15,7 @@ from fem_seal.output.prose import said
 from fem_seal.output.shown import Shown
 from fem_seal.seal.findings import Level
 from fem_seal.seal.load_names import load_name
+from fem_seal.seal.readings import THEORIES
 from fem_seal.units import (
     LeakVolume,
     digits_beside,
@@ -31,7 +32,6 @@ from fem_seal.units import (
     worth,
 )
 from leak import millibar_litres_per_second, millilitres_per_minute
-from leak.theory.reading import READINGS
 
 if TYPE_CHECKING:
     from fem_seal.answers.judgement import JudgedLoad, VerdictForce
@@ -192,25 +192,13 @@ def _besides(result: SealSolution, found: SealJudgement) -> Iterator[str]:
 
 
 def _other_theory(result: SealSolution, found: SealJudgement) -> Iterator[str]:
-    """That the other theory would come to another verdict; of uncertain inputs it has no samples."""
-    from fem_seal.answers.verdict import judged
-
-    loads = [result.loads[number] for number in found.judged]
-    for theory in READINGS:
-        others = [load.in_theory(theory) for load in loads]
-        judged_ = [
-            (judged(result.case, other), other)
-            for load, other in zip(loads, others, strict=True)
-            if other is not None and other is not load and load.sampled is None
-        ]
-        known = [(one, other) for one, other in judged_ if one is not None]
-        if not known:
-            continue
-        worst, other = max(known, key=lambda one: severity(one[0]))
-        if worst.verdict is not found.verdict:
-            rate = leak_range_text(worst.ends, 2, beside=(worst.limit.leak_rate,))
-            at = load_name(other, result.loads)
-            yield said("verdict.said", "theory", theory=theory, verdict=worst.verdict, rate=rate, load=at)
+    """That the other theory would come to another verdict."""
+    for theory, (place, judged) in result.judgement_by_theory.items():
+        if judged.verdict is not found.verdict:
+            rate = leak_range_text(judged.ends, 2, beside=(judged.limit.leak_rate,))
+            at = load_name(result.loads[place], result.loads)
+            name, verdict = THEORIES[theory], judged.verdict
+            yield said("verdict.said", "theory", theory=name, verdict=verdict, rate=rate, load=at)
 
 
 def _bubble(volume: float) -> str:

@@ -241,7 +241,7 @@ _THEORIES = {
     "paper": "of the paper: gaps by Persson's theory",
     "corrected": "corrected: gap law of waves in series, checked by direct simulation",
 }
-_YIELD = {"paper": "yield at the hardness", "corrected": "flow by von Mises, at the hardness in full"}
+_YIELD = {"paper": "yield at the hardness", "corrected": "flow by von Mises' criterion"}
 
 
 def _leak(case: Case) -> list[tuple[str, str]]:

@@ -16,9 +16,8 @@ from fem_seal.output.prose import said
 from fem_seal.output.readable import ReadableTable, columns_table, filled_column
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.load_result import LoadResult
-from fem_seal.seal.readings import FURTHER, leak_rate_column
+from fem_seal.seal.readings import FURTHER, THEORIES, leak_rate_column
 from fem_seal.units import given, percent, quantity_worth
-from leak.theory.reading import READINGS
 
 if TYPE_CHECKING:
     from fem_seal.materials import HardeningCurve
@@ -38,7 +37,7 @@ _OF_LOADS = (
     "leak_rate_m3_per_s",
     *(leak_rate_column(one) for one in FURTHER),
     "leak_rate_elastic_m3_per_s",
-    *map(leak_rate_column, READINGS),
+    *map(leak_rate_column, THEORIES),
     "leak_rate_round_m3_per_s",
     "max_von_mises_Pa",
 )

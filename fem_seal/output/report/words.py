@@ -21,7 +21,7 @@ from fem_seal.output.report.tables import imprint_in_words, what_yielded
 from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.findings import Level, Validity
 from fem_seal.seal.load_names import load_values
-from fem_seal.seal.load_result import LoadResult, highest_load
+from fem_seal.seal.load_result import LoadResult, highest_load, rate_of
 from fem_seal.seal.readings import WORDS
 from fem_seal.units import (
     LIQUID,
@@ -183,14 +183,6 @@ def _told_apart(load: LoadResult) -> bool:
     """Whether the readings of yielding asperities are read as two numbers."""
     ends = ends_told(load)
     return ends is not None and len({worth(one, min(load.leak_digits, 2)) for one in ends}) == 2
-
-
-def rate_of(load: LoadResult) -> float | tuple[float, float]:
-    """The leak rate of a load as it is told: its interval, or the only number [m^3/s]."""
-    ends = load.leak_interval
-    if load.leak is None or ends is None:
-        return math.nan
-    return ends if ends.apart else load.leak.leak_rate
 
 
 def usual_rate_of(load: LoadResult) -> float | tuple[float, float]:
@@ -427,16 +419,11 @@ def accuracy_in_words(load: LoadResult) -> list[str]:
 def _samples_in_words(case: Case, load: LoadResult) -> str:
     """What the two ends of a leak rate are whose inputs are uncertain."""
     assert case.sampled is not None
-    of_finish, of_inputs = (
-        ("finish_both", "inputs_both")
-        if load.yields
-        else ("finish", "inputs")
-        if load.flow_error is None
-        else ("finish_own", "inputs_own")
-    )
+    what = "finish" if has_finish(case) else "inputs"
+    also = "_both" if load.yields else "" if load.flow_error is None else "_own"
     return said(
         "readings.sampled",
-        of_finish if has_finish(case) else of_inputs,
+        what + also,
         share=percent(case.sampled.confidence),
     )
 
@@ -543,13 +530,11 @@ def _less_by_yielding(load: LoadResult) -> tuple[str, str]:
     if not high > 0:
         return "", ""
     elastic, digits = never.leak_rate, min(load.leak_digits, 2)
-
-    def factor_text(factor: float) -> str:
-        return worth(factor, digits_beside(factor, 1.0, digits))
-
     if low == 0:
-        return factor_text(elastic / high), "never_sealed"
-    factor = range_text(factor_text(elastic / high), factor_text(elastic / low))
+        return worth(elastic / high, digits_beside(elastic / high, 1.0, digits)), "never_sealed"
+    factor = range_text(
+        *(worth(one, digits_beside(one, 1.0, digits)) for one in (elastic / high, elastic / low))
+    )
     return factor, "never" if elastic / low > _NOTICED else "hardly"
 
 
