@@ -11,10 +11,13 @@ import pytest
 from sample_results import SPECTRUM, case, run_loads
 
 import fem_seal
-from fem_seal.answers.error_shares import ErrorShares, error_shares
+import leak
+from fem_seal.answers.error_shares import ErrorShares, error_shares, measured_profiles
 from fem_seal.output.answers.uncertainty import error_sentence, error_shares_of
+from fem_seal.output.answers.verdict import verdict_sentences
 from fem_seal.output.summary import write_summary
 from fem_seal.seal.bounds import Bounds
+from leak.surfaces.line_spectrum import height_scatter
 
 CORRECTED = {"theory": "corrected"}
 # Waves longer than the contact is wide.
@@ -90,3 +93,65 @@ def test_the_sentence_and_the_summary_have_them(tmp_path):
     summary = json.loads(write_summary(result(), tmp_path / "summary.json").read_text(encoding="utf-8"))
     (entry,) = summary["error_shares"]
     assert entry["of_width"] == pytest.approx(dict(error_shares_of(result())[0].of_width))
+
+
+LAPPED = {
+    "seat": {"Ra": "0.2 um", "process": "lapped"},
+    "closure": {"Ra": "0.025 um", "process": "polished"},
+}
+
+
+def measured(problem, folder, seed, height=1.0):
+    """The same case after line scans of both faces that show what is usual for the finishes, or other heights."""
+    faces = {}
+    for number, (key, one) in enumerate(problem.roughness.finishes.items()):
+        length = 7.0 * one.finish.band.lambda_c
+        x, h = leak.random_line_scan(
+            one.surface().across, length=length, points=int(length / 0.5e-6), seed=10 * seed + number
+        )
+        rows = [f"{1e3 * a:.4f},{1e6 * height * b:.5f}" for a, b in zip(x, h, strict=True)]
+        file = folder / f"{key}{seed}.csv"
+        file.write_text("\n".join(["x [mm],height [um]", *rows]), encoding="utf-8")
+        faces[key] = {"kind": "profile", "file": str(file)}
+    return problem.replace({"roughness": faces, "uncertainty": {"samples": 256}})
+
+
+def finished(**tables):
+    return case(load={"fluid_pressure": "20 bar"}, roughness=LAPPED, leak=CORRECTED, **tables)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_measured_profile_leaves_what_was_foretold(tmp_path, seed):
+    """By doing it: a finish of 0.2 um leaves a factor of 3 before, one line scan of each face 1.4 to 1.6."""
+    found = fem_seal.run(finished())
+    (shares,) = error_shares_of(found)
+    assert shares.factor > 2.5 and shares.by_profiles.length == pytest.approx(5.6e-3)
+    assert "One measured profile of 5.6 mm of each face with a drawing's finish" in error_sentence(found)
+    (after,) = error_shares_of(fem_seal.run(measured(finished(), tmp_path, seed)))
+    assert after.factor == pytest.approx(shares.by_profiles.left, rel=0.15)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("height", "verdict"), [(0.92, "pass"), (1.3, "fail")])
+def test_an_open_verdict_says_which_heights_would_pass(tmp_path, height, verdict):
+    """0.27 ml/min is allowed, and usual heights are all but as high as would pass."""
+    required = {"requirement": {"leak_rate": "0.27 ml/min"}}
+    found = fem_seal.run(finished(**required))
+    assert found.verdict == "inconclusive"
+    told = "one measured profile of 5.6 mm of each face shows heights of at most 1.0 times those usual"
+    assert any(told in one for one in verdict_sentences(found))
+    assert fem_seal.run(measured(finished(**required), tmp_path, 2, height)).verdict == verdict
+
+
+def test_line_scans_scatter_in_height_as_foretold():
+    rough = leak.PowerSpectrum.self_affine(rms_height=1e-6, hurst=0.8, q_low=1e3, q_rolloff=1e5, q_high=1e6)
+    scans = [leak.random_line_scan(rough, length=4e-3, points=4000, seed=seed)[1] for seed in range(300)]
+    # the standard deviation of 300 is known to 4 %
+    assert np.std([np.log(h.std()) for h in scans]) == pytest.approx(height_scatter(rough, 4e-3), rel=0.12)
+
+
+def test_faces_that_are_no_finishes_have_no_profile_to_measure():
+    assert measured_profiles(case()) is None
+    by_rq = {face: {"Rq": "0.2 um", "process": "lapped"} for face in ("seat", "closure")}
+    assert measured_profiles(case(roughness=by_rq)) is None

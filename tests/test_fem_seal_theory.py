@@ -140,6 +140,32 @@ def test_a_verdict_that_only_the_papers_theory_would_give_is_remarked():
     assert "By the paper's theory alone it would be inconclusive: 23 to 120 ml/min at 20 bar" in remark
 
 
+def test_samples_have_the_other_verdict_of_the_inputs_as_given():
+    """The other theory is not sampled: both theories are compared without."""
+    required = {
+        "load.fluid_pressure": "20 bar",
+        "requirement": {"leak_rate": "50 ml/min"},
+        "uncertainty": {"samples": 64, "hardness": {"relative": 0.05}},
+    }
+    fails = fem_seal.run(example("ball_cone").replace({"leak.theory": "corrected", **required}))
+    assert fails.verdict == "fail" and fails.highest.sampled is not None
+    (remark,) = [one for one in verdict_lines(fails) if "theory alone" in one]
+    told = "With the inputs as given it would be fail, and by the paper's theory alone inconclusive: "
+    assert told in remark
+
+
+def test_a_contact_next_to_the_threshold_leaks_no_more_than_one_pressed_less():
+    """What is pressed harder than where direct results end lets less through: a bound of the leak rate from above."""
+    load = fem_seal.run(example("ball_cone", **CORRECTED)).highest
+    profile, rough = load.tightest, load.rough
+    rates = [
+        rough.leak_pressed_up_to(share * profile.peak_pressure, profile, load.fluid_pressure).leak_rate
+        for share in (0.25, 0.5, 0.9, 1.0)
+    ]
+    assert all(np.diff(rates) < 0.0)
+    assert rates[-1] == pytest.approx(load.leak.leak_rate, rel=1e-9)
+
+
 def test_designs_by_the_papers_theory_are_set_aside_and_calculated_anew(tmp_path):
     study = {
         "base": example("ball_cone"),

@@ -64,8 +64,8 @@ class SealSolution(SolvedSeal):
         return VERDICT.of(self.answers).seal
 
     @property
-    def judgement_by_theory(self) -> Mapping[str, tuple[int, Judgement]]:
-        """Number and judgement of the load that would decide by another theory, see `fem_seal.answers.verdict`."""
+    def judgement_by_theory(self) -> Mapping[str, tuple[int, Judgement, Verdict]]:
+        """What would decide by another theory that comes to another verdict, see `fem_seal.answers.verdict`."""
         return VERDICT.of(self.answers).by_theory
 
     @property

@@ -144,13 +144,13 @@ class Judgements:
     seal : SealJudgement or None
     of_loads : tuple of Judgement or None
     by_theory : mapping
-        Number and judgement of the load that would decide by a theory that the loads are not calculated with; empty
-        where inputs are sampled, which is done for one theory.
+        Number and judgement of the load that would decide by a theory that the loads are not calculated with, and the
+        verdict by their own, both with the inputs as given; where these verdicts differ.
     """
 
     seal: SealJudgement | None = None
     of_loads: tuple[Judgement | None, ...] = ()
-    by_theory: Mapping[str, tuple[int, Judgement]] = field(default_factory=dict)
+    by_theory: Mapping[str, tuple[int, Judgement, Verdict]] = field(default_factory=dict)
 
 
 def _compute(seal: SolvedSeal, ask: Inquiry) -> Judgements:
@@ -158,21 +158,24 @@ def _compute(seal: SolvedSeal, ask: Inquiry) -> Judgements:
     sampled = UNCERTAINTY.of(ask.answers) is not None or not open_inputs
     loads = with_judgements(seal.case, seal.loads, sampled=sampled)
     found = seal_judgement(seal.case, loads, seal.missing, seal.problem.hardness)
-    others = {
-        theory: worst
-        for theory in seal.problem.other_theories
-        if (worst := _worst_by_theory(seal.case, seal.loads, theory)) is not None
-    }
-    return Judgements(found, tuple(load.judgement for load in loads), others)
+    return Judgements(found, tuple(load.judgement for load in loads), _by_theory(seal))
 
 
-def _worst_by_theory(case: Case, loads: Loads, theory: str) -> tuple[int, Judgement] | None:
+def _by_theory(seal: SolvedSeal) -> dict[str, tuple[int, Judgement, Verdict]]:
+    own = _worst(seal.case, [load.knowing(sampled=None) for load in seal.loads])
+    found = {}
+    for theory in seal.problem.other_theories:
+        other = _worst(seal.case, [(load.by_theory or {}).get(theory) for load in seal.loads])
+        if own is not None and other is not None and own[1].verdict is not other[1].verdict:
+            found[theory] = (*other, own[1].verdict)
+    return found
+
+
+def _worst(case: Case, loads: Sequence[LoadResult | None]) -> tuple[int, Judgement] | None:
     known = [
         (number, one)
         for number, load in enumerate(loads)
-        if load.sampled is None
-        and (other := (load.by_theory or {}).get(theory)) is not None
-        and (one := judged(case, other)) is not None
+        if load is not None and (one := judged(case, load)) is not None
     ]
     return max(known, key=lambda one: severity(one[1]), default=None)
 

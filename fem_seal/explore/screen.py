@@ -18,7 +18,7 @@ from fem_seal.seal.load_result import highest_load
 from fem_seal.units import LIQUID, LeakVolume
 
 if TYPE_CHECKING:
-    from fem_seal.answers.judgement import Judgement, SealJudgement
+    from fem_seal.answers.judgement import Judgement, SealJudgement, Verdict
     from fem_seal.arrays import FloatArray
     from fem_seal.case.case import Case
     from fem_seal.seal.load_result import LoadResult
@@ -229,7 +229,7 @@ class _Loads:
     case: Case
     loads: Sequence[LoadResult]
     judgement: SealJudgement | None
-    judgement_by_theory: Mapping[str, tuple[int, Judgement]] = field(default_factory=dict)
+    judgement_by_theory: Mapping[str, tuple[int, Judgement, Verdict]] = field(default_factory=dict)
     """The page calculates by the theory of its case alone."""
 
     @property

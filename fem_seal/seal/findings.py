@@ -160,6 +160,8 @@ class Validity:
 
 
 VALID = Validity()
+YIELD_STRESS = "yield stress"
+"""Kind of the caution about a body that is solved as elastic above its yield stress."""
 DIRECT_SCATTER = "direct scatter"
 """Kind of the caution that says how uncertain a simulated conductivity is, of which the interval is made."""
 ORDERS_OF_MAGNITUDE = 1e3

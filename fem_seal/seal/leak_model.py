@@ -267,8 +267,19 @@ class Flow:
         LeakResult
             A `leak.CoupledLeakResult` for fluid_in_gap = "local".
         """
+        return self.leak_by(self.in_contact(table, surface, profile), profile, fluid_pressure)
+
+    def leak_by(self, table: Conductivity, profile: PressureProfile, fluid_pressure: float) -> LeakResult:
+        """`leak_of` by the table of the contact itself, see `in_contact`.
+
+        Parameters
+        ----------
+        table : ConductivityTable or GasConductivityTable
+        profile : PressureProfile
+        fluid_pressure : float
+            Pressure difference [Pa].
+        """
         x, pressure, side = profile.x, profile.pressure, self.pressure_side
-        table = self.in_contact(table, surface, profile)
         if self.fluid_in_gap == "local" and isinstance(table, leak.ConductivityTable):
             assert profile.largest is None  # the case's own checks refuse it
             return leak.coupled_leak_flow(
@@ -514,6 +525,26 @@ class RoughFlow(ByReading):
         if self.flow is None or self.table is None:
             return None
         return self.flow.leak_of(self.table, self.surface, profile, fluid_pressure)
+
+    def leak_pressed_up_to(
+        self, most: float, profile: PressureProfile, fluid_pressure: float
+    ) -> LeakResult | None:
+        """Leak of one of the contacts, its channels as they are, if no place were pressed harder; None without a fluid.
+
+        Parameters
+        ----------
+        most : float
+            Contact pressure [Pa].
+        profile : PressureProfile
+        fluid_pressure : float
+            Pressure difference [Pa].
+        """
+        if self.flow is None or self.table is None:
+            return None
+        earlier = None if profile.largest is None else np.minimum(profile.largest, most)
+        pressed = replace(profile, pressure=np.minimum(profile.pressure, most), largest=earlier)
+        table = self.flow.in_contact(self.table, self.surface, profile)
+        return self.flow.leak_by(table, pressed, fluid_pressure)
 
     def at(self, fluid_pressure: float) -> ProfileFlow | None:
         """Flow at a pressure difference [Pa]; None without a fluid."""

@@ -14,7 +14,7 @@ from fem_seal.contact.model import ContactModel
 from fem_seal.contact.yielding import PlasticZone, YieldedZone, yielding_of
 from fem_seal.materials import creep_remarks
 from fem_seal.seal.bounds import EXACT, Bounds
-from fem_seal.seal.findings import DIRECT_SCATTER, Caution, Level, Validity
+from fem_seal.seal.findings import DIRECT_SCATTER, ORDERS_OF_MAGNITUDE, YIELD_STRESS, Caution, Level, Validity
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.problem import LARGEST_TURNING, TURNED
 from fem_seal.units import DIGITS, beside, briefly, number, rounded, share_text
@@ -22,6 +22,7 @@ from fem_seal.validity.fluid import fluid_cautions, molecule_cautions
 from fem_seal.validity.form import LARGEST_EXCESS, form_cautions
 from fem_seal.validity.materials import temperature_cautions
 from fem_seal.validity.words import caution
+from leak.numerics.roots import root_between
 
 if TYPE_CHECKING:
     from fem_seal.seal.direct import DirectTable
@@ -322,7 +323,7 @@ def _yielding(problem: SealProblem, model: ContactModel, loads: Sequence[LoadRes
         limit, excess = rounded(zone.yield_stress / 1e6, DIGITS), _times(zone.excess, load, 3)
         stress = _mpa(zone.von_mises, load, limit)
         yield Caution(
-            "yield stress",
+            YIELD_STRESS,
             level,
             f"{name}: von Mises stress {excess} times its yield stress",
             f"{name}: von Mises stress {stress} MPa at {load_name(load, loads)} is {excess} times the yield stress "
@@ -600,14 +601,18 @@ def _nearly_sealed(
             beyond=beyond,
         )
     elif area > _DIRECT_END:
+        most = _most_leak(load, surface)
         yield caution(
             "close_to_threshold",
             load,
             loads,
-            leak_factor=Bounds(0.0, math.inf),
+            leak_factor=Bounds(0.0, most),
             area=area,
             surface=surface,
             direct_end=_DIRECT_END,
+            bound=f"pressed no harder it would leak {number(most, 2)} times as much, and it leaks no more than that"
+            if most < ORDERS_OF_MAGNITUDE
+            else "no bound on the error is known",
         )
     elif area > _FEW_CHANNELS and surface.theory == "paper":
         # the corrected theory has this in its own error
@@ -620,6 +625,23 @@ def _nearly_sealed(
             factor=factor,
             few_channels=_FEW_CHANNELS,
         )
+
+
+def _most_leak(load: LoadResult, surface: RoughContact) -> float:
+    """Leak rate if no place were pressed harder than where direct results end, over the calculated one.
+
+    What is pressed harder lets no more through. Infinite where it is not known: around an axis that is not round.
+    """
+    leak = load.leak
+    if load.rough is None or load.formed is not None or leak is None or not leak.leak_rate > 0.0:
+        return math.inf
+    profile = load.tightest
+    ends = math.log(1e-3 * profile.peak_pressure), math.log(profile.peak_pressure)
+    limit = math.exp(root_between(lambda p: float(surface.contact_area(math.exp(p))) - _DIRECT_END, *ends))
+    found = load.rough.leak_pressed_up_to(limit, profile, load.fluid_pressure)
+    assert found is not None  # the load itself has one
+    off = 1.0 if surface.theory == "corrected" else _FACTORS[-1][1]
+    return off * found.leak_rate / leak.leak_rate
 
 
 def _simulated(table: DirectTable, load: LoadResult, loads: Sequence[LoadResult]) -> Iterator[Caution]:

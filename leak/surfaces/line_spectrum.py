@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -60,3 +62,36 @@ def profile_density(spectrum: PowerSpectrum, wavenumber: ArrayLike) -> FloatArra
 
     found = np.concatenate([of(part) for part in np.array_split(q.ravel(), q.size // 2000 + 1)])
     return float(found[0]) if np.ndim(wavenumber) == 0 else found.reshape(q.shape)
+
+
+# Wavenumbers over which the square of a profile's spectrum is summed.
+_SUMMED = 2000
+
+
+def height_scatter(spectrum: PowerSpectrum, length: float) -> float:
+    """Standard deviation of ln of the rms height that line scans of a surface have [-].
+
+    Of Gaussian heights, for scans much longer than the longest waves that matter: of n independent pieces of them
+    (2 n)^(-1/2), n = length (int C_1D dq)^2/(2 pi int C_1D^2 dq).
+
+    Parameters
+    ----------
+    spectrum : PowerSpectrum
+        Of the isotropic surface.
+    length : float
+        Of one scan [m].
+
+    References
+    ----------
+    J. S. Bendat, A. G. Piersol, Random Data (2010), eq. (8.54).
+
+    Examples
+    --------
+    >>> rough = PowerSpectrum.self_affine(rms_height=1e-6, hurst=0.8, q_low=1e3, q_rolloff=1e5, q_high=4e6)
+    >>> short, long = height_scatter(rough, 1e-3), height_scatter(rough, 4e-3)
+    >>> round(short, 3), round(short / long, 9)
+    (0.093, 2.0)
+    """
+    q = np.concatenate([[0.0], np.geomspace(1e-2 * spectrum.q_low, spectrum.q_high, _SUMMED)])
+    C = np.asarray(profile_density(spectrum, q))
+    return math.sqrt(math.pi / (2.0 * length) * np.trapezoid(C**2, q)) / float(np.trapezoid(C, q))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem_seal.answers.error_shares import ErrorShares, error_shares
+from fem_seal.answers.error_shares import ErrorShares, error_shares, measured_profiles
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.answers.solution import SealSolution
 from fem_seal.output.prose import said
@@ -16,8 +16,7 @@ from fem_seal.output.readable import ReadableTable
 from fem_seal.output.shown import Shown
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.load_result import highest_load
-from fem_seal.units import number as number_text
-from fem_seal.units import percent, unit_for, worth
+from fem_seal.units import percent, quantity, unit_for, worth
 
 if TYPE_CHECKING:
     from fem_seal.answers.uncertainty import LeakInterval
@@ -41,14 +40,19 @@ _NAMES = {
     "yielding": "how asperities yield",
     "readings": "readings of yielding asperities",
 }
+# Doubts of the calculation that would be taken for an input.
+_DOUBTS = {"lay": "how a lay conducts"}
 # An interval narrower than this has no sources that are worth naming, and how many of them are.
 _NARROW, _NAMED, _LEAST = 1.25, 4, 0.01
+# A measurement that narrows it by less is not worth its name.
+_NARROWER = 1.1
 
 
 def _named(name: str) -> str:
     """An uncertain input in words; one of several measured spectra is called by its key."""
     if name.startswith("accuracy: "):
-        return name.removeprefix("accuracy: ")
+        kind = name.removeprefix("accuracy: ")
+        return _DOUBTS.get(kind, kind)
     key = name.removeprefix("scan_length_")
     return _NAMES.get(name, f"length of the scans ({key})" if key != name else f"{name} between scans")
 
@@ -122,7 +126,10 @@ def error_shares_of(result: SealSolution) -> list[ErrorShares]:
     ----------
     result : SealSolution
     """
-    return [error_shares(load, result.uncertainty, number) for number, load in enumerate(result.loads)]
+    profiles = measured_profiles(result.case)
+    return [
+        error_shares(load, result.uncertainty, number, profiles) for number, load in enumerate(result.loads)
+    ]
 
 
 def error_sentence(result: SealSolution) -> str:
@@ -132,16 +139,20 @@ def error_sentence(result: SealSolution) -> str:
     if found.factor < _NARROW or len(found.of_width) < 2:
         return ""
     largest = next(iter(found.of_width))
+    measured = found.by_profiles
     told = [(name, share) for name, share in list(found.of_width.items())[:_NAMED] if share >= _LEAST]
     return said(
         "notes.error_shares",
         "interval",
         "doubt" if largest.startswith("accuracy: ") else "source",
+        "" if measured is None or measured.left * _NARROWER > found.factor else "profile",
+        length="" if measured is None else quantity("length", measured.length, 2),
+        by_profile="" if measured is None else worth(measured.left, 2),
         load=load_name(result.loads[number], result.loads),
-        factor=number_text(found.factor, 2),
+        factor=worth(found.factor, 2),
         shares=", ".join(f"{_named(name)} {percent(share, 1)}" for name, share in told),
         largest=_named(largest),
-        left=number_text(found.left[largest], 2),
+        left=worth(found.left[largest], 2),
     )
 
 

@@ -11,9 +11,10 @@ from fem_seal.answers.judgement import Limit, SealJudgement, Shares, Why
 from fem_seal.answers.leakage_class import next_class, nominal_size, volume_of
 from fem_seal.answers.limits import OF_LEAK_RATE, limits
 from fem_seal.case.leak_rate import Bubbles, NormalVolume, Throughput
+from fem_seal.output.answers.uncertainty import error_shares_of
 from fem_seal.output.prose import said
 from fem_seal.output.shown import Shown
-from fem_seal.seal.findings import Level
+from fem_seal.seal.findings import YIELD_STRESS, Level
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.readings import THEORIES
 from fem_seal.units import (
@@ -25,6 +26,7 @@ from fem_seal.units import (
     leak_rate_text,
     number,
     percent,
+    quantity,
     range_text,
     rounded,
     trimmed,
@@ -106,6 +108,8 @@ def _doubt(result: SealSolution, found: SealJudgement) -> str:
     return validity.reasons[0] if validity.level is Level.DOUBTFUL else ""
 
 
+# Heights over the usual ones from which on the local exponent of the leak rate foretells it.
+_LOWEST_HEIGHT = 0.4
 # Verdicts whose sentences have no leak rate.
 _WITHOUT_RATES = (Why.OPEN, Why.OUTSIDE, Why.UNKNOWN)
 
@@ -185,20 +189,44 @@ def _besides(result: SealSolution, found: SealJudgement) -> Iterator[str]:
         yield said("verdict.said", "converted", fluid=limit.test_fluid, ratio=_ratio(limit.ratio))
     if reason := _doubt(result, found):
         yield said("verdict.said", "doubtful", reason=reason)
+    yield from _to_measure(result, found)
     yield from _other_theory(result, found)
     count = len(found.judged) + found.left_out
     if count > 1:
         yield said("verdict.said", "several", count=count)
 
 
+def _to_measure(result: SealSolution, found: SealJudgement) -> Iterator[str]:
+    """Which measurement may turn a verdict that is open into a pass."""
+    if found.number is None or found.worst.why not in (Why.INTERVAL, Why.ACCURACY):
+        return
+    shares = error_shares_of(result)[found.number]
+    if shares.by_profiles is None:
+        return
+    ends = result.loads[found.number].leak_interval
+    assert ends is not None  # they are judged
+    height = shares.by_profiles.passing_height(found.margin * ends.high)
+    if height >= _LOWEST_HEIGHT:
+        length = quantity("length", shares.by_profiles.length, 2)
+        yields = any(one.kind == YIELD_STRESS for one in result.loads[found.number].validity.cautions)
+        curve = "curve" if yields else ""
+        yield said("verdict.said", "profile", curve, length=length, height=number(height, 2))
+
+
 def _other_theory(result: SealSolution, found: SealJudgement) -> Iterator[str]:
     """That the other theory would come to another verdict."""
-    for theory, (place, judged) in result.judgement_by_theory.items():
-        if judged.verdict is not found.verdict:
-            rate = leak_range_text(judged.ends, 2, beside=(judged.limit.leak_rate,))
-            at = load_name(result.loads[place], result.loads)
-            name, verdict = THEORIES[theory], judged.verdict
-            yield said("verdict.said", "theory", theory=name, verdict=verdict, rate=rate, load=at)
+    for theory, (place, judged, own) in result.judgement_by_theory.items():
+        yield said(
+            "verdict.said",
+            "theory"
+            if found.number is None or result.loads[found.number].sampled is None
+            else "theory_as_given",
+            theory=THEORIES[theory],
+            verdict=judged.verdict,
+            own=own,
+            rate=leak_range_text(judged.ends, 2, beside=(judged.limit.leak_rate,)),
+            load=load_name(result.loads[place], result.loads),
+        )
 
 
 def _bubble(volume: float) -> str:
