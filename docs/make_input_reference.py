@@ -14,7 +14,7 @@ from pydantic.fields import FieldInfo
 from fem_seal.case.bodies import MaterialTable
 from fem_seal.case.case import Case
 from fem_seal.case.drawing_words import words_of
-from fem_seal.case.fields import Number, Place, Pressures, Quantity, Table
+from fem_seal.case.fields import Number, Place, Pressures, Quantity, Table, key_of
 from fem_seal.case.material_library import ALIASES, LIBRARY
 from fem_seal.case.messages import choices, tables_of, toml
 from fem_seal.case.schema import case_schema
@@ -166,10 +166,10 @@ def _rows(table: type[Table], skip: bool = False) -> Iterator[str]:
             also = [f" or `{word.name}`" for word in words_of(table).values() if word.key == key]
             cells = (
                 "".join([f"`{key}`", *also]),
-                field.description,
+                key_of(table, key).meaning,
                 _allowed(table, key, field),
-                "required" if key in needed else _default(field),
-                _example(field),
+                "required" if key in needed else _default(table, key, field),
+                _example(table, key),
             )
             yield "| " + " | ".join(str(cell) for cell in cells) + " |"
     yield ""
@@ -190,16 +190,15 @@ def _allowed(table: type[Table], key: str, field: FieldInfo) -> str:
     return ""
 
 
-def _default(field: FieldInfo) -> str:
-    extra = field.json_schema_extra
-    default = extra["default"] if isinstance(extra, dict) and "default" in extra else field.default
+def _default(table: type[Table], name: str, field: FieldInfo) -> str:
+    default = key_of(table, name).written or field.default
     if field.is_required() or default in (None, "", ()):
         return ""
     return f"`{toml(list(default) if isinstance(default, tuple) else default)}`"
 
 
-def _example(field: FieldInfo) -> str:
-    return f"`{toml(field.examples[0])}`" if field.examples else ""
+def _example(table: type[Table], name: str) -> str:
+    return "".join(f"`{toml(one)}`" for one in key_of(table, name).examples)
 
 
 def _materials() -> Iterator[str]:

@@ -17,6 +17,9 @@ from typing import Any
 import pytest
 
 from fem_seal.case import schema as of_a_case
+from fem_seal.case.fields import Table, key_of
+from fem_seal.case.messages import tables_of
+from fem_seal.files import own_tables
 from fem_seal.studies import schema as of_a_study
 
 jsonschema = pytest.importorskip("jsonschema", reason="checks of the schema need jsonschema")
@@ -181,3 +184,24 @@ def test_language_servers_say_one_thing_of_a_misspelt_form(name: str, old: str, 
     code, (message,) = lint(name, path)
     assert code != 0
     assert "one of" in message and new.split('"')[1] in message
+
+
+def test_every_key_has_its_meaning_and_every_meaning_its_key():
+    """templates/keys.toml has an entry for each key but tables of their own and words that choose a form."""
+    import fem_seal.case.case
+    import fem_seal.studies.tables  # noqa: F401
+
+    tables = {one.__name__: one for one in every_subclass(Table) if one.__module__.startswith("fem_seal")}
+    told = own_tables("keys.toml")
+    assert set(told) <= set(tables)
+    for name, entries in told.items():
+        assert set(entries) <= set(tables[name].model_fields), name
+    for name, table in tables.items():
+        for key, field in table.model_fields.items():
+            assert key_of(table, key).meaning or tables_of(field), f"{name}.{key}"
+
+
+def every_subclass(table):
+    for one in table.__subclasses__():
+        yield one
+        yield from every_subclass(one)

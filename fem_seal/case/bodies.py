@@ -24,8 +24,6 @@ from fem_seal.case.fields import (
     Pressures,
     Quantity,
     Table,
-    optional,
-    required,
 )
 from fem_seal.case.input_files import TensileTest, read_stress_strain
 from fem_seal.case.material_library import LIBRARY, library_name, material, similar_names
@@ -89,27 +87,11 @@ class StressStrain(Table):
     with a column for the temperature.
     """
 
-    file: str | None = optional(
-        "text file with a header and the columns plastic_strain (or strain, elastic and plastic together) "
-        "and stress with its unit, of several temperatures also temperature with its unit; relative to the case file",
-        "seat_curve.csv",
-    )
-    plastic_strain: Annotated[tuple[float, ...], Numbers(_STRAIN)] | None = optional(
-        "true plastic strain as a number, 0.1 is 10 %, beginning with 0", [0, 0.02, 0.1]
-    )
-    strain: Annotated[tuple[float, ...], Numbers(_STRAIN)] | None = optional(
-        "true strain, elastic and plastic together, beginning at the yield point, stress/E; instead of "
-        "plastic_strain",
-        [0.00119, 0.02, 0.1],
-    )
-    stress: Annotated[tuple[float, ...], Pressures(_STRENGTH)] | None = optional(
-        "true stress", ["250 MPa", "310 MPa", "350 MPa"]
-    )
-    temperature: Annotated[float, TEMPERATURE] | None = optional(
-        "at which the curve was measured; one curve without it is that of the body at its temperature, "
-        "whatever that is",
-        "20 degC",
-    )
+    file: str | None = None
+    plastic_strain: Annotated[tuple[float, ...], Numbers(_STRAIN)] | None = None
+    strain: Annotated[tuple[float, ...], Numbers(_STRAIN)] | None = None
+    stress: Annotated[tuple[float, ...], Pressures(_STRENGTH)] | None = None
+    temperature: Annotated[float, TEMPERATURE] | None = None
 
     @model_validator(mode="after")
     def _one_source(self) -> StressStrain:
@@ -205,41 +187,15 @@ class MaterialTable(Table):
     youngs_modulus = { temperature = ["20 degC", "300 degC"], value = ["210 GPa", "185 GPa"] }.
     """
 
-    name: str = Field(
-        "user-defined",
-        description="how tables and reports call it; a name from the library stands for the numbers that are left out",
-        max_length=80,
-        examples=["stellite 6"],
-    )
-    youngs_modulus: Modulus = required("E", "210 GPa")
-    poissons_ratio: PoissonsRatio = required("nu", 0.3)
-    hardness: Strength | None = optional(
-        "penetration hardness, the pressure at which asperities yield; about three times the "
-        'yield stress at 15 % strain; a Vickers hardness may be written as "435 HV"',
-        "3.5 GPa",
-    )
-    yield_stress: Strength | None = optional(
-        "onset of plastic flow in tension; a von Mises stress above it is warned about", "1 GPa"
-    )
-    stress_strain: Curves | None = optional(
-        "stress-strain curve of a body that is solved as elastoplastic, with isotropic hardening, or a "
-        "list of curves, each with its temperature; elastic whatever its stress unless given",
-        {"plastic_strain": [0, 0.1], "stress": ["250 MPa", "350 MPa"]},
-    )
-    thermal_expansion: Expansion | None = optional(
-        "mean coefficient of linear expansion from 20 degC to the temperature; of a seal that is heated or "
-        "cooled",
-        "11.5e-6 1/K",
-    )
-    thermal_conductivity: Conductivity | None = optional(
-        "of a seal whose temperature is calculated", "15 W/(m K)"
-    )
-    creeps: bool = Field(
-        False,
-        description="a polymer that goes on yielding under load, which is warned about; that of the library unless "
-        "given",
-        examples=[True],
-    )
+    name: str = Field("user-defined", max_length=80)
+    youngs_modulus: Modulus
+    poissons_ratio: PoissonsRatio
+    hardness: Strength | None = None
+    yield_stress: Strength | None = None
+    stress_strain: Curves | None = None
+    thermal_expansion: Expansion | None = None
+    thermal_conductivity: Conductivity | None = None
+    creeps: bool = False
 
 
 class MaterialEntry:
@@ -434,8 +390,3 @@ def _origin(value: dict[str, Any]) -> dict[str, Any]:
 
 
 MaterialField = Annotated[Material, MaterialEntry()]
-
-
-def material_field() -> Any:
-    """Entry for the material of a body."""
-    return required("name from the library, or a table", "steel")

@@ -10,10 +10,8 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import Field
-
-from fem_seal.case.bodies import Body, MaterialField, material_field
-from fem_seal.case.fields import Place, Quantity, Table, optional, required
+from fem_seal.case.bodies import Body, MaterialField
+from fem_seal.case.fields import Place, Quantity, Table
 from fem_seal.case.seats import Held
 from fem_seal.errors import Problem
 from fem_seal.files import MOST_BYTES_OF_DRAWING, UnreadableFileError, check_file
@@ -29,60 +27,22 @@ _DRAWINGS, _MESHES = (".dxf", ".step", ".stp"), (".msh",)
 class Piece(Table):
     """A line or an arc of an outline, from the end of the one before to here."""
 
-    to: Annotated[tuple[float, float], _PLACE] = required(
-        "end point, [r, z]; z is free up to a shift. The first entry is only the starting point",
-        ["12 mm", "0 mm"],
-    )
-    centre: Annotated[tuple[float, float], _PLACE] | None = optional(
-        "centre of an arc that goes the short way, less than 180 deg; a line unless given", ["12 mm", "3 mm"]
-    )
-    radius: Annotated[float, Quantity("length", "-10 m", "10 m")] | None = optional(
-        "radius of an arc of less than 180 deg instead of its centre, positive where it bends to the left",
-        "3 mm",
-    )
-    name: Literal["face", "inner", "outer", "top", "axis", "cavity", "wall", "bottom"] | None = optional(
-        "boundary that the piece belongs to; found by its place unless given: the top, which is pushed, "
-        "is the highest piece that faces upwards with all that continue it without a corner of more than 40 deg",
-        "face",
-    )
+    to: Annotated[tuple[float, float], _PLACE]
+    centre: Annotated[tuple[float, float], _PLACE] | None = None
+    radius: Annotated[float, Quantity("length", "-10 m", "10 m")] | None = None
+    name: Literal["face", "inner", "outer", "top", "axis", "cavity", "wall", "bottom"] | None = None
 
 
 class ProfileSource(Table):
     """Where an outline comes from."""
 
-    outline: list[Piece] | None = optional(
-        "lines and arcs, once around, the last one ending where the first begins; in either sense",
-        [{"to": ["0 mm", "0 mm"]}, {"to": ["9 mm", "0 mm"]}, {"to": ["9 mm", "9 mm"], "radius": "20 mm"}],
-    )
-    file: str | None = optional(
-        "instead of outline: a section as .dxf (LINE, ARC, CIRCLE, LWPOLYLINE, ELLIPSE, SPLINE), as .step "
-        "(or a solid, which is cut), or a gmsh mesh .msh whose lines are named after their boundaries, which is used "
-        "as it is; relative to the case file",
-        "seat.dxf",
-    )
-    axis: Literal["x", "y", "z"] = Field(
-        "y",
-        description="coordinate of the file along the axis of the seal; r is the other one of the plane in which the "
-        "section lies; a .dxf is drawn in x and y",
-    )
-    length_unit: Literal["m", "cm", "mm", "um", "in"] | None = optional(
-        "unit of a .dxf or .msh; what a .dxf says or mm, and m for a .msh, unless given; a .step knows its "
-        "own",
-        "mm",
-    )
-    layer: str | None = optional(
-        "layer of a .dxf with this body; unless given, all that are not switched off or frozen", "SEAT"
-    )
-    tolerance: Annotated[float, Quantity("length", "0.1 nm", "1 mm")] | None = optional(
-        "largest distance between splines or ellipses of a drawing and the arcs that replace them; 10 nm unless "
-        "given",
-        "10 nm",
-    )
-    time_limit: Annotated[float, Quantity("time", "1 s", "1 h")] | None = optional(
-        "longest time that reading the file may take: a damaged .step can keep OpenCASCADE busy for ever; "
-        "20 s unless given",
-        "20 s",
-    )
+    outline: list[Piece] | None = None
+    file: str | None = None
+    axis: Literal["x", "y", "z"] = "y"
+    length_unit: Literal["m", "cm", "mm", "um", "in"] | None = None
+    layer: str | None = None
+    tolerance: Annotated[float, Quantity("length", "0.1 nm", "1 mm")] | None = None
+    time_limit: Annotated[float, Quantity("time", "1 s", "1 h")] | None = None
 
     def source_problems(self, name: str) -> Iterator[Problem]:
         """What is wrong with the keys together."""
@@ -211,8 +171,8 @@ def _centre(
 class ClosureProfile(ProfileSource, Body):
     """[closure] shape = "profile": a closure with any outline of lines and arcs."""
 
-    shape: Literal["profile"] = required("shape of the closure", "profile")
-    material: MaterialField = material_field()
+    shape: Literal["profile"]
+    material: MaterialField
 
     def problems(self) -> Iterator[Problem]:
         """What is wrong with the source of the outline."""
@@ -226,7 +186,7 @@ class ClosureProfile(ProfileSource, Body):
 class SeatProfile(ProfileSource, Held):
     """[seat] shape = "profile": a seat with any outline of lines and arcs."""
 
-    shape: Literal["profile"] = required("shape of the seat", "profile")
+    shape: Literal["profile"]
 
     def problems(self) -> Iterator[Problem]:
         """What is wrong with the support or the source of the outline."""

@@ -10,12 +10,13 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
-from typing import Any, get_args
+from typing import Any, NamedTuple, get_args
 
-from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic.fields import FieldInfo
 from pydantic_core import CoreSchema, core_schema
 
+from fem_seal.files import own_tables
 from fem_seal.printable import printable
 from fem_seal.units import DIMENSIONS, NUMBER, parse_quantity, short_text
 
@@ -356,20 +357,59 @@ class Table(BaseModel):
         extra="forbid", frozen=True, strict=True, validate_default=False, defer_build=True
     )
 
+    @classmethod
+    def __get_pydantic_json_schema__(
+        cls, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        found = handler(schema)
+        for name, entry in handler.resolve_ref_schema(found).get("properties", {}).items():
+            key = key_of(cls, name)
+            told = {"description": key.meaning, "examples": key.examples, "default": key.written}
+            entry.update({word: value for word, value in told.items() if value})
+        return found
 
-def required(description: str, example: object) -> Any:
-    """Entry of a table that has to be given."""
-    return Field(description=description, examples=[example])
+
+class Key(NamedTuple):
+    """What is said of a key of a table.
+
+    Parameters
+    ----------
+    meaning : str
+        Empty where it is a table of its own.
+    example : object
+        None where it has none.
+    written : str
+        Default of a quantity as it is written; empty for all others.
+    """
+
+    meaning: str = ""
+    example: Any = None
+    written: str = ""
+
+    @property
+    def examples(self) -> list[Any]:
+        """The example in a list; an empty one without."""
+        return [] if self.example is None else [self.example]
 
 
-def optional(description: str, example: object = None) -> Any:
-    """Entry of a table that may be left open; the description says what it is then."""
-    return Field(None, description=description, examples=None if example is None else [example])
+def key_of(table: type[BaseModel], name: str) -> Key:
+    """What a key of a table means: the entry of the table in templates/keys.toml, or of one that it is made from.
+
+    Parameters
+    ----------
+    table : type
+    name : str
+    """
+    known = _keys()
+    return next(
+        (Key(*known[one.__name__][name]) for one in table.__mro__ if name in known.get(one.__name__, ())),
+        Key(),
+    )
 
 
-def preset(value: float, written: str, description: str, example: str) -> Any:
-    """Entry that has a value unless given, which the schema shows as it is written."""
-    return Field(value, description=description, examples=[example], json_schema_extra={"default": written})
+@cache
+def _keys() -> dict[str, dict[str, list[Any]]]:
+    return own_tables("keys.toml")
 
 
 class Whole(Number):

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import BeforeValidator, model_validator
 
-from fem_seal.case.fields import Number, Quantity, Table, optional, required
+from fem_seal.case.fields import Number, Quantity, Table
 
 if TYPE_CHECKING:
     from leak import Finish, FinishedSurface, PowerSpectrum
@@ -109,47 +109,18 @@ def is_finish(entries: object) -> bool:
 class FinishKeys(Table):
     """What a drawing says about a surface, and what may be known better than from the process."""
 
-    Ra: Height | None = optional("arithmetic mean height on the drawing, right across the lay", "0.4 um")
-    Rq: Height | None = optional("instead of Ra: root-mean-square height", "0.5 um")
-    Rz: Height | None = optional(
-        "instead of Ra: highest peak plus deepest valley, mean of five sampling lengths", "2.5 um"
-    )
-    process: Annotated[ProcessName, BeforeValidator(process_word)] | None = optional(
-        "how the surface is made, with Ra, Rq or Rz; says Hurst exponent, roll-off and lay, see "
-        'guide/finish in the manual; "unspecified" unless given, which has the widest ranges',
-        "lapped",
-    )
-    lambda_c: Cutoff | None = optional(
-        "with Ra, Rq or Rz: cutoff of the filter; what the value implies (ISO 21920-3) unless given", "0.8 mm"
-    )
-    lambda_s: Cutoff | None = optional(
-        "with Ra, Rq or Rz: cutoff against shorter waves; what the value implies unless given", "2.5 um"
-    )
-    lay: Literal["none", "circular", "radial", "straight", "crossed"] | None = optional(
-        'with Ra, Rq or Rz: direction of the lay: "circular" around the axis, "radial" from the inner to '
-        'the outer edge of the sealing face, "straight" across the part, "crossed", "none"; that of the process unless '
-        "given",
-        "circular",
-    )
-    lay_aspect: Annotated[float, Number(1, 1000)] | None = optional(
-        "with Ra, Rq or Rz: correlation length along the lay over that across it; that of the process "
-        "unless given",
-        5.0,
-    )
-    hurst: Annotated[float, Number(0, 1, exclusive_low=True)] | None = optional(
-        "with Ra, Rq or Rz: Hurst exponent; that of the process unless given", 0.8
-    )
-    q_low: Wavenumber | None = optional(
-        "with Ra, Rq or Rz: smallest wavenumber; 2 pi/lambda_c unless given", "1e4 1/m"
-    )
-    q_rolloff: Wavenumber | None = optional(
-        "with Ra, Rq or Rz: wavenumber across the lay above which the spectrum falls; that of the process "
-        "unless given",
-        "3e5 1/m",
-    )
-    q_high: Wavenumber | None = optional(
-        "with Ra, Rq or Rz: largest wavenumber; 2 pi over 0.5 um unless given", "1e7 1/m"
-    )
+    Ra: Height | None = None
+    Rq: Height | None = None
+    Rz: Height | None = None
+    process: Annotated[ProcessName, BeforeValidator(process_word)] | None = None
+    lambda_c: Cutoff | None = None
+    lambda_s: Cutoff | None = None
+    lay: Literal["none", "circular", "radial", "straight", "crossed"] | None = None
+    lay_aspect: Annotated[float, Number(1, 1000)] | None = None
+    hurst: Annotated[float, Number(0, 1, exclusive_low=True)] | None = None
+    q_low: Wavenumber | None = None
+    q_rolloff: Wavenumber | None = None
+    q_high: Wavenumber | None = None
 
     @property
     def height(self) -> str | None:
@@ -207,9 +178,7 @@ class FinishKeys(Table):
 class FinishTable(FinishKeys):
     """kind = "finish": Ra, Rq or Rz and the process, as they stand on a drawing; see guide/finish in the manual."""
 
-    kind: Literal["finish"] = required(
-        'kind of spectrum; "finish" need not be written where Ra, Rq or Rz stands', "finish"
-    )
+    kind: Literal["finish"]
 
     @model_validator(mode="after")
     def _one_finish(self) -> FinishTable:

@@ -15,9 +15,6 @@ from fem_seal.case.fields import (
     OneOrMany,
     Quantity,
     Table,
-    optional,
-    preset,
-    required,
     shown,
 )
 from fem_seal.errors import InputError, QuantityError
@@ -38,24 +35,10 @@ _LEAST_OF_ROELANDS = 1e-4
 class Particles(Table):
     """[fluid.particles]: solid particles in the fluid, by ISO 4406 or by counts; see guide/particles in the manual."""
 
-    iso_4406: str | None = Field(
-        None,
-        description="code of ISO 4406: scale numbers of the particles of at least 4, 6 and 14 um per ml; with a dash "
-        "first, of at least 5 and 15 um under a microscope",
-        examples=["18/16/13"],
-        max_length=20,
-    )
-    sizes: Annotated[float | tuple[float, ...], OneOrMany("length", "1 nm", "1 mm")] | None = optional(
-        "instead of a code: sizes of the particles that were counted, increasing", ["2 um", "5 um", "15 um"]
-    )
-    per_ml: Annotated[tuple[float, ...], Numbers(Number(0, 1e15, exclusive_low=True))] | None = optional(
-        "with sizes: particles at least so large in a millilitre of the fluid", [20000, 1200, 40]
-    )
-    filter: Annotated[float, Quantity("length", "1 nm", "1 mm")] | None = optional(
-        "rating of a filter before the seal, taken as absolute: all particles above it are gone; the "
-        "counts are those before the filter",
-        "3 um",
-    )
+    iso_4406: str | None = Field(None, max_length=20)
+    sizes: Annotated[float | tuple[float, ...], OneOrMany("length", "1 nm", "1 mm")] | None = None
+    per_ml: Annotated[tuple[float, ...], Numbers(Number(0, 1e15, exclusive_low=True))] | None = None
+    filter: Annotated[float, Quantity("length", "1 nm", "1 mm")] | None = None
 
     @model_validator(mode="after")
     def _counted(self) -> Particles:
@@ -86,34 +69,14 @@ class Fluid(Table):
             anyOf=[{"required": ["name"]}, {"required": ["viscosity"]}], required=[]
         )
     )
-    name: str = Field(
-        "user-defined",
-        description='library entry, "CoolProp:..." with the optional package CoolProp, or any name beside viscosity',
-        examples=["helium"],
-        max_length=80,
-    )
-    temperature: Annotated[float, Quantity("temperature", "50 K", "1500 K")] = preset(
-        _ROOM_TEMPERATURE, "20 degC", "temperature of the fluid, at which its properties are taken", "20 degC"
-    )
-    viscosity: Annotated[float, Quantity("viscosity", "1e-4 mPa s", "1e6 Pa s")] = required(
-        "dynamic viscosity, of a liquid at atmospheric pressure; taken from the library unless given",
-        "1 mPa s",
-    )
+    name: str = Field("user-defined", max_length=80)
+    temperature: Annotated[float, Quantity("temperature", "50 K", "1500 K")] = _ROOM_TEMPERATURE
+    viscosity: Annotated[float, Quantity("viscosity", "1e-4 mPa s", "1e6 Pa s")]
     pressure_viscosity: (
         Annotated[float, Quantity("pressure-viscosity coefficient", "0 1/GPa", "100 1/GPa")] | None
-    ) = optional(
-        "of a liquid that thickens under pressure: alpha of Barus' law, viscosity times exp(alpha p); the "
-        "library's own law unless given; see guide/fluids in the manual",
-        "20 1/GPa",
-    )
-    roelands_z: Annotated[float, Number(0, 2, exclusive_low=True)] | None = optional(
-        "instead: exponent Z of Roelands' law, which bends less than Barus' above some 500 bar", 0.67
-    )
-    outlet_pressure: Annotated[float, Quantity("pressure", "0 Pa", "10 GPa")] | None = optional(
-        'of a gas: absolute pressure on the low side, "1.01325 bar" unless given; "0 Pa" is vacuum. '
-        "The pressure on the high side is this plus load.fluid_pressure",
-        "1.01325 bar",
-    )
+    ) = None
+    roelands_z: Annotated[float, Number(0, 2, exclusive_low=True)] | None = None
+    outlet_pressure: Annotated[float, Quantity("pressure", "0 Pa", "10 GPa")] | None = None
     particles: Particles | None = None
 
     @model_validator(mode="before")

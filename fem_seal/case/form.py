@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
-from fem_seal.case.fields import Quantity, Table, Whole, optional, preset, required, shown
+from fem_seal.case.fields import Quantity, Table, Whole, shown
 from fem_seal.case.traces import read_lay, read_trace
 from fem_seal.errors import TextTableError
 from fem_seal.form import (
@@ -35,25 +35,17 @@ _ACROSS = 1e-9
 class Harmonic(Table):
     """A wave around the axis, deviation = amplitude cos(waves phi - phase)."""
 
-    waves: Annotated[int, Whole(1, MOST_WAVES)] = required("waves per turn", 2)
-    amplitude: Annotated[float, DEVIATION] = required("half of the deviation from valley to crest", "1 um")
-    phase: Annotated[float, TURN] = preset(
-        0.0, "0 deg", "phase; the first crest stands at phase/waves", "0 deg"
-    )
+    waves: Annotated[int, Whole(1, MOST_WAVES)]
+    amplitude: Annotated[float, DEVIATION]
+    phase: Annotated[float, TURN] = 0.0
 
 
 class MeasuredTrace(Table):
     """A measured roundness, flatness or waviness trace; also just the name of its file."""
 
-    file: str = required(
-        "text file with the columns angle and deviation and their units, or deviation alone at uniform "
-        "angles around the whole turn",
-        "roundness.csv",
-    )
-    unit: str | None = optional("unit of the deviation, where the file does not say it", "um")
-    waves: Annotated[int, Whole(2, MOST_WAVES)] = Field(
-        _USUAL_WAVES, description="most waves per turn that are taken from the trace, like its filter's limit"
-    )
+    file: str
+    unit: str | None = None
+    waves: Annotated[int, Whole(2, MOST_WAVES)] = _USUAL_WAVES
 
     _trace: Trace | None = None
 
@@ -118,12 +110,10 @@ class MeasuredTrace(Table):
 class Scratch(Table):
     """[[form.scratches]]: a scratch across the face, of elliptic section."""
 
-    depth: Annotated[float, SECTION] = required("depth without load, from the undamaged face", "5 um")
-    width: Annotated[float, SECTION] = required("full width", "30 um")
-    angle: Annotated[float, TURN] = preset(0.0, "0 deg", "where it lies around the axis", "90 deg")
-    direction: Annotated[float, Quantity("angle", "-85 deg", "85 deg")] = preset(
-        0.0, "0 deg", "angle between the scratch and the shortest way across the face", "30 deg"
-    )
+    depth: Annotated[float, SECTION]
+    width: Annotated[float, SECTION]
+    angle: Annotated[float, TURN] = 0.0
+    direction: Annotated[float, Quantity("angle", "-85 deg", "85 deg")] = 0.0
 
     @property
     def placed(self) -> PlacedGroove:
@@ -136,24 +126,11 @@ class Scratch(Table):
 class Lay(Table):
     """[form.lay]: the groove of a turned seat that winds through the contact, not part of [roughness]."""
 
-    pitch: Annotated[float, SECTION] = required(
-        "feed per turn, measured along the face; from the profile unless given", "50 um"
-    )
-    depth: Annotated[float, SECTION] = required(
-        "depth of the groove without load, from crest to valley; from the profile unless given", "2 um"
-    )
-    profile: str | None = optional(
-        "text file with a profile measured across the lay, columns x and z with their units: pitch and "
-        "depth are those of its strongest wave",
-        "lay.csv",
-    )
-    section: Literal["sinusoidal", "elliptic"] = Field(
-        "sinusoidal",
-        description='"sinusoidal": one wave as wide as the pitch; "elliptic": half an ellipse between flat lands',
-    )
-    width: Annotated[float, SECTION] | None = optional(
-        'with section = "elliptic": its full width; the pitch unless given', "30 um"
-    )
+    pitch: Annotated[float, SECTION]
+    depth: Annotated[float, SECTION]
+    profile: str | None = None
+    section: Literal["sinusoidal", "elliptic"] = "sinusoidal"
+    width: Annotated[float, SECTION] | None = None
 
     @model_validator(mode="before")
     @classmethod
@@ -190,30 +167,12 @@ class Lay(Table):
 class BodyForm(Table):
     """[form.seat] or [form.closure]: deviations of one body, as waves, as a measured trace, or as a tolerance."""
 
-    direction: Direction = Field(
-        "radial",
-        description='"radial": positive where the radius is larger (roundness); "axial": where the face is higher '
-        '(flatness, waviness); "normal": along the contact normal, which points from the seat to the closure',
-    )
-    harmonics: tuple[Harmonic, ...] = Field(
-        (),
-        description="waves around the axis; a deviation amplitude cos(waves phi - phase) each",
-        examples=[[{"waves": 2, "amplitude": "1 um", "phase": "0 deg"}]],
-        strict=False,
-    )
-    trace: MeasuredTrace | None = optional(
-        "a measured trace instead, the name of its file or a table", "roundness.csv"
-    )
-    tolerance: Annotated[float, DEVIATION] | None = optional(
-        "a tolerance (ISO 1101) instead: a cosine that fills its zone, with the number of waves that hurts "
-        "most",
-        "2 um",
-    )
+    direction: Direction = "radial"
+    harmonics: tuple[Harmonic, ...] = Field((), strict=False)
+    trace: MeasuredTrace | None = None
+    tolerance: Annotated[float, DEVIATION] | None = None
     tolerance_waves: tuple[Annotated[int, Whole(2, 100)], Annotated[int, Whole(2, 100)]] = Field(
-        (2, _USUAL_WAVES),
-        description="fewest and most waves per turn that are tried within the tolerance",
-        examples=[[2, 15]],
-        strict=False,
+        (2, _USUAL_WAVES), strict=False
     )
 
     @model_validator(mode="after")
@@ -240,41 +199,18 @@ class BodyForm(Table):
 class Form(Table):
     """[form]: seats that are not round, how the closure is guided, scratches; see guide/form in the manual."""
 
-    guide: Literal["free", "guided"] = Field(
-        "free",
-        description='"free": the closure shifts and tilts until it carries neither lateral force nor moment, which '
-        'takes the first harmonic out; "guided": an infinitely stiff guide holds it, eccentric or tilted as it is',
-    )
-    eccentricity: Annotated[float, DEVIATION] = preset(
-        0.0, "0 um", "distance of the guided closure's axis from that of the seat", "5 um"
-    )
-    eccentricity_angle: Annotated[float, TURN] = preset(
-        0.0, "0 deg", "angle around the axis towards which it stands off", "0 deg"
-    )
-    tilt: Annotated[float, Quantity("angle", "0 deg", "1 deg")] = preset(
-        0.0, "0 deg", "angle by which the guided closure leans", "0.02 deg"
-    )
-    tilt_angle: Annotated[float, TURN] = preset(
-        0.0, "0 deg", "angle around the axis towards which its top leans", "0 deg"
-    )
-    tilt_height: Annotated[float, Quantity("length", "-10 m", "10 m")] = preset(
-        0.0, "0 mm", "height of the point about which it leans, over the circle of first touch", "14 mm"
-    )
-    seat: BodyForm | None = optional("deviations of the seat")
-    closure: BodyForm | None = optional("deviations of the closure")
-    scratches: tuple[Scratch, ...] = Field(
-        (),
-        description="scratches and notches from one side of the seal to the other",
-        examples=[[{"depth": "5 um", "width": "30 um"}]],
-        strict=False,
-    )
-    lay: Lay | None = optional("the spiral groove of a turned seat")
+    guide: Literal["free", "guided"] = "free"
+    eccentricity: Annotated[float, DEVIATION] = 0.0
+    eccentricity_angle: Annotated[float, TURN] = 0.0
+    tilt: Annotated[float, Quantity("angle", "0 deg", "1 deg")] = 0.0
+    tilt_angle: Annotated[float, TURN] = 0.0
+    tilt_height: Annotated[float, Quantity("length", "-10 m", "10 m")] = 0.0
+    seat: BodyForm | None = None
+    closure: BodyForm | None = None
+    scratches: tuple[Scratch, ...] = Field((), strict=False)
+    lay: Lay | None = None
 
-    flow_around: bool = Field(
-        False,
-        description="also solve the flow across and around the axis together, at the highest load: how much more leaks "
-        "because fluid goes round tight places",
-    )
+    flow_around: bool = False
 
     @property
     def parts(self) -> dict[str, BodyForm]:

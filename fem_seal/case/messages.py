@@ -15,7 +15,7 @@ from pydantic_core import ErrorDetails
 
 from fem_seal.case.bodies import CURVE_FORMS, MaterialTable
 from fem_seal.case.drawing_words import words_of
-from fem_seal.case.fields import Table, shown
+from fem_seal.case.fields import Table, key_of, shown
 from fem_seal.errors import Problem
 from fem_seal.former_names import ENTRIES
 from fem_seal.materials import Material
@@ -124,7 +124,9 @@ def _no_table(key: str, name: str, parent: type[BaseModel] | None) -> str:
     if not tables:
         return "must be a table, { ... }"
     given = [
-        (one, entry, entry.examples[0]) for one, entry in tables[0].model_fields.items() if entry.examples
+        (one, entry, told.example)
+        for one, entry in tables[0].model_fields.items()
+        if (told := key_of(tables[0], one)).examples
     ]
     needed = [each for each in given if each[1].is_required()] or given[:1]
     entries = ", ".join(f"{one} = {toml(example)}" for one, _, example in needed) or "..."
@@ -148,17 +150,17 @@ def _what_to_write(table: type[BaseModel] | None, name: str) -> str:
     field = table.model_fields.get(name) if table else None
     if table is None or field is None:
         return "add it"
-    if tables_of(field) and not field.description:
+    key = key_of(table, name)
+    if tables_of(field) and not key.meaning:
         return f"add a table [{name}] with {_listed(field)}"
     words = choices(table, name)
     if words:
         return f"write {name} = " + " or ".join(f'"{word}"' for word in words)
-    example = field.examples[0] if field.examples else None
-    text = f"add {name} = {toml(example)}" if example is not None else "add it"
+    text = f"add {name} = {toml(key.example)}" if key.examples else "add it"
     for word in words_of(table).values():
         if word.key == name:
             text += f" or {word.name} = {toml(word.example)}"
-    return f"{text} ({field.description})" if field.description else text
+    return f"{text} ({key.meaning})" if key.meaning else text
 
 
 def _listed(field: FieldInfo) -> str:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import numpy as np
 from pydantic import Field, ValidationError, field_validator, model_validator
 
-from fem_seal.case.fields import Entry, Number, Quantity, Table, optional, required, shown
+from fem_seal.case.fields import Entry, Number, Quantity, Table, shown
 from fem_seal.case.finish import HEIGHTS, FinishKeys, FinishTable, Wavenumber, is_finish, read_finish
 from fem_seal.case.input_files import read_spectrum
 from fem_seal.case.messages import problems
@@ -73,14 +73,12 @@ class LengthUnits(Texts):
 class SelfAffine(Table):
     """kind = "self-affine": isotropic, constant up to q_rolloff, then falling as q^(-2 (1 + hurst))."""
 
-    kind: Literal["self-affine"] = required("kind of spectrum", "self-affine")
-    rms_height: Annotated[float, Quantity("length", "0.01 nm", "1 mm")] = required(
-        "root-mean-square height", "1.9 um"
-    )
-    hurst: Annotated[float, Number(0, 1, exclusive_low=True)] = required("Hurst exponent", 0.6)
-    q_low: Wavenumber = required("smallest wavenumber, 2 pi over the longest wavelength", "1e3 1/m")
-    q_rolloff: Wavenumber = required("wavenumber above which the spectrum falls", "3.727e4 1/m")
-    q_high: Wavenumber = required("largest wavenumber, 2 pi over the shortest wavelength", "3.1416e6 1/m")
+    kind: Literal["self-affine"]
+    rms_height: Annotated[float, Quantity("length", "0.01 nm", "1 mm")]
+    hurst: Annotated[float, Number(0, 1, exclusive_low=True)]
+    q_low: Wavenumber
+    q_rolloff: Wavenumber
+    q_high: Wavenumber
 
     def build(self) -> PowerSpectrum:
         """The spectrum as `leak` takes it."""
@@ -92,11 +90,8 @@ class SelfAffine(Table):
 class Tabulated(Table):
     """kind = "table": a two-dimensional isotropic spectrum from a file."""
 
-    kind: Literal["table"] = required("kind of spectrum", "table")
-    file: str = required(
-        "text file with two columns, wavenumber q [1/m] and density C [m^4], relative to the case file",
-        "C.csv",
-    )
+    kind: Literal["table"]
+    file: str
 
     @field_validator("file")
     @classmethod
@@ -114,55 +109,22 @@ class Tabulated(Table):
 class Measured(Table):
     """kind = "profile": the spectrum of measured line scans or maps; see guide/surfaces in the manual."""
 
-    kind: Literal["profile"] = required("kind of spectrum", "profile")
-    file: str | None = optional(
-        "scan: text with two columns, position and height, or a file of an instrument; relative to the "
-        "case file",
-        "seat.csv",
-    )
+    kind: Literal["profile"]
+    file: str | None = None
     files: Annotated[tuple[str, ...], Texts(most=_MOST_FILES, what='["scan1.csv", "scan2.csv"]')] | None = (
-        optional(
-            "several scans of one surface, instead of file; they are averaged", ["scan1.csv", "scan2.csv"]
-        )
+        None
     )
-    unit: Annotated[tuple[str, ...], LengthUnits(most=2, what='["mm", "um"]')] | None = optional(
-        "unit of length of x and height, or of each, if the file states none; it is never guessed", "um"
-    )
-    detrend: Literal["tilt", "mean", "curvature"] = Field(
-        "tilt",
-        description="form removed from each scan: its mean line or plane; only its mean; its mean parabola, for "
-        "scans over a curved part",
-    )
-    window: Literal["hann", "none"] = Field(
-        "hann",
-        description='weight of the heights along the scan; "none" for calculated, periodic surfaces only',
-    )
-    tip_radius: Annotated[float, Quantity("length", "1 nm", "10 mm")] | None = optional(
-        "radius of the stylus tip, limits the range; the one stated in the file unless given", "2 um"
-    )
-    shortest_wavelength: Annotated[float, Quantity("length", "0.1 nm", "10 mm")] | None = optional(
-        "resolution of the instrument, limits the range; two points of the scan unless given", "2.5 um"
-    )
-    extrapolation: Literal["cut", "self-affine"] = Field(
-        "cut",
-        description='outside the range of the scans: "cut": no roughness; "self-affine": continued with hurst to q_low '
-        "and q_high",
-    )
-    hurst: Annotated[float, Number(0, 1, exclusive_low=True)] | None = optional(
-        'Hurst exponent of the continuation, with extrapolation = "self-affine"', 0.8
-    )
-    q_low: Wavenumber | None = optional(
-        "where the continued spectrum begins; the end of the range unless given", "1e2 1/m"
-    )
-    q_high: Wavenumber | None = optional(
-        "where the continued spectrum ends; the end of the range unless given", "1e8 1/m"
-    )
+    unit: Annotated[tuple[str, ...], LengthUnits(most=2, what='["mm", "um"]')] | None = None
+    detrend: Literal["tilt", "mean", "curvature"] = "tilt"
+    window: Literal["hann", "none"] = "hann"
+    tip_radius: Annotated[float, Quantity("length", "1 nm", "10 mm")] | None = None
+    shortest_wavelength: Annotated[float, Quantity("length", "0.1 nm", "10 mm")] | None = None
+    extrapolation: Literal["cut", "self-affine"] = "cut"
+    hurst: Annotated[float, Number(0, 1, exclusive_low=True)] | None = None
+    q_low: Wavenumber | None = None
+    q_high: Wavenumber | None = None
 
-    outliers: Literal["keep", "remove"] = Field(
-        "keep",
-        description='isolated points: "keep": they are roughness; "remove": spikes and dust, replaced by what '
-        "surrounds them",
-    )
+    outliers: Literal["keep", "remove"] = "keep"
 
     @model_validator(mode="after")
     def _consistent(self) -> Measured:
@@ -247,31 +209,14 @@ class Roughness(FinishKeys):
     Ra, Rq or Rz with a process in the table itself is the finish of each of both faces, as a drawing means it.
     """
 
-    kind: Literal["finish"] | None = optional(
-        '"finish" where Ra, Rq or Rz stands in this table, where it need not be written'
-    )
-    spectrum: Spectrum | None = optional("power spectrum of both surfaces together")
-    seat: Spectrum | None = optional(
-        "power spectrum of the seat, instead of spectrum; without closure that one is smooth"
-    )
-    closure: Spectrum | None = optional(
-        "power spectrum of the closure, instead of spectrum; without seat that one is smooth"
-    )
+    kind: Literal["finish"] | None = None
+    spectrum: Spectrum | None = None
+    seat: Spectrum | None = None
+    closure: Spectrum | None = None
 
-    along: Spectrum | None = optional(
-        "with across, instead of the others: spectrum from scans along the flow, across the seat's face"
-    )
-    across: Spectrum | None = optional(
-        "with along: spectrum from scans across the flow, along the circumference; see "
-        "theory/anisotropy in the manual"
-    )
-    peklenik: Annotated[float, Number(0.001, 1000)] = Field(
-        1.0,
-        description="Tripp (Peklenik) number: correlation length of the roughness along the flow over that across it, "
-        "below 1 for a turned seat; the spectrum is then the average over all directions. along and across "
-        "determine it",
-        examples=[0.2],
-    )
+    along: Spectrum | None = None
+    across: Spectrum | None = None
+    peklenik: Annotated[float, Number(0.001, 1000)] = 1.0
 
     @model_validator(mode="before")
     @classmethod

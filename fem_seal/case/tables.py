@@ -22,9 +22,6 @@ from fem_seal.case.fields import (
     Pressures,
     Quantity,
     Table,
-    optional,
-    preset,
-    required,
 )
 from fem_seal.case.fluid import Fluid
 from fem_seal.case.form import Form
@@ -50,71 +47,23 @@ EARLIER_FORCE = Quantity("force", "0 N", "1e9 N", exclusive=True)
 class Interface(Table):
     """[interface]: law between contact pressure and gap that carries the macroscopic contact."""
 
-    law: Literal["spectrum", "exponential", "smooth"] = Field(
-        "spectrum",
-        description='"spectrum": p(u) of the spectrum by leak.theory; "exponential": p = p_c exp(-u/u0); "smooth": '
-        "hard contact without roughness",
-    )
-    plastic: bool = Field(
-        False,
-        description='with law = "spectrum" and leak.theory = "paper": p(u) of elastic asperities (false) or of the '
-        "plastically smoothed spectrum (true)",
-    )
-    gamma: Annotated[float, Number(0.01, 2)] | None = optional(
-        'with law = "exponential": u0 = gamma times the rms height; 0.4 unless given', 0.4
-    )
-    u0: Annotated[float, SEPARATION] | None = optional(
-        'with law = "exponential": decay length of the law, instead of gamma', "0.76 um"
-    )
-    p_c: Annotated[float, Quantity("pressure", "1 Pa", "1e6 GPa")] | None = optional(
-        'with law = "exponential": pressure at zero gap; taken from the spectrum unless given. '
-        "It shifts the gap, not the pressure profile",
-        "10 GPa",
-    )
+    law: Literal["spectrum", "exponential", "smooth"] = "spectrum"
+    plastic: bool = False
+    gamma: Annotated[float, Number(0.01, 2)] | None = None
+    u0: Annotated[float, SEPARATION] | None = None
+    p_c: Annotated[float, Quantity("pressure", "1 Pa", "1e6 GPa")] | None = None
 
 
 class Load(Table):
     """[load]: fluid pressures, one result each and in this order, and the force on the closure."""
 
-    fluid_pressure: Annotated[tuple[float, ...], Pressures(FLUID_PRESSURE)] = required(
-        'pressure difference across the seal: one, a list, or { start = "1 bar", '
-        'stop = "20 bar", num = 20, spacing = "linear" or "log" }',
-        ["1 bar", "20 bar"],
-    )
-    applied_force: Annotated[float | tuple[float, ...], OneOrMany("force", "-1e9 N", "1e9 N")] = preset(
-        0.0,
-        "0 N",
-        "applied force of spring or actuator on the closure, positive when it closes the seal: one, or a "
-        "list with one for each fluid pressure; with a single fluid pressure a list of any length, one result each",
-        "250 N",
-    )
-    closing: Literal["sealed-area", "penetration"] = Field(
-        "sealed-area",
-        description='"sealed-area": the fluid pressure acts on the circle of first touch; "penetration": it acts on '
-        "the wetted surfaces and, as far as it penetrates, between the surfaces, solved together with contact and "
-        "flow; see theory/penetration in the manual",
-    )
-    pressure_side: Literal["outer", "inner"] = Field(
-        "outer",
-        description='side of the high pressure: "outer" (around the closure, presses it on the seat) or '
-        '"inner" (in the bore, lifts it)',
-    )
-    largest_earlier_force: Annotated[float, EARLIER_FORCE] | None = optional(
-        "applied force that once closed the seal, without fluid pressure: yielded asperities stay tighter "
-        "than on first loading, and bodies with stress_strain carry it first; see theory/memory in the manual",
-        "2 kN",
-    )
-    largest_earlier_pressure: Annotated[float, FLUID_PRESSURE] | None = optional(
-        "fluid pressure that once closed the seal, with the same applied_force, instead of "
-        'largest_earlier_force; with pressure_side = "outer"',
-        "64 bar",
-    )
-    target_leak_rate: Annotated[float, LeakRate("leak rate", "1e-30 m^3/s", "1e3 m^3/s")] | None = optional(
-        "also find the smallest applied_force for which the leak rate stays below this at each fluid "
-        "pressure; of a gas the volume at 101325 Pa and its temperature, at 0 degC (Nml/min, sccm), or pressure times "
-        "volume (mbar l/s)",
-        "1e-3 cm^3/s",
-    )
+    fluid_pressure: Annotated[tuple[float, ...], Pressures(FLUID_PRESSURE)]
+    applied_force: Annotated[float | tuple[float, ...], OneOrMany("force", "-1e9 N", "1e9 N")] = 0.0
+    closing: Literal["sealed-area", "penetration"] = "sealed-area"
+    pressure_side: Literal["outer", "inner"] = "outer"
+    largest_earlier_force: Annotated[float, EARLIER_FORCE] | None = None
+    largest_earlier_pressure: Annotated[float, FLUID_PRESSURE] | None = None
+    target_leak_rate: Annotated[float, LeakRate("leak rate", "1e-30 m^3/s", "1e3 m^3/s")] | None = None
 
     @model_validator(mode="after")
     def _one_pressure_under_all_forces(self) -> Load:
@@ -160,59 +109,25 @@ class Load(Table):
 class Leak(Table):
     """[leak]: how the leak rate is calculated from the contact."""
 
-    theory: Literal["paper", "corrected"] = Field(
-        "corrected",
-        description='theory of the rough contact. "corrected": p(u) and flow by the gap law of theory/gap in the '
-        'manual, and asperities that yield by von Mises\' criterion, as direct simulation finds them; "paper": as in '
-        "Fischer et al. 2020, with two readings of asperities that yield. leak.csv has both leak rates; "
-        "guide/which_number in the manual says which to believe",
-    )
-    plasticity: bool = Field(
-        True,
-        description="asperities yield at the hardness of the softer body; needs a hardness of a material",
-    )
-    percolation_threshold: Annotated[float, Number(0.05, 0.95)] = Field(
-        0.42, description='with leak.theory = "paper": relative contact area above which no channel is open'
-    )
-    conductivity: Literal["bruggeman", "critical-junction", "threshold-law", "direct"] = Field(
-        "bruggeman",
-        description="effective medium of all channels; the narrowest junction alone; the effective medium that goes "
-        "over into a closed law of the percolation threshold where more than 0.15 of the area touches "
-        '(theory/index in the manual), these two with leak.theory = "paper" and for roughness without a lay; or the '
-        "direct simulation of [direct], which is for liquids and takes minutes (guide/direct in the manual)",
-    )
-    fluid_in_gap: Literal["uncoupled", "local"] = Field(
-        "uncoupled",
-        description='"uncoupled": the fluid pressure is small compared with the contact pressure; "local": it is '
-        "subtracted from the pressure on the asperities, point by point, and may lift the surfaces apart (liquids); "
-        "see theory/fluid_in_gap in the manual",
-    )
-    nominal_size: Annotated[float, NominalSizeEntry("length", "1 mm", "5 m")] | None = optional(
-        'nominal size of the valve for the leakage classes, "DN 25", "NPS 1" or a length; the size nearest '
-        "to the bore of the seat (to the circle of first touch if no bore is given) unless given",
-        "DN 25",
-    )
-    variants: bool = Field(
-        False,
-        description='with leak.theory = "paper": also its leak rate with the other readings, into variants.csv and the '
-        "report; `fem-seal run --variants` does the same",
-    )
+    theory: Literal["paper", "corrected"] = "corrected"
+    plasticity: bool = True
+    percolation_threshold: Annotated[float, Number(0.05, 0.95)] = 0.42
+    conductivity: Literal["bruggeman", "critical-junction", "threshold-law", "direct"] = "bruggeman"
+    fluid_in_gap: Literal["uncoupled", "local"] = "uncoupled"
+    nominal_size: Annotated[float, NominalSizeEntry("length", "1 mm", "5 m")] | None = None
+    variants: bool = False
 
 
 class Mesh(Table):
     """[mesh]: sized from the problem unless given."""
 
-    contact_size: Annotated[float, Quantity("length", "1 nm", "0.1 m")] | None = optional(
-        "size of the elements along the contact line", "20 um"
-    )
+    contact_size: Annotated[float, Quantity("length", "1 nm", "0.1 m")] | None = None
 
 
 class Output(Table):
     """[output]: where the results are written."""
 
-    folder: str | None = optional(
-        "results folder, relative to the case file; <case name>.out unless given", "out"
-    )
+    folder: str | None = None
 
 
 Closure = Annotated[
@@ -241,7 +156,7 @@ Seat = Annotated[
 class CaseTables(Table):
     """All tables of a case, read but not checked against each other; `Case` is."""
 
-    title: str = Field("", description="heading of tables and reports; the file name unless given")
+    title: str = ""
     closure: Closure
     seat: Seat
     roughness: Roughness | None = None

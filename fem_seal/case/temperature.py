@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any
 
-from fem_seal.case.fields import Quantity, Table, optional, preset, required
+from fem_seal.case.fields import Quantity, Table
 from fem_seal.errors import QuantityError
 from fem_seal.materials import ROOM_TEMPERATURE
 from fem_seal.units import parse_quantity
@@ -17,14 +17,9 @@ Kelvin = Annotated[float, _KELVIN]
 class Face(Table):
     """A face of the seal and what warms it, where temperatures are calculated: guide/temperature in the manual."""
 
-    temperature: Kelvin = required(
-        "of the fluid on the face, or without heat_transfer of the face itself", "180 degC"
-    )
+    temperature: Kelvin
     heat_transfer: Annotated[float, Quantity("heat transfer", "1e-3 W/(m^2 K)", "1e7 W/(m^2 K)")] | None = (
-        optional(
-            "heat transfer coefficient between face and fluid; the face has the temperature unless given",
-            "500 W/(m^2 K)",
-        )
+        None
     )
 
 
@@ -38,26 +33,12 @@ class Temperature(Table):
     See guide/temperature in the manual. The faces are insulated unless they are named.
     """
 
-    uniform: Kelvin | None = optional("of both bodies and, unless it has its own, of the fluid", "80 degC")
-    closure: Kelvin | None = optional("of the closure; together with seat, instead of uniform", "120 degC")
-    seat: Kelvin | None = optional("of the seat; together with closure, instead of uniform", "60 degC")
-    reference: Kelvin = preset(
-        ROOM_TEMPERATURE,
-        "20 degC",
-        "temperature at which the dimensions of the drawing hold, and an interference",
-        "20 degC",
-    )
-    housing: Kelvin | None = optional(
-        'with seat.wall = "fixed": temperature of what holds the wall; that of the seat unless given',
-        "40 degC",
-    )
-    housing_expansion: Annotated[float, Quantity("thermal expansion", "-1e-4 1/K", "1e-3 1/K")] | None = (
-        optional(
-            'with seat.wall = "fixed": thermal expansion of what holds the wall; that of the seat unless '
-            "given",
-            "23e-6 1/K",
-        )
-    )
+    uniform: Kelvin | None = None
+    closure: Kelvin | None = None
+    seat: Kelvin | None = None
+    reference: Kelvin = ROOM_TEMPERATURE
+    housing: Kelvin | None = None
+    housing_expansion: Annotated[float, Quantity("thermal expansion", "-1e-4 1/K", "1e-3 1/K")] | None = None
 
     inner: Face | None = None
     outer: Face | None = None
@@ -66,11 +47,7 @@ class Temperature(Table):
     wall: Face | None = None
     contact_conductance: (
         Annotated[float, Quantity("heat transfer", "1e-3 W/(m^2 K)", "1e9 W/(m^2 K)")] | None
-    ) = optional(
-        "with faces: thermal conductance of the contact over the width in which the bodies touch; perfect "
-        "unless given",
-        "10 kW/(m^2 K)",
-    )
+    ) = None
 
     @property
     def faces(self) -> dict[str, Face]:
