@@ -6,14 +6,17 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from statistics import NormalDist
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem_seal.answers.uncertainty import LeakInterval
-from fem_seal.case.case import Case
 from fem_seal.seal.findings import Validity
-from fem_seal.seal.load_result import LoadResult
 from leak.surfaces.line_spectrum import height_scatter
+
+if TYPE_CHECKING:
+    from fem_seal.answers.uncertainty import LeakInterval
+    from fem_seal.case.case import Case
+    from fem_seal.seal.load_result import LoadResult
 
 
 @dataclass(frozen=True)

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from fem_seal.answers.leakage_class import volume_of
-from fem_seal.answers.solution import SealSolution
 from fem_seal.output.columns import COLUMNS, Column
 from fem_seal.output.tables import rows_of
 from fem_seal.units import LIQUID, LeakVolume, Unit, trimmed, unit_for, worth
+
+if TYPE_CHECKING:
+    from fem_seal.answers.solution import SealSolution
 
 
 @dataclass(frozen=True)

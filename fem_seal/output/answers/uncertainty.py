@@ -10,7 +10,6 @@ import numpy as np
 
 from fem_seal.answers.error_shares import ErrorShares, error_shares, measured_profiles
 from fem_seal.answers.leakage_class import volume_of
-from fem_seal.answers.solution import SealSolution
 from fem_seal.output.prose import said
 from fem_seal.output.readable import ReadableTable
 from fem_seal.output.shown import Shown
@@ -19,6 +18,7 @@ from fem_seal.seal.load_result import highest_load
 from fem_seal.units import percent, quantity, unit_for, worth
 
 if TYPE_CHECKING:
+    from fem_seal.answers.solution import SealSolution
     from fem_seal.answers.uncertainty import LeakInterval
 
 
