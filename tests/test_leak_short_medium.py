@@ -70,6 +70,17 @@ def test_a_contact_sealed_without_end_may_be_open_where_it_is_short():
     assert in_contact(one, table, x, pressure).effective_separation(pressure.max()) > 0.0
 
 
+@pytest.mark.parametrize("beyond", [1.0005, 1.02])
+def test_a_table_that_ends_at_sealing_serves_short_contacts_beyond(beyond):
+    """Wherever sealing lies in its decade of the pressure, by which tables are cut."""
+    soft = replace(surface(), hardness=4e9, yielding="")
+    modulus = soft.effective_modulus * beyond * 1e10 / soft.stand_in.sealing_pressure
+    one = replace(soft, effective_modulus=modulus)
+    opened = with_threshold(one.conductivity_table(1e3, 1e11), 0.42, 0.5)
+    acts = opened.sealing_pressure * np.linspace(0.97, 0.999999, 60)
+    assert (np.diff(replace(opened, acting=None).effective_separation(acts)) <= 0.0).all()
+
+
 def test_the_paper_s_theory_knows_no_ends():
     paper = replace(surface(), theory="paper", yielding="")
     table = paper.conductivity_table(1e3, 4e9)

@@ -900,12 +900,15 @@ class _Range:
         ln p below them.
     method : str
         Of the flow conductivity.
+    end : float
+        Of the range that is asked for, the sealing pressure at most [Pa].
     """
 
     sealing_pressure: float
     fine: FloatArray
     below: FloatArray
     method: str
+    end: float
 
     @classmethod
     def of(cls, surface: RoughContact, p_min: float, p_max: float, method: str) -> _Range:
@@ -915,7 +918,8 @@ class _Range:
         top = min(p_max, (1.0 - closest) * sealing)
         fine = np.linspace(np.log(min(p_min, 1e-3 * top)), np.log(top), 3200)
         below = fine[0] - _BELOW
-        return cls(sealing, fine, below[below > np.log(1e-60 * surface.effective_modulus)], method)
+        below = below[below > np.log(1e-60 * surface.effective_modulus)]
+        return cls(sealing, fine, below, method, min(p_max, sealing))
 
     @cached_property
     def _even(self) -> FloatArray:
@@ -1064,7 +1068,8 @@ def elastic_range(
 
 def _elastic_ends(surface: RoughContact, within: _Range) -> tuple[float, float]:
     """Whole decades around what acts at the ends of a table [Pa]."""
-    low, high = np.log10(surface.acting_pressure(within.ends))
+    # a table up to the sealing pressure goes on where a short contact is still open
+    low, high = np.log10(surface.acting_pressure(np.array([within.ends[0], within.end])))
     return float(10.0 ** np.floor(low)), float(10.0 ** np.ceil(high))
 
 
