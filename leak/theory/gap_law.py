@@ -32,8 +32,8 @@ _LOWEST, _HIGHEST, _POINTS, _STRETCH = -45.0, 2.5, 320, 3.0
 _FIRST = 1e-5
 # Steps in ln q, between kinks, at which m is tabulated; closer toward the shortest waves, where it all begins.
 _STEP, _CLOSEST = 0.02, 1e-7
-# Longest steps of the integration in ln m and in ln q: the gap errs by 2e-5 h_rms.
-_IN_M, _IN_Q = 0.15, 0.3
+# Longest steps of the integration in ln m and in ln q: the gap errs by 1e-5 h_rms.
+_IN_M, _IN_Q = 0.1, 0.2
 # A spectrum of more points has no kinks that a step should end at.
 _FEW = 10
 # Far below u^2 is linear in ln p: places there, each this much further than the one before, to gaps of 140 h_rms.
