@@ -17,7 +17,7 @@ from fem_seal.case.messages import choices, tables_of
 from fem_seal.case.si_numbers import with_units
 from fem_seal.cli.app import show_derived
 from fem_seal.output.case_words import chosen_dimensions, dimensions
-from fem_seal.output.report.case import seal_groups
+from fem_seal.output.report.page import report
 from fem_seal.output.summary import derived_numbers
 
 STEEL = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3}
@@ -292,9 +292,9 @@ def test_bodies_from_files_are_named_with_what_was_read(tmp_path, capsys) -> Non
     shown = capsys.readouterr().out
     assert "  closure   r 0 to 17 mm, z 0 to 25 mm\n" in shown
     assert "  seat      seat.dxf, layer ring, unit 25.4 mm, r 10 to 40 mm, z 0 to 30 mm\n" in shown
-    rows = dict(seal_groups(run(case))[0].rows)
-    assert rows["seat, file"] == "seat.dxf, layer ring, unit 25.4 mm"
-    assert rows["seat, extent"] == "r 10 to 40 mm, z 0 to 30 mm"
+    page = report(run(case))
+    assert '<th scope="row">seat, file</th><td>seat.dxf, layer ring, unit 25.4 mm</td>' in page
+    assert '<th scope="row">seat, extent</th><td>r 10 to 40 mm, z 0 to 30 mm</td>' in page
 
 
 def test_tolerance_of_a_mesh_is_refused(tmp_path) -> None:

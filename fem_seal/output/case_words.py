@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from fem_seal.case.fields import Table
     from fem_seal.case.tables import Load
 
+BODIES = ("closure", "seat")
 # Lengths that are no dimensions of the body.
 _NOT_A_DIMENSION = ("interference", "tolerance")
 

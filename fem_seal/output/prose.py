@@ -5,12 +5,17 @@ The text stands there as data; which part of it a result needs is decided where 
 
 from __future__ import annotations
 
+import math
+import string
 import tomllib
+from collections.abc import Callable
 from functools import cache
 from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
+from fem_seal.seal.load_names import load_name
 from fem_seal.seal.readings import OWN, WORDS
+from fem_seal.units import given, number, percent, quantity, quantity_worth, range_text, trimmed, worth
 from leak import Reading
 
 if TYPE_CHECKING:
@@ -45,7 +50,59 @@ def template(name: str, *, escaped: bool = True) -> Template:
         trim_blocks=True,
         lstrip_blocks=True,
     )
+    environment.filters["written"] = written
+    environment.globals |= {"math": math, "said": said, "load_name": load_name}
     return environment.get_template(name)
+
+
+# How a number may be written: one without unit, and one with the unit that suits it.
+_PLAIN: dict[str, Callable[..., str]] = {
+    "number": number,
+    "percent": percent,
+    "trimmed": trimmed,
+    "worth": worth,
+}
+_WITH_UNIT: dict[str, Callable[..., str]] = {"given": given, "worth": quantity_worth}
+
+
+def written(value: Any, how: str) -> str:
+    """A number in words and templates, in the way that they ask for; of a tuple both ends.
+
+    Parameters
+    ----------
+    value : float or tuple of float
+        SI; None is a dash.
+    how : str
+        "number", "percent", "trimmed" or "worth", or a kind of `fem_seal.units.unit_for`, before which "given" or
+        "worth" may stand; then the digits. A format of Python's is one, too, if it begins with no letter.
+
+    Examples
+    --------
+    >>> written(0.00123, "length 2"), written(0.3, "percent"), written(2e6, "given fluid pressure")
+    ('1.2 mm', '30 %', '20 bar')
+    >>> written((0.001, 0.0025), "length 2"), written(0.12345, ".2f")
+    ('1.0 mm to 2.5 mm', '0.12')
+    """
+    if isinstance(value, tuple):
+        return range_text(*(written(one, how) for one in value))
+    first, *rest = how.split()
+    if not first[0].isalpha():
+        return format(value, how)
+    digits = [int(rest.pop())] if rest and rest[-1].isdigit() else []
+    if value is None:
+        return "–"
+    if first in _PLAIN and not rest:
+        return _PLAIN[first](value, *digits)
+    if first in _WITH_UNIT:
+        return _WITH_UNIT[first](" ".join(rest), value, *digits)
+    return quantity(" ".join([first, *rest]), value, *digits)
+
+
+class _Sentence(string.Formatter):
+    """Fills values in, each written as its braces say: "{load.fluid_pressure:given fluid pressure}"."""
+
+    def format_field(self, value: Any, format_spec: str) -> str:
+        return written(value, format_spec) if format_spec else str(value)
 
 
 def definitions(*, readings: bool) -> list[tuple[str, str]]:
@@ -84,8 +141,8 @@ def said(where: str, *parts: str, **values: object) -> str:
     *parts : str
         Keys of the sentences, in their order; empty ones are passed over.
     **values
-        What stands for {names} in them.
+        What stands for {names} in them; numbers as `written` in the way that stands behind their colon.
     """
     kind, name = where.split(".")
     sentences = prose()[kind][name]
-    return " ".join(sentences[part].format(**values) for part in parts if part)
+    return " ".join(_Sentence().vformat(sentences[part], (), values) for part in parts if part)

@@ -21,7 +21,6 @@ from fem_seal.units import given, leak_range_text, number, percent, quantity
 
 if TYPE_CHECKING:
     from fem_seal.answers.form import Allowed, FormAnswers, FormPoint, WaveAlone
-    from fem_seal.case.form import BodyForm, Form
     from leak import Reading
 
 
@@ -207,56 +206,6 @@ def waves_table(result: SealSolution) -> ReadableTable:
         ("waves per turn", "amplitude of the gap", "least line load over mean", "leak rate of it alone"),
         tuple(rows),
     )
-
-
-def form_rows(form: Form) -> list[tuple[str, str]]:
-    """The table [form] of a case in readable units."""
-    return list(_form_rows(form))
-
-
-def _form_rows(form: Form) -> Iterator[tuple[str, str]]:
-    yield "closure", "free to shift and tilt" if form.guide == "free" else "guided"
-    if form.eccentricity:
-        yield (
-            "eccentricity",
-            f"{given('length', form.eccentricity)} towards {_degrees(form.eccentricity_angle)}",
-        )
-    if form.tilt:
-        yield "tilt", f"{_degrees(form.tilt)} towards {_degrees(form.tilt_angle)}"
-    for name, part in form.parts.items():
-        yield from ((f"{name}, {key}", text) for key, text in _deviations(part))
-    for n, scratch in enumerate(form.scratches, start=1):
-        yield (
-            f"scratch {n}",
-            f"{given('length', scratch.depth)} deep, {given('length', scratch.width)} wide, at "
-            f"{_degrees(scratch.angle)}"
-            + (f", slanting by {_degrees(scratch.direction)}" if scratch.direction else ""),
-        )
-    if form.lay is not None:
-        yield (
-            "lay of turning",
-            f"{given('length', form.lay.depth)} deep, {form.lay.section}, pitch {given('length', form.lay.pitch)}",
-        )
-
-
-def _deviations(part: BodyForm) -> Iterator[tuple[str, str]]:
-    if part.tolerance is not None:
-        fewest, most = part.tolerance_waves
-        yield (
-            f"{part.direction} tolerance",
-            f"{given('length', part.tolerance)}, {fewest} to {most} waves per turn",
-        )
-    if part.trace is not None:
-        yield f"{part.direction} trace", f"{part.trace.file}, up to {part.trace.told} waves per turn"
-    for one in part.harmonics:
-        yield (
-            f"{part.direction}, {one.waves} waves",
-            f"±{given('length', one.amplitude)}, first crest at {_degrees(one.phase / one.waves)}",
-        )
-
-
-def _degrees(angle: float) -> str:
-    return f"{number(math.degrees(angle), 3)}°" if angle else "0°"
 
 
 def _section(result: SealSolution) -> Section | None:

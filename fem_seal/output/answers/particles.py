@@ -17,12 +17,11 @@ from fem_seal.output.prose import said
 from fem_seal.output.readable import ReadableTable
 from fem_seal.output.shown import Section, Shown
 from fem_seal.seal.load_names import load_name
-from fem_seal.units import given, number, percent, quantity, quantity_worth, unit_for, worth
+from fem_seal.units import given, percent, quantity, quantity_worth, unit_for, worth
 
 if TYPE_CHECKING:
     from fem_seal.answers.particles import ParticleAnswers
     from fem_seal.answers.solution import SealSolution
-    from fem_seal.case.fluid import Particles
 
 
 _PER_ML = 1e-6
@@ -135,27 +134,6 @@ def particle_table(result: SealSolution) -> ReadableTable:
         "of the leak",
     )
     return ReadableTable(headings, tuple(rows))
-
-
-def particle_rows(particles: Particles) -> list[tuple[str, str]]:
-    """The table [fluid.particles] of a case in readable units.
-
-    Parameters
-    ----------
-    particles : Particles
-    """
-    rows = []
-    if particles.iso_4406 is not None:
-        rows.append(("particles, ISO 4406", particles.iso_4406))
-    else:
-        counts = particles.counts
-        rows += [
-            (f"particles of at least {given('length', size)}", f"{number(count * _PER_ML, 3)} per ml")
-            for size, count in zip(counts.sizes, counts.low, strict=True)
-        ]
-    if particles.filter is not None:
-        rows.append(("filter", given("length", particles.filter)))
-    return rows
 
 
 def _rows(answers: ParticleAnswers) -> list[tuple[float, ...]]:

@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from fem_seal.answers.closed_forms import Derived, Sizes, derive, profile_sizes
+from fem_seal.answers.leakage_class import volume_of
+from fem_seal.case.tables import curves
+from fem_seal.contact.laws import HardContact
 from fem_seal.files import write_text
 from fem_seal.output import shown_answers
+from fem_seal.output.case_words import BODIES, earlier_load, listed_dimensions, section, section_text
+from fem_seal.output.finish import finish_rows
 from fem_seal.output.pictures.contact import gap_picture, profile_picture, size_picture
 from fem_seal.output.pictures.fields import imprint_picture, mesh_picture, stress_picture, temperature_picture
 from fem_seal.output.pictures.leak import leak_picture
@@ -17,10 +25,12 @@ from fem_seal.output.pictures.memory import memory_picture
 from fem_seal.output.pictures.section import sketch
 from fem_seal.output.pictures.style import Picture, style
 from fem_seal.output.pictures.surface import law_picture, separation_picture, surface_picture
-from fem_seal.output.prose import definitions, template
-from fem_seal.output.report import case, tables, words
+from fem_seal.output.prose import definitions, prose, template
+from fem_seal.output.report import tables, words
 from fem_seal.output.sources import sources
+from fem_seal.output.temperature import celsius, temperature_rows
 from fem_seal.seal.load_names import load_name
+from fem_seal.seal.problem import exponential_law
 from fem_seal.version import __version__
 
 if TYPE_CHECKING:
@@ -55,6 +65,8 @@ def report(result: SealSolution) -> str:
         created=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         picture={picture.name: picture for picture in pictures(result, derived, sizes)},
         sources=sources(result),
+        result=result,
+        **_of_case(result),
         **_words(result, derived, sizes),
     )
 
@@ -135,6 +147,34 @@ def _simulated(result: SealSolution) -> tuple[Picture, ...]:
     return simulation_pictures(result)
 
 
+def _of_case(result: SealSolution) -> dict[str, Any]:
+    """What the groups of the case show that the result does not have as it stands there."""
+    case, problem = result.case, result.problem
+    drawn = {name: section(case, name) for name in BODIES}
+    heating = problem.heating
+    field = None if heating is None else heating.field(result.seal_mesh, problem.materials)
+    decay_length, law_pressure = exponential_law(case, result.surface)
+    at_peak = None
+    if case.interface.law == "spectrum" and decay_length is None and not isinstance(problem.law, HardContact):
+        peak = max(load.peak_pressure for load in result.loads)
+        at_peak = float(problem.law.decay_length(np.array([math.log(peak)]))[0])
+    return {
+        "drawn_sections": {name: section_text(one) if one else {} for name, one in drawn.items()},
+        "dimensions": {name: listed_dimensions(case, name) for name in BODIES},
+        # bodies that yield remember the order of the loads
+        "pressures_in_order": case.load.fluid_pressure if curves(case) else sorted(case.load.fluid_pressure),
+        "largest_earlier_load": earlier_load(case.load),
+        "gas_state": volume_of(case).state,
+        "temperature_rows": list(temperature_rows(case, problem, field)),
+        "finish_rows": finish_rows(case),
+        "decay_length": decay_length,
+        "law_pressure": law_pressure,
+        "decay_length_at_peak": at_peak,
+        "celsius": celsius,
+        "curve_in_words": tables.curve_in_words,
+    }
+
+
 def _words(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes]) -> dict[str, Any]:
     load = result.highest
     return {
@@ -144,8 +184,6 @@ def _words(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes]) -
         "facts": words.facts(result),
         "reasons": words.reasons(result, derived),
         "warnings": result.warnings,
-        "seal_groups": case.seal_groups(result),
-        "surface_groups": case.surface_groups(result),
         "loads": tables.load_table(result),
         "comparison_note": tables.comparison_note(result),
         "comparison": tables.comparison_table(result, sizes),
@@ -154,6 +192,6 @@ def _words(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes]) -
             one for one in (shown.section(result) for shown in shown_answers.SHOWN) if one is not None
         ],
         **{name: value for shown in shown_answers.SHOWN for name, value in shown.words(result).items()},
-        "timings": case.times(result),
+        "steps": prose()["steps"],
         "definitions": definitions(readings=any(load.yields for load in result.loads)),
     }
