@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 import string
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import cache
 from importlib.resources import files
 from typing import TYPE_CHECKING, Any
@@ -105,6 +105,23 @@ class _Sentence(string.Formatter):
         return written(value, format_spec) if format_spec else str(value)
 
 
+def filled(sentence: str, values: Mapping[str, object]) -> str:
+    """A sentence of words.toml with its values; numbers are `written` in the way that stands behind their colon.
+
+    Parameters
+    ----------
+    sentence : str
+    values : mapping
+        What stands for {names} in it.
+
+    Examples
+    --------
+    >>> filled("{share:percent} of {pressure:given fluid pressure}", {"share": 0.2, "pressure": 2e6})
+    '20 % of 20 bar'
+    """
+    return _Sentence().vformat(sentence, (), values)
+
+
 def definitions(*, readings: bool) -> list[tuple[str, str]]:
     """Words of the report with their meanings, in the order of the page.
 
@@ -141,8 +158,8 @@ def said(where: str, *parts: str, **values: object) -> str:
     *parts : str
         Keys of the sentences, in their order; empty ones are passed over.
     **values
-        What stands for {names} in them; numbers as `written` in the way that stands behind their colon.
+        What stands for {names} in them, see `filled`.
     """
     kind, name = where.split(".")
     sentences = prose()[kind][name]
-    return " ".join(_Sentence().vformat(sentences[part], (), values) for part in parts if part)
+    return " ".join(filled(sentences[part], values) for part in parts if part)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.output.columns import COLUMNS, Column
+from fem_seal.output.prose import filled, prose
 from fem_seal.output.tables import rows_of
 from fem_seal.units import LIQUID, LeakVolume, Unit, trimmed, unit_for, worth
 
@@ -27,6 +28,29 @@ class ReadableTable:
 
     headings: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
+
+
+def worded_table(
+    name: str, rows: Iterable[Mapping[str, object]], *, without: Collection[str] = (), **values: object
+) -> ReadableTable:
+    """A table whose headings and cells are sentences of words.toml.
+
+    Parameters
+    ----------
+    name : str
+        Of the table in words.toml, under "tables".
+    rows : iterable of mapping
+        What stands for {names} in the cells of each row.
+    without : collection of str
+        Headings of columns that are left out, as they stand in the file.
+    **values
+        What stands for {names} in headings and all rows.
+    """
+    columns = {key: cell for key, cell in prose()["tables"][name].items() if key not in without}
+    return ReadableTable(
+        tuple(filled(heading, values) for heading in columns),
+        tuple(tuple(filled(cell, {**values, **row}) for cell in columns.values()) for row in rows),
+    )
 
 
 @dataclass(frozen=True)
@@ -92,12 +116,12 @@ def columns_table(columns: Sequence[Filled]) -> ReadableTable:
     )
 
 
-def _cell(filled: Filled, unit: Unit, n: int) -> str:
-    value = filled.values[n]
+def _cell(column: Filled, unit: Unit, n: int) -> str:
+    value = column.values[n]
     if value is None:
         return "–"
-    if filled.column.name == "fluid_pressure_Pa":
+    if column.column.name == "fluid_pressure_Pa":
         return trimmed(unit.of(value))
-    if filled.column.kind == "flow" and value and not filled.volume.measurable(value):
+    if column.column.kind == "flow" and value and not column.volume.measurable(value):
         return "none measurable"
-    return worth(unit.of(value), filled.digits[n])
+    return worth(unit.of(value), column.digits[n])

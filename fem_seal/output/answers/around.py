@@ -10,7 +10,6 @@ import numpy as np
 
 from fem_seal.output.prose import said
 from fem_seal.seal.load_names import load_name
-from fem_seal.units import percent
 
 if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
@@ -50,11 +49,10 @@ def _of_load(load: LoadResult, result: SealSolution) -> Iterator[str]:
     if around.line_load.min() == 0:
         yield said("notes.around", "parted", load=name, at=at, width=_degrees(width))
     else:
-        values = {"least": percent(around.least_over_mean), "most": percent(around.most_over_mean)}
-        yield said("notes.around", "falls", load=name, at=at, **values)
+        yield said("notes.around", "falls", load=name, at=at, around=around)
     turn = None if around.leak_rate is None else turn_that_leaks(around.leak_rate, _MOST)
     if turn is not None:
-        yield said("notes.around", "leak", share=percent(_MOST), turn=_degrees(turn))
+        yield said("notes.around", "leak", share=_MOST, turn=_degrees(turn))
 
 
 def least_loaded(around: Around) -> tuple[list[float], float]:

@@ -12,12 +12,12 @@ from fem_seal.answers.limits import OF_LEAK_RATE
 from fem_seal.answers.solution import SealSolution
 from fem_seal.output.answers.around import around_in_words
 from fem_seal.output.prose import other_reading, said
-from fem_seal.output.readable import ReadableTable
+from fem_seal.output.readable import ReadableTable, worded_table
 from fem_seal.output.shown import Section, Shown, by_reading
 from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.load_result import LoadResult
-from fem_seal.units import given, leak_range_text, number, percent, quantity
+from fem_seal.units import leak_range_text, number, quantity
 
 if TYPE_CHECKING:
     from fem_seal.answers.form import Allowed, FormAnswers, FormPoint, WaveAlone
@@ -53,16 +53,13 @@ def _said(result: SealSolution, answers: FormAnswers) -> Iterator[str]:
     if answers.tolerance_waves is not None:
         yield said("form.tolerance", "worst", waves=answers.tolerance_waves)
     if len(answers.waves) > 1:
-        worst = answers.waves[0]
-        yield said(
-            "form.waves", "worst", waves=worst.waves, least=percent(worst.line_load_min_over_mean), load=at
-        )
+        yield said("form.waves", "worst", worst=answers.waves[0], load=at)
     yield from _closing(answers, load)
     if answers.allowed is not None and not load.validity.outside:
         yield from _allowed(answers.allowed, answers.allowed_others, load)
     yield from _scratches(answers, load)
     if answers.goes_round is not None:
-        yield said("form.round", "share", share=percent(answers.goes_round), load=at)
+        yield said("form.round", "share", share=answers.goes_round, load=at)
 
 
 def _rate(load: LoadResult, *rates: float | None, beside: Sequence[float] = ()) -> str:
@@ -80,36 +77,21 @@ def _closing(answers: FormAnswers, load: LoadResult) -> Iterator[str]:
     # no other result needs that module
     from fem_seal.answers.form import CLOSED
 
-    closed = percent(CLOSED)
-    if answers.closing_force is None:
-        yield said("form.closing", "never", closed=closed)
-        return
-    enough = answers.closing_force <= load.applied_force
-    yield said(
-        "form.closing",
-        "enough" if enough else "force",
-        force=quantity("force", answers.closing_force, 3),
-        applied=given("force", load.applied_force),
-        closed=closed,
-        pressure=given("fluid pressure", load.fluid_pressure),
-    )
+    force = answers.closing_force
+    kind = "never" if force is None else "enough" if force <= load.applied_force else "force"
+    yield said("form.closing", kind, force=force, load=load, closed=CLOSED)
 
 
 def _allowed(allowed: Allowed, others: Mapping[Reading, Allowed], load: LoadResult) -> Iterator[str]:
     """How large the form error may be, and directly behind it what other readings of yielding asperities say."""
-    limit, rate = allowed.limit, given("flow", allowed.leak_rate)
-    limit = {"target": "target", OF_LEAK_RATE: "required leak rate"}.get(limit, f"limit of {limit}")
+    names = {"target": "target", OF_LEAK_RATE: "required leak rate"}
+    limit = names.get(allowed.limit, f"limit of {allowed.limit}")
     if allowed.factor is None:
-        yield said("form.allowed", "round_leaks_more", limit=limit, rate=rate)
+        yield said("form.allowed", "round_leaks_more", limit=limit, rate=allowed.leak_rate)
         return
     if math.isfinite(allowed.factor):
-        yield said(
-            "form.allowed",
-            "larger" if allowed.factor > 1 else "smaller",
-            factor=number(_down(allowed.factor), 2),
-            limit=limit,
-            rate=rate,
-        )
+        kind, factor = "larger" if allowed.factor > 1 else "smaller", _down(allowed.factor)
+        yield said("form.allowed", kind, factor=factor, limit=limit, rate=allowed.leak_rate)
     for reading, other in others.items():
         if other.factor is None:
             yield other_reading(reading, "even the round seal leaks more")
@@ -119,17 +101,10 @@ def _allowed(allowed: Allowed, others: Mapping[Reading, Allowed], load: LoadResu
                 yield other_reading(reading, f"the form error may be {told} times as large")
     if load.around is not None and load.around.scratches is not None:
         yield said("form.allowed", "aside")
-    if allowed.zone == 0:
-        yield said("form.allowed", "no_zone", kind=_DIRECTIONS[allowed.direction], limit=limit)
-    elif allowed.zone is not None and math.isfinite(allowed.zone):
-        yield said(
-            "form.allowed",
-            "drawing",
-            kind=_DIRECTIONS[allowed.direction],
-            zone=quantity("length", _down(allowed.zone), 2),
-            waves=allowed.waves,
-            limit=limit,
-        )
+    if allowed.zone is not None and math.isfinite(allowed.zone):
+        kind, zone = "drawing" if allowed.zone else "no_zone", _down(allowed.zone)
+        direction = _DIRECTIONS[allowed.direction]
+        yield said("form.allowed", kind, kind=direction, zone=zone, waves=allowed.waves, limit=limit)
     for reading, other in others.items():
         if other.zone is not None and math.isfinite(other.zone):
             first, told = (quantity("length", _down(one or 0.0), 2) for one in (allowed.zone, other.zone))
@@ -146,13 +121,8 @@ def _scratches(answers: FormAnswers, load: LoadResult) -> Iterator[str]:
     low, high = (_rate(load, *ends, beside=every) for ends in zip(*known, strict=True))
     yield said("form.scratches", "both", low=low, high=high)
     if answers.deepest_scratch is not None:
-        depth, width = answers.deepest_scratch
-        yield said(
-            "form.scratches",
-            "deepest",
-            depth=quantity("length", _down(depth), 2),
-            width=quantity("length", _down(width), 2),
-        )
+        depth, width = map(_down, answers.deepest_scratch)
+        yield said("form.scratches", "deepest", depth=depth, width=width)
         if len(known) > 1:
             yield said("form.scratches", "both_readings")
 
@@ -172,60 +142,35 @@ def _of_point(load: LoadResult, point: FormPoint | WaveAlone) -> str:
 def curve_table(result: SealSolution) -> ReadableTable:
     """Leak rate over the size of the form error; no rows for a round seal."""
     answers, load = result.form, result.highest
-    if answers is None or load.formed is None or not load.formed.form.felt:
-        return ReadableTable((), ())
-    leaks = any(point.leak_rate is not None for point in answers.curve)
-    rows = [
-        (
-            number(point.factor, 3),
-            quantity("length", point.height, 3),
-            percent(point.line_load_min_over_mean),
-            *((_of_point(load, point),) if leaks else ()),
-        )
-        for point in answers.curve
-    ]
-    headings = ("times the form error", "change of the gap", "least line load over mean")
-    return ReadableTable((*headings, "leak rate") if leaks else headings, tuple(rows))
+    felt = answers is not None and load.formed is not None and load.formed.form.felt
+    points = answers.curve if answers is not None and felt else ()
+    return worded_table(
+        "form_curve",
+        [{"point": point, "leak_rate": _of_point(load, point)} for point in points],
+        without=() if any(point.leak_rate is not None for point in points) else ("leak rate",),
+    )
 
 
 def waves_table(result: SealSolution) -> ReadableTable:
     """Each wave of the form error alone, the one that hurts most first; no rows where there is but one."""
-    answers, load = result.form, result.highest
-    if answers is None or len(answers.waves) < 2:
-        return ReadableTable((), ())
-    rows = [
-        (
-            str(wave.waves),
-            quantity("length", wave.amplitude, 3),
-            percent(wave.line_load_min_over_mean),
-            _of_point(load, wave),
-        )
-        for wave in answers.waves
-    ]
-    return ReadableTable(
-        ("waves per turn", "amplitude of the gap", "least line load over mean", "leak rate of it alone"),
-        tuple(rows),
-    )
+    waves = () if result.form is None else result.form.waves
+    rows = [{"wave": wave, "leak_rate": _of_point(result.highest, wave)} for wave in waves]
+    return worded_table("form_waves", rows if len(rows) > 1 else ())
 
 
 def _section(result: SealSolution) -> Section | None:
     sentences = [*around_in_words(result), *form_in_words(result)]
-    at = load_name(result.highest, result.loads)
     if not sentences:
         return None
+    at = load_name(result.highest, result.loads)
+    caption = f"The same form error, smaller and larger, at {at}, without scratches and lay."
     return Section(
         "around",
         "Around the axis",
         "Around the axis",
         sentences,
         ("line_load_around", "unrolled", "leak_around"),
-        (
-            (
-                curve_table(result),
-                f"The same form error, smaller and larger, at {at}, without scratches and lay.",
-            ),
-            (waves_table(result), "Each wave of the form error alone."),
-        ),
+        ((curve_table(result), caption), (waves_table(result), "Each wave of the form error alone.")),
         ("around.csv", "around.pvd (ParaView)"),
     )
 

@@ -14,10 +14,10 @@ from fem_seal.answers.particles import KEPT, answers_of
 from fem_seal.output.columns import PARTICLE_COLUMNS
 from fem_seal.output.pictures.style import BLUE, FILL, GREY, ORANGE, Picture, label, logarithmic, panels, svg
 from fem_seal.output.prose import said
-from fem_seal.output.readable import ReadableTable
+from fem_seal.output.readable import ReadableTable, worded_table
 from fem_seal.output.shown import Section, Shown
 from fem_seal.seal.load_names import load_name
-from fem_seal.units import given, percent, quantity, quantity_worth, unit_for, worth
+from fem_seal.units import quantity, unit_for
 
 if TYPE_CHECKING:
     from fem_seal.answers.particles import ParticleAnswers
@@ -40,22 +40,11 @@ def particles_in_words(result: SealSolution) -> list[str]:
 
 def _said(result: SealSolution, answers: ParticleAnswers) -> Iterator[str]:
     at = load_name(result.highest, result.loads)
-    sizes = _span(*(quantity("length", one, 2) for one in answers.narrowest))
-    yield said("particles.narrow", "from", load=at, sizes=sizes)
+    yield said("particles.narrow", "from", load=at, sizes=answers.narrowest)
     yield _filter(answers)
     yield _stopped(result, answers)
     if math.isfinite(answers.half_volume[0]):
-        (least, most), (soon, late) = answers.half_volume, answers.half_time
-        yield said(
-            "particles.decay",
-            "half",
-            least=quantity_worth("volume", least, 1),
-            most=quantity_worth("volume", most, 1),
-            soon=quantity_worth("time", soon, 1),
-            late=quantity_worth("time", late, 1),
-            fewest=_rough(answers.places[0]),
-            places=_rough(answers.places[1]),
-        )
+        yield said("particles.decay", "half", found=answers)
     around = result.highest.around
     scratched = around is not None and around.scratches is not None
     yield said("particles.estimate", "all", "scratches" if scratched else "")
@@ -64,45 +53,24 @@ def _said(result: SealSolution, answers: ParticleAnswers) -> Iterator[str]:
 def _stopped(result: SealSolution, answers: ParticleAnswers) -> str:
     fluid, (few, many) = result.case.fluid, answers.stopped
     assert fluid is not None and fluid.particles is not None  # the answers are about them
-    counted = fluid.particles.counts.sizes[0]
-    size = given("length", counted)
+    size = fluid.particles.counts.sizes[0]
     if many == 0:
         return said("particles.stopped", "none")
     if math.isnan(many):
         return said("particles.stopped", "uncounted", size=size)
-    return said(
-        "particles.stopped",
-        "count",
-        "extrapolated" if answers.narrowest[0] < counted else "",
-        count=_span(_rough(few * _PER_ML), _rough(many * _PER_ML)),
-        size=size,
-    )
+    further = "extrapolated" if answers.narrowest[0] < size else ""
+    return said("particles.stopped", "count", further, count=(few * _PER_ML, many * _PER_ML), size=size)
 
 
 def _filter(answers: ParticleAnswers) -> str:
-    known = answers.filter is not None and answers.left is not None
-    low, high = answers.keeping_filter or (math.nan, math.nan)
-    both = _span(quantity("length", low, 2), quantity("length", high, 2))
-    return said(
-        "particles.filter",
-        "none" if answers.keeping_filter is None else "keeps",
-        "safe" if " to " in both else "",
-        "given" if known else "",
-        size=both,
-        lost=percent(1.0 - KEPT),
-        filter="" if answers.filter is None else given("length", answers.filter),
-        left="" if answers.left is None else _span(*map(percent, answers.left)),
-    )
-
-
-def _span(low: str, high: str) -> str:
-    """Both ends of a range, or one where they read alike."""
-    return low if low == high else f"{low} to {high}"
-
-
-def _rough(value: float) -> str:
-    """No more than its size."""
-    return worth(value, 1)
+    if answers.keeping_filter is None:
+        kinds = ["none"]
+    else:
+        ends = {quantity("length", one, 2) for one in answers.keeping_filter}
+        kinds = ["keeps", "safe" if len(ends) > 1 else ""]
+    if answers.filter is not None and answers.left is not None:
+        kinds.append("given")
+    return said("particles.filter", *kinds, found=answers, lost=1.0 - KEPT)
 
 
 def particle_table(result: SealSolution) -> ReadableTable:
@@ -112,28 +80,16 @@ def particle_table(result: SealSolution) -> ReadableTable:
     ----------
     result : SealSolution
     """
-    answers = answers_of(result.highest, result.particles)
-    if answers is None:
-        return ReadableTable((), ())
-    digits, state = min(result.highest.leak_digits, 2), volume_of(result.case).state
-    rows = [
-        (
-            quantity("length", one.size, 2),
-            _span(*(worth(count * _PER_ML, 2) for count in one.particles)),
-            _span(*map(percent, one.gaps_below)),
-            _span(*(quantity_worth("flow", rate, digits) for rate in one.leak_rate)),
-            _span(*map(percent, one.remaining)),
-        )
-        for one in answers.curve
-    ]
-    headings = (
-        "particle size",
-        "particles per ml",
-        "gaps narrower",
-        f"leak rate with these shut{f' (gas at {state})' if state else ''}",
-        "of the leak",
+    answers, state = answers_of(result.highest, result.particles), volume_of(result.case).state
+    return worded_table(
+        "particles",
+        [
+            {"one": one, "per_ml": tuple(count * _PER_ML for count in one.particles)}
+            for one in (answers.curve if answers is not None else ())
+        ],
+        state=f" (gas at {state})" if state else "",
+        digits=min(result.highest.leak_digits, 2),
     )
-    return ReadableTable(headings, tuple(rows))
 
 
 def _rows(answers: ParticleAnswers) -> list[tuple[float, ...]]:
