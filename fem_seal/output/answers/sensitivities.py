@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 from fem_seal.output.prose import said
-from fem_seal.output.readable import ReadableTable
+from fem_seal.output.readable import ReadableTable, worded_table
 from fem_seal.output.shown import Shown
 from fem_seal.seal.load_names import load_name
-from fem_seal.units import number, percent, quantity, range_text, trimmed, unit_for, worth
+from fem_seal.units import range_text, trimmed, unit_for, worth
 
 if TYPE_CHECKING:
     from fem_seal.answers.sensitivities import Lever
@@ -21,14 +20,8 @@ if TYPE_CHECKING:
 
 # So many are told, and no smaller ones: a change of half a per cent is no lever.
 _TOLD, _SMALLEST = 3, 0.005
-# Keys of steps, by the key of the lever and whether its value falls or rises.
-_STEPS: Mapping[str, tuple[str, str]] = {
-    "rms_height": ("rms_height_less", "rms_height_more"),
-    "hardness": ("hardness_less", "hardness_more"),
-    "youngs_modulus": ("youngs_modulus_less", "youngs_modulus_more"),
-    "q_rolloff": ("q_rolloff_less", "q_rolloff_more"),
-    "hurst": ("hurst_less", "hurst_more"),
-}
+# Levers that are not the force and no dimension.
+_STEPS = ("rms_height", "hardness", "youngs_modulus", "q_rolloff", "hurst")
 
 
 def told_levers(result: SealSolution) -> list[Lever]:
@@ -52,19 +45,15 @@ def step_in_words(case: Case, lever: Lever) -> str:
     if lever.key == "force":
         assert lever.before is not None and lever.after is not None  # of a force
         if lever.before > 0:
-            return said("levers.step", "force", percent=percent(lever.factor - 1.0, 2))
-        return said("levers.step", "force_added", added=quantity("force", lever.after - lever.before, 2))
+            return said("levers.step", "force", more=lever.factor - 1.0)
+        return said("levers.step", "force_added", added=lever.after - lever.before)
     if lever.key in _STEPS:
-        key = _STEPS[lever.key][lever.factor > 1]
+        key = f"{lever.key}_{'more' if lever.factor > 1 else 'less'}"
         finish = _finish(case)
         if key == "rms_height_less" and finish:
             return said("levers.step", "rms_height_less_finish", finish=finish)
-        return said("levers.step", key, before=_short(lever.before), after=_short(lever.after))
+        return said("levers.step", key, lever=lever)
     return _dimension(lever)
-
-
-def _short(value: float | None) -> str:
-    return "" if value is None else number(value, 2)
 
 
 def _finish(case: Case) -> str:
@@ -139,11 +128,11 @@ def lever_table(result: SealSolution) -> ReadableTable:
     result : SealSolution
     """
     rows = [
-        (step_in_words(result.case, one), ratio_in_words(one), _exponents(one))
+        {"step": step_in_words(result.case, one), "ratio": ratio_in_words(one), "exponents": _exponents(one)}
         for one in result.levers
         if one.strength > _SMALLEST
     ]
-    return ReadableTable(("change", "leak rate", "local exponent"), tuple(rows))
+    return worded_table("levers", rows)
 
 
 def lever_note(result: SealSolution) -> str:

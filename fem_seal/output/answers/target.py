@@ -15,7 +15,7 @@ from fem_seal.output.readable import ReadableTable, columns_table, filled_column
 from fem_seal.output.shown import Shown
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.readings import FURTHER, force_column
-from fem_seal.units import given, percent, quantity, quantity_worth, range_text, unit_for, worth
+from fem_seal.units import given, quantity, range_text, unit_for, worth
 
 if TYPE_CHECKING:
     from fem_seal.answers.judgement import JudgedLoad
@@ -51,31 +51,20 @@ def opens_at(load: LoadResult) -> str | None:
 def valve_facts(result: SealSolution, load: JudgedLoad) -> Iterator[tuple[str, str, str]]:
     """Name, value and remark of the pressure that opens the seal and of the force for the target leak rate."""
     if opens := opens_at(load):
-        yield (
-            "Opens at",
-            opens,
-            f"fluid pressure, with an applied force of {given('force', load.applied_force)}",
-        )
+        yield "Opens at", opens, said("facts.remark", "opens", load=load)
     target = result.case.load.target_leak_rate
     if target is not None and load.force_for_target is not None:
-        both = [
-            _target_force(load, force) for force in (load.force_for_target, *_other_forces(load).values())
-        ]
-        named = "; the two ends are readings of asperities that yield" if both[0] != both[-1] else ""
-        yield (
-            TARGET_FORCE,
-            range_text(both[0], both[-1]),
-            f"applied force for {_target(result, target)}{named}",
-        )
-    if load.verdict_force is not None:
-        found = load.verdict_force
+        every = (load.force_for_target, *_other_forces(load).values())
+        low, *_, high = (_target_force(load, force) for force in (*every, every[-1]))
+        both = "target" if low == high else "target_both"
+        yield TARGET_FORCE, range_text(low, high), said("facts.remark", both, target=_target(result, target))
+    if found := load.verdict_force:
         none = "none" if found.looked_for else "not looked for"
         begins = f" {found.begins}" if found.begins else ""
         yield (
             "Force for a pass",
             none if found.force is None else force_to_pass(found.force),
-            found.why_none
-            or f"applied force from which the verdict passes{begins}, with interval and accuracy of the leak rate",
+            found.why_none or said("facts.remark", "pass", begins=begins),
         )
 
 
@@ -84,14 +73,8 @@ def what_opens(result: SealSolution, load: JudgedLoad) -> Iterator[str]:
     if opens := opens_at(load):
         assert load.blow_off_pressure is not None
         share = load.fluid_pressure / load.blow_off_pressure
-        yield said(
-            "reasons.opening",
-            "all",
-            opens=opens,
-            share=percent(share, 2 if load.digits == 4 else 4),
-            contact_force=quantity_worth("force", load.contact_force, load.digits),
-            applied_force=given("force", load.applied_force),
-        )
+        digits = 2 if load.digits == 4 else 4
+        yield said("reasons.opening", "all", opens=opens, share=share, share_digits=digits, load=load)
     yield from _what_the_target_takes(result, load)
     yield from verdict_force_sentences([load])
 
@@ -101,17 +84,16 @@ def _what_the_target_takes(result: SealSolution, load: LoadResult) -> Iterator[s
     if target is None or force is None:
         return
     acting = load.applied_force
-    compared = ("more" if force > acting else "less") if acting else "none"
     told = said(
         "reasons.target",
         "force",
-        compared,
+        ("more" if force > acting else "less") if acting else "none",
         "fluid" if force < 0 else "",
         target=_target(result, target),
-        pressure=given("fluid pressure", load.fluid_pressure),
         force=_target_force(load, force),
-        difference=quantity_worth("force", abs(force - acting), load.digits_of("force_for_target")),
-        acting=given("force", acting),
+        difference=abs(force - acting),
+        digits=load.digits_of("force_for_target"),
+        load=load,
     )
     others = [
         other_reading(reading, f"{_target_force(load, one)} are needed")
@@ -131,9 +113,7 @@ def _target(result: SealSolution, leak_rate: float) -> str:
     return f"{given('flow', leak_rate)} at {state}" if state else given("flow", leak_rate)
 
 
-def _target_force(load: LoadResult, force: float | None) -> str:
-    if force is None:
-        return "–"
+def _target_force(load: LoadResult, force: float) -> str:
     unit = unit_for("force", force)
     return f"{worth(unit.of(force), load.digits_of('force_for_target'))} {unit.name}"
 

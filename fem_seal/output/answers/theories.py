@@ -12,7 +12,7 @@ from fem_seal.seal.bounds import EXACT, Bounds
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.load_result import LoadResult, rate_of
 from fem_seal.seal.readings import THEORIES
-from fem_seal.units import leak_range_text, number, percent, quantity_worth
+from fem_seal.units import leak_range_text
 from leak import Reading
 
 # Factors closer to one are told as none.
@@ -75,7 +75,7 @@ def _compared(result: SealSolution, load: LoadResult, theory: str, other: LoadRe
         load=load_name(load, result.loads),
         inputs=_inputs(load),
         rate=_told(result, other) if rate else "",
-        factor=number(rate / own, 2) if own else "",
+        factor=rate / own if own else None,
         own=leak_range_text(own, min(load.leak_digits, 2), volume=volume_of(result.case)) if own else "",
     )
 
@@ -91,10 +91,11 @@ def _contact(result: SealSolution, theory: str, other: LoadResult) -> Iterator[s
         "theories.why",
         "contact",
         theory=THEORIES[theory],
-        gaps=number(same / own, 2),
-        contact=number(rate / same, 2),
-        peak=quantity_worth("contact pressure", other.peak_pressure, min(3, load.pressure_digits)),
-        own_peak=quantity_worth("contact pressure", load.peak_pressure, min(3, load.pressure_digits)),
+        gaps=same / own,
+        contact=rate / same,
+        other=other,
+        own=load,
+        digits=min(3, load.pressure_digits),
     )
 
 
@@ -105,7 +106,7 @@ def _yielding(load: LoadResult, theory: str, other: LoadResult) -> Iterator[str]
         elastic = _rate(one.reading(Reading.ELASTIC))
         if not elastic or one.reading(Reading.ELASTIC) is one:
             return
-        left[name] = percent(_rate(one) / elastic)
+        left[name] = _rate(one) / elastic
     yield said("theories.why", "yielding", **left)
 
 
@@ -113,8 +114,7 @@ def _simulated(load: LoadResult) -> Iterator[str]:
     """What the corrected theory may be off by here, as direct simulation finds it."""
     corrected = load.in_theory("corrected")
     if corrected is not None and corrected.theory_error != EXACT:
-        low, high = (f"{one:.2f}" for one in corrected.theory_error)
-        yield said("theories.why", "simulated", low=low, high=high)
+        yield said("theories.why", "simulated", error=corrected.theory_error)
 
 
 def _section(result: SealSolution) -> Section | None:

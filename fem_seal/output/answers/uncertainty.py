@@ -10,38 +10,18 @@ import numpy as np
 
 from fem_seal.answers.error_shares import ErrorShares, error_shares, measured_profiles
 from fem_seal.answers.leakage_class import volume_of
-from fem_seal.output.prose import said
+from fem_seal.output.prose import prose, said
 from fem_seal.output.readable import ReadableTable
 from fem_seal.output.shown import Shown
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.load_result import highest_load
-from fem_seal.units import percent, quantity, unit_for, worth
+from fem_seal.units import percent, unit_for, worth
 
 if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
     from fem_seal.answers.uncertainty import LeakInterval
 
 
-_NAMES = {
-    "viscosity": "viscosity",
-    "hardness": "hardness",
-    "youngs_modulus": "Young's modulus",
-    "rms_height": "rms height",
-    "hurst": "Hurst exponent",
-    "q_rolloff": "roll-off",
-    "q_high": "shortest wavelength",
-    "spectrum": "spectrum between scans",
-    "scan_length": "length of the scans",
-    "form": "form error",
-    "lay": "lay",
-    "inputs together": "what inputs do only together",
-    "gap law": "gap law",
-    "few waves": "few waves of the roughness in the contact",
-    "yielding": "how asperities yield",
-    "readings": "readings of yielding asperities",
-}
-# Doubts of the calculation that would be taken for an input.
-_DOUBTS = {"lay": "how a lay conducts"}
 # An interval narrower than this has no sources that are worth naming, and how many of them are.
 _NARROW, _NAMED, _LEAST = 1.25, 4, 0.01
 # A measurement that narrows it by less is not worth its name.
@@ -50,11 +30,11 @@ _NARROWER = 1.1
 
 def _named(name: str) -> str:
     """An uncertain input in words; one of several measured spectra is called by its key."""
-    if name.startswith("accuracy: "):
-        kind = name.removeprefix("accuracy: ")
-        return _DOUBTS.get(kind, kind)
+    names: dict[str, str] = prose()["sources_of_error"]
+    if name in names or name.startswith("accuracy: "):
+        return names.get(name, name.removeprefix("accuracy: "))
     key = name.removeprefix("scan_length_")
-    return _NAMES.get(name, f"length of the scans ({key})" if key != name else f"{name} between scans")
+    return f"{names['scan_length']} ({key})" if key != name else f"{name} between scans"
 
 
 def interval_table(result: SealSolution) -> ReadableTable:
@@ -110,12 +90,9 @@ def interval_note(result: SealSolution) -> str:
         "shares_both" if result.highest.yields else "",
         "held",
         "" if result.highest.flow_error is None else "own",
-        samples=interval.samples,
-        seed=interval.seed,
+        interval=interval,
         inputs=", ".join(_named(name) + spreads.get(name, "") for name in interval.inputs),
-        runs=interval.runs,
-        error=percent(interval.error or 0.0),
-        sealed=percent(sealed),
+        sealed=sealed,
     )
 
 
@@ -146,13 +123,12 @@ def error_sentence(result: SealSolution) -> str:
         "interval",
         "doubt" if largest.startswith("accuracy: ") else "source",
         "" if measured is None or measured.left * _NARROWER > found.factor else "profile",
-        length="" if measured is None else quantity("length", measured.length, 2),
-        by_profile="" if measured is None else worth(measured.left, 2),
+        measured=measured,
         load=load_name(result.loads[number], result.loads),
-        factor=worth(found.factor, 2),
+        factor=found.factor,
         shares=", ".join(f"{_named(name)} {percent(share, 1)}" for name, share in told),
         largest=_named(largest),
-        left=worth(found.left[largest], 2),
+        left=found.left[largest],
     )
 
 

@@ -10,7 +10,7 @@ from fem_seal.answers.solution import SealSolution
 from fem_seal.answers.variants import ratio_to_case
 from fem_seal.output.columns import VARIANT_COLUMNS
 from fem_seal.output.prose import said
-from fem_seal.output.readable import ReadableTable
+from fem_seal.output.readable import ReadableTable, worded_table
 from fem_seal.output.shown import Shown, by_reading
 from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.load_names import load_name
@@ -20,7 +20,6 @@ from fem_seal.units import (
     Unit,
     leak_rate_text,
     number,
-    quantity_worth,
     range_text,
     trimmed,
     unit_for,
@@ -35,19 +34,22 @@ def variant_table(result: SealSolution) -> ReadableTable:
     volume = volume_of(result.case)
     unit = volume.named(unit_for("flow", max(rates, default=0.0)))
     load = result.strongest
-    rows = [
-        (
-            variant.name
-            + (" (used)" if ("plastic" in variant.name) == result.case.interface.plastic else ""),
-            quantity_worth("contact pressure", variant.peak_pressure, load.pressure_digits),
-            quantity_worth("length", variant.fwhm, load.digits_of("fwhm")),
-            quantity_worth("length", variant.std, load.digits_of("std")),
-            _both_readings(variant, unit, load, volume),
-        )
-        for variant in result.interface_variants
-    ]
-    leak_rate = f"leak rate [{unit.name}]" if rates else "leak rate"
-    return ReadableTable(("interface law", "peak pressure", "FWHM", "std. deviation", leak_rate), tuple(rows))
+    used = result.case.interface.plastic
+    return worded_table(
+        "interface_laws",
+        [
+            {
+                "variant": variant,
+                "used": " (used)" if ("plastic" in variant.name) == used else "",
+                "leak_rate": _both_readings(variant, unit, load, volume),
+            }
+            for variant in result.interface_variants
+        ],
+        unit=f" [{unit.name}]" if rates else "",
+        load=load,
+        fwhm_digits=load.digits_of("fwhm"),
+        std_digits=load.digits_of("std"),
+    )
 
 
 def _both_readings(variant: Comparison, unit: Unit, load: LoadResult, volume: LeakVolume) -> str:
@@ -116,7 +118,7 @@ def theory_note(result: SealSolution) -> str:
         "tight" if tight else "factor",
         "yields" if result.highest.yields else "",
         load=load_name(result.loads[load], result.loads),
-        factor="" if tight else number(max(rates) / min(rates), 2),
+        factor=None if tight else max(rates) / min(rates),
     )
 
 
