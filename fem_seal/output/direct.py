@@ -14,7 +14,7 @@ from fem_seal.output.prose import said
 from fem_seal.output.tables import write_rows_csv
 from fem_seal.seal.direct import QUANTILES, DirectRow, DirectSimulation, DirectTable
 from fem_seal.seal.readings import FURTHER, OWN
-from fem_seal.units import number, percent, quantity
+from fem_seal.units import number
 from leak import Reading
 
 TABLE, GAPS, ABOUT = "direct.csv", "direct_gaps.csv", "direct.json"
@@ -128,26 +128,12 @@ def direct_lines(table: DirectTable) -> list[str]:
     ----------
     table : DirectTable
     """
-    simulation, patch = table.simulation, table.simulation.patch
-    values = {
-        "size": quantity("length", patch.size),
-        "points": patch.points,
-        "shortest": quantity("length", patch.shortest_wavelength),
-        "patches": "1 patch" if simulation.samples == 1 else f"{simulation.samples} patches",
-        "rms": quantity("length", simulation.rms_height),
-        "of": quantity("length", simulation.surface.spectrum.rms_height),
-    }
+    simulation = table.simulation
+    patches = "1 patch" if simulation.samples == 1 else f"{simulation.samples} patches"
     if simulation.heights is not None:
-        return [said("direct.patch", "map", **values), _asperities(simulation)]
+        return [said("direct.patch", "map", simulation=simulation), _asperities(simulation)]
     lines = [
-        said(
-            "direct.patch",
-            "random",
-            "held",
-            height=percent(patch.height_cut),
-            slope=percent(patch.slope_cut),
-            **values,
-        ),
+        said("direct.patch", "random", "held", simulation=simulation, patches=patches),
         _asperities(simulation),
     ]
     theory = [row.theory for row in table.loading if row.theory is not None]
@@ -156,22 +142,15 @@ def direct_lines(table: DirectTable) -> list[str]:
         cuts = [cut for one in theory if math.isfinite(cut := one.cut(reading))]
         if cuts:
             told = reading if len(readings) > 1 else Reading.ELASTIC
-            lines.append(said("direct.cost", told, low=number(min(cuts), 2), high=number(max(cuts), 2)))
+            lines.append(said("direct.cost", told, low=min(cuts), high=max(cuts)))
     halves = [row.cutoff_ratio for row in table.loading if math.isfinite(row.cutoff_ratio)]
     if halves:
-        lines.append(said("direct.cost", "half", low=number(min(halves), 2), high=number(max(halves), 2)))
+        lines.append(said("direct.cost", "half", low=min(halves), high=max(halves)))
     return lines
 
 
 def _asperities(simulation: DirectSimulation) -> str:
-    values = {
-        "hardness": simulation.surface.hardness,
-        "yield_stress": simulation.yield_stress,
-        "step": simulation.load_step,
-    }
-    told = {name: quantity("contact pressure", value) for name, value in values.items() if value is not None}
-    nu = number(simulation.poissons_ratio, 3)
-    return said("direct.asperities", simulation.asperities, poissons_ratio=nu, **told)
+    return said("direct.asperities", simulation.asperities, simulation=simulation)
 
 
 def write_direct(table: DirectTable, folder: Path, viscosity: float | None) -> None:

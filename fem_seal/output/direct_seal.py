@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from fem_seal.files import write_bytes
 from fem_seal.output.prose import said
 from fem_seal.output.tables import write_rows_csv
-from fem_seal.units import number, quantity
+from fem_seal.units import number
 
 if TYPE_CHECKING:
     from fem_seal.seal.direct_seal import SealRow
@@ -70,11 +70,10 @@ def seal_lines(rows: Sequence[SealRow]) -> list[str]:
         said(
             "direct.seal",
             "strips",
-            least=quantity("length", min(widths)),
-            most=quantity("length", max(widths)),
-            across=strip.points[0],
-            along=strip.points[1],
-            shortest=quantity("length", shortest),
+            least=min(widths),
+            most=max(widths),
+            points=strip.points,
+            shortest=shortest,
         ),
         said("direct.seal", "chain"),
     ]

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 import string
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from functools import cache
 from importlib.resources import files
 from typing import TYPE_CHECKING, Any
@@ -163,3 +163,19 @@ def said(where: str, *parts: str, **values: object) -> str:
     kind, name = where.split(".")
     sentences = prose()[kind][name]
     return " ".join(filled(sentences[part], values) for part in parts if part)
+
+
+def worded_rows(name: str, *, without: Collection[str] = (), **values: object) -> list[tuple[str, str]]:
+    """Names with what is said of them, as words.toml has them under "rows", in its order.
+
+    Parameters
+    ----------
+    name : str
+        Of the table.
+    without : collection of str
+        Names that are left out.
+    **values
+        What stands for {names} in the texts, see `filled`.
+    """
+    rows = prose()["rows"][name]
+    return [(key, filled(text, values)) for key, text in rows.items() if key not in without]

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fem_seal.files import as_json, write_bytes, write_text
+from fem_seal.output.prose import said, worded_rows
 from fem_seal.units import given, number, percent, quantity
 
 if TYPE_CHECKING:
@@ -34,26 +35,6 @@ def parameter_numbers(surface: MeasuredSurface) -> dict[str, Any]:
         "profiles": found.profiles,
         "remarks": list(found.remarks),
     }
-
-
-def parameter_lines(surface: MeasuredSurface) -> list[tuple[str, str]]:
-    """The same for people.
-
-    Parameters
-    ----------
-    surface : MeasuredSurface
-    """
-    found = roughness_of(surface)
-    heights = ", ".join(quantity("length", value) for value in (found.Ra, found.Rq, found.Rz))
-    short = given("length", found.filter.lambda_s) if found.filter.lambda_s else "none"
-    profiles = "" if found.profiles == 1 else f", mean of {found.profiles} profiles"
-    sections = "the whole scan" if found.sections == 0 else f"{found.sections} sections"
-    return [
-        ("Ra, Rq, Rz", f"{heights} (ISO 21920-2{profiles})"),
-        ("Rsk, Rku", f"{number(found.Rsk)}, {number(found.Rku)} (Gaussian: 0, 3)"),
-        ("  filter", f"λc {given('length', found.filter.lambda_c)}, λs {short}, over {sections}"),
-        *(("  note", text) for text in found.remarks),
-    ]
 
 
 def roughness_of(surface: MeasuredSurface) -> RoughnessParameters:
@@ -116,59 +97,44 @@ def surface_numbers(surface: MeasuredSurface) -> dict[str, Any]:
 
 def surface_lines(surface: MeasuredSurface) -> list[tuple[str, str]]:
     """The same for people: name and value."""
-    lines = [
+    scans = [
         (
             scan.name,
             f"{' x '.join(map(str, scan.heights.shape))} points over {quantity('length', scan.length)}",
         )
         for scan in surface.scans
     ]
-    lines.append(("rms height", _with_scatter(surface)))
-    low, high = (quantity("length", surface.rms_height * one) for one in surface.rolloff.height.interval)
-    lines.append(
-        (
-            "  of the whole surface",
-            f"{low} to {high} ({percent(surface.rolloff.confidence)}, from the length scanned)",
-        )
-    )
-    lines.append(("rms slope", f"{number(surface.measured.rms_slope)} (in the reliable range)"))
-    lines.append(
-        ("skewness, kurtosis", f"{number(surface.skewness)}, {number(surface.kurtosis)} (Gaussian: 0, 3)")
-    )
-    lines += parameter_lines(surface)
-    if surface.anisotropy is not None and surface.lay_angle is not None and surface.peklenik is not None:
-        angle = number(math.degrees(surface.lay_angle))
-        lines.append(
-            ("anisotropy", f"{number(surface.anisotropy)} times longer along the lay, lay at {angle}° from x")
-        )
-        across, along = map(number, surface.peklenik)
-        lines.append(
-            (
-                "key peklenik",
-                f"{across} if the fluid flows across the lay (a turned seat), {along} if along it",
-            )
-        )
-    lines.append(("roll-off", _rolloff(surface)))
-    lines.append(("Hurst exponent", _hurst(surface)))
-    lines.append(
-        (
-            "reliable range",
-            f"q = {number(surface.q_low)} to {number(surface.q_high)} 1/m, wavelengths "
-            f"{quantity('length', 2 * math.pi / surface.q_high)} to {quantity('length', 2 * math.pi / surface.q_low)} "
-            f"(short end: {surface.limit})",
-        )
-    )
-    if surface.tip_radius is not None:
-        lines.append(("tip radius", quantity("length", surface.tip_radius)))
-    if surface.spectrum != surface.measured:
-        lines.append(
-            (
-                "continued spectrum",
-                f"q = {number(surface.spectrum.q_low)} to {number(surface.spectrum.q_high)} 1/m, rms height "
-                f"{quantity('length', surface.spectrum.rms_height)}, rms slope {number(surface.spectrum.rms_slope)}",
-            )
-        )
-    return lines
+    found, rolloff = roughness_of(surface), surface.rolloff
+    values = {
+        "surface": surface,
+        "rms_height": _with_scatter(surface),
+        "interval": tuple(surface.rms_height * one for one in rolloff.height.interval),
+        "roughness": found,
+        "of_profiles": "" if found.profiles == 1 else f", mean of {found.profiles} profiles",
+        "short": given("length", found.filter.lambda_s) if found.filter.lambda_s else "none",
+        "sections": "the whole scan" if found.sections == 0 else f"{found.sections} sections",
+    }
+    lay = surface.anisotropy is not None and surface.lay_angle is not None and surface.peklenik is not None
+    shown = {
+        "anisotropy": lay,
+        "key peklenik": lay,
+        "tip radius": surface.tip_radius is not None,
+        "continued spectrum": surface.spectrum != surface.measured,
+    }
+    return [
+        *scans,
+        *worded_rows("surface", **values),
+        *(("  note", text) for text in found.remarks),
+        *worded_rows(
+            "surface_spectrum",
+            without=[name for name, there in shown.items() if not there],
+            lay_angle=None if surface.lay_angle is None else math.degrees(surface.lay_angle),
+            rolloff=_rolloff(surface),
+            hurst=_hurst(surface),
+            wavelengths=tuple(2 * math.pi / q for q in (surface.q_high, surface.q_low)),
+            **values,
+        ),
+    ]
 
 
 def _with_scatter(surface: MeasuredSurface) -> str:
@@ -192,11 +158,7 @@ def _hurst(surface: MeasuredSurface) -> str:
     fit = surface.rolloff
     if fit.hurst is None or fit.hurst_interval is None:
         return "not determined: no part of the spectrum is long and clear enough"
-    low, high = fit.hurst_interval
-    text = (
-        f"{number(fit.hurst, 2)}, {number(low, 2)} to {number(high, 2)} ({percent(fit.confidence)}), from q = "
-        f"{number(fit.start)} to {number(fit.end)} 1/m"
-    )
+    text = said("surface.hurst", "fit", fit=fit)
     return text if 0.0 < fit.hurst <= 1.0 else f"{text}; outside 0 to 1: not self-affine"
 
 

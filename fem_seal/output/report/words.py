@@ -28,10 +28,7 @@ from fem_seal.units import (
     LeakVolume,
     digits_beside,
     leak_range_text,
-    number,
     percent,
-    quantity,
-    quantity_worth,
     range_text,
     unit_for,
     worth,
@@ -255,15 +252,16 @@ def _class_fact(case: Case, load: LoadResult) -> Fact:
 def _interval_fact(result: SealSolution, load: LoadResult) -> Fact:
     assert result.uncertainty is not None
     volume = volume_of(result.case)
-    of_inputs = (
-        "from what the drawing's finish leaves open"
-        if has_finish(result.case)
-        else "from the uncertain inputs"
-    ) + (", in both readings of asperities that yield" if load.yields else "")
+    remarks = [
+        state_in_words(volume),
+        said("facts.remark", "finish" if has_finish(result.case) else "inputs")
+        + (", in both readings of asperities that yield" if load.yields else ""),
+        *accuracy_in_words(load),
+    ]
     return Fact(
         f"{percent(result.uncertainty.confidence)} interval of the leak rate",
         leak_range_text(rate_of(load), load.leak_digits, claimed=not load.validity.outside, volume=volume),
-        "; ".join(filter(None, [state_in_words(volume), of_inputs, *accuracy_in_words(load)])),
+        "; ".join(filter(None, remarks)),
     )
 
 
@@ -421,11 +419,7 @@ def _samples_in_words(case: Case, load: LoadResult) -> str:
     assert case.sampled is not None
     what = "finish" if has_finish(case) else "inputs"
     also = "_both" if load.yields else "" if load.flow_error is None else "_own"
-    return said(
-        "readings.sampled",
-        what + also,
-        share=percent(case.sampled.confidence),
-    )
+    return said("readings.sampled", what + also, share=case.sampled.confidence)
 
 
 def _contact(load: LoadResult) -> str:
@@ -464,14 +458,7 @@ def _what_sets_the_width(result: SealSolution, derived: Derived, load: LoadResul
     else:
         dominant = "roughness" if bulk < 0.25 else "elasticity" if bulk > 0.75 else "both"
         parts = [dominant, "rough"]
-    yield said(
-        "reasons.width",
-        *parts,
-        hertz_peak=quantity("contact pressure", hertz.peak_pressure),
-        hertz_width=quantity("length", hertz.fwhm),
-        peak=_peak(load),
-        width=in_words(load, "fwhm_m"),
-    )
+    yield said("reasons.width", *parts, hertz=hertz, peak=_peak(load), width=in_words(load, "fwhm_m"))
 
 
 def _leaves_curvature(result: SealSolution, hertz: HertzLine, peak: float) -> bool:
@@ -489,9 +476,9 @@ def _what_throttles(load: LoadResult) -> Iterator[str]:
     x, share = load.tightest.x, load.leak.fluid_pressure / load.fluid_pressure
     rising = share if share[-1] > share[0] else 1 - share
     ends = np.interp(_MIDDLE, rising, x)
+    width, middle = float(ends[1] - ends[0]), _MIDDLE[1] - _MIDDLE[0]
     # as good as the width of the contact
-    middle = quantity_worth("length", float(ends[1] - ends[0]), load.digits_of("fwhm"))
-    yield said("reasons.fluid", "middle", share=percent(_MIDDLE[1] - _MIDDLE[0]), width=middle)
+    yield said("reasons.fluid", "middle", share=middle, width=width, digits=load.digits_of("fwhm"))
     ratio = load.fluid_pressure / load.peak_pressure
     if isinstance(load.leak, CoupledLeakResult):
         effect = "local"
@@ -499,7 +486,7 @@ def _what_throttles(load: LoadResult) -> Iterator[str]:
         effect = "penetration"
     else:
         effect = "opens" if ratio > FLUID_OPENS else "neglected"
-    yield said("reasons.fluid", "ratio", effect, ratio=percent(ratio))
+    yield said("reasons.fluid", "ratio", effect, ratio=ratio)
 
 
 def _what_yields(result: SealSolution, load: LoadResult) -> Iterator[str]:
@@ -515,8 +502,7 @@ def _what_yields(result: SealSolution, load: LoadResult) -> Iterator[str]:
     yielded = float(surface.plastic_area(peak)) / area
     share = "nearly all" if yielded > 0.999 else "next to nothing" if yielded < 1e-3 else percent(yielded)
     factor, effect = _less_by_yielding(load)
-    values = {"area": percent(area), "share": share, "factor": factor}
-    yield said("reasons.asperities", "yielded", effect, **values)
+    yield said("reasons.asperities", "yielded", effect, area=area, share=share, factor=factor)
     if load.yields and _told_apart(load):
         yield said("readings.load", "why", readings=readings_in_words(load))
 
@@ -604,8 +590,7 @@ def judged_as(case: Case, load: LoadResult) -> str:
     """
     assert case.fluid is not None
     fluid, ratio = test_of(case.fluid, load.fluid_pressure, load)
-    told = range_text(*(number(one, 2) for one in sorted(ratio)))
-    return said("readings.classes", "test_fluid", fluid=fluid, ratio=told) if fluid else ""
+    return said("readings.classes", "test_fluid", fluid=fluid, ratio=tuple(sorted(ratio))) if fluid else ""
 
 
 def leakage_lines(case: Case, load: LoadResult, loads: Sequence[LoadResult]) -> list[str]:
