@@ -282,14 +282,20 @@ def test_every_sentence_of_the_report_is_asked_for_and_every_one_asked_for_is_th
         "levers",
         "leak_map",
         "theories",
+        "facts",
+        "surface",
     )
     tables = {f"{kind}.{name}": table for kind in kinds for name, table in prose()[kind].items()}
     assert set(re.findall(r'said\(\s*"([^"]+)"', code)) == set(tables)
     # chosen by the interface law of the case, by the order of its loads and by the reading
     elsewhere = {"smooth", "exponential", "spectrum", "joined", "numbered", "conserved"}
     elsewhere |= {f"{what}_{also}" for what in ("inputs", "finish") for also in ("own", "both")}
+    changed = ("rms_height", "hardness", "youngs_modulus", "q_rolloff", "hurst")
+    elsewhere |= {f"{key}_{way}" for key in changed for way in ("less", "more")}
     keys = {key for table in tables.values() for key in table}
     assert {key for key in keys if f'"{key}"' not in code} <= elsewhere
+    for kind, function in (("tables", "worded_table"), ("rows", "worded_rows")):
+        assert set(re.findall(rf'{function}\(\s*"([^"]+)"', code)) == set(prose()[kind])
 
 
 def test_sentences_stand_one_after_the_other_with_their_values():
