@@ -14,6 +14,7 @@ import pytest
 from sample_results import case, rough_result, single_result, smooth_result
 
 import fem_seal
+from fem_seal.answers.judgement import Why
 from fem_seal.errors import OutputError
 from fem_seal.files import write_bytes, write_text
 from fem_seal.output.columns import PROFILE_COLUMNS
@@ -290,6 +291,7 @@ def test_every_sentence_of_the_report_is_asked_for_and_every_one_asked_for_is_th
     # chosen by the interface law of the case, by the order of its loads and by the reading
     elsewhere = {"smooth", "exponential", "spectrum", "joined", "numbered", "conserved"}
     elsewhere |= {f"{what}_{also}" for what in ("inputs", "finish") for also in ("own", "both")}
+    elsewhere |= set(Why)
     changed = ("rms_height", "hardness", "youngs_modulus", "q_rolloff", "hurst")
     elsewhere |= {f"{key}_{way}" for key in changed for way in ("less", "more")}
     keys = {key for table in tables.values() for key in table}

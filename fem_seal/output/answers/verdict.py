@@ -24,9 +24,7 @@ from fem_seal.units import (
     given,
     leak_range_text,
     leak_rate_text,
-    number,
     percent,
-    quantity,
     range_text,
     rounded,
     trimmed,
@@ -44,18 +42,6 @@ if TYPE_CHECKING:
 
 # Factors beyond this are told as "more than".
 _FAR, _FAR_IN_WORDS = 1e6, "a million"
-
-
-_SENTENCES = {
-    Why.OPEN: "open",
-    Why.INTERVAL: "interval",
-    Why.TEST_FLUID: "test_fluid",
-    Why.VISIBLE: "visible",
-    Why.OUTSIDE: "outside",
-    Why.ACCURACY: "accuracy",
-    Why.UNSAMPLED: "unsampled",
-    Why.UNKNOWN: "unknown",
-}
 
 
 def factor_text(factor: float, digits: int = 2) -> str:
@@ -162,8 +148,8 @@ def _sentence(found: SealJudgement) -> str:
         return "no_limit"
     if judged.why is Why.ACCURACY and not judged.limit.leak_rate:
         return "visible_accuracy"
-    if judged.why in _SENTENCES:
-        return _SENTENCES[judged.why]
+    if judged.why is not Why.LIMIT:
+        return judged.why
     if judged.verdict == "fail":
         return "fail" if judged.limit.leak_rate else "visible_fail"
     return "sealed" if math.isinf(judged.margin) else "pass"
@@ -186,7 +172,7 @@ def _besides(result: SealSolution, found: SealJudgement) -> Iterator[str]:
     if limit.bubble_volume is not None:
         yield said("verdict.said", "bubble", volume=_bubble(limit.bubble_volume))
     if limit.test_fluid and decided and not math.isinf(found.margin):
-        yield said("verdict.said", "converted", fluid=limit.test_fluid, ratio=_ratio(limit.ratio))
+        yield said("verdict.said", "converted", fluid=limit.test_fluid, ratio=tuple(sorted(limit.ratio)))
     if reason := _doubt(result, found):
         yield said("verdict.said", "doubtful", reason=reason)
     yield from _to_measure(result, found)
@@ -207,10 +193,10 @@ def _to_measure(result: SealSolution, found: SealJudgement) -> Iterator[str]:
     assert ends is not None  # they are judged
     height = shares.by_profiles.passing_height(found.margin * ends.high)
     if height >= _LOWEST_HEIGHT:
-        length = quantity("length", shares.by_profiles.length, 2)
+        length = shares.by_profiles.length
         yields = any(one.kind == YIELD_STRESS for one in result.loads[found.number].validity.cautions)
         curve = "curve" if yields else ""
-        yield said("verdict.said", "profile", curve, length=length, height=number(height, 2))
+        yield said("verdict.said", "profile", curve, length=length, height=height)
 
 
 def _other_theory(result: SealSolution, found: SealJudgement) -> Iterator[str]:
@@ -231,10 +217,6 @@ def _other_theory(result: SealSolution, found: SealJudgement) -> Iterator[str]:
 
 def _bubble(volume: float) -> str:
     return f"{trimmed(rounded(1e6 * volume, 2))} ml"
-
-
-def _ratio(ratio: tuple[float, float]) -> str:
-    return range_text(*(number(one, 2) for one in sorted(ratio)))
 
 
 def _like(limit: Limit, leak_rate: float) -> float:
@@ -336,12 +318,11 @@ def next_class_in_words(case: Case, load: LoadResult) -> str:
     if found is None:
         return ""
     if found.as_calculated:
-        return said("verdict.next", "as_calculated", standard=found.standard, name=found.name)
+        return said("verdict.next", "as_calculated", found=found)
     if found.factor < _HARDLY:
-        less = percent(1 - 1 / found.factor, 1)
-        return said("verdict.next", "near", standard=found.standard, name=found.name, less=less)
+        return said("verdict.next", "near", found=found, less=1 - 1 / found.factor)
     factor = factor_text(found.factor, min(load.leak_digits, 2))
-    return said("verdict.next", "class", standard=found.standard, name=found.name, factor=factor)
+    return said("verdict.next", "class", found=found, factor=factor)
 
 
 def next_class_of(result: SealSolution) -> str:
@@ -392,14 +373,9 @@ def verdict_force_sentences(loads: Sequence[JudgedLoad]) -> list[str]:
 def _verdict_force_sentence(pressure: float, found: VerdictForce) -> str:
     if not found.looked_for:
         return said("verdict.force", "unasked", why=found.why_none)
-    return said(
-        "verdict.force",
-        "none" if found.force is None else "passes",
-        pressure=given("fluid pressure", pressure),
-        begins=f" {found.begins}" if found.begins else "",
-        force="" if found.force is None else force_to_pass(found.force),
-        why=found.why_none,
-    )
+    kind, force = ("none", "") if found.force is None else ("passes", force_to_pass(found.force))
+    begins = f" {found.begins}" if found.begins else ""
+    return said("verdict.force", kind, pressure=pressure, begins=begins, force=force, why=found.why_none)
 
 
 def force_to_pass(force: float) -> str:
@@ -445,17 +421,17 @@ def requirement_lines(case: Case) -> list[str]:
         if limit.bubble_volume is not None:
             told.append(said("verdict.check", "bubble", volume=_bubble(limit.bubble_volume)))
         if limit.test_fluid:
-            ratio = _ratio(limit.ratio)
+            ratio = tuple(sorted(limit.ratio))
             told.append(said("verdict.check", "fluid", fluid=limit.test_fluid, ratio=ratio, own=fluid.name))
     return told
 
 
 def _announced(name: str, leak_rate: float, pressures: Sequence[float]) -> str:
     kind = "none" if math.isnan(leak_rate) else "limit" if leak_rate else "zero"
-    ends = [given("fluid pressure", one) for one in (min(pressures), max(pressures))]
-    loads = range_text(*ends) + (f" ({len(pressures)} pressures)" if len(pressures) > 1 else "")
-    allowed, si = _limit_text(leak_rate), f"{number(leak_rate, 3)} m³/s"
-    return said("verdict.check", kind, limit=name, allowed=allowed, si=si, loads=loads)
+    ends = min(pressures), max(pressures)
+    several = f" ({len(pressures)} pressures)" if len(pressures) > 1 else ""
+    allowed = _limit_text(leak_rate)
+    return said("verdict.check", kind, limit=name, allowed=allowed, si=leak_rate, loads=ends, several=several)
 
 
 def verdict_numbers(result: SealSolution) -> dict[str, Any] | None:

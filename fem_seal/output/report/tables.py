@@ -125,11 +125,7 @@ def what_yielded(result: SealSolution, load: LoadResult) -> Iterator[str]:
     if not zones:
         yield said("reasons.yielding", "none")
     for zone in zones:
-        deepest, strain = (
-            quantity_worth("length", zone.deepest, load.digits_of("fwhm")),
-            percent(zone.strain),
-        )
-        yield said("reasons.yielding", "zone", body=zone.body, deepest=deepest, strain=strain)
+        yield said("reasons.yielding", "zone", zone=zone, digits=load.digits_of("fwhm"))
 
 
 def yielding_table(result: SealSolution) -> ReadableTable:

@@ -86,54 +86,51 @@ def facts(result: SealSolution) -> list[Fact]:
     ]
 
 
-def _facts(result: SealSolution, load: JudgedLoad) -> list[Fact]:
-    found = [
-        *(Fact(*told) for told in valve_facts(result, load)),
-        Fact("Peak contact pressure", *_peak_fact(load)),
-        Fact(
-            "Width of the contact",
-            in_words(load, "fwhm_m"),
-            "full width at half of the peak pressure",
-        ),
-    ]
-    if load.critical_separation is not None:
-        narrow, remark = _narrowest(load)
-        found.append(Fact("Narrowest point of the leak path", narrow, remark))
-    found.append(
-        Fact(
-            "Largest stress in the bodies",
-            in_words(load, "max_von_mises_Pa"),
-            f"von Mises, in the {load.max_von_mises_at[0]}"
-            + ("" if load.formed is None or not load.formed.form.felt else ", at the mean line load"),
-        )
-    )
-    if imprint := imprint_in_words(result):
-        found.append(Fact("Permanent imprint", *imprint))
-    if load.leak is not None:
-        volume, sampled = volume_of(result.case), load.sampled is not None
-        one = usual_rate_of(load) if sampled else rate_of(load)
-        told = leak_range_text(one, load.leak_digits, claimed=not load.validity.outside, volume=volume)
-        collected = per_day(one, load.leak_digits, volume)
-        remarks = [
-            state_in_words(volume),
-            _least(load) or collected,
-            readings_in_words(load, volume),
-            *([] if sampled else accuracy_in_words(load)),
-        ]
-        name = said(
-            "readings.fact", ("finish" if has_finish(result.case) else "inputs") if sampled else "only"
-        )
-        found.insert(0, Fact(name, told, "; ".join(filter(None, remarks))))
-        if load.leak.leak_rate > 0:
-            # the first of these units may be the one that stands there already
-            lead = leak_range_text(rate_of(load), load.leak_digits, volume=volume)
-            others = [part for part in leakage_text(load, volume).split(" = ") if part.split(" (")[0] != lead]
-            if others:
-                found.insert(0 if sampled else 1, Fact("In other units", others[0], " = ".join(others[1:])))
-        found.append(_class_fact(result.case, load))
+def _facts(result: SealSolution, load: JudgedLoad) -> Iterator[Fact]:
     if result.uncertainty is not None:
-        found.insert(0, _interval_fact(result, load))
-    return found
+        yield _interval_fact(result, load)
+    of_leak = [] if load.leak is None else list(_leak_facts(result.case, load))
+    # the interval of the inputs stands above, and its units are those of that
+    yield from of_leak if load.sampled is None else reversed(of_leak)
+    yield from (Fact(*told) for told in valve_facts(result, load))
+    uneven = load.formed is not None and load.formed.form.felt
+    if uneven:
+        remark = f"around the axis; {_peak(load)} at the mean line load"
+        yield Fact("Peak contact pressure", in_words(load, "peak_pressure_max_Pa"), remark)
+    else:
+        yield Fact("Peak contact pressure", _peak(load))
+    width = in_words(load, "fwhm_m")
+    yield Fact("Width of the contact", width, "full width at half of the peak pressure")
+    if load.critical_separation is not None:
+        yield Fact("Narrowest point of the leak path", *_narrowest(load))
+    where = f"von Mises, in the {load.max_von_mises_at[0]}" + (", at the mean line load" if uneven else "")
+    yield Fact("Largest stress in the bodies", in_words(load, "max_von_mises_Pa"), where)
+    if imprint := imprint_in_words(result):
+        yield Fact("Permanent imprint", *imprint)
+    if load.leak is not None:
+        yield _class_fact(result.case, load)
+
+
+def _leak_facts(case: Case, load: JudgedLoad) -> Iterator[Fact]:
+    """The leak rate, and the same in other units."""
+    assert load.leak is not None
+    volume, sampled = volume_of(case), load.sampled is not None
+    rate = usual_rate_of(load) if sampled else rate_of(load)
+    remarks = [
+        state_in_words(volume),
+        _least(load) or per_day(rate, load.leak_digits, volume),
+        readings_in_words(load, volume),
+        *([] if sampled else accuracy_in_words(load)),
+    ]
+    name = said("readings.fact", ("finish" if has_finish(case) else "inputs") if sampled else "only")
+    told = leak_range_text(rate, load.leak_digits, claimed=not load.validity.outside, volume=volume)
+    yield Fact(name, told, "; ".join(filter(None, remarks)))
+    if load.leak.leak_rate > 0:
+        # the first of these units may be the one that stands there already
+        lead = leak_range_text(rate_of(load), load.leak_digits, volume=volume)
+        others = [part for part in leakage_text(load, volume).split(" = ") if part.split(" (")[0] != lead]
+        if others:
+            yield Fact("In other units", others[0], " = ".join(others[1:]))
 
 
 def _narrowest(load: LoadResult) -> tuple[str, str]:
@@ -229,13 +226,6 @@ def readings_in_words(load: LoadResult, volume: LeakVolume = LIQUID) -> str:
         f"{leak_range_text(rate, digits, claimed=claimed, beside=beside, volume=volume)} {WORDS[reading].condition}"
         for reading, rate in rates.items()
     )
-
-
-def _peak_fact(load: LoadResult) -> tuple[str, str]:
-    """The peak around the axis, and that of the mean line load beside it."""
-    if load.formed is None or not load.formed.form.felt:
-        return _peak(load), ""
-    return in_words(load, "peak_pressure_max_Pa"), f"around the axis; {_peak(load)} at the mean line load"
 
 
 def _class_fact(case: Case, load: LoadResult) -> Fact:
