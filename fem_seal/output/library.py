@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import tomllib
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
 from fem_seal.case.material_library import ALIASES, LIBRARY
@@ -13,39 +16,47 @@ from leak.fluids.names import ROOM_TEMPERATURE, known_name
 if TYPE_CHECKING:
     from fem_seal.materials import Material
 
-ONE_CONDITION = (
-    "Hardness and yield strength are those of one condition; another heat treatment or temper changes them."
-)
+_TEXT = files("fem_seal").joinpath("templates", "library.toml").read_text(encoding="utf-8")
+_SAID: dict[str, Any] = tomllib.loads(_TEXT)
+ONE_CONDITION, CREEPS = _SAID["one_condition"], _SAID["creeps"]
 # Pressure at which a listing shows how a liquid thickens [Pa].
 _HIGH = 1e8
-CREEPS = "creeps: contact and closing force change with time, results are those of a short time"
 
-# Of a table of numbers: key in the rows, heading, factor to the unit of the heading, significant digits.
-MATERIAL_COLUMNS = (
-    ("youngs_modulus_Pa", "E\nGPa", 1e-9),
-    ("poissons_ratio", "nu\n", 1.0),
-    ("hardness_Pa", "hardness\nGPa", 1e-9),
-    ("yield_stress_Pa", "yield\nMPa", 1e-6),
-    ("thermal_expansion_1_per_K", "expand\n1e-6/K", 1e6),
-    ("thermal_conductivity_W_per_m_K", "conduct\nW/(m K)", 1.0),
+
+@dataclass(frozen=True)
+class ListedNumber:
+    """A number of a material or fluid as library.toml has it.
+
+    Parameters
+    ----------
+    key : str
+        In the rows.
+    heading : str
+        In a table.
+    of : str
+        Its key among the numbers over temperature of a material; empty where there is none.
+    word, unit : str
+        In the words about one material.
+    factor, zero : float
+        To the unit: (SI - zero) * factor.
+    """
+
+    key: str
+    heading: str
+    of: str = ""
+    word: str = ""
+    unit: str = ""
+    factor: float = 1.0
+    zero: float = 0.0
+
+    def text(self, value: float | None) -> str:
+        """A value in the unit of the table, a dash for none."""
+        return shown(None if value is None else value - self.zero, self.factor)
+
+
+_OF_MATERIALS, _OF_FLUIDS = (
+    {one["key"]: ListedNumber(**one) for one in _SAID[kind]} for kind in ("materials", "fluids")
 )
-# Number of a material -> its column.
-_COLUMN_OF = {
-    "youngs_modulus": "youngs_modulus_Pa",
-    "hardness": "hardness_Pa",
-    "yield_stress": "yield_stress_Pa",
-    "thermal_expansion": "thermal_expansion_1_per_K",
-    "thermal_conductivity": "thermal_conductivity_W_per_m_K",
-}
-# Of one material in words: what a column is called, factor to the unit that follows.
-_WORDS = {
-    "youngs_modulus_Pa": ("Young's modulus", 1e-9, " GPa"),
-    "poissons_ratio": ("Poisson's ratio", 1.0, ""),
-    "hardness_Pa": ("penetration hardness", 1e-9, " GPa"),
-    "yield_stress_Pa": ("yield strength", 1e-6, " MPa"),
-    "thermal_expansion_1_per_K": ("thermal expansion", 1e6, "e-6/K"),
-    "thermal_conductivity_W_per_m_K": ("thermal conductivity", 1.0, " W/(m K)"),
-}
 
 
 def material_row(material: Material, temperature: float = ROOM_TEMPERATURE) -> dict[str, Any]:
@@ -57,14 +68,15 @@ def material_row(material: Material, temperature: float = ROOM_TEMPERATURE) -> d
     temperature : float
         [K]
     """
+    columns = {number.of: key for key, number in _OF_MATERIALS.items()}
     known = {
-        column: table.at(temperature)
-        if (table := material.table(key)) and table.reaches(temperature)
+        key: table.at(temperature)
+        if (table := material.table(number.of)) and table.reaches(temperature)
         else None
-        for key, column in _COLUMN_OF.items()
+        for key, number in _OF_MATERIALS.items()
     }
     over = {
-        _COLUMN_OF[table.key]: {
+        columns[table.key]: {
             "temperature_K": list(table.temperature),
             "value": list(table.value),
             "source": table.source,
@@ -75,12 +87,8 @@ def material_row(material: Material, temperature: float = ROOM_TEMPERATURE) -> d
         "name": material.name,
         "aliases": [word for word, name in ALIASES.items() if name == material.name],
         "temperature_K": temperature,
-        "youngs_modulus_Pa": known["youngs_modulus_Pa"],
+        **known,
         "poissons_ratio": material.poissons_ratio,
-        "hardness_Pa": known["hardness_Pa"],
-        "yield_stress_Pa": known["yield_stress_Pa"],
-        "thermal_expansion_1_per_K": known["thermal_expansion_1_per_K"],
-        "thermal_conductivity_W_per_m_K": known["thermal_conductivity_W_per_m_K"],
         "creeps": material.creeps,
         "condition": material.condition,
         "source": material.source,
@@ -124,34 +132,30 @@ def fluid_row(name: str, temperature: float = ROOM_TEMPERATURE) -> dict[str, Any
     FluidError
         If the library has no such fluid; the message names the nearest ones.
     """
+    entries = {one.name: one for one in (*LIQUID_ENTRIES, *GAS_ENTRIES)}
     if is_gas(name):
         known = gas(name).name
     elif is_liquid(name):
         known = liquid(name).name
     else:
-        known = known_name(name, [one.name for one in (*LIQUID_ENTRIES, *GAS_ENTRIES)], {})
-    (entry,) = (one for one in (*LIQUID_ENTRIES, *GAS_ENTRIES) if one.name == known)
+        known = known_name(name, list(entries), {})
+    entry, of_gas = entries[known], gas(known) if is_gas(known) else None
     row: dict[str, Any] = {
         "name": known,
-        "state": "gas" if is_gas(known) else "liquid",
+        "state": "liquid" if of_gas is None else "gas",
         "temperature_K": temperature,
         "viscosity_Pa_s": None,
         "density_kg_per_m3": None,
         "viscosity_at_1000_bar_Pa_s": None,
-        "molar_mass_kg_per_mol": None,
-        "dilute_up_to_Pa": None,
+        "molar_mass_kg_per_mol": None if of_gas is None else of_gas.molar_mass,
+        "dilute_up_to_Pa": None if of_gas is None else of_gas.dilute_pressure,
         "from_K": entry.low,
         "to_K": entry.high,
         "source": entry.source,
     }
-    if is_gas(known):
-        row |= {
-            "molar_mass_kg_per_mol": gas(known).molar_mass,
-            "dilute_up_to_Pa": gas(known).dilute_pressure,
-        }
     # a round number of degrees must not fail by the last bit of its kelvins
     if entry.low - 1e-6 <= temperature <= entry.high + 1e-6:
-        if is_gas(known):
+        if of_gas is not None:
             row |= {"viscosity_Pa_s": gas(known, temperature).viscosity}
         else:
             found = liquid(known, temperature)
@@ -183,15 +187,8 @@ def material_cells(rows: Sequence[dict[str, Any]]) -> tuple[list[str], list[list
     rows : sequence of dict
         Of `material_rows`.
     """
-    headings = ["material\n", *(heading for _, heading, _ in MATERIAL_COLUMNS)]
-    cells = [
-        [
-            row["name"] + (" (creeps)" if row["creeps"] else ""),
-            *(shown(row[key], factor) for key, _, factor in MATERIAL_COLUMNS),
-        ]
-        for row in rows
-    ]
-    return headings, cells
+    names = [[row["name"] + (" (creeps)" if row["creeps"] else "")] for row in rows]
+    return _cells(["material\n"], names, rows, _OF_MATERIALS)
 
 
 def fluid_cells(rows: Sequence[dict[str, Any]]) -> tuple[list[str], list[list[str]]]:
@@ -202,28 +199,21 @@ def fluid_cells(rows: Sequence[dict[str, Any]]) -> tuple[list[str], list[list[st
     rows : sequence of dict
         Of `fluid_rows`.
     """
-    headings = [
-        "fluid\n",
-        "\n",
-        "viscosity\nmPa s",
-        "density\nkg/m3",
-        "dilute to\nbar",
-        "from\ndegC",
-        "to\ndegC",
-    ]
-    cells = [
-        [
-            row["name"],
-            row["state"],
-            shown(row["viscosity_Pa_s"], 1e3),
-            shown(row["density_kg_per_m3"]),
-            shown(row["dilute_up_to_Pa"], 1e-5),
-            shown(row["from_K"] - 273.15),
-            shown(row["to_K"] - 273.15),
-        ]
-        for row in rows
-    ]
-    return headings, cells
+    return _cells(["fluid\n", "\n"], [[row["name"], row["state"]] for row in rows], rows, _OF_FLUIDS)
+
+
+def _cells(
+    headings: list[str],
+    names: list[list[str]],
+    rows: Sequence[dict[str, Any]],
+    numbers: Mapping[str, ListedNumber],
+) -> tuple[list[str], list[list[str]]]:
+    """Headings and cells: first the names, then the numbers."""
+    cells = [[number.text(row[key]) for key, number in numbers.items()] for row in rows]
+    return (
+        [*headings, *(one.heading for one in numbers.values())],
+        [[*first, *others] for first, others in zip(names, cells, strict=True)],
+    )
 
 
 def material_lines(row: dict[str, Any]) -> Iterator[tuple[str, str]]:
@@ -238,9 +228,9 @@ def material_lines(row: dict[str, Any]) -> Iterator[tuple[str, str]]:
     if row["aliases"]:
         yield "also called", ", ".join(row["aliases"])
     at = row["temperature_K"] - 273.15
-    for key, (word, factor, unit) in _WORDS.items():
+    for key, number in _OF_MATERIALS.items():
         missing = f"not known at {at:.4g} degC" if key in row["over_temperature"] else "not given"
-        yield word, missing if row[key] is None else shown(row[key], factor) + unit
+        yield number.word, missing if row[key] is None else number.text(row[key]) + number.unit
     yield from over_temperature_lines(row)
     if row["creeps"]:
         yield "creep", CREEPS
@@ -259,10 +249,10 @@ def over_temperature_lines(row: dict[str, Any]) -> Iterator[tuple[str, str]]:
     for key, table in row["over_temperature"].items():
         if len(set(table["value"])) < 2:
             continue
-        word, factor, unit = _WORDS[key]
-        values = [shown(value, factor) for value in table["value"]]
+        number = _OF_MATERIALS[key]
+        values = [number.text(value) for value in table["value"]]
         at = [f"{one - 273.15:.4g}" for one in table["temperature_K"]]
-        yield f"{word} at", f"{', '.join(at)} degC: {', '.join(values)}{unit}"
+        yield f"{number.word} at", f"{', '.join(at)} degC: {', '.join(values)}{number.unit}"
 
 
 def fluid_lines(row: dict[str, Any]) -> Iterator[tuple[str, str]]:
