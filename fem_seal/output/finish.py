@@ -3,24 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from fem_seal.units import given, number, quantity, trimmed
+from fem_seal.output.prose import prose, worded_rows, written
+from fem_seal.units import quantity, trimmed
 
 if TYPE_CHECKING:
     from fem_seal.case.case import Case
     from fem_seal.case.finish import FinishTable
-    from leak import FinishedSurface
     from leak.surfaces.finish import Spread
-
-_LAYS = {
-    "none": "none",
-    "circular": "around the axis, across the flow",
-    "radial": "across the sealing face, along the flow",
-    "straight": "straight across the part: all directions to the flow",
-    "crossed": "crossing directions",
-}
 
 
 def finish_numbers(case: Case) -> dict[str, dict[str, Any]]:
@@ -67,63 +59,48 @@ def finish_rows(case: Case) -> list[tuple[str, str]]:
     case : Case
     """
     faces = {} if case.roughness is None else case.roughness.finishes
-    rows = []
     groups: dict[FinishTable, list[str]] = {}
     for key, one in faces.items():
         groups.setdefault(one, []).append(key)
-    for table, keys in groups.items():
-        rows += list(_rows(table, _WHOSE.get(" and ".join(keys), keys[0])))
-    return rows
+    return [
+        row for table, keys in groups.items() for row in _rows(table, _WHOSE.get(" and ".join(keys), keys[0]))
+    ]
 
 
 _WHOSE = {"seat and closure": "each face", "spectrum": "both faces together"}
 
 
-def _rows(table: FinishTable, whose: str) -> Iterator[tuple[str, str]]:
+def _rows(table: FinishTable, whose: str) -> list[tuple[str, str]]:
     finish, face = table.finish, table.surface()
-    yield f"finish of {whose}", f"{finish.process.name}, {finish.parameter} {given('length', finish.value)}"
-    yield (
-        "  measured between",
-        f"λs {given('length', finish.band.lambda_s)} and λc {given('length', finish.band.lambda_c)}, across the lay",
-    )
-    expected = face.expected
-    others = [(name, expected.value(name)) for name in ("Ra", "Rq", "Rz") if name != finish.parameter]
-    yield "  expected with it", ", ".join(f"{name} {quantity('length', value)}" for name, value in others)
-    yield (
-        "  whole spectrum",
-        f"rms height {quantity('length', face.spectrum.rms_height)}, rms slope {number(face.spectrum.rms_slope)}",
-    )
-    for name, text in _assumed(finish.spreads, face):
-        yield f"  {name}", text
-
-
-def _assumed(spreads: Mapping[str, Spread], face: FinishedSurface) -> Iterator[tuple[str, str]]:
-    def known(name: str, text: str, shown: Any) -> str:
-        if name not in spreads:
-            return f"{text} (given)"
-        return f"{text} (assumed; {shown(spreads[name].low)} to {shown(spreads[name].high)})"
-
-    across = face.across
-    yield "Hurst exponent", known("hurst", number(face.hurst, 2), trimmed)
-    rolloff, shortest = (2.0 * math.pi / one for one in (face.q_rolloff, across.q_high))
-    yield "roll-off", known("q_rolloff", quantity("length", rolloff), _length)
-    yield "shortest wave", known("q_high", quantity("length", shortest), _length)
-    yield "longest wave", f"{quantity('length', 2.0 * math.pi / across.q_low)} (none longer)"
-    lay = _LAYS[face.lay]
+    spreads, height = finish.spreads, finish.spreads.get("rms_height")
+    lays = prose()["lays"]
+    lay = lays["none"]
     if "lay" in spreads:
-        lay += f", {known('lay', trimmed(face.aspect), trimmed)} times longer along it"
+        lay = f"{lays[face.lay]}, {trimmed(face.aspect)}{_known(spreads, 'lay')} times longer along it"
     elif face.aspect > 1.0:
-        lay += f", {trimmed(face.aspect)} times longer along it (given)"
-    else:
-        lay = "none"
-    yield "lay", lay
-    if "rms_height" in spreads and spreads["rms_height"].high > spreads["rms_height"].low:
-        low, _, high = spreads["rms_height"]
-        yield (
-            "height of real surfaces",
-            f"{number(low, 3)} to {number(high, 3)} times the one of Gaussian heights",
-        )
+        lay = f"{lays[face.lay]}, {trimmed(face.aspect)} times longer along it (given)"
+    others = [name for name in ("Ra", "Rq", "Rz") if name != finish.parameter]
+    return worded_rows(
+        "finish",
+        without=() if height is not None and height.high > height.low else ("  height of real surfaces",),
+        whose=whose,
+        finish=finish,
+        face=face,
+        others=", ".join(f"{name} {quantity('length', face.expected.value(name))}" for name in others),
+        hurst=_known(spreads, "hurst"),
+        rolloff=2.0 * math.pi / face.q_rolloff,
+        of_rolloff=_known(spreads, "q_rolloff", "given length"),
+        shortest=2.0 * math.pi / face.across.q_high,
+        of_shortest=_known(spreads, "q_high", "given length"),
+        longest=2.0 * math.pi / face.across.q_low,
+        lay=lay,
+        height=height,
+    )
 
 
-def _length(value: float) -> str:
-    return given("length", float(f"{value:.3g}"))
+def _known(spreads: Mapping[str, Spread], name: str, how: str = "trimmed") -> str:
+    """Whether a number was given, or assumed and in which range."""
+    if name not in spreads:
+        return " (given)"
+    low, _, high = (float(f"{one:.3g}") if "length" in how else one for one in spreads[name])
+    return f" (assumed; {written(low, how)} to {written(high, how)})"

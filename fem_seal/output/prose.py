@@ -166,7 +166,7 @@ def said(where: str, *parts: str, **values: object) -> str:
 
 
 def worded_rows(name: str, *, without: Collection[str] = (), **values: object) -> list[tuple[str, str]]:
-    """Names with what is said of them, as words.toml has them under "rows", in its order.
+    """Names with what is said of them, as words.toml has them under "rows" and in its order.
 
     Parameters
     ----------
@@ -175,7 +175,7 @@ def worded_rows(name: str, *, without: Collection[str] = (), **values: object) -
     without : collection of str
         Names that are left out.
     **values
-        What stands for {names} in the texts, see `filled`.
+        What stands for {names} in both, see `filled`.
     """
     rows = prose()["rows"][name]
-    return [(key, filled(text, values)) for key, text in rows.items() if key not in without]
+    return [(filled(key, values), filled(text, values)) for key, text in rows.items() if key not in without]
