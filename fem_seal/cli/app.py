@@ -270,8 +270,7 @@ def direct(
     """Simulate rough contact and flow of a case's surface directly, beside the theory; an interrupted run goes on."""
     from fem_seal import result as seal_result
     from fem_seal.case.case import load_case
-    from fem_seal.output import direct_seal as of_seal
-    from fem_seal.output.direct import direct_lines, direct_numbers, direct_rows, shown_rows, write_direct
+    from fem_seal.output import direct as samples
     from fem_seal.output.folders import alone
 
     case = load_case(case_file)
@@ -282,27 +281,27 @@ def direct(
         with alone(folder), _progress(quiet) as progress:
             strips = seal_result.direct_seal(case, folder=folder, jobs=processes, progress=progress)
             progress("drawing")
-            of_seal.write_direct_seal(strips, folder)
+            samples.write_direct_seal(strips, folder)
         if json:
-            say_json({"folder": str(folder), "strips": of_seal.seal_rows(strips)})
+            say_json({"folder": str(folder), "strips": samples.seal_rows(strips)})
         elif not quiet:
-            for line in of_seal.seal_lines(strips):
+            for line in samples.seal_lines(strips):
                 say(line)
-            show_table(f"Simulated seal: {case.title}", *of_seal.shown_seal_rows(strips), keys=4)
+            show_table(f"Simulated seal: {case.title}", *samples.shown_seal_rows(strips), keys=4)
             _list_files(folder)
         return
     viscosity = None if case.fluid is None or case.fluid.gas is not None else case.fluid.viscosity
     with alone(folder), _progress(quiet) as progress:
         table = seal_result.direct(case, folder=folder, jobs=processes, progress=progress)
         progress("drawing")
-        write_direct(table, folder, viscosity)
-    rows = direct_rows(table, viscosity)
+        samples.write_direct(table, folder, viscosity)
+    rows = samples.direct_rows(table, viscosity)
     if json:
-        say_json({"folder": str(folder), **direct_numbers(table), "pressures": rows})
+        say_json({"folder": str(folder), **samples.direct_numbers(table), "pressures": rows})
     elif not quiet:
-        for line in direct_lines(table):
+        for line in samples.direct_lines(table):
             say(line)
-        show_table(f"Direct simulation: {case.title}", *shown_rows(rows), keys=2)
+        show_table(f"Direct simulation: {case.title}", *samples.shown_rows(rows), keys=2)
         _list_files(folder)
 
 

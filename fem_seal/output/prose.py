@@ -122,18 +122,6 @@ def filled(sentence: str, values: Mapping[str, object]) -> str:
     return _Sentence().vformat(sentence, (), values)
 
 
-def definitions(*, readings: bool) -> list[tuple[str, str]]:
-    """Words of the report with their meanings, in the order of the page.
-
-    Parameters
-    ----------
-    readings : bool
-        Whether those of the readings of yielding asperities are among them.
-    """
-    told = (one for one in prose()["definitions"] if readings or not one.get("readings", False))
-    return [(one["term"], one["meaning"]) for one in told]
-
-
 def other_reading(reading: Reading, told: str) -> str:
     """What something is in another reading of yielding asperities than the one it is told in.
 

@@ -25,7 +25,7 @@ from fem_seal.output.pictures.memory import memory_picture
 from fem_seal.output.pictures.section import sketch
 from fem_seal.output.pictures.style import Picture, style
 from fem_seal.output.pictures.surface import law_picture, separation_picture, surface_picture
-from fem_seal.output.prose import definitions, prose, template
+from fem_seal.output.prose import prose, template
 from fem_seal.output.report import tables, words
 from fem_seal.output.sources import sources
 from fem_seal.output.temperature import celsius, temperature_rows
@@ -192,6 +192,5 @@ def _words(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes]) -
             one for one in (shown.section(result) for shown in shown_answers.SHOWN) if one is not None
         ],
         **{name: value for shown in shown_answers.SHOWN for name, value in shown.words(result).items()},
-        "steps": prose()["steps"],
-        "definitions": definitions(readings=any(load.yields for load in result.loads)),
+        "words": prose(),
     }
