@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fem_seal.output import shown_answers
-from fem_seal.output.around import around_rows
+from fem_seal.output.answers.around import around_rows
 from fem_seal.output.folders import replaced_together
 from fem_seal.output.report.page import write_report
 from fem_seal.output.summary import write_summary

@@ -70,6 +70,7 @@ def used(result: SealSolution) -> dict[str, bool]:
     from leak import Barus, Roelands
 
     case, surface = result.case, result.surface
+    roughness = None if surface is None else case.roughness
     law = None if case.fluid is None or case.fluid.gas is not None else case.fluid.pressure_law
     return {
         "flow": any(load.leak is not None for load in result.loads),
@@ -77,10 +78,8 @@ def used(result: SealSolution) -> dict[str, bool]:
         "yielding bodies": result.unloaded is not None,
         "penetration": case.load.closing == "penetration",
         "roughness": surface is not None,
-        "measured roughness": surface is not None
-        and case.roughness is not None
-        and case.roughness.is_measured,
-        "finish": surface is not None and case.roughness is not None and bool(case.roughness.finishes),
+        "measured roughness": roughness is not None and roughness.is_measured,
+        "finish": roughness is not None and bool(roughness.finishes),
         "yielding asperities": surface is not None and surface.hardness is not None,
         "paper's theory": surface is not None and surface.theory == "paper",
         "corrected theory": surface is not None and surface.theory == "corrected",

@@ -97,13 +97,7 @@ def surface_numbers(surface: MeasuredSurface) -> dict[str, Any]:
 
 def surface_lines(surface: MeasuredSurface) -> list[tuple[str, str]]:
     """The same for people: name and value."""
-    scans = [
-        (
-            scan.name,
-            f"{' x '.join(map(str, scan.heights.shape))} points over {quantity('length', scan.length)}",
-        )
-        for scan in surface.scans
-    ]
+    points = [" x ".join(map(str, scan.heights.shape)) for scan in surface.scans]
     found, rolloff = roughness_of(surface), surface.rolloff
     values = {
         "surface": surface,
@@ -121,8 +115,9 @@ def surface_lines(surface: MeasuredSurface) -> list[tuple[str, str]]:
         "tip radius": surface.tip_radius is not None,
         "continued spectrum": surface.spectrum != surface.measured,
     }
+    scans = zip(surface.scans, points, strict=True)
     return [
-        *scans,
+        *((scan.name, f"{n} points over {quantity('length', scan.length)}") for scan, n in scans),
         *worded_rows("surface", **values),
         *(("  note", text) for text in found.remarks),
         *worded_rows(

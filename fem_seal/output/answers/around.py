@@ -1,4 +1,4 @@
-"""What the report says about a seal that is not round."""
+"""What the report says about a seal that is not round, and the rows of around.csv."""
 
 from __future__ import annotations
 
@@ -8,12 +8,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem_seal.output.columns import AROUND_COLUMNS
 from fem_seal.output.prose import said
 from fem_seal.seal.load_names import load_name
+from fem_seal.seal.readings import FURTHER
 
 if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
     from fem_seal.arrays import FloatArray
+    from fem_seal.output.tables import CsvTable
     from fem_seal.seal.circumference import Around
     from fem_seal.seal.load_result import LoadResult
 
@@ -103,3 +106,37 @@ def _named(angles: list[float]) -> str:
 
 def _degrees(angle: float) -> str:
     return f"{math.degrees(angle):.0f}°"
+
+
+def around_rows(result: SealSolution) -> CsvTable:
+    """Headings and rows of around.csv, one for each angle of each load; none of a round seal."""
+    return AROUND_COLUMNS, [row for load in result.loads for row in _angles_of(load)]
+
+
+def _angles_of(load: LoadResult) -> list[tuple[float | str, ...]]:
+    """Rows of a load with `AROUND_COLUMNS`, one for each angle; none if it is that of a round seal.
+
+    Parameters
+    ----------
+    load : LoadResult
+    """
+    around = load.around
+    if around is None:
+        return []
+    angles = len(around.angle)
+    read = (around, *(load.others[one].around if one in load.others else None for one in FURTHER))
+    leaks = [
+        [""] * angles if one is None or one.leak_rate is None else one.leak_rate.tolist() for one in read
+    ]
+    return list(
+        zip(
+            [load.fluid_pressure] * angles,
+            [load.applied_force] * angles,
+            around.angle.tolist(),
+            around.line_load.tolist(),
+            np.where(around.line_load > 0, around.peak_pressure, 0.0).tolist(),
+            around.fwhm.tolist(),
+            *leaks,
+            strict=True,
+        )
+    )

@@ -29,7 +29,6 @@ from fem_seal.output.prose import prose, template
 from fem_seal.output.report import tables, words
 from fem_seal.output.sources import sources
 from fem_seal.output.temperature import celsius, temperature_rows
-from fem_seal.seal.load_names import load_name
 from fem_seal.seal.problem import exponential_law
 from fem_seal.version import __version__
 
@@ -59,8 +58,7 @@ def report(result: SealSolution) -> str:
     sizes = profile_sizes(result, derived)
     return template("report.html.j2").render(
         title=result.case.title or "fem-seal",
-        title_in_css=_in_css(result.case.title or "fem-seal"),
-        case_file=None if result.case.file is None else result.case.file.name,
+        in_css=_in_css,
         version=__version__,
         created=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         picture={picture.name: picture for picture in pictures(result, derived, sizes)},
@@ -176,21 +174,15 @@ def _of_case(result: SealSolution) -> dict[str, Any]:
 
 
 def _words(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes]) -> dict[str, Any]:
-    load = result.highest
     return {
         "headline": words.headline(result),
-        "highest": load_name(load, result.loads),
-        "strongest": load_name(result.strongest, result.loads),
         "facts": words.facts(result),
         "reasons": words.reasons(result, derived),
-        "warnings": result.warnings,
         "loads": tables.load_table(result),
         "comparison_note": tables.comparison_note(result),
         "comparison": tables.comparison_table(result, sizes),
         "yielding": tables.yielding_table(result),
-        "sections": [
-            one for one in (shown.section(result) for shown in shown_answers.SHOWN) if one is not None
-        ],
+        "sections": list(filter(None, (shown.section(result) for shown in shown_answers.SHOWN))),
         **{name: value for shown in shown_answers.SHOWN for name, value in shown.words(result).items()},
         "words": prose(),
     }
