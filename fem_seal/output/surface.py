@@ -99,7 +99,7 @@ def surface_lines(surface: MeasuredSurface) -> list[tuple[str, str]]:
     """The same for people: name and value."""
     points = [" x ".join(map(str, scan.heights.shape)) for scan in surface.scans]
     found, rolloff = roughness_of(surface), surface.rolloff
-    values = {
+    values: dict[str, Any] = {
         "surface": surface,
         "rms_height": _with_scatter(surface),
         "interval": tuple(surface.rms_height * one for one in rolloff.height.interval),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from fem_seal.answers.solution import SealSolution
-from fem_seal.output.readable import ReadableTable
+from fem_seal.output.readable import ReadableTable, worded_table
 from fem_seal.output.shown import Shown
 from fem_seal.seal.findings import Level
 from fem_seal.seal.load_names import load_name
@@ -18,12 +18,9 @@ def marks_in_words(result: SealSolution) -> str:
 
 def validity_table(result: SealSolution) -> ReadableTable:
     """Every reason why the numbers of a load are not simply valid; no rows if all are."""
-    rows = [
-        (load_name(load, result.loads), str(caution.level), caution.reason)
-        for load in result.loads
-        for caution in load.validity.cautions
-    ]
-    return ReadableTable(("load", "validity", "reason"), tuple(rows))
+    loads = result.loads
+    rows = ({"load": load_name(load, loads), "one": one} for load in loads for one in load.validity.cautions)
+    return worded_table("validity", rows)
 
 
 SHOWN = Shown(words=lambda result: {"marks": marks_in_words(result), "validity": validity_table(result)})

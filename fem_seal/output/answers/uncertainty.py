@@ -53,22 +53,16 @@ def interval_table(result: SealSolution) -> ReadableTable:
         f"to [{unit.name}]",
         *(f"{_named(name)} [%]" for name in interval.inputs),
     )
-    rows = tuple(
-        (
-            load_name(load, result.loads),
-            *(
-                worth(unit.of(volume.measurable(rate)), min(load.leak_digits, digits))
-                for rate, digits in (
-                    (load.leak.leak_rate if load.leak else None, 3),
-                    *((end, 2) for end in ends[n]),
-                )
-                if rate is not None
-            ),
-            *("–" if np.isnan(share) else f"{100 * share:.0f}" for share in interval.shares[n]),
-        )
-        for n, load in enumerate(result.loads)
-    )
-    return ReadableTable(headings, rows)
+    rows = []
+    for load, both, shares in zip(result.loads, ends, interval.shares, strict=True):
+        rates = [(load.leak.leak_rate, 3)] if load.leak else []
+        cells = [
+            worth(unit.of(volume.measurable(rate)), min(load.leak_digits, digits))
+            for rate, digits in (*rates, *((end, 2) for end in both))
+        ]
+        cells += ["–" if np.isnan(share) else f"{100 * share:.0f}" for share in shares]
+        rows.append((load_name(load, result.loads), *cells))
+    return ReadableTable(headings, tuple(rows))
 
 
 def interval_note(result: SealSolution) -> str:

@@ -9,7 +9,7 @@ from fem_seal.answers.leakage_class import volume_of
 from fem_seal.answers.solution import SealSolution
 from fem_seal.answers.variants import ratio_to_case
 from fem_seal.output.columns import VARIANT_COLUMNS
-from fem_seal.output.prose import said
+from fem_seal.output.prose import prose, said
 from fem_seal.output.readable import ReadableTable, worded_table
 from fem_seal.output.shown import Shown, by_reading
 from fem_seal.seal.bounds import Bounds
@@ -66,13 +66,6 @@ def _both_readings(variant: Comparison, unit: Unit, load: LoadResult, volume: Le
     return range_text(*told)
 
 
-_CHANNELS = {
-    "bruggeman": "effective medium",
-    "critical-junction": "critical junction",
-    "threshold-law": "closed law near the threshold",
-}
-
-
 def theory_table(result: SealSolution) -> ReadableTable:
     """Leak rate at the lowest and highest fluid pressure with every reading of the theory; maybe no rows."""
     if not result.theory_variants:
@@ -91,17 +84,14 @@ def theory_table(result: SealSolution) -> ReadableTable:
     for variant in result.theory_variants:
         cells = [
             variant.interface_law + (" (used)" if variant.used else ""),
-            _CHANNELS[variant.conductivity],
+            prose()["channels"][variant.conductivity],
             variant.separation_width or "–",
             trimmed(variant.percolation_threshold),
         ]
         for n in shown:
-            rate = variant.leak_rate[n]
-            digits = min(result.loads[n].leak_digits, 3)
-            cells += [
-                worth(unit.of(volume.measurable(rate)), digits),
-                number(ratio_to_case(rate, of_case[n]), 2),
-            ]
+            rate, digits = variant.leak_rate[n], min(result.loads[n].leak_digits, 3)
+            cells += [worth(unit.of(volume.measurable(rate)), digits)]
+            cells += [number(ratio_to_case(rate, of_case[n]), 2)]
         rows.append(tuple(cells))
     return ReadableTable(tuple(headings), tuple(rows))
 

@@ -201,12 +201,11 @@ def _to_measure(result: SealSolution, found: SealJudgement) -> Iterator[str]:
 
 def _other_theory(result: SealSolution, found: SealJudgement) -> Iterator[str]:
     """That the other theory would come to another verdict."""
+    sampled = found.number is not None and result.loads[found.number].sampled is not None
     for theory, (place, judged, own) in result.judgement_by_theory.items():
         yield said(
             "verdict.said",
-            "theory"
-            if found.number is None or result.loads[found.number].sampled is None
-            else "theory_as_given",
+            "theory_as_given" if sampled else "theory",
             theory=THEORIES[theory],
             verdict=judged.verdict,
             own=own,

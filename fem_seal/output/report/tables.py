@@ -130,21 +130,17 @@ def what_yielded(result: SealSolution, load: LoadResult) -> Iterator[str]:
 
 def yielding_table(result: SealSolution) -> ReadableTable:
     """Where and how far each body has yielded at each load; no rows if all bodies are elastic."""
-    headings = ("load", "body", "plastic strain", "largest at", "yielded to a depth of", "load steps")
-    if result.unloaded is None:
-        return ReadableTable(headings, ())
     rows = []
-    for load in result.loads:
+    for load in result.loads if result.unloaded is not None else ():
         assert isinstance(load.contact, ElastoplasticContact)
-        zones = yielding_of(load.contact)
-        for name in load.contact.bodies:
-            zone = zones.get(name)
-            told = (
-                (percent(zone.strain), *_depths(zone, load.digits_of("fwhm")))
-                if isinstance(zone, PlasticZone)
-                else ("none", "–", "–")
-            )
-            rows.append((load_name(load, result.loads), name, *told, str(load.contact.load_steps)))
+        zones, digits = yielding_of(load.contact), load.digits_of("fwhm")
+        for body in load.contact.bodies:
+            zone, strain, depths = zones.get(body), "none", ("–", "–")
+            if isinstance(zone, PlasticZone):
+                strain, depths = percent(zone.strain), _depths(zone, digits)
+            name = load_name(load, result.loads)
+            rows.append((name, body, strain, *depths, str(load.contact.load_steps)))
+    headings = ("load", "body", "plastic strain", "largest at", "yielded to a depth of", "load steps")
     return ReadableTable(headings, tuple(rows))
 
 
