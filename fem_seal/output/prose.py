@@ -49,6 +49,8 @@ def template(name: str, *, escaped: bool = True) -> Template:
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
+        # a page is made once: to fold constants takes longer than it saves
+        optimized=False,
     )
     environment.filters["written"] = written
     environment.globals |= {"math": math, "said": said, "load_name": load_name}
