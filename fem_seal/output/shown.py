@@ -43,10 +43,6 @@ class Section:
     files: tuple[str, ...] = ()
 
 
-def _nothing(result: SealSolution) -> dict[str, Any]:
-    return {}
-
-
 @dataclass(frozen=True)
 class Shown:
     """What an answer adds to the files of a result and to the terminal; nothing unless given.
@@ -67,10 +63,10 @@ class Shown:
         Lines on the terminal.
     """
 
-    summary: Callable[[SealSolution], dict[str, Any]] = _nothing
+    summary: Callable[[SealSolution], dict[str, Any]] = lambda result: {}
     tables: Mapping[str, Callable[[SealSolution], CsvTable]] = field(default_factory=dict)
     section: Callable[[SealSolution], Section | None] = lambda result: None
-    words: Callable[[SealSolution], dict[str, Any]] = _nothing
+    words: Callable[[SealSolution], dict[str, Any]] = lambda result: {}
     pictures: Callable[[SealSolution], Iterable[Picture | None]] = lambda result: ()
     lines: Callable[[SealSolution], Sequence[str]] = lambda result: ()
 

@@ -35,17 +35,13 @@ class Source:
     equations: tuple[str, ...] = ()
 
 
-def sources(result: SealSolution) -> list[Source]:
+def sources(result: SealSolution) -> Iterator[Source]:
     """Publications whose formulas a result used, in the order of the calculation.
 
     Parameters
     ----------
     result : SealSolution
     """
-    return list(_sources(result))
-
-
-def _sources(result: SealSolution) -> Iterator[Source]:
     parts = {name for name, is_used in used(result).items() if is_used}
     flow = {"roughness", "flow"} <= parts
     for entry in prose()["sources"]:

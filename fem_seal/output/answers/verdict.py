@@ -120,14 +120,14 @@ def _verdict(found: SealJudgement, load: str, digits: int, volume: LeakVolume) -
     # the ends that stand in the sentence have one unit with the limit
     beside = {"pass": judged.ends[1:], "fail": judged.ends[:1]}.get(sentence, judged.ends)
     over = [end / limit.leak_rate if limit.leak_rate else math.nan for end in measured]
+    none = leak_rate_text(judged.ends[1], volume=volume)
+    at_most = _amount(high, digits, limit.leak_rate) if high else none
     return said(
         "verdict.said",
         sentence,
         load=load,
         low=_amount(low, digits, limit.leak_rate),
-        high=_amount(high, digits, limit.leak_rate)
-        if high
-        else leak_rate_text(judged.ends[1], volume=volume),
+        high=at_most,
         range=_range(low, high, digits, limit.leak_rate),
         allowed=_limit_text(limit.leak_rate, beside=beside),
         limit=f"required{_as_written(limit.leak_rate)}" if limit.name == OF_LEAK_RATE else limit.name,
