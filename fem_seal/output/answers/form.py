@@ -102,9 +102,9 @@ def _allowed(allowed: Allowed, others: Mapping[Reading, Allowed], load: LoadResu
     if load.around is not None and load.around.scratches is not None:
         yield said("form.allowed", "aside")
     if allowed.zone is not None and math.isfinite(allowed.zone):
-        kind, zone = "drawing" if allowed.zone else "no_zone", _down(allowed.zone)
-        direction = _DIRECTIONS[allowed.direction]
-        yield said("form.allowed", kind, kind=direction, zone=zone, waves=allowed.waves, limit=limit)
+        kind, zone = _DIRECTIONS[allowed.direction], _down(allowed.zone)
+        which = "drawing" if zone else "no_zone"
+        yield said("form.allowed", which, kind=kind, zone=zone, waves=allowed.waves, limit=limit)
     for reading, other in others.items():
         if other.zone is not None and math.isfinite(other.zone):
             first, told = (quantity("length", _down(one or 0.0), 2) for one in (allowed.zone, other.zone))

@@ -55,7 +55,7 @@ def valve_facts(result: SealSolution, load: JudgedLoad) -> Iterator[tuple[str, s
     target = result.case.load.target_leak_rate
     if target is not None and load.force_for_target is not None:
         every = (load.force_for_target, *_other_forces(load).values())
-        low, *_, high = (_target_force(load, force) for force in (*every, every[-1]))
+        low, high = (_target_force(load, force) for force in (every[0], every[-1]))
         both = "target" if low == high else "target_both"
         yield TARGET_FORCE, range_text(low, high), said("facts.remark", both, target=_target(result, target))
     if found := load.verdict_force:
