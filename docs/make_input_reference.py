@@ -11,7 +11,7 @@ from typing import get_args
 
 from pydantic.fields import FieldInfo
 
-from fem_seal.case.bodies import MaterialTable
+from fem_seal.case.material_table import MaterialTable
 from fem_seal.case.case import Case
 from fem_seal.case.drawing_words import words_of
 from fem_seal.case.fields import Number, Place, Pressures, Quantity, Table, key_of

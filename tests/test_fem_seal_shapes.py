@@ -11,9 +11,9 @@ from sample_results import run_loads
 
 from fem_seal import Case, InputError, load_case, run
 from fem_seal.answers.closed_forms import derive
-from fem_seal.case import closures, seats
-from fem_seal.case.bodies import Body
+from fem_seal.case import shapes
 from fem_seal.case.messages import choices, tables_of
+from fem_seal.case.shapes import Body
 from fem_seal.case.si_numbers import with_units
 from fem_seal.cli.app import show_derived
 from fem_seal.output.case_words import chosen_dimensions, dimensions
@@ -71,7 +71,7 @@ PAIRS = [
 ]
 
 
-SHAPES = [*closures.Closure.__subclasses__(), *seats.Housed.__subclasses__()]
+SHAPES = [*shapes.CLOSURES, *shapes.SEATS]
 
 
 def dimensions_of(table: type[Body]) -> set[str]:

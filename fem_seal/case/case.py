@@ -11,7 +11,7 @@ from typing import Any
 
 from pydantic import PrivateAttr, ValidationError
 
-from fem_seal.case.bodies import library_table
+from fem_seal.case.material_table import library_table
 from fem_seal.case.checks import contradictions
 from fem_seal.case.drawing_words import as_written, in_keys, partner, said_twice, same_entry
 from fem_seal.case.gauge import as_differences, is_said_of_one_side

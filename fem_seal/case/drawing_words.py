@@ -80,7 +80,7 @@ def words_of(table: type[BaseModel]) -> Mapping[str, Word]:
 
     Examples
     --------
-    >>> from fem_seal.case.seats import ConicalSeat
+    >>> from fem_seal.case.shapes import ConicalSeat
     >>> list(words_of(ConicalSeat))
     ['outer_diameter', 'included_angle', 'bore_diameter', 'face_diameter']
     """
@@ -150,7 +150,7 @@ def in_keys(
 
     Examples
     --------
-    >>> from fem_seal.case.seats import ConicalSeat
+    >>> from fem_seal.case.shapes import ConicalSeat
     >>> in_keys("seat", ConicalSeat, {"shape": "cone", "included_angle": "90 deg", "bore_diameter": "24 mm"})
     ({'shape': 'cone', 'angle': '0.7853981633974483 rad', 'bore_radius': '0.012 m'}, [])
     """

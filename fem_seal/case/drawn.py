@@ -10,9 +10,9 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from fem_seal.case.bodies import Body, MaterialField
 from fem_seal.case.fields import Place, Quantity, Table
-from fem_seal.case.seats import Held
+from fem_seal.case.material_table import MaterialField
+from fem_seal.case.shapes import Closure, Held
 from fem_seal.errors import Problem
 from fem_seal.files import MOST_BYTES_OF_DRAWING, UnreadableFileError, check_file
 from leak.extras import needed
@@ -168,7 +168,7 @@ def _centre(
     return 0.5 * (start[0] + end[0]) + height * left[0], 0.5 * (start[1] + end[1]) + height * left[1]
 
 
-class ClosureProfile(ProfileSource, Body):
+class ClosureProfile(ProfileSource, Closure):
     """[closure] shape = "profile": a closure with any outline of lines and arcs."""
 
     shape: Literal["profile"]

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any, get_args
 
-from fem_seal.case.bodies import MaterialTable, inheriting, library_table
+from fem_seal.case.material_table import MaterialTable, inheriting, library_table
 from fem_seal.case.drawing_words import same_entry, words_of
 from fem_seal.case.fields import Number, OneOrMany, OverTemperatureTable, Pressures, Quantity, Table, shown
 from fem_seal.errors import InputError

@@ -8,11 +8,11 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, Union
 
 from pydantic import Field, PrivateAttr, model_validator
 
-from fem_seal.case import closures, seats
+from fem_seal.case import shapes
 from fem_seal.case.direct import Asperities, Direct
 from fem_seal.case.drawn import ClosureProfile, SeatProfile
 from fem_seal.case.fields import (
@@ -130,27 +130,13 @@ class Output(Table):
     folder: str | None = None
 
 
-Closure = Annotated[
-    closures.Ball
-    | closures.RoundedCone
-    | closures.ToroidalEdge
-    | closures.SphericalTip
-    | closures.Disc
-    | ClosureProfile,
-    Field(discriminator="shape"),
-]
-
-Seat = Annotated[
-    seats.ConicalSeat
-    | seats.ConicalLand
-    | seats.Sphere
-    | seats.ToroidalSeat
-    | seats.Flat
-    | seats.FlatLand
-    | seats.SharpEdge
-    | SeatProfile,
-    Field(discriminator="shape"),
-]
+if TYPE_CHECKING:
+    # made of the makers of the shapes, which a type checker does not follow
+    Closure = shapes.Closure
+    Seat = shapes.Held
+else:
+    Closure = Annotated[Union[(*shapes.CLOSURES, ClosureProfile)], Field(discriminator="shape")]
+    Seat = Annotated[Union[(*shapes.SEATS, SeatProfile)], Field(discriminator="shape")]
 
 
 class CaseTables(Table):

@@ -1,10 +1,10 @@
-"""What the tables [closure] and [seat] of the case file have in common: dimensions and materials."""
+"""The table [closure.material] or [seat.material] of the case file, and names from the library in its place."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import Annotated, Any, ClassVar, cast
+from typing import Annotated, Any, cast
 
 from pydantic import (
     Discriminator,
@@ -27,7 +27,7 @@ from fem_seal.case.fields import (
 )
 from fem_seal.case.input_files import TensileTest, read_stress_strain
 from fem_seal.case.material_library import LIBRARY, library_name, material, similar_names
-from fem_seal.errors import InputError, Problem
+from fem_seal.errors import InputError
 from fem_seal.materials import (
     ROOM_TEMPERATURE,
     HardeningCurve,
@@ -36,14 +36,7 @@ from fem_seal.materials import (
     OverTemperature,
     celsius,
 )
-from meshes import Shape
 
-Length = Annotated[float, Quantity("length", "10 um", "10 m")]
-# Of a rounding that has to be there.
-Rounding = Annotated[float, Quantity("length", "0.1 um", "10 m")]
-# Of roundings and steps; zero is sharp or flush.
-SmallLength = Annotated[float, Quantity("length", "0 um", "10 m")]
-Inclination = Annotated[float, Quantity("angle", "0 deg", "90 deg", exclusive=True)]
 _STRENGTH = Quantity("pressure", "0.1 MPa", "200 GPa")
 # Numbers of a material, each as one or as a table over temperature.
 Over = tuple[tuple[float, ...], tuple[float, ...]]
@@ -58,26 +51,6 @@ Conductivity = Annotated[
 ]
 # Up to whatever was meant as per cent: the hardening curve then says what is wrong.
 _STRAIN = Number(0, 100)
-
-
-# Keys of a body that are no dimensions of its shape.
-_OTHER_KEYS = {"shape", "material", "wall", "interference"}
-
-
-class Body(Table):
-    """Base of the tables [closure] and [seat]."""
-
-    makes: ClassVar[Callable[..., Shape]]
-    """Maker of the shape. Its parameters are called like the keys of the table, and know what an open one is."""
-
-    def made(self, **around: Shape) -> Shape:
-        """The shape with the dimensions that are given."""
-        given = {key: value for key, value in self if key not in _OTHER_KEYS and value is not None}
-        return type(self).makes(**around, **given)
-
-    def problems(self) -> Iterator[Problem]:
-        """What is wrong with the keys together, before there is a shape."""
-        yield from ()
 
 
 class StressStrain(Table):

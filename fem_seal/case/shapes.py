@@ -1,0 +1,222 @@
+"""The tables [closure] and [seat] of the case file: a model of each shape, of the dimensions that its maker takes."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+
+from pydantic import create_model
+
+import meshes
+from fem_seal.case.fields import Quantity, Table
+from fem_seal.case.material_table import MaterialField
+from fem_seal.errors import Problem
+from meshes import Shape
+
+if TYPE_CHECKING:
+    from fem_seal.materials import Material
+
+Length = Annotated[float, Quantity("length", "10 um", "10 m")]
+# Of a rounding that has to be there.
+Rounding = Annotated[float, Quantity("length", "0.1 um", "10 m")]
+# Of roundings and steps; zero is sharp or flush.
+SmallLength = Annotated[float, Quantity("length", "0 um", "10 m")]
+Inclination = Annotated[float, Quantity("angle", "0 deg", "90 deg", exclusive=True)]
+
+# What stands at a key of a shape, if not a length.
+_KINDS: dict[str, Any] = {
+    "angle": Inclination,
+    "contact_angle": Inclination,
+    "relief_angle": Annotated[float, Quantity("angle", "0 deg", "90 deg")],
+    "top_angle": Annotated[float, Quantity("angle", "-90 deg", "90 deg", exclusive=True)],
+    "recess": SmallLength,
+}
+# Keys of a body that are no dimensions of its shape.
+_OTHER_KEYS = {"shape", "material", "wall", "interference"}
+
+
+class Body(Table):
+    """Base of the tables [closure] and [seat]."""
+
+    makes: ClassVar[Callable[..., Shape]]
+    """Maker of the shape. Its parameters are the keys of the table, and it knows what an open one is."""
+
+    if TYPE_CHECKING:
+        shape: str
+        material: Material
+
+    def made(self, **around: Shape) -> Shape:
+        """The shape with the dimensions that are given."""
+        given = {key: value for key, value in self if key not in _OTHER_KEYS and value is not None}
+        return type(self).makes(**around, **given)
+
+    def problems(self) -> Iterator[Problem]:
+        """What is wrong with the keys together, before there is a shape."""
+        yield from ()
+
+
+class Closure(Body):
+    """A closure of any shape."""
+
+    def body(self) -> Shape:
+        """The closure that is meshed."""
+        return self.made()
+
+
+class Held(Body):
+    """How a seat is held, whatever its shape."""
+
+    material: MaterialField
+    wall: Literal["free", "fixed"] = "free"
+    interference: Annotated[float, Quantity("length", "0 um", "10 mm")] | None = None
+
+    def problems(self) -> Iterator[Problem]:
+        """A seat can only be pressed into something that holds it."""
+        if self.interference and self.wall == "free":
+            yield Problem(
+                "seat.interference",
+                'only with wall = "fixed", but wall = "free"; add wall = "fixed" or remove it',
+                f"{1e6 * self.interference:.6g} um",
+            )
+
+    def body(self, closure: Shape) -> Shape:
+        """The seat that is meshed, with the dimensions that are left open in proportion to the closure."""
+        return self.made(closure=closure)
+
+
+class Housed(Held):
+    """A seat that is the top of a cylindrical housing with a bore."""
+
+    outer_radius: Length | None = None
+    height: Length | None = None
+
+
+class _Poppet(Closure):
+    """A closure that is given by one or two of three radii."""
+
+    def problems(self) -> Iterator[Problem]:
+        """What is wrong with the radii together."""
+        known = [key for key in ("outer_radius", "inner_radius", "mean_radius") if getattr(self, key)]
+        if not 1 <= len(known) <= 2:
+            which = "none is given" if not known else "all three are given"
+            yield Problem(
+                "closure.outer_radius",
+                f"one or two of outer_radius, inner_radius and mean_radius are needed, but {which}",
+            )
+
+
+class _Land(Housed):
+    """A seat whose land begins at the bore."""
+
+    @property
+    def bore_radius(self) -> float:
+        """Radius of the bore [m]."""
+        found: float = vars(self)["land_inner_radius"]
+        return found
+
+
+def _model(
+    name: str,
+    shape: str,
+    makes: Callable[..., Shape],
+    about: str,
+    base: type[Body] | None = None,
+    edge: Any = SmallLength,
+) -> type[Body]:
+    """Table of a shape: its word, then a key for each parameter of its maker that its base does not have.
+
+    Parameters
+    ----------
+    name : str
+        Of the model, in templates/keys.toml too.
+    shape : str
+        The word for it.
+    makes : callable
+        Its maker; that of a seat takes the closure.
+    about : str
+        What it is.
+    base : type, optional
+        `Closure` or `Housed` unless given.
+    edge : type
+        What stands at its edge_radius.
+    """
+    parameters = dict(inspect.signature(makes).parameters)
+    is_seat = parameters.pop("closure", None) is not None
+    base = base or (Housed if is_seat else Closure)
+    fields: dict[str, Any] = {"shape": (Literal[shape], ...)}
+    for key, parameter in parameters.items():
+        if key not in base.model_fields:
+            kind = edge if key == "edge_radius" else _KINDS.get(key, Length)
+            fields[key] = (kind, ...) if parameter.default is parameter.empty else (kind | None, None)
+    if not is_seat:
+        fields["material"] = (MaterialField, ...)
+    about = f'[{"seat" if is_seat else "closure"}] shape = "{shape}": {about}.'
+    model = create_model(name, __base__=base, __module__=__name__, __doc__=about, **fields)
+    model.makes = makes
+    return model
+
+
+Ball = _model("Ball", "ball", meshes.Ball, "a ball, solid or hollow")
+RoundedCone = _model(
+    "RoundedCone",
+    "cone",
+    meshes.RoundedCone.of,
+    "a poppet, a conical face with rounded edges between a flat nose and a stem",
+    _Poppet,
+)
+ToroidalEdge = _model(
+    "ToroidalEdge", "torus", meshes.ToroidalEdge.of, "a plunger whose rim has a circular section"
+)
+SphericalTip = _model(
+    "SphericalTip",
+    "spherical-tip",
+    meshes.SphericalTip.of,
+    "a rod whose end is a spherical cap of larger radius",
+)
+Disc = _model("Disc", "disc", meshes.Disc.of, "a flat disc with a rounded rim", edge=Rounding)
+CLOSURES = (Ball, RoundedCone, ToroidalEdge, SphericalTip, Disc)
+
+ConicalSeat = _model(
+    "ConicalSeat",
+    "cone",
+    meshes.ConicalSeat.around,
+    "a conical seat in a cylindrical housing, held at its bottom",
+)
+ConicalLand = _model(
+    "ConicalLand",
+    "conical-land",
+    meshes.ConicalLand.around,
+    "a narrow conical face with rounded edges between bore and top",
+)
+Sphere = _model(
+    "Sphere",
+    "sphere",
+    meshes.SphericalSeat.around,
+    "a hollow spherical seat, or one lapped around a circle with a larger radius",
+)
+ToroidalSeat = _model(
+    "ToroidalSeat",
+    "torus",
+    meshes.ToroidalSeat.around,
+    "a convex ring of circular section on the top of the housing",
+)
+Flat = _model(
+    "Flat", "flat", meshes.FlatSeat.on, "a flat seat around a bore with a rounded edge", edge=Rounding
+)
+FlatLand = _model(
+    "FlatLand",
+    "flat-land",
+    meshes.FlatLand.on,
+    "a raised flat ring between an inner and an outer radius, its edges rounded",
+    _Land,
+    Rounding,
+)
+SharpEdge = _model(
+    "SharpEdge",
+    "sharp-edge",
+    meshes.SharpEdge.around,
+    "the edge, with a small fillet, between a bore and a flat or sloping top",
+    edge=Rounding,
+)
+SEATS = (ConicalSeat, ConicalLand, Sphere, ToroidalSeat, Flat, FlatLand, SharpEdge)
