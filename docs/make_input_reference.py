@@ -14,7 +14,7 @@ from pydantic.fields import FieldInfo
 from fem_seal.case.material_table import MaterialTable
 from fem_seal.case.case import Case
 from fem_seal.case.drawing_words import words_of
-from fem_seal.case.fields import Number, Place, Pressures, Quantity, Table, key_of
+from fem_seal.case.fields import about, Number, Place, Pressures, Quantity, Table, key_of
 from fem_seal.case.material_library import ALIASES, LIBRARY
 from fem_seal.case.messages import choices, tables_of, toml
 from fem_seal.case.schema import case_schema
@@ -151,7 +151,7 @@ def _inner_tables(
 
 
 def _about(table: type[Table]) -> str:
-    text = cleandoc(table.__doc__ or "")
+    text = cleandoc(about(table))
     if text.startswith(("[", "kind")):
         text = text.partition(": ")[2]
     return text[:1].upper() + text[1:]

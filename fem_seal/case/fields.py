@@ -362,7 +362,9 @@ class Table(BaseModel):
         cls, schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> dict[str, Any]:
         found = handler(schema)
-        for name, entry in handler.resolve_ref_schema(found).get("properties", {}).items():
+        resolved = handler.resolve_ref_schema(found)
+        resolved.setdefault("description", about(cls))
+        for name, entry in resolved.get("properties", {}).items():
             key = key_of(cls, name)
             told = {"description": key.meaning, "examples": key.examples, "default": key.written}
             entry.update({word: value for word, value in told.items() if value})
@@ -407,8 +409,18 @@ def key_of(table: type[BaseModel], name: str) -> Key:
     )
 
 
+def about(table: type[BaseModel]) -> str:
+    """What a table is: its docstring; of a shape, which is made of its maker, its entry in templates/keys.toml.
+
+    Parameters
+    ----------
+    table : type
+    """
+    return table.__doc__ or _keys()["shapes"][table.__name__]
+
+
 @cache
-def _keys() -> dict[str, dict[str, list[Any]]]:
+def _keys() -> dict[str, dict[str, Any]]:
     return own_tables("keys.toml")
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, cast
 
 from pydantic import create_model
 
@@ -120,7 +120,6 @@ def _model(
     name: str,
     shape: str,
     makes: Callable[..., Shape],
-    about: str,
     base: type[Body] | None = None,
     edge: Any = SmallLength,
 ) -> type[Body]:
@@ -129,13 +128,11 @@ def _model(
     Parameters
     ----------
     name : str
-        Of the model, in templates/keys.toml too.
+        Of the model; what it is stands under this name in templates/keys.toml.
     shape : str
         The word for it.
     makes : callable
         Its maker; that of a seat takes the closure.
-    about : str
-        What it is.
     base : type, optional
         `Closure` or `Housed` unless given.
     edge : type
@@ -151,72 +148,23 @@ def _model(
             fields[key] = (kind, ...) if parameter.default is parameter.empty else (kind | None, None)
     if not is_seat:
         fields["material"] = (MaterialField, ...)
-    about = f'[{"seat" if is_seat else "closure"}] shape = "{shape}": {about}.'
-    model = create_model(name, __base__=base, __module__=__name__, __doc__=about, **fields)
-    model.makes = makes
-    return model
+    table = cast(type[Body], create_model(name, __base__=base, __module__=__name__, **fields))
+    table.makes = makes
+    return table
 
 
-Ball = _model("Ball", "ball", meshes.Ball, "a ball, solid or hollow")
-RoundedCone = _model(
-    "RoundedCone",
-    "cone",
-    meshes.RoundedCone.of,
-    "a poppet, a conical face with rounded edges between a flat nose and a stem",
-    _Poppet,
-)
-ToroidalEdge = _model(
-    "ToroidalEdge", "torus", meshes.ToroidalEdge.of, "a plunger whose rim has a circular section"
-)
-SphericalTip = _model(
-    "SphericalTip",
-    "spherical-tip",
-    meshes.SphericalTip.of,
-    "a rod whose end is a spherical cap of larger radius",
-)
-Disc = _model("Disc", "disc", meshes.Disc.of, "a flat disc with a rounded rim", edge=Rounding)
+Ball = _model("Ball", "ball", meshes.Ball)
+RoundedCone = _model("RoundedCone", "cone", meshes.RoundedCone.of, _Poppet)
+ToroidalEdge = _model("ToroidalEdge", "torus", meshes.ToroidalEdge.of)
+SphericalTip = _model("SphericalTip", "spherical-tip", meshes.SphericalTip.of)
+Disc = _model("Disc", "disc", meshes.Disc.of, edge=Rounding)
 CLOSURES = (Ball, RoundedCone, ToroidalEdge, SphericalTip, Disc)
 
-ConicalSeat = _model(
-    "ConicalSeat",
-    "cone",
-    meshes.ConicalSeat.around,
-    "a conical seat in a cylindrical housing, held at its bottom",
-)
-ConicalLand = _model(
-    "ConicalLand",
-    "conical-land",
-    meshes.ConicalLand.around,
-    "a narrow conical face with rounded edges between bore and top",
-)
-Sphere = _model(
-    "Sphere",
-    "sphere",
-    meshes.SphericalSeat.around,
-    "a hollow spherical seat, or one lapped around a circle with a larger radius",
-)
-ToroidalSeat = _model(
-    "ToroidalSeat",
-    "torus",
-    meshes.ToroidalSeat.around,
-    "a convex ring of circular section on the top of the housing",
-)
-Flat = _model(
-    "Flat", "flat", meshes.FlatSeat.on, "a flat seat around a bore with a rounded edge", edge=Rounding
-)
-FlatLand = _model(
-    "FlatLand",
-    "flat-land",
-    meshes.FlatLand.on,
-    "a raised flat ring between an inner and an outer radius, its edges rounded",
-    _Land,
-    Rounding,
-)
-SharpEdge = _model(
-    "SharpEdge",
-    "sharp-edge",
-    meshes.SharpEdge.around,
-    "the edge, with a small fillet, between a bore and a flat or sloping top",
-    edge=Rounding,
-)
+ConicalSeat = _model("ConicalSeat", "cone", meshes.ConicalSeat.around)
+ConicalLand = _model("ConicalLand", "conical-land", meshes.ConicalLand.around)
+Sphere = _model("Sphere", "sphere", meshes.SphericalSeat.around)
+ToroidalSeat = _model("ToroidalSeat", "torus", meshes.ToroidalSeat.around)
+Flat = _model("Flat", "flat", meshes.FlatSeat.on, edge=Rounding)
+FlatLand = _model("FlatLand", "flat-land", meshes.FlatLand.on, _Land, Rounding)
+SharpEdge = _model("SharpEdge", "sharp-edge", meshes.SharpEdge.around, edge=Rounding)
 SEATS = (ConicalSeat, ConicalLand, Sphere, ToroidalSeat, Flat, FlatLand, SharpEdge)
