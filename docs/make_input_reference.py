@@ -11,11 +11,11 @@ from typing import get_args
 
 from pydantic.fields import FieldInfo
 
-from fem_seal.case.material_table import MaterialTable
 from fem_seal.case.case import Case
 from fem_seal.case.drawing_words import words_of
-from fem_seal.case.fields import about, Number, Place, Pressures, Quantity, Table, key_of
+from fem_seal.case.fields import Number, Place, Pressures, Quantity, Table, about, key_of
 from fem_seal.case.material_library import ALIASES, LIBRARY
+from fem_seal.case.material_table import MaterialTable
 from fem_seal.case.messages import choices, tables_of, toml
 from fem_seal.case.schema import case_schema
 from fem_seal.files import as_json

@@ -11,11 +11,11 @@ from typing import Any
 
 from pydantic import PrivateAttr, ValidationError
 
-from fem_seal.case.material_table import library_table
 from fem_seal.case.checks import contradictions
 from fem_seal.case.drawing_words import as_written, in_keys, partner, said_twice, same_entry
 from fem_seal.case.gauge import as_differences, is_said_of_one_side
 from fem_seal.case.leak_rate import of_this_gas
+from fem_seal.case.material_table import library_table
 from fem_seal.case.messages import choices, problems, tables_of
 from fem_seal.case.roughness import roughness_like
 from fem_seal.case.si_numbers import with_units

@@ -7,7 +7,7 @@ floats, and it describes itself in the JSON Schema of the case file.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Any, NamedTuple, get_args
@@ -108,20 +108,17 @@ class OneOrMany(Quantity):
         """Value or values in SI in the user's order; ValueError names the entry that is wrong."""
         if not isinstance(value, (list, tuple)):
             return super().read(value)
-        if not 0 < len(value) <= MOST_PRESSURES:
-            raise ValueError(f"has {len(value)} entries; allowed are 1 to {MOST_PRESSURES}")
-        return tuple(self._read_entry(entry, n) for n, entry in _count(value))
+        _check_count(value)
+        return _read_each(self.single, value)
 
-    def _read_entry(self, entry: object, number: int) -> float:
-        try:
-            return super().read(entry)
-        except ValueError as error:
-            raise ValueError(f"entry {number}, {shown(entry)}, {error}") from None
+    @property
+    def single(self) -> Quantity:
+        """What each of them is."""
+        return Quantity(self.dimension, self.low, self.high, self.exclusive)
 
     @property
     def _schema(self) -> dict[str, Any]:
-        one = super()._schema
-        return {"anyOf": [one, {"type": "array", "items": one, "minItems": 1, "maxItems": MOST_PRESSURES}]}
+        return {"anyOf": [self.single._schema, _list_of(self.single)]}
 
 
 @dataclass(frozen=True)
@@ -194,12 +191,11 @@ class Numbers(Entry):
         """The numbers; ValueError names the entry that is wrong."""
         if not isinstance(value, (list, tuple)) or not 0 < len(value) <= MOST_PRESSURES:
             raise ValueError(f"must be a list of 1 to {MOST_PRESSURES} numbers, such as [0, 0.1]")
-        return tuple(self.number.read_part(entry, f"entry {n}") for n, entry in _count(value))
+        return _read_each(self.number, value)
 
     @property
     def _schema(self) -> dict[str, Any]:
-        one = self.number._schema
-        return {"type": "array", "items": one, "minItems": 1, "maxItems": MOST_PRESSURES}
+        return _list_of(self.number)
 
 
 @dataclass(frozen=True)
@@ -222,8 +218,7 @@ class Place(Entry):
 
     @property
     def _schema(self) -> dict[str, Any]:
-        one = self.length._schema
-        return {"type": "array", "items": one, "minItems": 2, "maxItems": 2}
+        return _list_of(self.length, 2, 2)
 
 
 @dataclass(frozen=True)
@@ -237,11 +232,8 @@ class Pressures(Entry):
         if isinstance(value, dict):
             return self._read_range(value)
         entries = value if isinstance(value, (list, tuple)) else [value]
-        if not 0 < len(entries) <= MOST_PRESSURES:
-            raise ValueError(f"has {len(entries)} entries; allowed are 1 to {MOST_PRESSURES}")
-        if len(entries) == 1:
-            return (self.pressure.read(entries[0]),)
-        return tuple(self.pressure.read_part(entry, f"entry {n}") for n, entry in _count(entries))
+        _check_count(entries)
+        return (self.pressure.read(entries[0]),) if len(entries) == 1 else _read_each(self.pressure, entries)
 
     def _read_range(self, table: dict[Any, Any]) -> tuple[float, ...]:
         known = ("start", "stop", "num", "spacing")
@@ -278,8 +270,7 @@ class Pressures(Entry):
             "required": ["start", "stop", "num"],
             "additionalProperties": False,
         }
-        many = {"type": "array", "items": one, "minItems": 1, "maxItems": MOST_PRESSURES}
-        return {"anyOf": [one, many, spaced]}
+        return {"anyOf": [one, _list_of(self.pressure), spaced]}
 
 
 @dataclass(frozen=True)
@@ -310,8 +301,8 @@ class OverTemperatureTable(Entry):
                 'a table over temperature is { temperature = ["20 degC", "300 degC"], value = [...] }, two lists'
             )
         return (
-            tuple(TEMPERATURE.read_part(one, f"temperature {n}") for n, one in _count(value["temperature"])),
-            tuple(self.one.read_part(one, f"value {n}") for n, one in _count(value["value"])),
+            _read_each(TEMPERATURE, value["temperature"], "temperature"),
+            _read_each(self.one, value["value"], "value"),
         )
 
     @property
@@ -326,8 +317,17 @@ class OverTemperatureTable(Entry):
 TEMPERATURE = Quantity("temperature", "0 K", "3000 K")
 
 
-def _count(entries: list[Any] | tuple[Any, ...]) -> enumerate[Any]:
-    return enumerate(entries, start=1)
+def _check_count(entries: Sequence[object]) -> None:
+    if not 0 < len(entries) <= MOST_PRESSURES:
+        raise ValueError(f"has {len(entries)} entries; allowed are 1 to {MOST_PRESSURES}")
+
+
+def _read_each(one: Entry, entries: Iterable[object], name: str = "entry") -> tuple[Any, ...]:
+    return tuple(one.read_part(entry, f"{name} {n}") for n, entry in enumerate(entries, start=1))
+
+
+def _list_of(one: Entry, fewest: int = 1, most: int = MOST_PRESSURES) -> dict[str, Any]:
+    return {"type": "array", "items": one._schema, "minItems": fewest, "maxItems": most}
 
 
 def shown(value: object) -> str:

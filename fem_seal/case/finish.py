@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import BeforeValidator, model_validator
 
 from fem_seal.case.fields import Number, Quantity, Table
+from fem_seal.files import own_tables
 
 if TYPE_CHECKING:
     from leak import Finish, FinishedSurface, PowerSpectrum
@@ -35,23 +36,6 @@ ProcessName = Literal[
     "as cast",
     "unspecified",
 ]
-# Other words of drawings for the same.
-_ALSO = {
-    "lapping": "lapped",
-    "polishing": "polished",
-    "superfinishing": "superfinished",
-    "super finished": "superfinished",
-    "grinding": "ground",
-    "honing": "honed",
-    "turning": "turned",
-    "milling": "milled",
-    "reaming": "reamed",
-    "sand blasted": "sandblasted",
-    "grit blasted": "sandblasted",
-    "shotblasted": "shot blasted",
-    "shot peened": "shot blasted",
-    "cast": "as cast",
-}
 _LONGEST = 100
 _WRITTEN = re.compile(
     r"^\s*(?P<before>[A-Za-z][A-Za-z _-]*?)??[\s,]*\b(?P<height>R[aqz])\s*=?\s*(?P<number>[-+0-9.eE]+)\s*"
@@ -64,7 +48,12 @@ def process_word(word: object) -> object:
     if not isinstance(word, str):
         return word
     plain = " ".join(word.lower().replace("-", " ").replace("_", " ").split())
-    return _ALSO.get(plain, plain)
+    return _other_words().get(plain, plain)
+
+
+@cache
+def _other_words() -> dict[str, str]:
+    return own_tables("processes.toml")
 
 
 def read_finish(text: str) -> dict[str, Any]:

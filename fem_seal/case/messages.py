@@ -13,9 +13,9 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
-from fem_seal.case.material_table import CURVE_FORMS, MaterialTable
 from fem_seal.case.drawing_words import words_of
 from fem_seal.case.fields import Table, key_of, shown
+from fem_seal.case.material_table import CURVE_FORMS, MaterialTable
 from fem_seal.errors import Problem
 from fem_seal.former_names import ENTRIES
 from fem_seal.materials import Material

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.resources import files
 from typing import Any
@@ -14,7 +14,7 @@ from fem_seal.case.drawing_words import partner
 from fem_seal.case.fields import shown
 from fem_seal.case.messages import nearest
 from fem_seal.errors import InputError, QuantityError
-from fem_seal.files import TomlError, parse_toml
+from fem_seal.files import TomlError, own_tables, parse_toml
 from fem_seal.units import parse_quantity
 
 TEMPLATES = ("ball-valve", "check-valve", "relief-valve", "needle", "flat-seat", "knife-edge")
@@ -32,38 +32,18 @@ class Question:
     ----------
     name : str
         Name of its option on the command line.
-    paths : tuple of str
+    paths : sequence of str
         Where the answer may stand; the first that a template has is meant.
     words : str
         What is asked.
     """
 
     name: str
-    paths: tuple[str, ...]
+    paths: Sequence[str]
     words: str
 
 
-QUESTIONS = (
-    Question("title", ("title",), "title of the report"),
-    Question("diameter", ("closure.diameter", "closure.outer_diameter"), "diameter of the closure"),
-    Question(
-        "bore",
-        ("seat.bore_diameter", "seat.land_inner_diameter", "leak.nominal_size"),
-        "diameter of the bore",
-    ),
-    Question(
-        "included-angle", ("seat.included_angle", "closure.included_angle"), "included angle of the cone"
-    ),
-    Question("closure-material", ("closure.material",), "material of the closure"),
-    Question("seat-material", ("seat.material",), "material of the seat"),
-    Question("ra", ("roughness.Ra", "roughness.seat.Ra"), "Ra on the drawing"),
-    Question("process", ("roughness.process", "roughness.seat.process"), "process that made the face"),
-    Question("fluid", ("fluid.name",), "fluid"),
-    Question("pressure", ("load.fluid_pressure",), "fluid pressure, one or several with commas"),
-    Question("applied-force", ("load.applied_force",), "closing force of spring or actuator"),
-    Question("leak-rate", ("requirement.leak_rate",), "largest allowed leak rate"),
-    Question("class", ("requirement.class",), "required leakage class"),
-)
+QUESTIONS = tuple(Question(name, **entry) for name, entry in own_tables("questions.toml").items())
 
 
 def template(name: str) -> str:

@@ -7,9 +7,9 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any, get_args
 
-from fem_seal.case.material_table import MaterialTable, inheriting, library_table
 from fem_seal.case.drawing_words import same_entry, words_of
 from fem_seal.case.fields import Number, OneOrMany, OverTemperatureTable, Pressures, Quantity, Table, shown
+from fem_seal.case.material_table import MaterialTable, inheriting, library_table
 from fem_seal.errors import InputError
 from fem_seal.materials import Material
 from fem_seal.units import DIMENSIONS, Unit, fixed_unit, kind_of, unit_for
@@ -208,7 +208,7 @@ def _marker(field: Any) -> Quantity | Number | None:
             return marker.one
         if isinstance(marker, OneOrMany):
             # a design has one load
-            return Quantity(marker.dimension, marker.low, marker.high, marker.exclusive)
+            return marker.single
         if isinstance(marker, (Quantity, Number)):
             return marker
     return None

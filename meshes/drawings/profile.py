@@ -75,18 +75,13 @@ class Profile:
     @cached_property
     def outline(self) -> Outline:
         """Section; pieces of the face and of the surface beside it may still wait for the face, see `with_faces`."""
-        pieces = _closed(self.name, [s for s in self.pieces if _length(s) > 0])
+        pieces = _closed(self.name, [s for s in self.pieces if s.start != s.end])
         _check_crossings(self.name, pieces)
         pieces = [part for s in pieces for part in _upright_parts(s)]
         outline = Outline(self.name, tuple(pieces))
         if outline.area < 0:
-            backwards = (Segment(s.end, s.start, s.name, s.centre) for s in reversed(pieces))
-            outline = Outline(self.name, tuple(backwards))
+            outline = Outline(self.name, tuple(s.reversed for s in reversed(pieces)))
         return _named(outline)
-
-
-def _length(s: Segment) -> float:
-    return math.dist(s.start, s.end)
 
 
 def _size(pieces: Sequence[Segment]) -> float:

@@ -146,7 +146,7 @@ def _loop(pieces: list[Segment], path: Path) -> list[Segment]:
             )
         rest.remove(near)
         if math.dist(at, near.start) > math.dist(at, near.end):
-            near = Segment(near.end, near.start, near.name, near.centre)
+            near = near.reversed
         loop.append(replace(near, start=at))
     if math.dist(loop[-1].end, loop[0].start) <= _JOINED * size:
         loop[-1] = replace(loop[-1], end=loop[0].start)

@@ -10,7 +10,7 @@ import numpy as np
 
 from meshes.errors import GeometryError, mm
 from meshes.geometry.curve import Curve
-from meshes.geometry.segment import Point, Segment
+from meshes.geometry.segment import Segment, as_point
 
 if TYPE_CHECKING:
     from meshes.arrays import FloatArray
@@ -41,10 +41,7 @@ def biarc(
     along, square = float(chord @ both), float(chord @ chord)
     length = (math.sqrt(along**2 + turn * square) - along) / turn if turn > 1e-12 else square / (2 * along)
     middle = 0.5 * (start + end + length * (start_direction - end_direction))
-    return [
-        _arc(start, start_direction, middle),
-        _reversed(_arc(end, -end_direction, middle)),
-    ]
+    return [_arc(start, start_direction, middle), _arc(end, -end_direction, middle).reversed]
 
 
 def _arc(start: FloatArray, direction: FloatArray, end: FloatArray) -> Segment:
@@ -52,17 +49,9 @@ def _arc(start: FloatArray, direction: FloatArray, end: FloatArray) -> Segment:
     normal = np.array([-direction[1], direction[0]])
     across = float(chord @ normal)
     if abs(across) < 1e-9 * math.hypot(*chord):
-        return Segment(_point(start), _point(end), "")
+        return Segment(as_point(start), as_point(end), "")
     radius = float(chord @ chord) / (2 * across)
-    return Segment(_point(start), _point(end), "", _point(start + radius * normal))
-
-
-def _reversed(s: Segment) -> Segment:
-    return Segment(s.end, s.start, s.name, s.centre)
-
-
-def _point(p: FloatArray) -> Point:
-    return float(p[0]), float(p[1])
+    return Segment(as_point(start), as_point(end), "", as_point(start + radius * normal))
 
 
 def fitted(

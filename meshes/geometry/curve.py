@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from meshes.geometry.segment import Point, Segment
+from meshes.geometry.segment import Segment, as_point
 
 if TYPE_CHECKING:
     from meshes.arrays import FloatArray
@@ -51,7 +51,7 @@ class Curve:
 
     @cached_property
     def _lengths(self) -> FloatArray:
-        return np.array([_length(s) for s in self.segments])
+        return np.array([s.length for s in self.segments])
 
     @cached_property
     def _frames(self) -> FloatArray:
@@ -220,7 +220,7 @@ class Curve:
 
     def pieces(self, ends: FloatArray, name: str) -> tuple[Segment, ...]:
         """One segment between every two neighbours of the arc lengths `ends` [m]; straight across a break."""
-        points = [_point(p) for p in self.point(ends).T]
+        points = [as_point(p) for p in self.point(ends).T]
         slack = 1e-9 * self.length
         first, last = self._locate(ends[:-1] + slack)[0], self._locate(ends[1:] - slack)[0]
         return tuple(
@@ -243,11 +243,7 @@ class Curve:
     @property
     def reversed(self) -> Curve:
         """The same curve run from its end to its start."""
-        return Curve(tuple(Segment(s.end, s.start, s.name, s.centre) for s in reversed(self.segments)))
-
-
-def _point(p: FloatArray) -> Point:
-    return float(p[0]), float(p[1])
+        return Curve(tuple(s.reversed for s in reversed(self.segments)))
 
 
 def _unit(v: FloatArray) -> FloatArray:
@@ -271,7 +267,3 @@ def _first_tangent(s: Segment) -> FloatArray:
 
 def _curvature(s: Segment) -> float:
     return 0.0 if s.centre is None else math.copysign(1.0 / math.dist(s.start, s.centre), s.sweep)
-
-
-def _length(s: Segment) -> float:
-    return math.dist(s.start, s.end) if s.centre is None else abs(s.sweep) * math.dist(s.start, s.centre)

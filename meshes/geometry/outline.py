@@ -77,7 +77,7 @@ class Outline:
         before, after = self.segments[: at[0]], self.segments[at[-1] + 1 :]
         outwards = self.segments[at[0]].start[0] < self.segments[at[-1]].end[0]
         if not outwards:
-            pieces = tuple(Segment(s.end, s.start, s.name, s.centre) for s in reversed(pieces))
+            pieces = tuple(s.reversed for s in reversed(pieces))
         # The very corners of the outline: a rounded-off copy of them would leave it open.
         first = replace(pieces[0], start=self.segments[at[0]].start)
         last = replace(pieces[-1], end=self.segments[at[-1]].end)

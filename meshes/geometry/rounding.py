@@ -11,7 +11,7 @@ import numpy as np
 
 from meshes.errors import GeometryError, mm
 from meshes.geometry.curve import Curve
-from meshes.geometry.segment import Point, Segment
+from meshes.geometry.segment import Point, Segment, as_point
 
 if TYPE_CHECKING:
     from meshes.arrays import FloatArray
@@ -131,7 +131,7 @@ def _crossings(a: Segment, b: Segment, offset: float) -> list[Point]:
         (p, t), (q, u) = _offset_line(a, offset), _offset_line(b, offset)
         cross = t[0] * u[1] - t[1] * u[0]
         along = ((q - p)[0] * u[1] - (q - p)[1] * u[0]) / cross
-        return [_point(p + along * t)]
+        return [as_point(p + along * t)]
     circle, size = np.array(b.centre), _offset_radius(b, offset)
     if size <= 0:
         return []
@@ -139,7 +139,7 @@ def _crossings(a: Segment, b: Segment, offset: float) -> list[Point]:
         p, t = _offset_line(a, offset)
         middle = p + ((circle - p) @ t) * t
         half = size**2 - float((middle - circle) @ (middle - circle))
-        return [] if half < 0 else [_point(middle + s * math.sqrt(half) * t) for s in (-1, 1)]
+        return [] if half < 0 else [as_point(middle + s * math.sqrt(half) * t) for s in (-1, 1)]
     other, other_size = np.array(a.centre), _offset_radius(a, offset)
     apart = float(np.hypot(*(circle - other)))
     if other_size <= 0 or apart == 0:
@@ -148,7 +148,9 @@ def _crossings(a: Segment, b: Segment, offset: float) -> list[Point]:
     along = (apart**2 + other_size**2 - size**2) / (2 * apart)
     half = other_size**2 - along**2
     across = np.array([-axis[1], axis[0]])
-    return [] if half < 0 else [_point(other + along * axis + s * math.sqrt(half) * across) for s in (-1, 1)]
+    return (
+        [] if half < 0 else [as_point(other + along * axis + s * math.sqrt(half) * across) for s in (-1, 1)]
+    )
 
 
 def _offset_line(s: Segment, offset: float) -> tuple[FloatArray, FloatArray]:
@@ -165,10 +167,6 @@ def _foot(s: Segment, p: Point) -> Point:
     """Nearest point of the whole line or circle."""
     if s.centre is None:
         tangent = np.subtract(s.end, s.start) / math.dist(s.start, s.end)
-        return _point(np.array(s.start) + float(np.subtract(p, s.start) @ tangent) * tangent)
+        return as_point(np.array(s.start) + float(np.subtract(p, s.start) @ tangent) * tangent)
     arm = np.subtract(p, s.centre)
-    return _point(np.array(s.centre) + math.dist(s.start, s.centre) / math.hypot(*arm) * arm)
-
-
-def _point(p: FloatArray) -> Point:
-    return float(p[0]), float(p[1])
+    return as_point(np.array(s.centre) + math.dist(s.start, s.centre) / math.hypot(*arm) * arm)

@@ -3,11 +3,20 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+if TYPE_CHECKING:
+    from meshes.arrays import FloatArray
+
 Point = tuple[float, float]
+
+
+def as_point(p: FloatArray) -> Point:
+    """A point out of an array."""
+    return float(p[0]), float(p[1])
 
 
 @dataclass(frozen=True)
@@ -56,15 +65,26 @@ class Segment:
         inside = [way for way in compass if float((a + b) @ way) * radius > float((a + b) @ a)]
         return [self.start, self.end, *((c[0] + radius * r, c[1] + radius * z) for r, z in inside)]
 
+    @property
+    def length(self) -> float:
+        """Arc length [m]."""
+        if self.centre is None:
+            return math.dist(self.start, self.end)
+        return abs(self.sweep) * math.dist(self.start, self.centre)
+
+    @property
+    def reversed(self) -> Segment:
+        """The same piece run from its end to its start."""
+        return replace(self, start=self.end, end=self.start)
+
     def shifted(self, dz: float) -> Segment:
         """The segment moved by dz [m] along the axis."""
 
         def move(p: Point) -> Point:
             return p[0], p[1] + dz
 
-        return Segment(
-            move(self.start), move(self.end), self.name, None if self.centre is None else move(self.centre)
-        )
+        centre = None if self.centre is None else move(self.centre)
+        return Segment(move(self.start), move(self.end), self.name, centre)
 
 
 def arc_pieces(centre: Point, radius: float, start: float, sweep: float) -> list[Segment]:

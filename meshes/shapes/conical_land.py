@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from meshes.errors import GeometryError, mm
 from meshes.geometry.outline import Outline
 from meshes.geometry.rounding import chain
-from meshes.shapes.shape import NamedFace, Partner, Shape, check_angle, check_positive, housing, straight_part
+from meshes.shapes import check
+from meshes.shapes.shape import NamedFace, Partner, Shape, housing, straight_part
 
 
 @dataclass(frozen=True)
@@ -57,10 +58,9 @@ class ConicalLand:
     height: float
 
     def __post_init__(self) -> None:
-        check_angle("seat", "angle", self.angle)
-        check_positive("seat", land_radius=self.land_radius, land_width=self.land_width, height=self.height)
-        if not (math.isfinite(self.edge_radius) and self.edge_radius >= 0):
-            raise GeometryError(f"seat edge_radius = {mm(self.edge_radius)}: must not be negative")
+        check.angle("seat", "angle", self.angle)
+        check.positive("seat", land_radius=self.land_radius, land_width=self.land_width, height=self.height)
+        check.not_negative("seat", "edge_radius", self.edge_radius)
         if not 0 <= self.relief_angle < self.angle:
             raise GeometryError(
                 f"seat relief_angle = {math.degrees(self.relief_angle):.6g} deg: must be at least 0 and below the "
@@ -72,11 +72,8 @@ class ConicalLand:
                 f"seat land_width = {mm(self.land_width)}: the land around r = {mm(self.land_radius)} would reach "
                 f"to the axis; allowed is below {mm(widest)}"
             )
-        if not (math.isfinite(self.outer_radius) and self.outer_radius > self.land_end):
-            raise GeometryError(
-                f"seat outer_radius = {mm(self.outer_radius)}: must exceed the radius of the upper edge of the land, "
-                f"{mm(self.land_end)}"
-            )
+        upper_edge = "the radius of the upper edge of the land,"
+        check.exceeds("seat", "outer_radius", self.outer_radius, self.land_end, upper_edge)
 
     @classmethod
     def around(
@@ -109,7 +106,7 @@ class ConicalLand:
         outer_radius, height : float, optional
             First touch + 1.5 L and 1.5 L unless given [m], with L the radius of the closure.
         """
-        check_angle("seat", "angle", angle)
+        check.angle("seat", "angle", angle)
         partner = Partner.of(closure)
         touch = partner.touch_on_cone(angle)
         radius = touch if land_radius is None else land_radius

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from meshes.errors import GeometryError, mm
 from meshes.geometry.outline import Outline
 from meshes.geometry.rounding import chain
-from meshes.shapes.shape import Partner, Shape, check_angle, housing
+from meshes.shapes import check
+from meshes.shapes.shape import Partner, Shape, housing
 
 
 @dataclass(frozen=True)
@@ -49,7 +50,7 @@ class ConicalSeat:
     height: float
 
     def __post_init__(self) -> None:
-        check_angle("seat", "angle", self.angle)
+        check.angle("seat", "angle", self.angle)
         if not 0 < self.bore_radius < self.face_radius <= self.outer_radius:
             raise GeometryError(
                 "seat radii must increase from the bore over the upper edge of the face to the housing, got "
@@ -84,7 +85,7 @@ class ConicalSeat:
         bore_radius, face_radius, outer_radius, height : float, optional
             As of the class [m].
         """
-        check_angle("seat", "angle", angle)
+        check.angle("seat", "angle", angle)
         partner = Partner.of(closure)
         touch = partner.touch_on_cone(angle)
         face = face_radius or touch + 0.6 * partner.size * math.cos(angle)

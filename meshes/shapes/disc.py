@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 from meshes.errors import GeometryError, mm
 from meshes.geometry.outline import Outline
-from meshes.shapes.shape import NamedFace, check_positive, straight_part
+from meshes.shapes import check
+from meshes.shapes.shape import NamedFace, straight_part
 from meshes.shapes.toroidal_edge import ToroidalEdge
 
 
@@ -44,7 +45,7 @@ class Disc:
     height: float
 
     def __post_init__(self) -> None:
-        check_positive("closure", radius=self.radius, edge_radius=self.edge_radius, height=self.height)
+        check.positive("closure", radius=self.radius, edge_radius=self.edge_radius, height=self.height)
         for key, whole in (("radius", self.radius), ("height", self.height)):
             if not self.edge_radius < whole:
                 raise GeometryError(
@@ -64,7 +65,7 @@ class Disc:
         height : float, optional
             Half the radius unless given [m].
         """
-        check_positive("closure", radius=radius)
+        check.positive("closure", radius=radius)
         thick = 0.5 * radius if height is None else height
         return cls(radius, min(0.05 * radius, 0.25 * thick) if edge_radius is None else edge_radius, thick)
 

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from meshes.errors import GeometryError, mm
 from meshes.geometry.outline import Outline
 from meshes.geometry.rounding import chain
-from meshes.shapes.shape import NamedFace, Partner, Shape, check_positive, housing, straight_part
+from meshes.shapes import check
+from meshes.shapes.shape import NamedFace, Partner, Shape, housing, straight_part
 
 
 @dataclass(frozen=True)
@@ -53,18 +54,14 @@ class FlatLand:
     height: float
 
     def __post_init__(self) -> None:
-        check_positive(
+        check.positive(
             "seat",
             land_inner_radius=self.land_inner_radius,
             edge_radius=self.edge_radius,
             land_height=self.land_height,
             height=self.height,
         )
-        if not (math.isfinite(self.land_outer_radius) and self.land_outer_radius > self.land_inner_radius):
-            raise GeometryError(
-                f"seat land_outer_radius = {mm(self.land_outer_radius)}: must exceed land_inner_radius = "
-                f"{mm(self.land_inner_radius)}"
-            )
+        _check_land(self.land_inner_radius, self.land_outer_radius)
         if not 2 * self.edge_radius < self.land_outer_radius - self.land_inner_radius:
             raise GeometryError(
                 f"seat edge_radius = {mm(self.edge_radius)}: the roundings of both edges leave nothing flat of a "
@@ -106,13 +103,9 @@ class FlatLand:
         outer_radius, height : float, optional
             Middle of the land + 1.5 L and 1.5 L unless given [m], with L the radius of the closure.
         """
-        check_positive("seat", land_inner_radius=land_inner_radius, land_outer_radius=land_outer_radius)
+        check.positive("seat", land_inner_radius=land_inner_radius, land_outer_radius=land_outer_radius)
+        _check_land(land_inner_radius, land_outer_radius)
         width = land_outer_radius - land_inner_radius
-        if not width > 0:
-            raise GeometryError(
-                f"seat land_outer_radius = {mm(land_outer_radius)}: must exceed land_inner_radius = "
-                f"{mm(land_inner_radius)}"
-            )
         partner = Partner.of(closure)
         edge = 0.05 * width if edge_radius is None else edge_radius
         raised = max(0.5 * width, edge) if land_height is None else land_height
@@ -150,3 +143,7 @@ class FlatLand:
     def named_face(self) -> NamedFace:
         """The land between its rounded edges."""
         return straight_part("land", self.outline, 0.0)
+
+
+def _check_land(inner_radius: float, outer_radius: float) -> None:
+    check.exceeds("seat", "land_outer_radius", outer_radius, inner_radius, "land_inner_radius =")

@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from meshes.errors import GeometryError, mm
+from meshes.errors import GeometryError
 from meshes.geometry.outline import Outline
 from meshes.geometry.rounding import chain
-from meshes.shapes.shape import NamedFace, check_angle, check_positive, plunger, straight_part
+from meshes.shapes import check
+from meshes.shapes.shape import NamedFace, plunger, straight_part
 
 
 @dataclass(frozen=True)
@@ -51,15 +52,10 @@ class RoundedCone:
     height: float
 
     def __post_init__(self) -> None:
-        check_angle("closure", "angle", self.angle)
-        check_positive("closure", inner_radius=self.inner_radius, height=self.height)
-        if not (math.isfinite(self.outer_radius) and self.inner_radius < self.outer_radius):
-            raise GeometryError(
-                f"closure outer_radius = {mm(self.outer_radius)}: must exceed inner_radius = "
-                f"{mm(self.inner_radius)}"
-            )
-        if not (math.isfinite(self.edge_radius) and self.edge_radius >= 0):
-            raise GeometryError(f"closure edge_radius = {mm(self.edge_radius)}: must not be negative")
+        check.angle("closure", "angle", self.angle)
+        check.positive("closure", inner_radius=self.inner_radius, height=self.height)
+        check.exceeds("closure", "outer_radius", self.outer_radius, self.inner_radius, "inner_radius =")
+        check.not_negative("closure", "edge_radius", self.edge_radius)
 
     @classmethod
     def of(
@@ -98,7 +94,7 @@ class RoundedCone:
                 outer_radius = 2 * inner_radius
         if inner_radius is None:
             inner_radius = outer_radius / 2 if mean_radius is None else 2 * mean_radius - outer_radius
-        check_angle("closure", "angle", angle)
+        check.angle("closure", "angle", angle)
         face = (outer_radius - inner_radius) / math.cos(angle)
         # the rounding takes edge_radius tan(angle/2) of the nose
         fitting = 0.9 * inner_radius / math.tan(0.5 * angle)

@@ -190,39 +190,6 @@ def _apart(a: Point, b: Point) -> bool:
     return abs(a[0] - b[0]) + abs(a[1] - b[1]) > 1e-12 * (abs(a[0]) + abs(a[1]) + abs(b[0]) + abs(b[1]))
 
 
-def check_positive(body: str, **lengths: float) -> None:
-    """Refuse dimensions that are not positive and finite.
-
-    Parameters
-    ----------
-    body : str
-        "closure" or "seat".
-    **lengths : float
-        By key [m].
-
-    Raises
-    ------
-    GeometryError
-    """
-    for key, value in lengths.items():
-        if not (math.isfinite(value) and value > 0):
-            raise GeometryError(f"{body} {key} = {mm(value)}: must be positive and finite")
-
-
-def check_angle(body: str, key: str, angle: float, low: float = 0.0, high: float = math.pi / 2) -> None:
-    """Refuse an angle [rad] outside the open interval (low, high).
-
-    Raises
-    ------
-    GeometryError
-    """
-    if not low < angle < high:
-        raise GeometryError(
-            f"{body} {key} = {math.degrees(angle):.6g} deg: must lie between {math.degrees(low):.6g} and "
-            f"{math.degrees(high):.6g} deg"
-        )
-
-
 @dataclass(frozen=True)
 class Partner:
     """What a seat needs to know about its closure to find the dimensions that are left open.

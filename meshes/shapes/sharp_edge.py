@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from meshes.errors import GeometryError, mm
 from meshes.geometry.outline import Outline
 from meshes.geometry.rounding import chain
-from meshes.shapes.shape import NamedFace, Partner, Shape, check_angle, check_positive, housing, round_part
+from meshes.shapes import check
+from meshes.shapes.shape import NamedFace, Partner, Shape, housing, round_part
 
 
 @dataclass(frozen=True)
@@ -51,12 +51,9 @@ class SharpEdge:
     height: float
 
     def __post_init__(self) -> None:
-        check_positive("seat", bore_radius=self.bore_radius, edge_radius=self.edge_radius, height=self.height)
-        check_angle("seat", "top_angle", self.top_angle, -math.pi / 2)
-        if not (math.isfinite(self.outer_radius) and self.outer_radius > self.bore_radius):
-            raise GeometryError(
-                f"seat outer_radius = {mm(self.outer_radius)}: must exceed bore_radius = {mm(self.bore_radius)}"
-            )
+        check.positive("seat", bore_radius=self.bore_radius, edge_radius=self.edge_radius, height=self.height)
+        check.angle("seat", "top_angle", self.top_angle, -math.pi / 2)
+        check.exceeds("seat", "outer_radius", self.outer_radius, self.bore_radius, "bore_radius =")
 
     @classmethod
     def around(
@@ -83,7 +80,7 @@ class SharpEdge:
         outer_radius, height : float, optional
             Bore + 1.5 L and 1.5 L unless given [m], with L the radius of the closure.
         """
-        check_positive("seat", bore_radius=bore_radius)
+        check.positive("seat", bore_radius=bore_radius)
         partner = Partner.of(closure)
         outer = partner.housing_radius(bore_radius, bore_radius) if outer_radius is None else outer_radius
         # A top that falls outwards needs a housing below it.

@@ -10,7 +10,8 @@ from meshes.geometry.curve import Curve
 from meshes.geometry.outline import Outline
 from meshes.geometry.rounding import rounded
 from meshes.geometry.segment import Segment
-from meshes.shapes.shape import NamedFace, Partner, Shape, check_angle, check_positive, housing, round_part
+from meshes.shapes import check
+from meshes.shapes.shape import NamedFace, Partner, Shape, housing, round_part
 
 
 @dataclass(frozen=True)
@@ -59,9 +60,8 @@ class SphericalSeat:
     height: float
 
     def __post_init__(self) -> None:
-        check_positive("seat", radius=self.radius, bore_radius=self.bore_radius, height=self.height)
-        if not (math.isfinite(self.edge_radius) and self.edge_radius >= 0):
-            raise GeometryError(f"seat edge_radius = {mm(self.edge_radius)}: must not be negative")
+        check.positive("seat", radius=self.radius, bore_radius=self.bore_radius, height=self.height)
+        check.not_negative("seat", "edge_radius", self.edge_radius)
         widest = self.radius + self.centre_offset
         if not max(self.bore_radius, self.centre_offset) < self.face_radius < widest:
             raise GeometryError(
@@ -74,10 +74,7 @@ class SphericalSeat:
                 f"seat bore_radius = {mm(self.bore_radius)}: must not be below {mm(self.centre_offset)}, where the "
                 "hollow face is lowest"
             )
-        if not (math.isfinite(self.outer_radius) and self.outer_radius > self.face_radius):
-            raise GeometryError(
-                f"seat outer_radius = {mm(self.outer_radius)}: must exceed face_radius = {mm(self.face_radius)}"
-            )
+        check.exceeds("seat", "outer_radius", self.outer_radius, self.face_radius, "face_radius =")
 
     @classmethod
     def around(
@@ -116,12 +113,12 @@ class SphericalSeat:
         GeometryError
             If no seat of this radius touches the closure at `contact_angle`.
         """
-        check_positive("seat", radius=radius)
+        check.positive("seat", radius=radius)
         partner = Partner.of(closure)
         offset, touch = 0.0, 0.7 * min(partner.size, radius)
         bore, face = 0.5 * min(partner.size, radius), 0.9 * min(partner.size, radius)
         if contact_angle is not None:
-            check_angle("seat", "contact_angle", contact_angle)
+            check.angle("seat", "contact_angle", contact_angle)
             # The closure's point of this inclination does not depend on what it stands on.
             touch = partner.touch_on_cone(contact_angle)
             offset = touch - radius * math.sin(contact_angle)

@@ -10,7 +10,8 @@ from meshes.geometry.curve import Curve
 from meshes.geometry.outline import Outline
 from meshes.geometry.rounding import rounded
 from meshes.geometry.segment import Segment
-from meshes.shapes.shape import NamedFace, check_positive, plunger, round_part
+from meshes.shapes import check
+from meshes.shapes.shape import NamedFace, plunger, round_part
 
 
 @dataclass(frozen=True)
@@ -48,14 +49,13 @@ class SphericalTip:
     height: float
 
     def __post_init__(self) -> None:
-        check_positive("closure", radius=self.radius, stem_radius=self.stem_radius, height=self.height)
+        check.positive("closure", radius=self.radius, stem_radius=self.stem_radius, height=self.height)
         if not self.stem_radius < self.radius:
             raise GeometryError(
                 f"closure stem_radius = {mm(self.stem_radius)}: must be below the radius of the tip, "
                 f"{mm(self.radius)}; a full half sphere is a ball"
             )
-        if not (math.isfinite(self.edge_radius) and self.edge_radius >= 0):
-            raise GeometryError(f"closure edge_radius = {mm(self.edge_radius)}: must not be negative")
+        check.not_negative("closure", "edge_radius", self.edge_radius)
 
     @classmethod
     def of(

@@ -9,7 +9,8 @@ from meshes.errors import GeometryError, mm
 from meshes.geometry.curve import Curve
 from meshes.geometry.outline import Outline
 from meshes.geometry.segment import Segment
-from meshes.shapes.shape import NamedFace, check_positive, plunger, round_part
+from meshes.shapes import check
+from meshes.shapes.shape import NamedFace, plunger, round_part
 
 
 @dataclass(frozen=True)
@@ -50,7 +51,7 @@ class ToroidalEdge:
     height: float
 
     def __post_init__(self) -> None:
-        check_positive("closure", centre_radius=self.centre_radius, radius=self.radius, height=self.height)
+        check.positive("closure", centre_radius=self.centre_radius, radius=self.radius, height=self.height)
         if not 0 <= self.recess <= self.deepest_recess(self.centre_radius, self.radius) * (1 + 1e-12):
             raise GeometryError(
                 f"closure recess = {mm(self.recess)}: must lie between 0 and "
@@ -73,7 +74,7 @@ class ToroidalEdge:
         height : float, optional
             The plunger's radius unless given [m].
         """
-        check_positive("closure", centre_radius=centre_radius, radius=radius)
+        check.positive("closure", centre_radius=centre_radius, radius=radius)
         if recess is None:
             recess = min(radius / 2, cls.deepest_recess(centre_radius / 2, radius))
         return cls(centre_radius, radius, recess, centre_radius + radius if height is None else height)

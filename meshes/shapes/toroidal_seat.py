@@ -9,7 +9,8 @@ from meshes.errors import GeometryError, mm
 from meshes.geometry.curve import Curve
 from meshes.geometry.outline import Outline
 from meshes.geometry.segment import Segment
-from meshes.shapes.shape import NamedFace, Partner, Shape, check_positive, housing, round_part
+from meshes.shapes import check
+from meshes.shapes.shape import NamedFace, Partner, Shape, housing, round_part
 
 
 @dataclass(frozen=True)
@@ -56,7 +57,7 @@ class ToroidalSeat:
     height: float
 
     def __post_init__(self) -> None:
-        check_positive(
+        check.positive(
             "seat",
             centre_radius=self.centre_radius,
             radius=self.radius,
@@ -74,11 +75,7 @@ class ToroidalSeat:
                 f"seat recess = {mm(self.recess)}: must be at least 0 and below the radius of the ring, "
                 f"{mm(self.radius)}"
             )
-        if not (math.isfinite(self.outer_radius) and self.outer_radius > self.ring_end):
-            raise GeometryError(
-                f"seat outer_radius = {mm(self.outer_radius)}: must exceed the outer end of the ring, "
-                f"{mm(self.ring_end)}"
-            )
+        check.exceeds("seat", "outer_radius", self.outer_radius, self.ring_end, "the outer end of the ring,")
 
     @classmethod
     def around(
@@ -106,7 +103,7 @@ class ToroidalSeat:
         outer_radius, height : float, optional
             Outer end of the ring + 1.5 L and 1.5 L unless given [m], with L the radius of the closure.
         """
-        check_positive("seat", centre_radius=centre_radius, radius=radius)
+        check.positive("seat", centre_radius=centre_radius, radius=radius)
         partner = Partner.of(closure)
         depth = radius / 2 if recess is None else recess
         end = centre_radius + math.sqrt(max(depth * (2 * radius - depth), 0.0))
