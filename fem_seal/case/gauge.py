@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from fem_seal.case.fields import shown
+from fem_seal.case.words import problem
 from fem_seal.errors import Problem, QuantityError
 from fem_seal.units import NUMBER, exact_quantity
 from leak.standards import STANDARD_PRESSURE
@@ -60,13 +61,7 @@ def as_differences(tables: Mapping[str, Any], fluid: object) -> tuple[dict[str, 
     outlet = fluid.get("outlet_pressure") if isinstance(fluid, Mapping) else None
     if (match := _match(outlet)) and "fluid" in changed:
         if _kind(match) == "g":
-            wrong.append(
-                Problem(
-                    "fluid.outlet_pressure",
-                    'is a gauge pressure, and the pressure on the low side is absolute; write it as "1.01325 bara"',
-                    shown(outlet),
-                )
-            )
+            wrong.append(problem("gauge_outlet", value=shown(outlet)))
         changed["fluid"] = {**changed["fluid"], "outlet_pressure": _bare(match)}
     for table, key in _DIFFERENCES:
         entries = changed.get(table)
@@ -96,19 +91,10 @@ class _Differences:
         plain = _bare(match)
         if _kind(match) == "g":
             if self.outlet is not None and abs(self.outlet / STANDARD_PRESSURE - 1) > _NEAR:
-                self._refuse(
-                    "is a gauge pressure, above that of the atmosphere, but fluid.outlet_pressure is "
-                    f"{self.outlet / 1e5:.6g} bar; give the difference of both sides in bar, or the absolute "
-                    "pressure in bara",
-                    text,
-                )
+                self._refuse("gauge_far_outlet", text)
             return plain
         if not self.is_gas or self.outlet is None:
-            self._refuse(
-                "is an absolute pressure, and no fluid.outlet_pressure is known to subtract; give the "
-                'difference of both sides, such as "20 bar"',
-                text,
-            )
+            self._refuse("absolute_without_outlet", text)
             return plain
         try:
             difference = float(exact_quantity(plain, "pressure")) - self.outlet
@@ -116,16 +102,13 @@ class _Differences:
             # which the reading of the table says
             return plain
         if difference < 0:
-            self._refuse(
-                f"is an absolute pressure below fluid.outlet_pressure, {self.outlet / 1e5:.6g} bar; the fluid "
-                "comes from the side of the higher one",
-                text,
-            )
+            self._refuse("absolute_below_outlet", text)
             return plain
         return f"{difference!r} Pa"
 
-    def _refuse(self, message: str, text: str) -> None:
-        self.wrong.append(Problem(self.key, message, shown(text)))
+    def _refuse(self, name: str, text: str) -> None:
+        outlet = (self.outlet or 0.0) / 1e5
+        self.wrong.append(problem(name, key=self.key, outlet=outlet, value=shown(text)))
 
 
 def _texts(entry: object) -> Iterator[object]:

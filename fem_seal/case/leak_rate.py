@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from fem_seal.case.fields import Quantity
+from fem_seal.case.words import problem
 from fem_seal.errors import Problem, QuantityError
 from fem_seal.units import NUMBER, parse_quantity, short_text
 from leak.standards import (
@@ -142,7 +143,7 @@ def of_this_gas(case: Amounts) -> tuple[dict[str, Any], list[Problem]]:
         elif isinstance(rate, Bubbles) and volume is not None:
             told = Bubbles.of(rate.count, volume)
         elif isinstance(rate, Bubbles):
-            wrong.append(Problem(f"{table}.{key}", _NO_BUBBLE if limited else _NO_BUBBLE_OF_TARGET))
+            wrong.append(problem("no_bubble" if limited else "no_bubble_of_target", key=f"{table}.{key}"))
             continue
         else:
             continue
@@ -150,15 +151,6 @@ def of_this_gas(case: Amounts) -> tuple[dict[str, Any], list[Problem]]:
     return changed, wrong
 
 
-_NO_BUBBLE = (
-    "is counted in bubbles, which have no volume yet; give requirement.bubble_volume, such as "
-    '"0.065 ml" (ISO 5208; API 598 has 0.01 ml, FCI 70-2 0.15 ml), or a volume over time, such as "0.1 ml/min"'
-)
-# [requirement] must name a limit: its volume of a bubble is no remedy for a target alone.
-_NO_BUBBLE_OF_TARGET = (
-    "is counted in bubbles, which have a volume only beside a limit in [requirement]; give a volume over time, "
-    'such as "0.1 ml/min"'
-)
 _RATES = (("load", "target_leak_rate"), ("requirement", "leak_rate"), ("requirement", "rated_capacity"))
 
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from fem_seal.case.tables import CaseTables, curves
+from fem_seal.case.words import load_problem
 from fem_seal.errors import LoadProblem
 from fem_seal.loads import CONSTRAINT, contact_force, expected_force, line_load
 from fem_seal.units import briefly
@@ -14,11 +15,6 @@ from meshes.errors import mm
 # Pressure over effective modulus that the whole face would have to carry in the mean, above which the contact runs over
 # the ends of the faces whatever their shape: even of an edge pressed flat over all of its radius it is less.
 _CRUSHED = 0.25
-
-_AFTER = (
-    "a body that yields depends on its load history, and an earlier load, {}, cannot be calculated: the state that it "
-    "leaves is not known"
-)
 
 
 def refused_loads(case: CaseTables) -> dict[int, LoadProblem]:
@@ -36,7 +32,7 @@ def refused_loads(case: CaseTables) -> dict[int, LoadProblem]:
             _too_large(case, pressure, applied_force), None
         )
         if problem is None and crushed is not None:
-            problem = LoadProblem("load", _AFTER.format(crushed), kind="path")
+            problem = load_problem("after_a_load", "path", load=crushed)
         if problem is not None:
             refused[number] = problem
             if problem.kind == "strain" and crushed is None and curves(case):
@@ -88,22 +84,24 @@ def _open(case: CaseTables, fluid_pressure: float, applied_force: float) -> Load
         # Where the fluid gets to is a result: only what no contact can hold is known before.
         if applied_force > 0 or not lifts:
             return None
-        return LoadProblem(
-            "load.applied_force",
-            f"the fluid lifts the closure at {fluid_pressure / 1e5:.6g} bar and no applied force holds it; give an "
-            f"applied_force above about {briefly('force', needed)}, the fluid force on the circle of first "
-            f"touch, radius {mm(r0)}",
-            f"{applied_force:.6g} N",
+        return load_problem(
+            "lifted",
+            pressure=fluid_pressure / 1e5,
+            needed=briefly("force", needed),
+            radius=mm(r0),
+            applied=applied_force,
         )
     if _force(case, fluid_pressure, applied_force) > 0:
         return None
     how = "lifts the closure with" if lifts else "closes with"
-    return LoadProblem(
-        "load.applied_force",
-        f"the seal is open at a fluid pressure of {fluid_pressure / 1e5:.6g} bar: the fluid {how} "
-        f"{briefly('force', abs(needed))} "
-        f"on the sealed area of radius {mm(r0)}; give an applied_force above {needed:.6g} N",
-        f"{applied_force:.6g} N",
+    return load_problem(
+        "open",
+        pressure=fluid_pressure / 1e5,
+        how=how,
+        force=briefly("force", abs(needed)),
+        radius=mm(r0),
+        needed=needed,
+        applied=applied_force,
     )
 
 
@@ -121,25 +119,13 @@ def _too_large(
     f = line_load(force, contact.touch_radius, contact.angle)
     start, end = contact.reach
     length = end - start
+    said = {"force": briefly("force", force), "length": mm(length), "lower": lower}
     if hardened := [curve.stress[-1] for curve in curves(case)]:
         most = CONSTRAINT * min(hardened) * length
         if f > most:
-            yield LoadProblem(
-                "load",
-                f"a contact force of {briefly('force', force)} is more than the body that yields can carry "
-                "with all of its face, "
-                f"{mm(length)} long: {briefly('force', force * most / f)} at {CONSTRAINT:g} times the last "
-                "stress of its curve "
-                f"(full plasticity). Lower {lower}, or take a harder body",
-                kind="strain",
-            )
+            at_most = briefly("force", force * most / f)
+            yield load_problem("fully_plastic", "strain", **said, most=at_most, constraint=CONSTRAINT)
     most = _CRUSHED * E * length
     if f > most:
-        yield LoadProblem(
-            "load",
-            f"a contact force of {briefly('force', force)}, spread evenly over all of the face, {mm(length)} "
-            "long, is a pressure "
-            f"above {_CRUSHED:g} of the effective modulus: no contact on these faces carries it. The largest that can "
-            f"be calculated is {briefly('force', force * most / f)}. Lower {lower}, or take stiffer materials",
-            kind="strain",
-        )
+        at_most = briefly("force", force * most / f)
+        yield load_problem("crushed", "strain", **said, most=at_most, share=_CRUSHED)

@@ -19,6 +19,7 @@ from fem_seal.case.fields import Entry, Number, Quantity, Table, shown
 from fem_seal.case.finish import HEIGHTS, FinishKeys, FinishTable, Wavenumber, is_finish, read_finish
 from fem_seal.case.input_files import read_spectrum
 from fem_seal.case.messages import problems
+from fem_seal.case.words import wrong
 from fem_seal.errors import InputError
 from fem_seal.files import MOST_BYTES_OF_SCAN, UnreadableFileError, check_file
 from leak.numerics.roots import root_between
@@ -234,21 +235,13 @@ class Roughness(FinishKeys):
             self._two_directions(each)
             return self
         if (self.spectrum is not None) == each:
-            raise ValueError(
-                "needs spectrum, of both surfaces together, or seat and closure, or one of these; not both ways"
-                if each
-                else "needs spectrum, of both surfaces together, or seat, closure or both, or a finish of both faces, "
-                'such as Ra = "0.4 um" with process = "lapped"'
-            )
+            raise wrong("spectrum_twice" if each else "spectrum_missing")
         return self
 
     def _one_finish_of_both(self) -> None:
         others = [key for key in PARTS if getattr(self, key) is not None]
         if others:
-            raise ValueError(
-                f"has {self.height}, the finish of each of both faces, and {' and '.join(others)}; remove one, or give "
-                "[roughness.seat] and [roughness.closure]"
-            )
+            raise wrong("finish_and_spectrum", height=self.height, others=" and ".join(others))
         self._check_finish()
 
     def _no_finish(self) -> None:
@@ -256,25 +249,17 @@ class Roughness(FinishKeys):
             key for key in FinishKeys.model_fields if key not in HEIGHTS and getattr(self, key) is not None
         ]
         if loose or self.kind is not None:
-            raise ValueError(
-                f"{'has ' + loose[0] if loose else 'is a finish'}, which goes with Ra, Rq or Rz; add one of them, such "
-                'as Ra = "0.4 um"'
-            )
+            raise wrong("finish_without_height", what=f"has {loose[0]}" if loose else "is a finish")
 
     def _two_directions(self, each: bool) -> None:
         if self.along is None or self.across is None:
             raise ValueError("needs along and across, both or neither")
         if self.spectrum is not None or each:
-            raise ValueError(
-                "needs along and across, or spectrum, or seat and closure; not several of these ways"
-            )
+            raise wrong("directions_and_spectrum")
         if self.peklenik != 1.0:
             raise ValueError("has peklenik, which along and across determine already; remove it")
         if isinstance(self.along, FinishTable) or isinstance(self.across, FinishTable):
-            raise ValueError(
-                "has a finish along or across the flow; a finish holds right across its lay: give it to seat and "
-                "closure, with lay"
-            )
+            raise wrong("finish_in_directions")
 
     @property
     def parts(self) -> dict[str, AnySpectrum]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fem_seal.errors import Problem
+from fem_seal.errors import LoadProblem, Problem
 from fem_seal.files import own_tables
 
 
@@ -18,3 +18,14 @@ def problem(name: str, /, **values: object) -> Problem:
     """
     words = own_tables("problems.toml")[name]
     return Problem(*(words[part].format(**values) for part in ("key", "text", "value") if part in words))
+
+
+def load_problem(name: str, kind: str = "open", /, **values: object) -> LoadProblem:
+    """Why a load cannot be calculated; see `problem` and `LoadProblem`."""
+    found = problem(name, **values)
+    return LoadProblem(found.key, found.message, found.value, kind)
+
+
+def wrong(name: str, /, **values: object) -> ValueError:
+    """What the validation of a table says of it, in the words of that name."""
+    return ValueError(own_tables("problems.toml")[name]["text"].format(**values))
