@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from pydantic import BeforeValidator, model_validator
 
 from fem_seal.case.fields import Number, Quantity, Table
+from fem_seal.case.words import sentence, wrong
 from fem_seal.files import own_tables
 
 if TYPE_CHECKING:
@@ -76,9 +77,7 @@ def read_finish(text: str) -> dict[str, Any]:
     """
     found = _WRITTEN.match(text) if len(text) <= _LONGEST else None
     if found is None or (found["before"] and found["after"]) or not found["unit"]:
-        raise ValueError(
-            'is no finish; write the process and a value with its unit, such as "lapped Ra 0.2 um"'
-        )
+        raise wrong("no_finish")
     process = (found["before"] or found["after"] or "").strip()
     return {
         "kind": "finish",
@@ -158,10 +157,8 @@ class FinishKeys(Table):
         Ra = found.surface().expected.Ra
         if low / _UNUSUAL <= Ra <= high * _UNUSUAL:
             return ""
-        return (
-            f"Ra {1e6 * Ra:.3g} um is unusual for {found.process.name} surfaces, which have {1e6 * low:.3g} to "
-            f"{1e6 * high:.3g} um; is the process or the unit meant?"
-        )
+        values = {"Ra": 1e6 * Ra, "low": 1e6 * low, "high": 1e6 * high}
+        return sentence("unusual_finish", process=found.process.name, **values)
 
 
 class FinishTable(FinishKeys):

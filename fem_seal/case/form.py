@@ -9,6 +9,7 @@ from pydantic import Field, model_validator
 
 from fem_seal.case.fields import Quantity, Table, Whole, shown
 from fem_seal.case.traces import read_lay, read_trace
+from fem_seal.case.words import sentence, wrong
 from fem_seal.errors import TextTableError
 from fem_seal.form import (
     Direction,
@@ -61,10 +62,7 @@ class MeasuredTrace(Table):
         except TextTableError as error:
             raise ValueError(f"file = {shown(self.file)} {error}") from None
         if trace.most_waves < 2:
-            raise ValueError(
-                f"file = {shown(self.file)} leaves {math.degrees(trace.widest_gap):.3g} deg without a point; two waves "
-                "per turn need points that are less than 90 deg apart"
-            )
+            raise wrong("sparse_trace", file=shown(self.file), gap=math.degrees(trace.widest_gap))
         object.__setattr__(self, "_trace", trace)
         return self
 
@@ -93,17 +91,13 @@ class MeasuredTrace(Table):
         """
         said = []
         if self.told < self.waves:
-            said.append(
-                f"form.{body}.trace: the widest gap between its points, {math.degrees(self.trace.widest_gap):.3g} deg, "
-                f"tells no more than {self.told} waves per turn; waves = {self.waves} was asked for"
-            )
+            gap = math.degrees(self.trace.widest_gap)
+            said.append(sentence("few_waves", body=body, gap=gap, told=self.told, waves=self.waves))
         waves = self.trace.waves(self.told)
         rest, height = self.trace.left_over(waves), math.sqrt(sum(one.amplitude**2 for one in waves[1:]) / 2)
         if rest > height:
-            said.append(
-                f"form.{body}.trace: waves beyond {self.told} per turn and roughness are larger (rms "
-                f"{1e6 * rest:.2g} um) than the waves that are used (rms {1e6 * height:.2g} um)"
-            )
+            heights = {"rest": 1e6 * rest, "height": 1e6 * height}
+            said.append(sentence("short_waves", body=body, told=self.told, **heights))
         return said
 
 
@@ -183,9 +177,7 @@ class BodyForm(Table):
         if self.tolerance is None and "tolerance_waves" in self.model_fields_set:
             raise ValueError("tolerance_waves is only for a tolerance; give tolerance as well, or remove it")
         if self.tolerance_waves[0] > self.tolerance_waves[1]:
-            raise ValueError(
-                f"tolerance_waves = {list(self.tolerance_waves)}: the fewest must come before the most"
-            )
+            raise wrong("tolerance_waves", waves=list(self.tolerance_waves))
         return self
 
     @property
@@ -227,23 +219,14 @@ class Form(Table):
         angle : float
             Of the contact normal to the axis [rad].
         """
-        said = [
-            f'form.{key}: a closure that is free gives way to it; guide = "guided" holds the closure where it stands'
-            for key in ("eccentricity", "tilt")
-            if getattr(self, key) and self.guide == "free"
-        ]
+        rigid = [key for key in ("eccentricity", "tilt") if getattr(self, key) and self.guide == "free"]
+        said = [sentence("free_closure", key=key) for key in rigid]
         for name, part in self.parts.items():
             if self.guide == "free" and any(one.waves == 1 and one.amplitude for one in part.harmonics):
-                said.append(
-                    f"form.{name}.harmonics: a closure that is free gives way to one wave per turn, which changes "
-                    'nothing; guide = "guided" holds the closure'
-                )
+                said.append(sentence("one_wave", body=name))
             if abs(along_normal(part.direction, _normal(angle))) < _ACROSS:
                 other = "axial" if part.direction == "radial" else "radial"
-                said.append(
-                    f'form.{name}.direction = "{part.direction}": the contact normal is at right angles to it and the '
-                    f'deviations change nothing; what changes the gap is a deviation "{other}"'
-                )
+                said.append(sentence("across_normal", body=name, direction=part.direction, other=other))
         return said
 
     def error(self, angle: float, touch_radius: float) -> FormError:

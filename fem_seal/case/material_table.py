@@ -27,6 +27,7 @@ from fem_seal.case.fields import (
 )
 from fem_seal.case.input_files import TensileTest, read_stress_strain
 from fem_seal.case.material_library import LIBRARY, library_name, material, similar_names
+from fem_seal.case.words import wrong
 from fem_seal.errors import InputError
 from fem_seal.materials import (
     ROOM_TEMPERATURE,
@@ -72,10 +73,7 @@ class StressStrain(Table):
         written = self.file is None and strains.count(None) == 1 and self.stress is not None
         from_file = self.file is not None and strains.count(None) == 2 and self.stress is None
         if not (written or from_file):
-            raise ValueError(
-                'needs file = "curve.csv", or plastic_strain = [0, 0.1] (or strain) together with '
-                'stress = ["250 MPa", "350 MPa"]'
-            )
+            raise wrong("curve_source")
         if self.file is not None:
             measured = read_stress_strain(self.file)
             if self.temperature is not None and measured[0].temperature is not None:
@@ -201,10 +199,7 @@ class MaterialEntry:
             except InputError as error:
                 raise ValueError(error.message) from None
         if not isinstance(value, dict):
-            raise ValueError(
-                'is no material; write a name such as "steel", { name = "steel", hardness = "3.5 GPa" }, or '
-                '{ youngs_modulus = "210 GPa", poissons_ratio = 0.3, hardness = "3.5 GPa" }'
-            )
+            raise wrong("no_material")
         inherited = _left_out(value)
         table = read_table({**inherited, **value})
         try:
@@ -226,11 +221,8 @@ class MaterialEntry:
 
 def _check_hardness(hardness: float | None, yield_stress: float | None, inherited: dict[str, Any]) -> None:
     if hardness is not None and yield_stress is not None and hardness < yield_stress:
-        raise ValueError(
-            f"hardness = {hardness / 1e6:g} MPa{_whose('hardness', inherited)} must not be below "
-            f"yield_stress = {yield_stress / 1e6:g} MPa{_whose('yield_stress', inherited)} (Tabor: about "
-            "three times as large)"
-        )
+        whose = [" (of the library)" if key in inherited else "" for key in ("hardness", "yield_stress")]
+        raise wrong("soft", hardness=hardness / 1e6, yield_stress=yield_stress / 1e6, whose=whose)
 
 
 def _over_temperature(
@@ -332,10 +324,7 @@ def _left_out(value: dict[str, Any]) -> dict[str, Any]:
     if not of_library and not {"youngs_modulus", "poissons_ratio"} & value.keys():
         near = similar_names(name)
         hint = " (do you mean " + " or ".join(f'"{one}"' for one in near) + "?)" if near else ""
-        raise ValueError(
-            f'"{name}" is not in the library{hint}: a material of your own needs youngs_modulus = "210 GPa" and '
-            "poissons_ratio = 0.3"
-        )
+        raise wrong("unknown_material", name=name, hint=hint)
     # With a modulus and a Poisson's ratio of its own it is another state of the material, a colder one for example:
     # hardness and yield stress of the library's would not be this one's. That it creeps is in its nature.
     complete = {"youngs_modulus", "poissons_ratio"} <= value.keys()
@@ -345,10 +334,6 @@ def _left_out(value: dict[str, Any]) -> dict[str, Any]:
     # a curve begins with its own yield stress
     passed_over |= {"yield_stress"} if "stress_strain" in value else set()
     return {key: entry for key, entry in of_library.items() if key not in passed_over | value.keys()}
-
-
-def _whose(key: str, inherited: dict[str, Any]) -> str:
-    return " (of the library)" if key in inherited else ""
 
 
 def _origin(value: dict[str, Any]) -> dict[str, Any]:

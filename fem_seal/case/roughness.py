@@ -19,7 +19,7 @@ from fem_seal.case.fields import Entry, Number, Quantity, Table, shown
 from fem_seal.case.finish import HEIGHTS, FinishKeys, FinishTable, Wavenumber, is_finish, read_finish
 from fem_seal.case.input_files import read_spectrum
 from fem_seal.case.messages import problems
-from fem_seal.case.words import wrong
+from fem_seal.case.words import sentence, wrong
 from fem_seal.errors import InputError
 from fem_seal.files import MOST_BYTES_OF_SCAN, UnreadableFileError, check_file
 from leak.numerics.roots import root_between
@@ -344,11 +344,7 @@ class Roughness(FinishKeys):
         if self.along is not None and self.across is not None:
             found = _stretched(self.along.build(), self.across.build())
             if found.misfit > _LARGEST_MISFIT:
-                yield (
-                    f"roughness.along and roughness.across differ by more than a stretch: after the best one, by "
-                    f"{found.peklenik:.3g}, their ratio is still off by a factor {math.exp(found.misfit):.2g} (rms); "
-                    "the isolines of the spectrum are not similar ellipses"
-                )
+                yield sentence("no_stretch", best=found.peklenik, off=math.exp(found.misfit))
 
 
 def _tripp_number(faces: Sequence[tuple[float, float]]) -> float:

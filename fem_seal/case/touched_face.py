@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from fem_seal.case.tables import CaseTables
+from fem_seal.case.words import sentence
 from meshes.errors import mm
 from meshes.shapes.shape import NamedFace, named_face
 
@@ -26,9 +27,6 @@ def touched_beside(case: CaseTables) -> Iterator[str]:
 
 def _sentence(name: str, shape: str, face: NamedFace, radius: float) -> str:
     inside = radius < face.inner
-    where = f"inside its {face.name}, which begins" if inside else f"outside its {face.name}, which ends"
-    return (
-        f'{name}.shape = "{shape}": the bodies touch first at r = {mm(radius)}, {where} at r = '
-        f"{mm(face.inner if inside else face.outer)}; change the radii or the angle of a body so that the "
-        f"{face.name} reaches the contact, or take the shape of the face that is touched there"
-    )
+    end = mm(face.inner if inside else face.outer)
+    words = {"body": name, "shape": shape, "radius": mm(radius), "face": face.name, "end": end}
+    return sentence("touched_inside" if inside else "touched_outside", **words)
