@@ -57,6 +57,7 @@ _TERM = rf"(?:1|[^\W\d_]+{_POWER}|°)"
 _PRODUCT = rf"{_TERM}(?:(?:\s?[*/·]\s?|\s){_TERM})*"
 _UNIT = rf"{_TERM}(?:(?:\s?[*/·]\s?|\s)(?:{_TERM}|\({_PRODUCT}\)))*"
 _QUANTITY = re.compile(rf"({NUMBER})\s*({_UNIT})")
+_TEMPERATURE = re.compile(rf"({NUMBER})\s*(\S+)")
 _LONGEST = 60
 
 
@@ -197,19 +198,10 @@ def short_text(text: str, dimension: str) -> str:
 # a study reads the same texts again for each of its designs
 @lru_cache(maxsize=4096)
 def _parsed(stripped: str, dimension: str) -> float:
-    if dimension == "temperature":
-        return _temperature(stripped)
     try:
         return float(_exact(stripped, dimension))
     except OverflowError:
         raise QuantityError(f"is not a finite number; write {DIMENSIONS[dimension].wanted}") from None
-
-
-def _exact(stripped: str, dimension: str) -> Fraction:
-    match = _QUANTITY.fullmatch(stripped)
-    if match is None:
-        raise QuantityError(f"{_what_is_wrong(stripped)}; write {DIMENSIONS[dimension].wanted}")
-    return Fraction(match[1]) * _factor(match[2], dimension)
 
 
 # Zero of each scale and size of its degree in kelvin.
@@ -222,22 +214,20 @@ _SCALES = {
 }
 
 
-def _temperature(text: str) -> float:
-    """Temperature [K]; scales have a zero of their own, so it is no product of number and unit."""
-    wanted = DIMENSIONS["temperature"].wanted
-    match = re.fullmatch(rf"({NUMBER})\s*(\S+)", text)
-    # "20" alone would be 2 of the unit "0"
-    if match is None or re.fullmatch(NUMBER, text):
-        raise QuantityError(f"{_what_is_wrong(text)}; write {wanted}")
+def _exact(stripped: str, dimension: str) -> Fraction:
+    """Number times unit; of a temperature above the zero of its scale, so that it is no product."""
+    wanted, is_temperature = DIMENSIONS[dimension].wanted, dimension == "temperature"
+    match = (_TEMPERATURE if is_temperature else _QUANTITY).fullmatch(stripped)
+    # "20" alone would be a temperature of 2 of the unit "0"
+    if match is None or (is_temperature and re.fullmatch(NUMBER, stripped)):
+        raise QuantityError(f"{_what_is_wrong(stripped)}; write {wanted}")
+    if not is_temperature:
+        return Fraction(match[1]) * _factor(match[2], dimension)
     if match[2] not in _SCALES:
         raise QuantityError(f'unit "{match[2]}" is no temperature; write {wanted}')
     zero, degree = (Fraction(part) for part in _SCALES[match[2]])
     # degF counts its zero in its own degrees
-    kelvin = (Fraction(match[1]) + zero) * degree
-    try:
-        return float(kelvin)
-    except OverflowError:
-        raise QuantityError(f"is not a finite number; write {wanted}") from None
+    return (Fraction(match[1]) + zero) * degree
 
 
 def _what_is_wrong(text: str) -> str:

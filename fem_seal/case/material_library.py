@@ -60,21 +60,13 @@ def _read() -> tuple[dict[str, Material], dict[str, str]]:
     return {name: _material(name, entry, sources) for name, entry in tables.items()}, aliases
 
 
-# Number of a material -> its key in the file, and the power of ten of its unit there.
+# Number of a material -> its key in the file, the power of ten of its unit there, what it is called among the sources.
 _KEYS = {
-    "youngs_modulus": ("E", 9),
-    "hardness": ("hardness", 9),
-    "yield_stress": ("yield", 6),
-    "thermal_expansion": ("expansion", -6),
-    "thermal_conductivity": ("conductivity", 0),
-}
-# ... and what it is called among the sources.
-_WORDS = {
-    "youngs_modulus": "E",
-    "hardness": "hardness",
-    "yield_stress": "yield strength",
-    "thermal_expansion": "expansion",
-    "thermal_conductivity": "conductivity",
+    "youngs_modulus": ("E", 9, "E"),
+    "hardness": ("hardness", 9, "hardness"),
+    "yield_stress": ("yield", 6, "yield strength"),
+    "thermal_expansion": ("expansion", -6, "expansion"),
+    "thermal_conductivity": ("conductivity", 0, "conductivity"),
 }
 # Up to where a mean expansion from 20 degC on holds unless its entry says [degC].
 _EXPANSION_TO = 100
@@ -82,7 +74,7 @@ _EXPANSION_TO = 100
 
 def _material(name: str, entry: dict[str, Any], sources: dict[str, str]) -> Material:
     tables = tuple(table for key in _KEYS if (table := _over_temperature(key, entry, sources)) is not None)
-    beside = [f"{_WORDS[table.key]}: {table.source}" for table in tables if table.source]
+    beside = [f"{_KEYS[table.key][2]}: {table.source}" for table in tables if table.source]
     source = entry["source"].format(**sources)
     return Material(
         name,
@@ -97,7 +89,7 @@ def _material(name: str, entry: dict[str, Any], sources: dict[str, str]) -> Mate
 
 def _over_temperature(key: str, entry: dict[str, Any], sources: dict[str, str]) -> OverTemperature | None:
     """What the file says of a number: from 20 degC on, where its first value holds; None if nothing."""
-    word, exponent = _KEYS[key]
+    word, exponent, _ = _KEYS[key]
     table = entry.get("over", {}).get(word, {})
     # of the decimal fraction the float beside it: 129.8 * 1e9 is another one
     warm = [float(f"{one}e{exponent}") for one in table.get("value", ())]
