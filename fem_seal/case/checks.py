@@ -366,10 +366,7 @@ def _form(case: CaseTables) -> Iterator[Problem]:
     if curves(case):
         yield problem("form", bodies=_remembering(case))
     if (form.scratches or form.lay) and (missing := _missing(case)):
-        yield Problem(
-            "form.scratches" if form.scratches else "form.lay",
-            f"leak beside the rough contact, and there is no leak rate without [{missing}]; add it",
-        )
+        yield problem("grooves", key="scratches" if form.scratches else "lay", missing=missing)
 
 
 def _requirement(case: CaseTables, required: Requirement) -> Iterator[Problem]:

@@ -14,6 +14,7 @@ from typing import Any
 from pydantic import BaseModel
 
 from fem_seal.case.fields import Quantity, quantities_of, shown
+from fem_seal.case.words import problem
 from fem_seal.errors import Problem, QuantityError
 from fem_seal.units import DIMENSIONS, exact_quantity, parse_quantity
 
@@ -161,14 +162,8 @@ def in_keys(
             continue
         word = words[name]
         if word.key in entries:
-            wrong.append(
-                Problem(
-                    f"{body}.{name}",
-                    f"{word.key} = {shown(entries[word.key])} is given as well, and {name} is {word.meaning}; remove "
-                    "one of them",
-                    shown(value),
-                )
-            )
+            values = {"key": f"{body}.{name}", "word": name, "meaning": word.meaning, "value": shown(value)}
+            wrong.append(problem("said_twice", **values, other=word.key, there=shown(entries[word.key])))
             continue
         try:
             found[word.key] = word.in_key(value)

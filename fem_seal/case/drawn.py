@@ -13,6 +13,7 @@ from typing import Annotated, Any, Literal
 from fem_seal.case.fields import Place, Quantity, Table
 from fem_seal.case.material_table import MaterialField
 from fem_seal.case.shapes import Closure, Held
+from fem_seal.case.words import problem
 from fem_seal.errors import Problem
 from fem_seal.files import MOST_BYTES_OF_DRAWING, UnreadableFileError, check_file
 from leak.extras import needed
@@ -54,11 +55,8 @@ class ProfileSource(Table):
             return
         kind = Path(self.file).suffix.lower()
         if kind not in (*_DRAWINGS, *_MESHES):
-            yield Problem(
-                f"{name}.file",
-                f"must end with {', '.join((*_DRAWINGS, *_MESHES))}",
-                f'"{Path(self.file).name}"',
-            )
+            known = ", ".join((*_DRAWINGS, *_MESHES))
+            yield Problem(f"{name}.file", f"must end with {known}", f'"{Path(self.file).name}"')
         else:
             try:
                 check_file(self.file, MOST_BYTES_OF_DRAWING)
@@ -67,9 +65,7 @@ class ProfileSource(Table):
         if self.layer is not None and kind != ".dxf":
             yield Problem(f"{name}.layer", "only for a .dxf; remove it", f'"{self.layer}"')
         if self.tolerance is not None and kind in _MESHES:
-            yield Problem(
-                f"{name}.tolerance", "a .msh has no curves; remove it", f"{1e9 * self.tolerance:g} nm"
-            )
+            yield problem("tolerance_of_mesh", body=name, value=1e9 * self.tolerance)
         if self.length_unit is not None and kind in (".step", ".stp"):
             yield Problem(f"{name}.length_unit", "a .step says its unit; remove it", f'"{self.length_unit}"')
 

@@ -180,10 +180,7 @@ def problems_with_leak_rates(case: Amounts) -> Iterator[Problem]:
         for kind, said in wrong.items():
             if isinstance(rate, kind):
                 fluid = "a gas" if gas else "a liquid"
-                yield Problem(
-                    f"{table}.{key}",
-                    f'{said}, and the fluid is {fluid}; give a volume over time, such as "0.1 ml/min"',
-                )
+                yield problem("rate_of_fluid", key=f"{table}.{key}", said=said, fluid=fluid)
     required = case.requirement
     if required is None or required.bubble_volume is None:
         return

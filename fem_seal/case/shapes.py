@@ -11,6 +11,7 @@ from pydantic import create_model
 import meshes
 from fem_seal.case.fields import Quantity, Table
 from fem_seal.case.material_table import MaterialField
+from fem_seal.case.words import problem
 from fem_seal.errors import Problem
 from meshes import Shape
 
@@ -74,11 +75,7 @@ class Held(Body):
     def problems(self) -> Iterator[Problem]:
         """A seat can only be pressed into something that holds it."""
         if self.interference and self.wall == "free":
-            yield Problem(
-                "seat.interference",
-                'only with wall = "fixed", but wall = "free"; add wall = "fixed" or remove it',
-                f"{1e6 * self.interference:.6g} um",
-            )
+            yield problem("interference_of_free_wall", value=1e6 * self.interference)
 
     def body(self, closure: Shape) -> Shape:
         """The seat that is meshed, with the dimensions that are left open in proportion to the closure."""
@@ -100,10 +97,7 @@ class _Poppet(Closure):
         known = [key for key in ("outer_radius", "inner_radius", "mean_radius") if getattr(self, key)]
         if not 1 <= len(known) <= 2:
             which = "none is given" if not known else "all three are given"
-            yield Problem(
-                "closure.outer_radius",
-                f"one or two of outer_radius, inner_radius and mean_radius are needed, but {which}",
-            )
+            yield problem("radii_of_cone", which=which)
 
 
 class _Land(Housed):

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from fem_seal.case.words import sentence
 from fem_seal.errors import QuantityError, TextTableError
 from fem_seal.files import (
     Names,
@@ -67,9 +68,7 @@ def read_trace(file: str | Path, unit: str | None = None) -> Trace:
 
     table = _longest_block(_lines(file))
     if len(table.rows) < _FEWEST_ROWS:
-        raise TextTableError(
-            f"has no {_FEWEST_ROWS} rows of numbers one after the other; a trace has the columns angle and deviation"
-        )
+        raise TextTableError(sentence("trace_rows", fewest=_FEWEST_ROWS))
     values = np.array(table.rows)
     if values.shape[1] == 1:
         deviation, at = _one_turn(values[:, 0]), 0
@@ -82,9 +81,7 @@ def read_trace(file: str | Path, unit: str | None = None) -> Trace:
         )
     kept = np.isfinite(angle) & np.isfinite(deviation)
     if kept.sum() < _FEWEST_ROWS:
-        raise TextTableError(
-            f"has no more than {kept.sum()} points with a number; {_FEWEST_ROWS} are needed at least"
-        )
+        raise TextTableError(sentence("trace_points", number=kept.sum(), fewest=_FEWEST_ROWS))
     angle, deviation = angle[kept], deviation[kept] * _length_factor(unit, table.name(at))
     turn = float(np.ptp(angle))
     if turn > 2 * np.pi * 1.001 + 1e-9:
@@ -257,10 +254,7 @@ def _length_factor(given: str | None, name: str) -> float:
     """From the numbers of a column with deviations to metres."""
     unit = given or _unit_in(name, "length")
     if unit is None:
-        raise TextTableError(
-            'does not say the unit of the deviation; write it into the header, such as "angle [deg], deviation [um]", '
-            'or give unit = "um" beside file'
-        )
+        raise TextTableError(sentence("trace_without_unit"))
     try:
         return _in_si(unit, "length")
     except QuantityError as error:
@@ -276,15 +270,11 @@ def _angle_factor(name: str, values: FloatArray) -> float:
         # a turn in degrees has numbers that none in radian has
         unit = "deg"
     if unit is None:
-        raise TextTableError(
-            'does not say the unit of the angle; write it into the header, such as "angle [deg]"'
-        )
+        raise TextTableError(sentence("trace_without_unit_of_angle"))
     try:
         return _in_si(unit, "angle")
     except QuantityError as error:
-        raise TextTableError(
-            f"has an angle whose {error}; a trace has the columns angle and deviation"
-        ) from None
+        raise TextTableError(sentence("trace_angle", error=error)) from None
 
 
 _PROFILE: Names = {
@@ -339,8 +329,6 @@ def read_lay(file: str | Path) -> tuple[float, float]:
     )
     amplitude, share = fitted(float(best.x))
     if share < _LEAST_SHARE:
-        raise TextTableError(
-            f"shows no lay: its strongest wave, of {2e6 * np.pi / best.x:.3g} um, carries {100 * share:.2g} % of the "
-            f"variance; a lay carries more than {100 * _LEAST_SHARE:g} %. Give pitch and depth instead"
-        )
+        shares = {"share": 100 * share, "least": 100 * _LEAST_SHARE}
+        raise TextTableError(sentence("no_lay", length=2e6 * np.pi / best.x, **shares))
     return 2 * np.pi / float(best.x), 2 * amplitude
