@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -75,7 +75,7 @@ class Segment:
     @property
     def reversed(self) -> Segment:
         """The same piece run from its end to its start."""
-        return replace(self, start=self.end, end=self.start)
+        return Segment(self.end, self.start, self.name, self.centre)
 
     def shifted(self, dz: float) -> Segment:
         """The segment moved by dz [m] along the axis."""
