@@ -7,25 +7,19 @@ where p = H the surfaces may overlap, g < 0; the overlap is what yields and is s
 
 from __future__ import annotations
 
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from leak.arrays import FloatArray
+from leak.direct.half_space import PeriodicHalfSpace
 from leak.errors import DirectError
 
 # Pressures that displace the surface by more than so many rms heights are no first guess of a contact.
 _HILLS = 30.0
 # Each is one application of the body to the pressure and one to the direction of descent.
 _MOST_ITERATIONS = 3000
-
-
-class Compliance(Protocol):
-    """What the solver needs to know of the body: a linear, symmetric, positive operator on pressures."""
-
-    def displacement(self, pressure: FloatArray) -> FloatArray:
-        """Normal displacement [m] of a pressure [Pa]."""
 
 
 class ContactState(NamedTuple):
@@ -52,7 +46,7 @@ class ContactState(NamedTuple):
 
 
 def press(
-    body: Compliance,
+    body: PeriodicHalfSpace,
     heights: FloatArray,
     pressure: float,
     *,
@@ -67,7 +61,7 @@ def press(
 
     Parameters
     ----------
-    body : Compliance
+    body : PeriodicHalfSpace
         The half-space under the map, with the E* of both bodies together.
     heights : ndarray, shape (n, n)
         h [m], upwards out of the body; only differences count.
@@ -147,7 +141,7 @@ def _state(p: FloatArray, g: FloatArray, H: float, error: float, iterations: int
     return ContactState(p, gap, overlap, error, iterations)
 
 
-def _first_guess(body: Compliance, h: FloatArray, total: float, H: float) -> FloatArray:
+def _first_guess(body: PeriodicHalfSpace, h: FloatArray, total: float, H: float) -> FloatArray:
     """The same pressure everywhere, or the hardness on the highest points."""
     same = np.full_like(h, total / h.size)
     if not np.isfinite(H):
@@ -189,4 +183,26 @@ def _shifted(y: FloatArray, total: float, H: float) -> FloatArray:
         inside = np.count_nonzero((p > 0.0) & (p < H))
         newton = c - excess / inside if inside else np.nan
         c = newton if low < newton < high else 0.5 * (low + high)
+    return p
+
+
+def checked_heights(heights: ArrayLike, shape: str) -> FloatArray:
+    """Finite numbers, or a `DirectError`; the shape is what the message calls it."""
+    try:
+        h = np.asarray(heights, dtype=float)
+    except (TypeError, ValueError):
+        raise DirectError(f"heights: must be an array of numbers, shape {shape} [m]") from None
+    if not np.isfinite(h).all():
+        raise DirectError("heights: every height must be finite [m]")
+    return h
+
+
+def checked_pressures(name: str, values: ArrayLike) -> FloatArray:
+    """Positive finite pressures of one dimension, a number as one of them, or a `DirectError`."""
+    try:
+        p = np.array(values, dtype=float, ndmin=1)
+    except (TypeError, ValueError):
+        p = np.empty(0)
+    if p.ndim != 1 or p.size == 0 or not (np.isfinite(p) & (p > 0.0)).all():
+        raise DirectError(f"{name} = {values!r}: must be positive finite pressures [Pa]")
     return p

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from leak.arrays import FloatArray
-from leak.direct.contact import ContactState, press
+from leak.direct.contact import ContactState, checked_heights, checked_pressures, press
 from leak.direct.half_space import PeriodicHalfSpace
 from leak.direct.layers import LayeredHalfSpace, squared_norm
 from leak.errors import DirectError, positive
@@ -222,7 +222,7 @@ def press_elastoplastic(
     >>> bool(state.flattened_volume > 0.0 and state.contact_area > 0.1)
     True
     """
-    h, path = _checked_map(body, heights), _checked_path(pressures)
+    h, path = _checked_map(body, heights), checked_pressures("pressures", pressures)
     nu, hard = _checked_number("poissons_ratio", poissons_ratio), _checked_number("hardening", hardening)
     if not 0.0 <= nu < 0.5:
         raise DirectError(f"poissons_ratio = {nu:g}: must be at least 0 and below 0.5 [-]")
@@ -239,7 +239,7 @@ def press_elastoplastic(
         hard * solid.youngs_modulus,
     )
     wanted = positive(DirectError, "tolerance", tolerance, "-")
-    return _along_path(solid, metal, h, path, wanted, start)
+    return _along_path(solid, metal, h, path.tolist(), wanted, start)
 
 
 def _along_path(
@@ -329,25 +329,10 @@ def _state(
 
 
 def _checked_map(body: PeriodicHalfSpace, heights: ArrayLike) -> FloatArray:
-    try:
-        h = np.asarray(heights, dtype=float)
-    except (TypeError, ValueError):
-        raise DirectError("heights: must be an array of numbers, shape (n, m) [m]") from None
+    h = checked_heights(heights, "(n, m)")
     if h.shape != body.shape:
         raise DirectError(f"heights has shape {h.shape}: must be that of the body's grid, {body.shape}")
-    if not np.isfinite(h).all():
-        raise DirectError("heights: every height must be finite [m]")
     return h
-
-
-def _checked_path(pressures: ArrayLike) -> list[float]:
-    try:
-        values = np.atleast_1d(np.asarray(pressures, dtype=float))
-    except (TypeError, ValueError):
-        values = np.empty(0)
-    if values.ndim != 1 or values.size == 0 or not (np.isfinite(values) & (values > 0.0)).all():
-        raise DirectError(f"pressures = {pressures!r}: must be positive finite pressures [Pa]")
-    return [float(p) for p in values]
 
 
 def _checked_number(name: str, value: float) -> float:

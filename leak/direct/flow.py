@@ -67,16 +67,9 @@ def patch_flow(gap: FloatArray) -> Flow:
     diagonal[1:] += along
     diagonal[0] += inlet
     diagonal[-1] += outlet
-    number, cells = _numbered(spans)
-    load = np.zeros(cells)
-    load[number[0][spans[0]]] = inlet[spans[0]]
-    links = (
-        (number[:-1], number[1:], along),
-        (number, np.roll(number, -1, 1), across),
-    )
-    p = np.full(gap.shape, np.nan)
-    p[spans] = _solve(links, diagonal[spans], number[spans], load)[number[spans]]
-    filled = np.where(spans, p, 0.0)
+    load = np.zeros(gap.shape)
+    load[0] = inlet
+    filled = _pressures(spans, along, across, diagonal, load)
     drop_along, drop_across = -np.diff(filled, axis=0), filled - np.roll(filled, -1, 1)
     # The dissipation is the flow of a unit drop, and an error of the pressures enters it squared only.
     Q = float(
@@ -93,7 +86,7 @@ def patch_flow(gap: FloatArray) -> Flow:
         ]
     )
     n, m = gap.shape
-    return Flow(Q * n / m * scale**3, p, float(np.ptp(sections)) / Q)
+    return Flow(Q * n / m * scale**3, np.where(spans, filled, np.nan), float(np.ptp(sections)) / Q)
 
 
 def periodic_flow(gap: FloatArray) -> Flow:
@@ -114,22 +107,13 @@ def periodic_flow(gap: FloatArray) -> Flow:
     diagonal = along + np.roll(along, 1, 0) + across + np.roll(across, 1, 1)
     # Only differences of pressure count: one cell of each cluster is held by a spring of its own conductance.
     diagonal.ravel()[pins] *= 2.0
-    number, cells = _numbered(winds)
-    load = np.zeros(cells)
-    load[number[winds]] = ((along - np.roll(along, 1, 0)) / n)[winds]
-    links = (
-        (number, np.roll(number, -1, 0), along),
-        (number, np.roll(number, -1, 1), across),
-    )
-    p = np.full(gap.shape, np.nan)
     # -div k (1/n + grad p) = 0 with the mean gradient downwards along axis 0
-    p[winds] = -_solve(links, diagonal[winds], number[winds], load)[number[winds]]
-    filled = np.where(winds, p, 0.0)
+    filled = _pressures(winds, along, across, diagonal, (np.roll(along, 1, 0) - along) / n)
     drop_along = 1.0 / n + filled - np.roll(filled, -1, 0)
     drop_across = filled - np.roll(filled, -1, 1)
     Q = float(np.sum(along * drop_along**2) + np.sum(across * drop_across**2))
     sections = np.sum(along * drop_along, axis=1)
-    return Flow(Q * n / m * scale**3, p, float(np.ptp(sections)) / Q)
+    return Flow(Q * n / m * scale**3, np.where(winds, filled, np.nan), float(np.ptp(sections)) / Q)
 
 
 def rarefied_gap(gap: FloatArray, flight: float) -> FloatArray:
@@ -275,45 +259,46 @@ def _share(k: FloatArray, beyond: FloatArray) -> FloatArray:
     return np.divide(beyond, both, out=np.zeros_like(both), where=both > 0.0)
 
 
-def _numbered(cells: BoolArray) -> tuple[IntArray, int]:
-    """Numbers of the cells in the order in which they are eliminated, and how many there are."""
-    rank = _dissection(*cells.shape)[cells]
-    number = np.zeros(cells.shape, dtype=np.int64)
-    place = np.empty(rank.size, dtype=np.int64)
-    place[np.argsort(rank)] = np.arange(rank.size)
-    number[cells] = place
-    return number, rank.size
-
-
-def _solve(
-    links: tuple[tuple[IntArray, IntArray, FloatArray], ...],
-    diagonal: FloatArray,
-    number: IntArray,
-    load: FloatArray,
+def _pressures(
+    cells: BoolArray, along: FloatArray, across: FloatArray, diagonal: FloatArray, load: FloatArray
 ) -> FloatArray:
-    """Pressures, in the order of elimination.
+    """Pressures of the cells that are numbered by nested dissection, zero elsewhere, shape (n, m).
 
     The matrix of resistors has no pivot to choose; scaled to a diagonal of one, conductances of many decades harm
     it little.
+
+    Parameters
+    ----------
+    cells : ndarray of bool
+        Those with a pressure.
+    along, across : ndarray
+        Conductance to the next cell along axis 0, periodic with as many rows as the cells, and along axis 1.
+    diagonal, load : ndarray
+        Sum of the conductances of each cell, and what flows into it from outside.
     """
     from scipy import sparse
     from scipy.sparse.linalg import splu
 
-    scale = np.empty(number.size)
-    scale[number] = 1.0 / np.sqrt(diagonal)
-    rows, columns, values = [number], [number], [np.ones(number.size)]
-    for a, b, k in links:
-        joined = k > 0.0
-        i, j = a[joined], b[joined]
+    order = np.argsort(_dissection(*cells.shape)[cells])
+    inverse = np.argsort(order)
+    number = np.zeros(cells.shape, dtype=np.int64)
+    number[cells] = inverse
+    scale = 1.0 / np.sqrt(diagonal[cells][order])
+    rows, columns, values = [inverse], [inverse], [np.ones(inverse.size)]
+    for axis, k in enumerate((along, across)):
+        joined = np.nonzero(k)
+        i, j = number[joined], np.roll(number, -1, axis)[joined]
         value = -k[joined] * scale[i] * scale[j]
         rows += [i, j]
         columns += [j, i]
         values += [value, value]
     matrix = sparse.csc_array(
-        (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=(number.size,) * 2
+        (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=(inverse.size,) * 2
     )
     factors = splu(matrix, permc_spec="NATURAL", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
-    return factors.solve(load * scale) * scale
+    found = np.zeros(cells.shape)
+    found[cells] = (factors.solve(load[cells][order] * scale) * scale)[inverse]
+    return found
 
 
 @lru_cache(maxsize=4)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leak.arrays import FloatArray
-from leak.direct.contact import ContactState, press
+from leak.direct.contact import ContactState, checked_heights, checked_pressures, press
 from leak.direct.flow import patch_flow, periodic_flow, rarefied_gap
 from leak.direct.half_space import PeriodicHalfSpace
 from leak.errors import DirectError, positive
@@ -185,12 +185,12 @@ def simulate(
     E = positive(DirectError, "effective_modulus", effective_modulus, "Pa")
     H = None if hardness is None else positive(DirectError, "hardness", hardness, "Pa")
     length = None if flight is None else positive(DirectError, "flight", flight, "m")
-    path = _pressures("pressures", pressures)
+    path = checked_pressures("pressures", pressures)
     if H is not None and path.max() >= H:
         raise DirectError(
             f"pressures = {path.max():g} and hardness = {H:g}: a mean pressure must stay below the hardness [Pa]"
         )
-    back = None if unload is None else _pressures("unload", unload)
+    back = None if unload is None else checked_pressures("unload", unload)
     if back is not None and back.max() >= path.max():
         raise DirectError(
             f"unload = {back.max():g}: must lie below the largest pressure, {path.max():g} [Pa]"
@@ -222,22 +222,7 @@ def _branch(pressures: FloatArray, rows: dict[int, PressedPatch]) -> DirectBranc
 def _map(heights: ArrayLike) -> FloatArray:
     if np.ma.is_masked(heights):
         raise DirectError("heights: some are masked; fill them, every height must be finite [m]")
-    try:
-        h = np.asarray(heights, dtype=float)
-    except (TypeError, ValueError):
-        raise DirectError("heights: must be an array of numbers, shape (n, n) [m]") from None
+    h = checked_heights(heights, "(n, n)")
     if h.ndim != 2 or h.shape[0] != h.shape[1] or h.shape[0] < 2:
         raise DirectError(f"heights has shape {h.shape}: must be (n, n), n at least 2")
-    if not np.isfinite(h).all():
-        raise DirectError("heights: every height must be finite [m]")
     return h
-
-
-def _pressures(name: str, values: ArrayLike) -> FloatArray:
-    try:
-        p = np.array(values, dtype=float, ndmin=1)
-    except (TypeError, ValueError):
-        p = np.empty(0)
-    if p.ndim != 1 or p.size == 0 or not (np.isfinite(p) & (p > 0.0)).all():
-        raise DirectError(f"{name} = {values!r}: must be positive finite pressures [Pa]")
-    return p
