@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import lru_cache, reduce
 from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from leak.arrays import FloatArray
-from leak.surfaces.scans import HeightMap, LineScan, Topography
+from leak.surfaces.scans import LineScan, Topography
 
 IntArray = NDArray[np.intp]
 
@@ -92,37 +92,21 @@ class Evidence:
 
 def periodogram(scan: Topography, window: Window) -> Periodogram:
     """Fourier power of a scan without form, windowed; a window of mean square 1 keeps the variance on average."""
-    return _of_line(scan, window) if isinstance(scan, LineScan) else _of_map(scan, window)
-
-
-def _of_line(scan: LineScan, window: Window) -> Periodogram:
-    n = scan.heights.size
-    heights = _windowed(scan.heights, _window(n, window))
-    dq = float(2.0 * np.pi / scan.length)
-    modes = np.arange(1, (n + 1) // 2, dtype=np.float64)
-    power = np.abs(np.fft.rfft(heights)[1 : modes.size + 1]) ** 2 / n**2 / dq
-    q = dq * modes
-    return Periodogram(
-        q, q[:, None], _above_rounding(power, 2.0 * dq), np.full(q.shape, 2.0 * dq), np.array([dq]), window
-    )
-
-
-def _of_map(scan: HeightMap, window: Window) -> Periodogram:
-    nx, ny = scan.heights.shape
-    heights = _windowed(scan.heights, np.multiply.outer(_window(nx, window), _window(ny, window)))
-    dqx, dqy = (2.0 * np.pi / side for side in scan.size)
-    mx, my = np.round(np.fft.fftfreq(nx) * nx), np.arange(ny // 2 + 1)
-    power = np.abs(np.fft.rfft2(heights)) ** 2 / (nx * ny) ** 2 / (dqx * dqy)
+    shape = scan.heights.shape
+    heights = _windowed(scan.heights, reduce(np.multiply.outer, [_window(n, window) for n in shape]))
+    step = 2.0 * np.pi / np.array([scan.length] if isinstance(scan, LineScan) else scan.size)
+    cell = 2.0 * float(np.prod(step))
+    power = np.abs(np.fft.rfftn(heights)) ** 2 / heights.size**2 / np.prod(step)
+    numbers = [np.round(np.fft.fftfreq(n) * n) for n in shape[:-1]] + [np.arange(shape[-1] // 2 + 1.0)]
+    modes = np.stack(np.meshgrid(*numbers, indexing="ij"), axis=-1)
     # of each pair of opposite modes one; those at the Nyquist wavenumber, which have no sign, are left out
-    half = (my > 0) | ((my == 0) & (mx[:, None] > 0))
-    half &= (2 * np.abs(mx[:, None]) < nx) & (2 * my < ny)
-    qx, qy = (grid[half] for grid in np.meshgrid(dqx * mx, dqy * my, indexing="ij"))
-    q = np.hypot(qx, qy)
+    half = (modes[..., -1] > 0) | ((modes[..., -1] == 0) & (modes[..., 0] > 0))
+    half &= (2 * np.abs(modes) < shape).all(axis=-1)
+    vector = step * modes[half]
+    q = np.hypot.reduce(vector, axis=1)
     order = np.argsort(q, kind="stable")
-    cell = np.full(q.shape, 2.0 * dqx * dqy)
-    vector = np.stack([qx, qy], axis=1)[order]
-    power = _above_rounding(power[half], 2.0 * dqx * dqy)
-    return Periodogram(q[order], vector, power[order], cell, np.array([dqx, dqy]), window)
+    power = _above_rounding(power[half], cell)[order]
+    return Periodogram(q[order], vector[order], power, np.full(q.shape, cell), step, window)
 
 
 def _window(n: int, window: Window) -> FloatArray:
