@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import re
+import tomllib
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
+from importlib.resources import files
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -142,29 +144,9 @@ def _tip_radius(info: Any) -> float | None:
     return radius if 0.0 < radius < 1.0 else None
 
 
-LENGTH_UNITS = {
-    "m": 1.0,
-    "cm": 1e-2,
-    "mm": 1e-3,
-    "um": 1e-6,
-    "µm": 1e-6,  # micro sign
-    "μm": 1e-6,  # Greek letter
-    "micron": 1e-6,
-    "microns": 1e-6,
-    "micrometer": 1e-6,
-    "micrometre": 1e-6,
-    "nm": 1e-9,
-    "nanometer": 1e-9,
-    "pm": 1e-12,
-    "å": 1e-10,
-    "angstrom": 1e-10,
-    "in": 0.0254,
-    "inch": 0.0254,
-    "uin": 0.0254e-6,
-    "µin": 0.0254e-6,
-    "millimeter": 1e-3,
-    "meter": 1.0,
-}
+LENGTH_UNITS: dict[str, float] = tomllib.loads(
+    files("leak.surfaces").joinpath("length_units.toml").read_text(encoding="utf-8")
+)
 
 
 _UNIT = "|".join(sorted(map(re.escape, LENGTH_UNITS), key=len, reverse=True))

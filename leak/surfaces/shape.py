@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
+from importlib.resources import files
 
 import numpy as np
 
@@ -94,16 +97,11 @@ def remarks_on_shape(
     """What speaks against using the spectrum of these scans as if the surface were Gaussian and isotropic."""
     remarks = [f"{scan.name}: {remark}" if scan.name else remark for scan in scans for remark in scan.remarks]
     if abs(skewness) > _SKEWED or not _FLAT_TOPPED <= kurtosis <= _PEAKED:
-        remarks.append(
-            f"far from Gaussian: skewness {skewness:.2g}, kurtosis {kurtosis:.2g} (Gaussian: 0 and 3). The theory is "
-            "for Gaussian surfaces; valleys or scratches that carry the leakage may be missed"
-        )
+        remarks.append(_remark("not_gaussian", skewness=skewness, kurtosis=kurtosis))
     remarks += _on_outliers(scans, settings, outliers)
     form = max(_parabola_share(scan) for scan in scans)
     if settings.detrend != "curvature" and form > _FORM:
-        remarks.append(
-            f'a parabola carries {form:.0%} of the variance: this is form, not roughness; use detrend = "curvature"'
-        )
+        remarks.append(_remark("form", share=form))
     for scan, one in zip(scans, modes, strict=True):
         shares = one.shares / one.shares.sum()
         # a window spreads one wave over neighbouring modes
@@ -113,16 +111,12 @@ def remarks_on_shape(
         together = np.where(one.wavenumber >= _PERIODS * one.step.min(), together, 0.0)
         strongest = int(np.argmax(together))
         if together[strongest] > _ONE_WAVE:
+            length = um(2 * np.pi / one.wavenumber[strongest])
             remarks.append(
-                f"{scan.name or 'scan'}: one wave of {um(2 * np.pi / one.wavenumber[strongest])} carries "
-                f"{together[strongest]:.0%} of the variance: a turned or ground lay, not an isotropic surface"
+                _remark("one_wave", scan=scan.name or "scan", length=length, share=together[strongest])
             )
     if lay is not None and lay.ratio > max(_LAY, lay.chance):
-        remarks.append(
-            f"anisotropic: correlation length along the lay {lay.ratio:.2g} times the one across it; the spectrum is "
-            f"the angular average. The key peklenik of [roughness] tells the lay: {1.0 / lay.ratio:.2g} where the "
-            f"fluid flows across it (turned or ground around the seat), {lay.ratio:.2g} where it flows along it"
-        )
+        remarks.append(_remark("lay", ratio=lay.ratio, across=1.0 / lay.ratio))
     return tuple(remarks)
 
 
@@ -132,17 +126,11 @@ def _on_outliers(
     for scan, found in zip(scans, outliers, strict=True):
         if not found.count:
             continue
-        those = (
-            f"{scan.name or 'scan'}: {found.count} outlier{'s' * (found.count != 1)}, up to {_length(found.height)} "
-            f"from what surrounds them, {found.pits} of them pits"
+        several, height = "s" * (found.count != 1), _length(found.height)
+        those = _remark(
+            "outliers", scan=scan.name or "scan", count=found.count, s=several, height=height, pits=found.pits
         )
-        if settings.outliers == "remove":
-            yield f"{those}, are replaced by what surrounds them"
-        else:
-            yield (
-                f"{those}: spikes of the instrument, dust, or real? They count as roughness and raise the leak rate of "
-                'elastic asperities; outliers = "remove" replaces them'
-            )
+        yield _remark("removed" if settings.outliers == "remove" else "kept", outliers=those)
 
 
 def remarks_on_range(
@@ -158,33 +146,41 @@ def remarks_on_range(
     if high > _TOO_SHORT * low:
         length, total = max(scan.length for scan in scans), sum(scan.length for scan in scans)
         if rolloff.wavenumber is None:
-            holds, wanted = "shows no roll-off", "longer scans, until they show one"
+            holds, wanted = _remark("no_rolloff"), _remark("longer")
         else:
             wave = 2.0 * np.pi / rolloff.wavenumber
-            holds = f"holds about {total / wave:.2g} waves of {_length(wave)}, the wavelength of the roll-off"
-            wanted = f"{_length(_ENOUGH * wave)} or more, or at several places"
+            holds = _remark("few_waves", waves=total / wave, wave=_length(wave))
+            wanted = _remark("more_waves", length=_length(_ENOUGH * wave))
         remarks.append(
-            f"too short for its roll-off: the scan, {_length(length)} long, {holds}. The rms height of the "
-            f"surface may be {low:.2g} to {high:.2g} times that of the scan ({CONFIDENCE:.0%}), and the "
-            "leak rate goes with its cube or faster; [uncertainty] carries this into the interval of the leak rate. "
-            f"Measure {wanted}"
+            _remark(
+                "too_short",
+                length=_length(length),
+                holds=holds,
+                low=low,
+                high=high,
+                confidence=CONFIDENCE,
+                wanted=wanted,
+            )
         )
     if settings.extrapolation == "cut" and finest.limit in ("tip radius", "shortest wavelength"):
         sampled = max(np.pi / scan.resolution for scan in scans)
         end = sampled if sampled > 1.5 * finest.q_high else 4.0 * finest.q_high
         fitted = rolloff.hurst
         hurst = fitted if fitted is not None and 0.0 < fitted <= 1.0 else 0.8
-        remarks.append(
-            f"the spectrum ends at a wavelength of {_length(2 * np.pi / finest.q_high)} ({finest.limit}), but the "
-            "surface has shorter waves; without them the leak rate of elastic asperities is too low, which is the "
-            f'unsafe side. extrapolation = "self-affine" with hurst = {hurst:.2g} and q_high = "{end:.2g} 1/m" '
-            "continues it"
-        )
+        shortest = _length(2 * np.pi / finest.q_high)
+        remarks.append(_remark("too_coarse", wave=shortest, limit=finest.limit, hurst=hurst, end=end))
     if height_above > _CUT:
-        remarks.append(
-            f"{height_above:.1%} of the variance lies in waves shorter than the reliable range and is cut"
-        )
+        remarks.append(_remark("cut", share=height_above))
     return tuple(remarks)
+
+
+def _remark(name: str, **values: float | str) -> str:
+    return _remarks()[name].format(**values)
+
+
+@lru_cache(maxsize=1)
+def _remarks() -> dict[str, str]:
+    return tomllib.loads(files("leak.surfaces").joinpath("remarks.toml").read_text(encoding="utf-8"))
 
 
 def _length(value: float) -> str:
