@@ -60,12 +60,12 @@ from .flow.short_medium import short_medium as short_medium
 from .flow.short_medium import short_threshold as short_threshold
 from .fluids.contamination import Concentration as Concentration
 from .fluids.contamination import ParticleCounts as ParticleCounts
-from .fluids.find import gas as gas
-from .fluids.find import is_gas as is_gas
-from .fluids.find import is_liquid as is_liquid
-from .fluids.find import liquid as liquid
 from .fluids.library import FLUIDS as FLUIDS
 from .fluids.library import GASES as GASES
+from .fluids.library import gas as gas
+from .fluids.library import is_gas as is_gas
+from .fluids.library import is_liquid as is_liquid
+from .fluids.library import liquid as liquid
 from .fluids.pressure_law import Barus as Barus
 from .fluids.pressure_law import FlowPotential as FlowPotential
 from .fluids.pressure_law import PressureLaw as PressureLaw

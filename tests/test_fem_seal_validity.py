@@ -12,7 +12,7 @@ from sample_results import case, rough_result, single_result, smooth_result
 
 import leak
 from fem_seal.validity import checks as warnings
-from leak.fluids.names import molecular_size
+from leak.fluids.library import molecular_size
 
 PAPER = SURFACE.spectrum
 

@@ -9,9 +9,16 @@ from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
 from fem_seal.case.material_library import ALIASES, LIBRARY
-from leak.fluids.find import gas, is_gas, is_liquid, liquid
-from leak.fluids.library import GAS_ENTRIES, LIQUID_ENTRIES
-from leak.fluids.names import ROOM_TEMPERATURE, known_name
+from leak.fluids.library import (
+    GAS_ENTRIES,
+    LIQUID_ENTRIES,
+    ROOM_TEMPERATURE,
+    gas,
+    is_gas,
+    is_liquid,
+    known_name,
+    liquid,
+)
 
 if TYPE_CHECKING:
     from fem_seal.materials import Material

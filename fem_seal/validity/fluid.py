@@ -60,7 +60,7 @@ def molecule_cautions(flow: Flow, loads: Sequence[LoadResult]) -> Iterator[Cauti
     flow : Flow
     loads : sequence of LoadResult
     """
-    from leak.fluids.names import molecular_size
+    from leak.fluids.library import molecular_size
 
     size = molecular_size(flow.fluid)
     narrow = [load for load in loads if load.critical_separation and load.critical_separation < size]
@@ -152,7 +152,7 @@ def _beyond_table(gas: Gas, real: RealGas, highest: float) -> Iterator[Caution]:
 def _not_ideal(flow: Flow, gas: Gas, highest: float) -> Iterator[Caution]:
     from leak import real_gas_flow_ratio
     from leak.fluids.dense_gas import estimated_real_gas
-    from leak.fluids.names import coolprop_name
+    from leak.fluids.library import coolprop_name
 
     real, other = estimated_real_gas(gas, highest), coolprop_name(gas.name)
     said, ratio = "", 1.0
@@ -302,7 +302,7 @@ def _inertia_of(flow: Flow, load: LoadResult) -> tuple[GasInertia, float] | None
 
     from fem_seal.seal.leak_model import as_first_loaded
     from leak import gas_inertia
-    from leak.fluids.heat_capacity import heat_capacity_ratio
+    from leak.fluids.library import heat_capacity_ratio
 
     found, table = _where_most_leaks(load), None if load.rough is None else load.rough.table
     if found is None or table is None:

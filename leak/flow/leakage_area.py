@@ -48,7 +48,7 @@ def leakage_area_of_gas(
     gas : Gas
         At the temperature before the nozzle.
     heat_capacity_ratio : float
-        k, see `leak.fluids.heat_capacity.heat_capacity_ratio`.
+        k, see `leak.fluids.library.heat_capacity_ratio`.
 
     References
     ----------

@@ -15,7 +15,7 @@ from typing import Protocol, cast, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leak.arrays import FloatArray
+from leak.arrays import FloatArray, as_arrays
 from leak.errors import ProfileError, positive
 from leak.flow.conductivity import GasConductivity, log_rarefied_flow
 from leak.flow.contact_profile import SMALLEST_LOG_PRESSURE, checked_side
@@ -23,7 +23,7 @@ from leak.flow.groove_section import GrooveSection
 from leak.flow.leak_result import GasLeakResult, LeakResult
 from leak.flow.rarefied import log_flow_factor
 from leak.flow.rough_contact import RoughContact, gas_conductivity_table
-from leak.fluids.pressure_law import FlowPotential, PressureLaw, flow_potential
+from leak.fluids.pressure_law import FlowPotential, PressureLaw
 from leak.fluids.properties import Gas
 from leak.fluids.real_gas import GasPotential
 from leak.numerics.curves import MonotoneCurve, spline_slopes
@@ -97,7 +97,7 @@ class LiquidPermeant:
         drop = positive(ProfileError, "pressure_drop", pressure_drop, "Pa")
         eta = positive(ProfileError, "viscosity", viscosity, "Pa s")
         sigma = None if conductivity is None else by_log_pressure(conductivity)
-        return cls(drop, sigma, flow_potential(law, drop), eta, density)
+        return cls(drop, sigma, FlowPotential(law, drop), eta, density)
 
     def sigma(self, log_pressure: FloatArray) -> FloatArray:
         """Of the rough contact in the continuum, at ln(p/Pa) of first loading [m^3/(Pa s)]."""
@@ -284,18 +284,14 @@ def by_log_pressure(conductivity: SigmaOfPressure | LogConductivity) -> Function
 
 def through_values(p: FloatArray, conductivity: ArrayLike) -> SigmaOfPressure:
     """sigma_eff(p) through its values at the points: sigma^(1/3), nearly straight over ln p, is interpolated."""
-    try:
-        values = np.asarray(conductivity, dtype=float)
-    except (TypeError, ValueError) as error:
-        raise ProfileError(f"conductivity must be a function of p or numbers: {error}") from None
+    (values,) = as_arrays(ProfileError, "conductivity must be a function of p or numbers", conductivity)
     if values.shape != p.shape:
         raise ProfileError(
             f"conductivity has shape {values.shape}: must be a function of p, or {p.shape} like p [m^3/(Pa s)]"
         )
-    if np.any(np.isnan(values) | (values < 0.0)):
-        raise ProfileError(
-            f"conductivity = {values[np.isnan(values) | (values < 0.0)][0]}: must not be negative"
-        )
+    wrong = ~(values >= 0.0)
+    if wrong.any():
+        raise ProfileError(f"conductivity = {values[wrong][0]}: must not be negative")
     there = (p > np.exp(SMALLEST_LOG_PRESSURE)) & np.isfinite(values)
     # Both flanks pass the same pressures, up to round-off.
     log_p, order = np.unique(np.round(np.log(p[there]), 9), return_index=True)

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from leak.arrays import FloatArray
 from leak.errors import FluidError, positive
 from leak.extras import needed
 from leak.fluids.pressure_law import PressureTable
@@ -52,20 +53,12 @@ def _pressure_law(fluid: str, T: float, pressure: float) -> PressureTable | None
     package = _package(fluid)
     first = [package.PropsSI(key, "T", T, "P", pressure, fluid) for key in ("V", "D")]
     most = min(float(package.PropsSI("PMAX", fluid)), _HIGHEST) - pressure
-    found = [(0.0, 1.0, 1.0)]
-    for p in np.linspace(0.0, most, _PRESSURES)[1:].tolist():
-        try:
-            values = [package.PropsSI(key, "T", T, "P", pressure + p, fluid) for key in ("V", "D")]
-        except ValueError:
-            break
-        ratios = [value / one for value, one in zip(values, first, strict=True)]
-        if not all(0.0 < ratio < np.inf for ratio in ratios):
-            break
-        found.append((p, *ratios))
-    if len(found) < _FEWEST:
+    p = np.linspace(0.0, most, _PRESSURES)
+    known = _known(package, fluid, T, pressure + p[1:])
+    if len(known) + 1 < _FEWEST:
         return None
-    p, eta, rho = (tuple(column) for column in zip(*found, strict=True))
-    return PressureTable(p, eta, rho)
+    eta, rho = ((1.0, *(known[:, n] / one).tolist()) for n, one in enumerate(first))
+    return PressureTable(tuple(p[: len(eta)].tolist()), eta, rho)
 
 
 def coolprop_gas(name: str, temperature: float) -> Gas:
@@ -104,20 +97,31 @@ def _real_gas(fluid: str, T: float) -> RealGas | None:
     except ValueError:
         return None
     most = min(most, _HIGHEST_OF_GAS, float(package.PropsSI("PMAX", fluid)))
-    found = [(0.0, 1.0, 1.0)]
     # closer together where the gas is dilute
-    for p in (most * np.linspace(0.0, 1.0, _PRESSURES_OF_GAS)[1:] ** 2).tolist():
+    p = most * np.linspace(0.0, 1.0, _PRESSURES_OF_GAS) ** 2
+    known = _known(package, fluid, T, p[1:])
+    count = len(known) + 1
+    if count < _FEWEST:
+        return None
+    Z, ratios = (
+        (1.0, *(p[1:count] / (known[:, 1] * R_s * T)).tolist()),
+        (1.0, *(known[:, 0] / dilute).tolist()),
+    )
+    return RealGas(tuple(p[:count].tolist()), Z, ratios, condenses and count == _PRESSURES_OF_GAS)
+
+
+def _known(package: Any, fluid: str, T: float, pressures: FloatArray) -> FloatArray:
+    """Viscosity and density up to the first pressure [Pa] at which the package has none, shape (n, 2)."""
+    found = []
+    for p in pressures.tolist():
         try:
-            rho, eta = (package.PropsSI(key, "T", T, "P", p, fluid) for key in ("D", "V"))
+            values = [package.PropsSI(key, "T", T, "P", p, fluid) for key in ("V", "D")]
         except ValueError:
             break
-        if not (0.0 < rho < np.inf and 0.0 < eta < np.inf):
+        if not all(0.0 < value < np.inf for value in values):
             break
-        found.append((p, p / (rho * R_s * T), eta / dilute))
-    if len(found) < _FEWEST:
-        return None
-    pressures, Z, ratios = (tuple(column) for column in zip(*found, strict=True))
-    return RealGas(pressures, Z, ratios, condenses and len(found) == _PRESSURES_OF_GAS)
+        found.append(values)
+    return np.array(found).reshape(-1, 2)
 
 
 def coolprop_heat_capacity(name: str) -> float:

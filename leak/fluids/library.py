@@ -1,17 +1,49 @@
-"""Liquids and gases with sourced properties at the temperature of use."""
+"""Liquids and gases by their name, with sourced properties at the temperature of use, and more about them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
+from difflib import get_close_matches
+from importlib.util import find_spec
 from types import MappingProxyType
 
 import numpy as np
 
-from leak.fluids.names import ROOM_TEMPERATURE, checked_temperature
+from leak.errors import FluidError, positive
+from leak.extras import command
 from leak.fluids.pressure_law import Barus, PressureLaw, Roelands, Tait
-from leak.fluids.properties import Gas, Liquid
+from leak.fluids.properties import GAS_CONSTANT, Gas, Liquid
 from leak.fluids.water import water_law
+
+ROOM_TEMPERATURE = 293.15
+"""20 degC [K]."""
+
+
+def known_name(name: str, library: Collection[str], synonyms: Mapping[str, str]) -> str:
+    """Entry of `library` that is meant, whatever its capitals; FluidError with the nearest names if there is none."""
+    key = str(name).strip().lower()
+    by_key = {known.lower(): known for known in library} | dict(synonyms)
+    if key in by_key:
+        return by_key[key]
+    close = get_close_matches(key, list(by_key), n=2)
+    hint = f" - did you mean {' or '.join(close)}?" if close else ""
+    raise FluidError(f"fluid = {name!r}: must be one of {', '.join(library)}{hint}")
+
+
+def checked_temperature(name: str, temperature: float, low: float, high: float) -> float:
+    """`temperature` as a float, or FluidError outside the range [K] in which the correlation of a fluid holds."""
+    T = positive(FluidError, "temperature", temperature, "K")
+    # A round number of degrees must not fail by the last bit of its kelvins.
+    if not low - 1e-6 <= T <= high + 1e-6:
+        raise FluidError(
+            f"temperature = {T:.6g} K ({T - 273.15:.6g} degC): the properties of {name} are known from {low:g} to "
+            f"{high:g} K ({low - 273.15:.4g} to {high - 273.15:.4g} degC){_elsewhere(name)}"
+        )
+    return T
+
+
+# -------------------------------------------------------------------- liquids
 
 
 @dataclass(frozen=True)
@@ -368,3 +400,236 @@ GAS_ENTRIES = (
 
 GASES = MappingProxyType({entry.name: entry.at(ROOM_TEMPERATURE) for entry in GAS_ENTRIES})
 """The library at 20 degC: name -> Gas, read-only."""
+
+
+# -------------------------------------------------------------------- by name
+
+_LIQUIDS = {entry.name: entry for entry in LIQUID_ENTRIES}
+_SYNONYMS = {
+    "iso vg 32": "hydraulic oil ISO VG 32",
+    "iso vg 46": "hydraulic oil ISO VG 46",
+    "jet a-1": "kerosene",
+    "glycol/water": "glycol/water 50/50",
+}
+
+
+def liquid(name: str, temperature: float = ROOM_TEMPERATURE) -> Liquid:
+    """Liquid of that name from the library `FLUIDS`, at a temperature and atmospheric pressure.
+
+    Parameters
+    ----------
+    name : str
+        A name of `FLUIDS`; "CoolProp:..." takes a fluid of the optional package CoolProp.
+    temperature : float
+        [K]; 20 degC unless given.
+
+    Raises
+    ------
+    FluidError
+        No such name (the message names the nearest ones), or a temperature outside the range of its correlation.
+
+    Examples
+    --------
+    >>> f"{liquid('water').viscosity * 1e3:.4f} mPa s"
+    '1.0016 mPa s'
+    """
+    if str(name).startswith("CoolProp:"):
+        from leak.fluids.coolprop import coolprop_liquid
+
+        return coolprop_liquid(str(name), temperature)
+    return _LIQUIDS[known_name(name, _LIQUIDS, _SYNONYMS)].at(temperature)
+
+
+def is_liquid(name: str) -> bool:
+    """Whether `liquid` has an entry of that name.
+
+    Examples
+    --------
+    >>> import leak
+    >>> leak.is_liquid("water"), leak.is_liquid("helium")
+    (True, False)
+    """
+    key = str(name).strip().lower()
+    return key in _SYNONYMS or any(key == known.lower() for known in _LIQUIDS)
+
+
+_GASES = {entry.name: entry for entry in GAS_ENTRIES}
+_SHORT = {
+    "he": "helium",
+    "h2": "hydrogen",
+    "n2": "nitrogen",
+    "o2": "oxygen",
+    "ar": "argon",
+    "ch4": "methane",
+    "co2": "carbon dioxide",
+}
+
+
+def gas(name: str, temperature: float = ROOM_TEMPERATURE) -> Gas:
+    """Gas of that name from the library `GASES`, at a temperature.
+
+    Parameters
+    ----------
+    name : str
+        A name of `GASES` or its formula ("He"); "CoolProp:..." takes a fluid of the optional package CoolProp.
+    temperature : float
+        [K]; 20 degC unless given.
+
+    Raises
+    ------
+    FluidError
+        No such name, or a temperature outside the range of its correlation.
+
+    Examples
+    --------
+    >>> f"{gas('nitrogen', temperature=300.0).viscosity * 1e6:.2f} uPa s"
+    '17.88 uPa s'
+    """
+    if str(name).startswith("CoolProp:"):
+        from leak.fluids.coolprop import coolprop_gas
+
+        return coolprop_gas(str(name), temperature)
+    return _GASES[known_name(name, _GASES, _SHORT)].at(temperature)
+
+
+def is_gas(name: str) -> bool:
+    """Whether `gas` has an entry of that name.
+
+    Examples
+    --------
+    >>> import leak
+    >>> leak.is_gas("helium"), leak.is_gas("water")
+    (True, False)
+    """
+    key = str(name).strip().lower()
+    return key in _GASES or key in _SHORT
+
+
+# -------------------------------------------------------------------- what else is known
+
+_MONATOMIC = 2.5 * GAS_CONSTANT
+_NITROGEN, _OXYGEN = 29.124, 29.376
+
+HEAT_CAPACITIES = MappingProxyType(
+    {
+        "helium": _MONATOMIC,
+        "argon": _MONATOMIC,
+        "hydrogen": 28.836,
+        "nitrogen": _NITROGEN,
+        "oxygen": _OXYGEN,
+        # dry air by volume
+        "air": 0.78084 * _NITROGEN + 0.20946 * _OXYGEN + 0.0097 * _MONATOMIC,
+        "methane": 35.639,
+        "carbon dioxide": 37.129,
+    }
+)
+"""Name of a gas -> molar heat capacity at constant pressure of the ideal gas at 25 degC [J/(mol K)], read-only.
+
+NIST-JANAF Thermochemical Tables, 4th ed. (1998).
+"""
+
+
+def heat_capacity_ratio(name: str) -> float | None:
+    """Kappa = c_p/(c_p - R) of a gas of the library at 25 degC; None for any other name.
+
+    Parameters
+    ----------
+    name : str
+        Of `leak.GASES`, or "CoolProp:..." with the optional package CoolProp.
+
+    Examples
+    --------
+    >>> round(heat_capacity_ratio("nitrogen"), 3), round(heat_capacity_ratio("helium"), 3)
+    (1.4, 1.667)
+    """
+    if name.startswith("CoolProp:"):
+        from leak.fluids.coolprop import coolprop_heat_capacity
+
+        heat_capacity: float | None = coolprop_heat_capacity(name)
+    else:
+        heat_capacity = HEAT_CAPACITIES.get(name)
+    return None if heat_capacity is None else heat_capacity / (heat_capacity - GAS_CONSTANT)
+
+
+# What the optional package CoolProp calls the entries that it has, too.
+_COOLPROP = MappingProxyType(
+    {
+        "water": "Water",
+        "ethanol": "Ethanol",
+        "helium": "Helium",
+        "hydrogen": "Hydrogen",
+        "nitrogen": "Nitrogen",
+        "oxygen": "Oxygen",
+        "argon": "Argon",
+        "air": "Air",
+        "methane": "Methane",
+        "carbon dioxide": "CarbonDioxide",
+    }
+)
+
+
+def coolprop_name(name: str) -> str | None:
+    """The same fluid of the optional package CoolProp, as a case file asks for it; None if it has no such fluid.
+
+    Parameters
+    ----------
+    name : str
+        Of the library.
+
+    Examples
+    --------
+    >>> coolprop_name("hydrogen")
+    'CoolProp:Hydrogen'
+    """
+    found = _COOLPROP.get(name)
+    return None if found is None else f"CoolProp:{found}"
+
+
+def _elsewhere(name: str) -> str:
+    other = coolprop_name(name)
+    if other is None:
+        return ""
+    there = "" if find_spec("CoolProp") else f" ({command('coolprop')})"
+    return f'; "{other}" of the optional package CoolProp{there} knows more'
+
+
+# Kinetic diameters: D. W. Breck, Zeolite Molecular Sieves, Wiley (1974), table 8.1 (air: nitrogen's).
+# Oils and fuels pass where their chains do sideways: the kinetic diameter of normal butane and longer paraffins.
+_PARAFFIN = 0.43e-9
+_WATER = 0.265e-9
+
+MOLECULAR_SIZES = MappingProxyType(
+    {
+        "helium": 0.26e-9,
+        "hydrogen": 0.289e-9,
+        "nitrogen": 0.364e-9,
+        "air": 0.364e-9,
+        "oxygen": 0.346e-9,
+        "argon": 0.34e-9,
+        "carbon dioxide": 0.33e-9,
+        "methane": 0.38e-9,
+        "water": _WATER,
+        "oil": _PARAFFIN,
+        "diesel": _PARAFFIN,
+        "kerosene": _PARAFFIN,
+    }
+)
+"""Word in a fluid's name -> smallest channel that it passes [m], read-only."""
+
+
+def molecular_size(fluid: str) -> float:
+    """Kinetic diameter of a fluid's molecules [m]; of a mixture with water that of water, which passes first.
+
+    Parameters
+    ----------
+    fluid : str
+        Name of the fluid; of one that is not known the smallest size of all is returned, helium's.
+
+    Examples
+    --------
+    >>> molecular_size("hydraulic oil ISO VG 32")
+    4.3e-10
+    """
+    name = fluid.strip().lower()
+    found = [size for word, size in MOLECULAR_SIZES.items() if word in name]
+    return min(found, default=min(MOLECULAR_SIZES.values()))

@@ -12,7 +12,7 @@ from collections.abc import Hashable, Mapping
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import pairwise
-from typing import NamedTuple, Protocol, cast, runtime_checkable
+from typing import Protocol, cast, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -274,7 +274,7 @@ class FlowPotential:
         p = np.asarray(pressure, dtype=float)
         if self.law is None:
             return p
-        at, psi, _, _ = self._panels
+        psi, at = self._panels[0].x, self._panels[0].y
         inside = np.minimum(np.maximum(p, 0.0), self.highest)
         k = np.minimum(at.searchsorted(inside, side="right") - 1, _PANELS - 1)
         nodes, weights = gauss(_POINTS)
@@ -292,8 +292,8 @@ class FlowPotential:
         target = np.asarray(potential, dtype=float)
         if self.law is None:
             return target
-        at, psi, inverse, exact = self._panels
-        whole = self.whole
+        inverse, exact = self._panels
+        psi, at, whole = inverse.x, inverse.y, self.whole
         inside = np.minimum(np.maximum(target, 0.0), whole)
         p = np.minimum(np.maximum(inverse.value(inside), 0.0), self.highest)
         if not exact:
@@ -318,12 +318,13 @@ class FlowPotential:
         return _mobility(self.law, np.minimum(np.maximum(p, 0.0), self.highest))
 
     @property
-    def _panels(self) -> _Panels:
+    def _panels(self) -> tuple[MonotoneCurve, bool]:
         assert self.law is not None
         highest = 2.0 ** (_STEP * math.ceil(math.log2(self.highest) / _STEP))
         try:
             return _panels(cast(Hashable, self.law), highest)
         except TypeError:
+            # somebody's own law, of which equal ones are not known
             return _panels.__wrapped__(self.law, highest)
 
     @cached_property
@@ -337,31 +338,9 @@ class FlowPotential:
         return float(first), float(last)
 
 
-def flow_potential(law: PressureLaw | None, highest: float) -> FlowPotential:
-    """The `FlowPotential` of a law up to a pressure [Pa], with what it has worked out already."""
-    try:
-        return _known_potential(cast(Hashable, law), highest)
-    except TypeError:
-        # somebody's own law, of which equal ones are not known
-        return FlowPotential(law, highest)
-
-
-@lru_cache(maxsize=256)
-def _known_potential(law: PressureLaw | None, highest: float) -> FlowPotential:
-    return FlowPotential(law, highest)
-
-
-class _Panels(NamedTuple):
-    """Ends of the panels, psi there, p over psi, and whether that is as good as it gets."""
-
-    at: FloatArray
-    psi: FloatArray
-    inverse: MonotoneCurve
-    exact: bool
-
-
 @lru_cache(maxsize=64)
-def _panels(law: PressureLaw, highest: float) -> _Panels:
+def _panels(law: PressureLaw, highest: float) -> tuple[MonotoneCurve, bool]:
+    """p over psi at the ends of the panels, and whether the curve between them is as good as it gets."""
     at = np.linspace(0.0, highest, _PANELS + 1)
     nodes, weights = gauss(_POINTS)
     half = 0.5 * np.diff(at)
@@ -373,7 +352,7 @@ def _panels(law: PressureLaw, highest: float) -> _Panels:
     quarter = at[:-1, None] + 0.5 * half[:, None] * (1.0 + nodes)
     there = psi[:-1] + 0.5 * half * (_mobility(law, quarter) @ weights)
     exact = bool(np.abs(inverse.value(there) - middle).max() < _EXACT * highest)
-    return _Panels(at, psi, inverse, exact)
+    return inverse, exact
 
 
 def _mobility(law: PressureLaw, pressure: FloatArray) -> FloatArray:
@@ -395,7 +374,7 @@ def effective_viscosity_ratio(law: PressureLaw | None, pressure_drop: float) -> 
     '1.5820'
     """
     drop = positive(FluidError, "pressure_drop", pressure_drop, "Pa")
-    return drop / flow_potential(law, drop).whole
+    return drop / FlowPotential(law, drop).whole
 
 
 # -------------------------------------------------------------------- tables

@@ -130,7 +130,8 @@ class GasPotential:
         p, c = np.asarray(pressure, dtype=float), self.slip
         if self.real is None:
             return np.asarray(p * (p + 2.0 * c))
-        return self._dense(np.clip(p, 0.0, self.highest)) + 2.0 * c * np.clip(p, 0.0, self.highest)
+        inside = np.clip(p, 0.0, self.highest)
+        return _panels(self.real, self.highest)[0].value(inside) + 2.0 * c * inside
 
     def pressure(self, potential: ArrayLike) -> FloatArray:
         """p at values of w [Pa]."""
@@ -158,34 +159,22 @@ class GasPotential:
     def _over_ideal(self) -> tuple[MonotoneCurve, MonotoneCurve]:
         """p and q over the pressure at which an ideal gas has the same w: smooth down to vacuum, with known slopes."""
         assert self.real is not None  # who asks knows
-        at, dense, slopes, bends = _panels(self.real, self.highest)
-        ideal = self._ideal(dense + 2.0 * self.slip * at)
-        q = 0.5 * slopes
+        dense, bends = _panels(self.real, self.highest)
+        ideal, q = self._ideal(dense.y + 2.0 * self.slip * dense.x), 0.5 * dense.slope
         # 2 (p_ideal + c) dp_ideal = dw = 2 (q + c) dp
         rise = np.divide(ideal + self.slip, q + self.slip, out=np.ones(q.shape), where=q + self.slip > 0.0)
-        return MonotoneCurve(ideal, at, rise), MonotoneCurve(ideal, q, bends * rise)
-
-    def _dense(self, p: FloatArray) -> FloatArray:
-        """w without c: cubic between the ends of the panels, where it and its slope are known."""
-        assert self.real is not None  # who asks knows
-        at, dense, slopes, _ = _panels(self.real, self.highest)
-        k = np.clip((_PANELS * np.sqrt(np.nan_to_num(p) / self.highest)).astype(int), 0, _PANELS - 1)
-        h = at[k + 1] - at[k]
-        t, rise = (p - at[k]) / h, dense[k + 1] - dense[k]
-        d0, d1 = h * slopes[k], h * slopes[k + 1]
-        c2, c3 = 3.0 * rise - 2.0 * d0 - d1, d0 + d1 - 2.0 * rise
-        return np.asarray(dense[k] + t * (d0 + t * (c2 + t * c3)))
+        return MonotoneCurve(ideal, dense.x, rise), MonotoneCurve(ideal, q, bends * rise)
 
 
 @lru_cache(maxsize=64)
-def _panels(real: RealGas, highest: float) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Ends of the panels, and there w without c, its slope 2 q, and the slope of q."""
+def _panels(real: RealGas, highest: float) -> tuple[MonotoneCurve, FloatArray]:
+    """w without c, whose slope is 2 q, between the ends of the panels, and there the slope of q."""
     at = highest * np.linspace(0.0, 1.0, _PANELS + 1) ** 2
     nodes, weights = gauss(_POINTS)
     half = 0.5 * np.diff(at)
     parts = 2.0 * half * (real.flow_pressure(at[:-1, None] + half[:, None] * (1.0 + nodes)) @ weights)
     dense = np.concatenate([[0.0], np.cumsum(parts)])
-    return at, dense, 2.0 * real.flow_pressure(at), real.flow_pressure_slope(at)
+    return MonotoneCurve(at, dense, 2.0 * real.flow_pressure(at)), real.flow_pressure_slope(at)
 
 
 def real_gas_flow_ratio(real: RealGas | None, inlet_pressure: float, outlet_pressure: float) -> float:
