@@ -1,9 +1,9 @@
-"""Arrays as they are annotated, and what numpy does with them only after further imports."""
+"""Arrays as they are annotated and checked, and what numpy does with them only after further imports."""
 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 FloatArray = NDArray[np.float64]
 
@@ -23,3 +23,31 @@ def different(values: FloatArray) -> FloatArray:
     """
     increasing = np.sort(values)
     return increasing[np.diff(increasing, prepend=-np.inf) > 0]
+
+
+def as_arrays(error: type[ValueError], must: str, *values: ArrayLike) -> list[FloatArray]:
+    """Arrays of numbers, or `error` with what the values must be and why one of them is not."""
+    try:
+        return [np.asarray(one, dtype=float) for one in values]
+    except (TypeError, ValueError) as reason:
+        raise error(f"{must}: {reason}") from None
+
+
+def check_each(
+    error: type[ValueError], name: str, values: FloatArray, right: NDArray[np.bool_], must: str
+) -> None:
+    """Raise `error` with the first of several values that is not right, "p[3] = -1.0: must not be negative [Pa]"."""
+    wrong = (~right).nonzero()[0]
+    if wrong.size:
+        raise error(f"{name}[{wrong[0]}] = {values[wrong[0]]}: {must}")
+
+
+def check_order(
+    error: type[ValueError], name: str, values: FloatArray, must: str, *, equal: bool = False
+) -> None:
+    """Raise `error` with the first of several values that is below the one before, or as large unless it may be."""
+    before, after = values[:-1], values[1:]
+    back = (after < before if equal else after <= before).nonzero()[0]
+    if back.size:
+        i = int(back[0])
+        raise error(f"{name}[{i + 1}] = {values[i + 1]} follows {values[i]}: {must}")

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from leak.arrays import FloatArray
+from leak.arrays import FloatArray, as_arrays
 from leak.errors import ConductivityError
 from leak.flow.conductivity import GasConductivity, log_rarefied_flow
 from leak.flow.contact_profile import checked_profile
@@ -458,10 +458,7 @@ def _harmonic_mean(values: FloatArray) -> FloatArray:
 
 
 def _checked_conductivity(conductivity: ArrayLike, rows: int) -> FloatArray:
-    try:
-        values = np.asarray(conductivity, dtype=float)
-    except (TypeError, ValueError) as error:
-        raise ConductivityError(f"conductivity must be an array of numbers: {error}") from None
+    (values,) = as_arrays(ConductivityError, "conductivity must be an array of numbers", conductivity)
     if values.ndim != 2 or values.shape[0] != rows or values.shape[1] < 1:
         raise ConductivityError(
             f"conductivity has shape {values.shape}: must be ({rows}, k), a row for each x and a column for each angle"

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from leak.arrays import FloatArray, different
+from leak.arrays import FloatArray, as_arrays, check_each, check_order, different
 from leak.errors import ProfileError
 from leak.flow.conductivity import RemembersLoad
 from leak.numerics.curves import cubic_spline_slopes
@@ -98,12 +98,6 @@ class Patch:
         ]
         return cls(x, log_p, _cell_slopes(x, log_p), (float(ends[0]), float(ends[1])))
 
-    def in_cells(self, t: FloatArray) -> FloatArray:
-        """ln p at shares t of each cell, 0 at its left and 1 at its right end, shape (n - 1, len(t))."""
-        h, rise = self.x[1:] - self.x[:-1], self.log_p[1:] - self.log_p[:-1]
-        left, right = h * self.slopes
-        return self.log_p[:-1, None] + _hermite(t, left[:, None], right[:, None], rise[:, None])
-
     def log_pressure(self, x: FloatArray) -> FloatArray:
         """ln p between the ends; -inf where p is zero."""
         if self.x.size == 1:
@@ -136,22 +130,8 @@ class _Radius:
         out_below, out_above = np.minimum(at - x[0], 0.0), np.maximum(at - x[-1], 0.0)
         ends = (r[1] - r[0]) / (x[1] - x[0]), (r[-1] - r[-2]) / (x[-1] - x[-2])
         straight = np.interp(at, x, r) + ends[0] * out_below + ends[1] * out_above
-        return np.maximum(straight, self._least)
-
-    def in_cells(self, t: FloatArray) -> FloatArray:
-        """r at shares t of each stretch between two points, shape (n - 1, len(t))."""
-        return self.r[:-1, None] + (self.r[1:] - self.r[:-1])[:, None] * t
-
-    def beyond(self, end: int, d: FloatArray) -> FloatArray:
-        """r at distances d outward of the first or, with -1, the last point."""
-        here, next_to = (0, 1) if end == 0 else (-1, -2)
-        slope = (self.r[here] - self.r[next_to]) / abs(self.x[here] - self.x[next_to])
-        return np.maximum(self.r[here] + slope * d, self._least)
-
-    @property
-    def _least(self) -> float:
         # A tail that runs far beyond the profile adds nothing there, whatever the radius; keep it positive.
-        return 0.5 * float(self.r.min())
+        return np.maximum(straight, 0.5 * self.r.min())
 
 
 @dataclass(frozen=True, eq=False)
@@ -263,12 +243,8 @@ class ContactProfile:
         t = 0.5 * (1.0 + gauss(_CLOSE_NODES if self._lies_close else _CELL_NODES)[0])
         length = (self.x[1:] - self.x[:-1])[:, None]
         x = self.x[:-1, None] + length * t
-        first, *others = self.patches
-        # mostly the cells are those of the patch, and nothing has to be looked for
-        same = not others and first.x.size == self.x.size == self.radius.x.size > 1
-        log_p = first.in_cells(t) if same else self.log_pressure(x)
-        radius = self.radius.in_cells(t) if same else self.radius(x)
-        cells = Panels(log_p, radius, np.broadcast_to(length, x.shape), self.first_loading(x, log_p))
+        log_p = self.log_pressure(x)
+        cells = Panels(log_p, self.radius(x), np.broadcast_to(length, x.shape), self.first_loading(x, log_p))
         return self._tail_panel(0, -1.0), cells, self._tail_panel(-1, 1.0)
 
     @cached_property
@@ -310,8 +286,7 @@ class ContactProfile:
         s = last * 0.5 * (1.0 + gauss(_TAIL_NODES)[0])[None, :: int(outward)]
         d = scale * s / (1.0 - s)
         log_p, x = self.log_p[end] - tail.fall(d), self.x[end] + outward * d
-        radius = self.radius.beyond(end, d)
-        return Panels(log_p, radius, last * scale / (1.0 - s) ** 2, self.first_loading(x, log_p))
+        return Panels(log_p, self.radius(x), last * scale / (1.0 - s) ** 2, self.first_loading(x, log_p))
 
 
 def _runs(there: NDArray[np.bool_]) -> list[NDArray[np.intp]]:
@@ -450,10 +425,7 @@ def checked_profile(
     x: ArrayLike, p: ArrayLike, radius: ArrayLike
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """x, p and r(x) as arrays, or a `ProfileError` that says which value cannot be used."""
-    try:
-        xs, ps, rs = (np.asarray(values, dtype=float) for values in (x, p, radius))
-    except (TypeError, ValueError) as error:
-        raise ProfileError(f"x, p and radius must be arrays of numbers: {error}") from None
+    xs, ps, rs = as_arrays(ProfileError, "x, p and radius must be arrays of numbers", x, p, radius)
     if xs.ndim != 1 or xs.shape != ps.shape:
         raise ProfileError(f"x has shape {xs.shape}, p has shape {ps.shape}: both must be (n,)")
     if xs.size < 3:
@@ -461,24 +433,16 @@ def checked_profile(
     if rs.shape not in ((), xs.shape):
         raise ProfileError(f"radius has shape {rs.shape}: must be one number or {xs.shape} like x")
     for name, unit, values in (("x", "m", xs), ("p", "Pa", ps)):
-        bad = (~np.isfinite(values)).nonzero()[0]
-        if bad.size:
-            raise ProfileError(f"{name}[{bad[0]}] = {values[bad[0]]}: must be finite [{unit}]")
-    steps = (xs[1:] <= xs[:-1]).nonzero()[0]
-    if steps.size:
-        i = int(steps[0])
-        raise ProfileError(f"x[{i + 1}] = {xs[i + 1]} follows {xs[i]}: must strictly increase [m]")
-    if (ps < 0.0).any():
-        i = int(np.flatnonzero(ps < 0.0)[0])
-        raise ProfileError(f"p[{i}] = {ps[i]}: must not be negative [Pa]")
+        check_each(ProfileError, name, values, np.isfinite(values), f"must be finite [{unit}]")
+    check_order(ProfileError, "x", xs, "must strictly increase [m]")
+    check_each(ProfileError, "p", ps, ps >= 0.0, "must not be negative [Pa]")
     if not (ps > _SMALLEST_PRESSURE).any():
         raise ProfileError("p is zero everywhere: there is no contact")
     if rs.ndim == 0:
         rs = np.broadcast_to(rs, xs.shape)
-    if not ((rs > 0.0) & np.isfinite(rs)).all():
-        raise ProfileError(
-            f"radius = {rs[~((rs > 0.0) & np.isfinite(rs))][0]}: must be positive and finite [m]"
-        )
+    wrong = ~((rs > 0.0) & np.isfinite(rs))
+    if wrong.any():
+        raise ProfileError(f"radius = {rs[wrong][0]}: must be positive and finite [m]")
     return xs, ps, rs
 
 
@@ -499,17 +463,11 @@ def after_largest(
     """
     if largest is None:
         return profile
-    try:
-        most = np.asarray(largest, dtype=float)
-    except (TypeError, ValueError) as error:
-        raise ProfileError(f"largest_pressure must be an array of numbers: {error}") from None
+    (most,) = as_arrays(ProfileError, "largest_pressure must be an array of numbers", largest)
     if most.shape != x.shape:
         raise ProfileError(f"largest_pressure has shape {most.shape}: must be {x.shape} like p [Pa]")
-    bad = np.flatnonzero(~(np.isfinite(most) & (most >= 0.0)))
-    if bad.size:
-        raise ProfileError(
-            f"largest_pressure[{bad[0]}] = {most[bad[0]]}: must be finite and not negative [Pa]"
-        )
+    usable = np.isfinite(most) & (most >= 0.0)
+    check_each(ProfileError, "largest_pressure", most, usable, "must be finite and not negative [Pa]")
     if not isinstance(conductivity, RemembersLoad):
         raise ProfileError(
             f"largest_pressure: the conductivity, {conductivity!r}, says nothing of a contact that was pressed harder "

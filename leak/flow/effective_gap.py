@@ -9,6 +9,7 @@ import numpy as np
 from leak.arrays import FloatArray
 from leak.flow.medium import DirectionalGap, anisotropic_medium, directional_medium_of_logarithms
 from leak.flow.rarefied import log_flow_factor
+from leak.numerics.roots import bisected
 from leak.surfaces.spectrum import PowerSpectrum
 from leak.theory.persson import ElasticRoughness, RoughnessSeen, separations
 from leak.theory.separation import LostArea, SeparationGrid, density
@@ -155,11 +156,8 @@ def _elastic_moment(seen: RoughnessSeen, remaining: FloatArray) -> FloatArray:
     """Elastic moment M at which the remaining moment has a given value, by bisection in ln M (it rises with M)."""
     if isinstance(seen, ElasticRoughness):
         return remaining
-    low, high = np.log(remaining), np.full(remaining.shape, np.log(seen.end))
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        below = seen.moment(np.exp(middle)[:, None])[:, 0] < remaining
-        low, high = np.where(below, middle, low), np.where(below, high, middle)
+    ends = np.log(remaining), np.full(remaining.shape, np.log(seen.end))
+    low, high = bisected(lambda log_M: seen.moment(np.exp(log_M)[:, None])[:, 0] < remaining, *ends)
     # the exponential of a logarithm may lie above the end by a rounding, where there is no spectrum
     return np.minimum(np.exp(0.5 * (low + high)), seen.end)
 

@@ -9,8 +9,8 @@ import numpy as np
 from leak.arrays import FloatArray
 from leak.errors import ConductivityError
 
-# ln u_eff^3 may lie this far outside the separations given; what lies further is sealed (as in the isotropic medium).
-_BELOW_ALL = 60.0
+# ln u_eff^3 may lie this far outside the separations given; what comes as close to the lower end of that is sealed.
+_BELOW_ALL, _SEALED = 60.0, 0.6
 _INNER_STEPS, _OUTER_STEPS = 120, 60
 # Newton's error squares with each step: after a step this small it is some 1e-14.
 _CLOSE, _FIRST_CLOSE, _WORTH = 1e-7, 0.1, 0.1
@@ -115,10 +115,6 @@ def directional_medium_of_logarithms(
         See `anisotropic_medium`.
     """
     gamma = np.asarray(peklenik, dtype=float)
-    if np.all(gamma == 1.0):
-        start = None if near is None else near.along
-        same = effective_medium_of_logarithms(log_separation, weight, contact, wide_open, n, start)
-        return DirectionalGap(same, same)
     if np.any(gamma < 1.0):
         if np.any(gamma > 1.0):
             raise ConductivityError(f"peklenik = {peklenik}: must lie on one side of 1 at all pressures [-]")
@@ -128,6 +124,12 @@ def directional_medium_of_logarithms(
         )
         return DirectionalGap(along, across)
     medium, k, log_gamma = _Medium.of(log_separation, weight, contact, wide_open), n - 1.0, np.log(gamma)
+    if np.all(gamma == 1.0):
+        guess = medium.middle if near is None else 3.0 * np.log(near.along) - medium.log_unit
+        log_s, _ = medium.solve(np.full(contact.shape, k), guess)
+        percolated = weight.sum(axis=-1) + wide_open <= contact / k
+        same = np.where(percolated | (log_s < medium.lowest + _SEALED), 0.0, medium.gap(log_s))
+        return DirectionalGap(same, same)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         # s_y is positive below this ln m, s_x above its negative; no room between them is percolation.
         room = np.log(k * (weight.sum(axis=-1) + wide_open) / contact)
@@ -157,7 +159,9 @@ def directional_medium_of_logarithms(
             break
         close = min(max(_WORTH * largest, _CLOSE), _FIRST_CLOSE)
     sealed = ~(room > 0.0)
-    return DirectionalGap(*(np.where(sealed | (s < medium.lowest + 0.6), 0.0, medium.gap(s)) for s in (x, y)))
+    return DirectionalGap(
+        *(np.where(sealed | (s < medium.lowest + _SEALED), 0.0, medium.gap(s)) for s in (x, y))
+    )
 
 
 class _Medium(NamedTuple):
@@ -299,31 +303,4 @@ def effective_medium(
     >>> round(float(u[0] ** 3 / 1e-18), 9)
     0.6
     """
-    return effective_medium_of_logarithms(np.log(separation), weight, contact, wide_open, n)
-
-
-def effective_medium_of_logarithms(
-    log_separation: FloatArray,
-    weight: FloatArray,
-    contact: FloatArray,
-    wide_open: FloatArray,
-    n: float,
-    near: FloatArray | None = None,
-) -> FloatArray:
-    """`effective_medium` of ln u, shape (P,) [m].
-
-    Parameters
-    ----------
-    log_separation : ndarray
-        ln(u/m), increasing along the last axis, shape (P, U).
-    weight, contact, wide_open, n
-        See `effective_medium`.
-    near : ndarray, optional
-        About what u_eff is, positive, shape (P,): where the iteration begins [m].
-    """
-    medium = _Medium.of(log_separation, weight, contact, wide_open)
-    k = np.full(contact.shape, n - 1.0)
-    guess = medium.middle if near is None else 3.0 * np.log(near) - medium.log_unit
-    log_s, _ = medium.solve(k, guess)
-    sealed = (weight.sum(axis=-1) + wide_open <= contact / k) | (log_s < medium.lowest + 0.01 * _BELOW_ALL)
-    return np.where(sealed, 0.0, medium.gap(log_s))
+    return anisotropic_medium(separation, weight, contact, wide_open, n, 1.0).along

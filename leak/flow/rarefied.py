@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from leak.arrays import FloatArray
 from leak.fluids.properties import Gas
-from leak.numerics.curves import cubic_spline_slopes
+from leak.numerics.curves import cell_cubics, cubic_spline_slopes
 
 SMALLEST_INVERSE_KNUDSEN = 0.01
 """End of the published range of D. Below it the flow rate is held: see `poiseuille_flow_rate`."""
@@ -131,11 +131,8 @@ def _log_factors() -> tuple[float, FloatArray]:
     steps = int(np.ceil((_TABLE_END - first) / _TABLE_STEP))
     log_D: FloatArray = first + _TABLE_STEP * np.arange(steps + 1, dtype=float)
     log_f = np.log(6.0 * poiseuille_flow_rate(np.exp(log_D))) - log_D
-    slope, rise = _TABLE_STEP * cubic_spline_slopes(log_D, log_f), np.diff(log_f)
-    left, right = slope[:-1], slope[1:]
-    return first, np.column_stack(
-        [log_f[:-1], left, 3.0 * rise - 2.0 * left - right, left + right - 2.0 * rise]
-    )
+    slope = _TABLE_STEP * cubic_spline_slopes(log_D, log_f)
+    return first, np.ascontiguousarray(cell_cubics(np.ones(1), log_f, slope).T)
 
 
 def _fit(D: FloatArray | np.float64, coefficients: tuple[float, ...]) -> FloatArray:

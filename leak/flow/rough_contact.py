@@ -6,7 +6,6 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache, partial
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -25,8 +24,8 @@ from leak.flow.effective_gap import (
 from leak.flow.memory import LoadMemory
 from leak.flow.rarefied import log_flow_factor
 from leak.numerics.curves import MonotoneCurve, spline_slopes
-from leak.numerics.roots import root_of_rising
-from leak.numerics.sampling import sampled
+from leak.numerics.roots import bisected, root_of_rising
+from leak.numerics.sampling import divided, sampled
 from leak.surfaces.spectrum import PowerSpectrum
 from leak.theory.capped import BEARING_GAP, CAPPED, VON_MISES, equivalent_pressure
 from leak.theory.gap_law import gap_law
@@ -305,13 +304,9 @@ class RoughContact:
         found[flat] = most[flat]
         harder = (p > 0.0) & (most > p) & ~flat
         if np.any(harder):
-            low, high = np.log(p[harder]), np.log(most[harder])
             wanted = self._equivalent(p[harder], most[harder])
-            for _ in range(_HALVINGS):
-                middle = 0.5 * (low + high)
-                below = self._equivalent(np.exp(middle)) < wanted
-                low, high = np.where(below, middle, low), np.where(below, high, middle)
-            found[harder] = np.exp(high)
+            ends = np.log(p[harder]), np.log(most[harder])
+            found[harder] = np.exp(bisected(lambda x: self._equivalent(np.exp(x)) < wanted, *ends)[1])
         return found
 
     @cached_property
@@ -425,13 +420,8 @@ class RoughContact:
             return self.spectrum
         if not 0.0 <= float(pressure) < self.hardness:
             raise SurfaceError(f"pressure = {pressure}: must be below the hardness {self.hardness} [Pa]")
-        nodes = np.log(self.spectrum.wavenumber)
-        parts = [
-            np.exp(np.linspace(a, b, max(2, int(np.ceil((b - a) / spacing)) + 1)))
-            for a, b in pairwise(nodes)
-            if b > a
-        ]
-        q = np.unique(np.concatenate([*parts, self.spectrum.wavenumber]))
+        fine = np.exp(divided(np.log(self.spectrum.wavenumber), spacing))
+        q = np.unique(np.concatenate([fine, self.spectrum.wavenumber]))
         q = np.clip(q, self.spectrum.q_low, self.spectrum.q_high)
         C = np.asarray(self.spectrum(q)) * np.asarray(self.smoothing(float(pressure), q))
         left = C > 1e-250
@@ -855,7 +845,6 @@ def _bearing_and_sealing(elastic: RoughContact) -> tuple[float, float]:
 
 # Bearing pressures are 0.4 to 7 % of E* h'; after a step in ln p this small Newton's method is at rounding.
 _USUAL_BEARING, _CLOSE, _NEWTON_STEPS = 0.02, 1e-6, 40
-_HALVINGS = 60
 
 # The gap law has the gap at which the paper's theory seals within a factor of this.
 _MOST_SEALING = 4.0

@@ -78,12 +78,7 @@ class MonotoneCurve:
     @cached_property
     def _cubics(self) -> FloatArray:
         """Coefficients of the powers 0 to 3 of the distance from the left end of each cell, shape (4, n - 1)."""
-        h = self.x[1:] - self.x[:-1]
-        secant = (self.y[1:] - self.y[:-1]) / h
-        left, right = self.slope[:-1], self.slope[1:]
-        return np.array(
-            [self.y[:-1], left, (3.0 * secant - 2.0 * left - right) / h, (left + right - 2.0 * secant) / h**2]
-        )
+        return cell_cubics(self.x[1:] - self.x[:-1], self.y, self.slope)
 
     def _cell(self, k: NDArray[np.intp], s: FloatArray) -> tuple[FloatArray, FloatArray]:
         """y and dy/dx in the cells k at the distances s from their left ends."""
@@ -217,10 +212,21 @@ class CubicSurface:
 
 def _cubics(x: FloatArray, y: FloatArray) -> FloatArray:
     """Coefficients of the powers 0 to 3 in the cells of splines, shape (n, m) to (4, n - 1, m)."""
-    slopes = cubic_spline_slopes(x, y)
-    h = np.diff(x)[:, None]
-    secant, left, right = np.diff(y, axis=0) / h, slopes[:-1], slopes[1:]
-    return np.stack(
+    return cell_cubics(np.diff(x)[:, None], y, cubic_spline_slopes(x, y))
+
+
+def cell_cubics(h: FloatArray, y: FloatArray, slope: FloatArray) -> FloatArray:
+    """Coefficients of the powers 0 to 3 of the distance from the left end of each cell, shape (4, n - 1, ...).
+
+    Parameters
+    ----------
+    h : ndarray
+        Lengths of the cells, broadcast against them.
+    y, slope : ndarray, shape (n, ...)
+        Values and slopes at their ends.
+    """
+    secant, left, right = (y[1:] - y[:-1]) / h, slope[:-1], slope[1:]
+    return np.array(
         [y[:-1], left, (3.0 * secant - 2.0 * left - right) / h, (left + right - 2.0 * secant) / h**2]
     )
 

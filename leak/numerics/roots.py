@@ -5,6 +5,11 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 
+import numpy as np
+from numpy.typing import NDArray
+
+from leak.arrays import FloatArray
+
 _MOST_STEPS = 100
 _ROUND_OFF = 4.0 * sys.float_info.epsilon
 
@@ -63,6 +68,32 @@ def root_of_rising(
         before, at_before = last, at_last
         last, at_last = following, function(following)
     return last
+
+
+def bisected(
+    is_below: Callable[[FloatArray], NDArray[np.bool_]], low: FloatArray, high: FloatArray, halvings: int = 60
+) -> tuple[FloatArray, FloatArray]:
+    """Ends between which each of many functions changes, `halvings` times as close as two others.
+
+    Parameters
+    ----------
+    is_below : callable
+        Of places: true where the change is above them.
+    low, high : ndarray
+        Ends to begin with.
+    halvings : int
+
+    Examples
+    --------
+    >>> low, high = bisected(lambda x: x**2 < 2.0, np.zeros(1), np.ones(1) * 2.0)
+    >>> (0.5 * (low + high)).round(9).tolist()
+    [1.414213562]
+    """
+    for _ in range(halvings):
+        middle = 0.5 * (low + high)
+        below = is_below(middle)
+        low, high = np.where(below, middle, low), np.where(below, high, middle)
+    return low, high
 
 
 def root_between(

@@ -13,6 +13,31 @@ from leak.arrays import FloatArray
 _WIDEST = 3.5
 
 
+def divided(ends: FloatArray, longest: float, slack: float = 0.0) -> FloatArray:
+    """The ends of stretches, and between them points that cut each into as many equal parts as it needs.
+
+    Parameters
+    ----------
+    ends : ndarray, shape (n,)
+        Not decreasing.
+    longest : float
+        Part that is allowed.
+    slack : float
+        By this share of `longest` a part may be longer.
+
+    Examples
+    --------
+    >>> divided(np.array([0.0, 1.0, 1.5]), 0.5).tolist()
+    [0.0, 0.5, 1.0, 1.5]
+    """
+    counts = np.maximum(np.ceil(np.diff(ends) / longest - slack), 1).astype(int)
+    parts = [
+        np.linspace(left, right, count, endpoint=False)
+        for left, right, count in zip(ends[:-1], ends[1:], counts, strict=True)
+    ]
+    return np.concatenate([*parts, ends[-1:]])
+
+
 def sampled(
     function: Callable[[FloatArray], FloatArray],
     start: FloatArray,

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leak.arrays import FloatArray
+from leak.numerics.sampling import divided
 from leak.surfaces.periodogram import beyond
 from leak.surfaces.spectrum import PowerSpectrum
 
@@ -44,13 +45,7 @@ def profile_density(spectrum: PowerSpectrum, wavenumber: ArrayLike) -> FloatArra
     True
     """
     q = np.atleast_1d(np.asarray(wavenumber, dtype=float))
-    nodes = np.log(np.unique(spectrum.wavenumber))
-    counts = np.maximum(np.ceil(np.diff(nodes) / _PIECE).astype(int), 1)
-    steps = [
-        np.linspace(left, right, count, endpoint=False)
-        for left, right, count in zip(nodes[:-1], nodes[1:], counts, strict=True)
-    ]
-    edges = np.exp(np.concatenate([*steps, nodes[-1:]]))
+    edges = np.exp(divided(np.log(np.unique(spectrum.wavenumber)), _PIECE))
     C = np.asarray(spectrum(np.sqrt(edges[1:] * edges[:-1])))
     # `abel_weights` @ C, summed by what C falls by at each edge
     falls = -2.0 * np.diff(C, prepend=0.0, append=0.0)

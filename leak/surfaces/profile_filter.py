@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from leak.arrays import FloatArray
 from leak.errors import SpectrumError, positive
 from leak.numerics.gauss import gauss
+from leak.numerics.sampling import divided
 from leak.surfaces.spectrum import PowerSpectrum
 
 # ISO 21920-3: setting classes by the value that is specified, each up to and with its limit [m], and the cutoffs
@@ -170,13 +171,7 @@ def expected_roughness(spectrum: PowerSpectrum, band: ProfileFilter) -> Expected
     >>> print(f"{whole.Rq / surface.rms_height:.4f}")
     1.0000
     """
-    edges = np.log(np.unique(spectrum.wavenumber))
-    counts = np.maximum(np.ceil(np.diff(edges) / _PIECE).astype(int), 1)
-    steps = [
-        np.linspace(left, right, count, endpoint=False)
-        for left, right, count in zip(edges[:-1], edges[1:], counts, strict=True)
-    ]
-    ends = np.concatenate([*steps, edges[-1:]])
+    ends = divided(np.log(np.unique(spectrum.wavenumber)), _PIECE)
     t, w = gauss(_NODES)
     half = 0.5 * np.diff(ends)[:, None]
     q = np.exp(ends[:-1, None] + half * (1.0 + t)).ravel()

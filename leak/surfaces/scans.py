@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import reduce
+from itertools import product
 from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from leak.arrays import FloatArray
+from leak.arrays import FloatArray, as_arrays, check_each
 from leak.errors import ScanError, um
 
 Detrend = Literal["mean", "tilt", "curvature"]
@@ -67,9 +69,7 @@ class LineScan:
 
     def without_form(self, detrend: Detrend) -> LineScan:
         """The scan without its mean, its mean line or its mean parabola (least squares)."""
-        t = np.linspace(-1.0, 1.0, self.heights.size)
-        basis = np.asarray(np.polynomial.legendre.legvander(t, DETRENDS.index(detrend)), dtype=np.float64)
-        return replace(self, heights=_residual(self.heights, basis))
+        return replace(self, heights=_without_polynomial(self.heights, DETRENDS.index(detrend)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,15 +121,7 @@ class HeightMap:
 
     def without_form(self, detrend: Detrend) -> HeightMap:
         """The map without its mean, its mean plane or its mean paraboloid (least squares)."""
-        degree = DETRENDS.index(detrend)
-        x, y = (np.polynomial.legendre.legvander(np.linspace(-1, 1, n), degree) for n in self.heights.shape)
-        products = [
-            np.multiply.outer(x[:, i], y[:, j]).ravel()
-            for i in range(degree + 1)
-            for j in range(degree + 1 - i)
-        ]
-        flat = _residual(self.heights.ravel(), np.stack(products, axis=1))
-        return replace(self, heights=flat.reshape(self.heights.shape))
+        return replace(self, heights=_without_polynomial(self.heights, DETRENDS.index(detrend)))
 
 
 Topography = LineScan | HeightMap
@@ -250,18 +242,13 @@ def height_map(
 
 
 def _checked(x: ArrayLike, h: ArrayLike) -> tuple[FloatArray, FloatArray]:
-    try:
-        x, h = np.array(x, dtype=float), np.array(h, dtype=float)
-    except (TypeError, ValueError) as error:
-        raise ScanError(f"x and h must be arrays of numbers: {error}") from None
+    x, h = map(np.array, as_arrays(ScanError, "x and h must be arrays of numbers", x, h))
     if x.ndim != 1 or x.shape != h.shape:
         raise ScanError(f"x has shape {x.shape}, h {h.shape}: both need one dimension and the same length")
     if x.size < FEWEST_POINTS:
         raise ScanError(f"a scan of {x.size} point{'s' * (x.size != 1)}: needs at least {FEWEST_POINTS}")
     for name, values in (("x", x), ("h", h)):
-        bad = np.flatnonzero(~np.isfinite(values))
-        if bad.size:
-            raise ScanError(f"{name}[{bad[0]}] = {values[bad[0]]}: must be a finite number [m]")
+        check_each(ScanError, name, values, np.isfinite(values), "must be a finite number [m]")
     if x[-1] < x[0]:
         x, h = x[::-1], h[::-1]
     largest = float(np.abs(x).max())
@@ -309,8 +296,16 @@ def filled(h: FloatArray, missing: NDArray[np.bool_]) -> FloatArray:
     return np.asarray(h[tuple(nearest)])
 
 
-def _residual(h: FloatArray, basis: FloatArray) -> FloatArray:
+def _without_polynomial(heights: FloatArray, degree: int) -> FloatArray:
+    """Heights less the polynomial of a degree, in one or two variables, that is nearest to them (least squares)."""
+    legendre = [np.polynomial.legendre.legvander(np.linspace(-1, 1, n), degree) for n in heights.shape]
+    orders = (one for one in product(range(degree + 1), repeat=heights.ndim) if sum(one) <= degree)
+    terms = [
+        reduce(np.multiply.outer, [P[:, k] for P, k in zip(legendre, order, strict=True)]).ravel()
+        for order in orders
+    ]
+    basis, h = np.stack(terms, axis=1), heights.ravel()
     # twice: the mean height of a scan can be a thousand times its roughness
     for _ in range(2):
         h = h - basis @ np.linalg.lstsq(basis, h, rcond=None)[0]
-    return h
+    return h.reshape(heights.shape)

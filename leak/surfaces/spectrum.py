@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from leak.arrays import FloatArray, different
+from leak.arrays import FloatArray, as_arrays, check_each, check_order, different
 from leak.errors import SpectrumError, positive
 from leak.surfaces.power_laws import not_zero, power_integral, power_law_moment, slopes
 
@@ -87,11 +87,8 @@ class PowerSpectrum:
     density: FloatArray
 
     def __post_init__(self) -> None:
-        try:
-            q = np.array(self.wavenumber, dtype=float)
-            C = np.array(self.density, dtype=float)
-        except (TypeError, ValueError) as error:
-            raise SpectrumError(f"wavenumber and density must be arrays of numbers: {error}") from None
+        must = "wavenumber and density must be arrays of numbers"
+        q, C = map(np.array, as_arrays(SpectrumError, must, self.wavenumber, self.density))
         if q.ndim != 1 or q.shape != C.shape or q.size < 2:
             raise SpectrumError(
                 f"wavenumber has shape {q.shape}, density {C.shape}: both need the same length, at least 2"
@@ -100,15 +97,9 @@ class PowerSpectrum:
             ("wavenumber", "1/m", q, _WAVENUMBERS),
             ("density", "m^4", C, _DENSITIES),
         ):
-            bad = (~((values >= low) & (values <= high))).nonzero()[0]
-            if bad.size:
-                raise SpectrumError(
-                    f"{name}[{bad[0]}] = {values[bad[0]]}: must be positive, from {low:g} to {high:g} {unit}"
-                )
-        falling = (q[1:] < q[:-1]).nonzero()[0]
-        if falling.size:
-            i = int(falling[0])
-            raise SpectrumError(f"wavenumber[{i + 1}] = {q[i + 1]} follows {q[i]}: must increase [1/m]")
+            must = f"must be positive, from {low:g} to {high:g} {unit}"
+            check_each(SpectrumError, name, values, (values >= low) & (values <= high), must)
+        check_order(SpectrumError, "wavenumber", q, "must increase [1/m]", equal=True)
         if q[0] == q[-1]:
             raise SpectrumError(f"wavenumber = {q[0]} throughout: must increase [1/m]")
         q.flags.writeable = False
@@ -160,11 +151,8 @@ class PowerSpectrum:
     def from_table(cls, wavenumber: ArrayLike, density: ArrayLike) -> PowerSpectrum:
         """Spectrum through tabulated points q [1/m], C [m^4], q strictly increasing; log-log linear between."""
         q = np.atleast_1d(np.asarray(wavenumber, dtype=float))
-        if q.ndim == 1 and np.any(np.diff(q) <= 0.0):
-            i = int(np.flatnonzero(np.diff(q) <= 0.0)[0])
-            raise SpectrumError(
-                f"wavenumber[{i + 1}] = {q[i + 1]} follows {q[i]}: must strictly increase [1/m]"
-            )
+        if q.ndim == 1:
+            check_order(SpectrumError, "wavenumber", q, "must strictly increase [1/m]")
         return cls(q, np.asarray(density, dtype=float))
 
     @classmethod

@@ -22,6 +22,7 @@ import numpy as np
 from leak.arrays import FloatArray
 from leak.errors import SurfaceError
 from leak.numerics.curves import spline_slopes
+from leak.numerics.sampling import divided
 from leak.numerics.stiff import stiff_steps
 from leak.surfaces.spectrum import PowerSpectrum
 from leak.theory.interface_law import RoughSurfaceLaw
@@ -32,6 +33,8 @@ _LOWEST, _HIGHEST, _POINTS, _STRETCH = -45.0, 2.5, 320, 3.0
 _FIRST = 1e-5
 # Steps in ln q, between kinks, at which m is tabulated; closer toward the shortest waves, where it all begins.
 _STEP, _CLOSEST = 0.02, 1e-7
+# A stretch of a whole number of steps has so many, whatever its rounding.
+_SLACK = 1e-6
 # Longest steps of the integration in ln m and in ln q: the gap errs by 1e-5 h_rms.
 _IN_M, _IN_Q = 0.1, 0.2
 # A spectrum of more points has no kinks that a step should end at.
@@ -146,17 +149,14 @@ def _places_in_m(spectrum: PowerSpectrum, log_q: FloatArray, log_m: FloatArray) 
     way = np.concatenate([[0.0], np.cumsum(np.diff(log_m) / _IN_M - np.diff(log_q) / _IN_Q)])
     kinks = np.log(spectrum.wavenumber) if spectrum.wavenumber.size <= _FEW else np.empty(0)
     ends = np.unique(np.concatenate([way[[0, -1]], np.interp(-kinks, -log_q, way)]))
-    counts = np.maximum(np.ceil(np.diff(ends) - 1e-6), 1).astype(int)
-    even = [np.linspace(a, b, n + 1) for a, b, n in zip(ends[:-1], ends[1:], counts, strict=True)]
-    return np.unique(np.interp(np.unique(np.concatenate(even)), way, log_m))
+    return np.unique(np.interp(divided(ends, 1.0, _SLACK), way, log_m))
 
 
 def _bands(spectrum: PowerSpectrum) -> tuple[FloatArray, FloatArray]:
     """ln q, falling, and ln(m/h_rms^2) of all waves above it, rising; from the first band on."""
     kinks = np.log(spectrum.wavenumber)
-    counts = np.maximum(np.ceil(np.diff(kinks) / _STEP - 1e-6), 1).astype(int)
-    even = [np.linspace(a, b, n + 1) for a, b, n in zip(kinks[:-1], kinks[1:], counts, strict=True)]
-    log_q = np.unique(np.concatenate([*even, kinks[-1] - np.geomspace(_CLOSEST, _STEP, 30)]))
+    even = divided(kinks, _STEP, _SLACK)
+    log_q = np.unique(np.concatenate([even, kinks[-1] - np.geomspace(_CLOSEST, _STEP, 30)]))
     log_q = log_q[log_q >= kinks[0]]
     q = np.exp(log_q)
     m = spectrum.height_variance_above(q) / spectrum.rms_height**2

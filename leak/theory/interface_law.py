@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leak.arrays import FloatArray
+from leak.arrays import FloatArray, as_arrays, check_each
 from leak.errors import LawError, positive
 from leak.numerics.curves import MonotoneCurve, shape_preserving_slopes
 
@@ -91,20 +91,16 @@ class TabulatedLaw:
     table_pressure: FloatArray
 
     def __post_init__(self) -> None:
-        try:
-            u = np.array(self.table_gap, dtype=float)
-            p = np.array(self.table_pressure, dtype=float)
-        except (TypeError, ValueError) as error:
-            raise LawError(f"gap and pressure must be arrays of numbers: {error}") from None
+        must = "gap and pressure must be arrays of numbers"
+        u, p = map(np.array, as_arrays(LawError, must, self.table_gap, self.table_pressure))
         if u.ndim != 1 or u.shape != p.shape or u.size < 2:
             raise LawError(
                 f"gap has shape {u.shape}, pressure {p.shape}: both need the same length, at least 2"
             )
         if not np.all(np.isfinite(u)):
             raise LawError(f"gap[{np.flatnonzero(~np.isfinite(u))[0]}] is not finite [m]")
-        bad = np.flatnonzero(~(np.isfinite(p) & (p > 0.0)))
-        if bad.size:
-            raise LawError(f"pressure[{bad[0]}] = {p[bad[0]]}: must be positive and finite [Pa]")
+        positive_ones = np.isfinite(p) & (p > 0.0)
+        check_each(LawError, "pressure", p, positive_ones, "must be positive and finite [Pa]")
         for name, unit, steps, word in (
             ("gap", "m", np.diff(u), "increase"),
             ("pressure", "Pa", -np.diff(np.log(p)), "decrease"),

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from leak.arrays import FloatArray
 from leak.errors import ProfileError, positive
 from leak.numerics.gauss import gauss
+from leak.numerics.roots import bisected
 
 _BISECTIONS = 28
 # A window in which the integrand stays above exp(-40) of its peak, cut into Gauss panels.
@@ -349,9 +350,5 @@ def _bisect(
     is_below: Callable[[FloatArray], NDArray[np.bool_]], low: FloatArray, high: FloatArray
 ) -> FloatArray:
     """Where `is_below` turns from true to false between `low` and `high`."""
-    low, high = low.copy(), high.copy()
-    for _ in range(_BISECTIONS):
-        middle = 0.5 * (low + high)
-        below = is_below(middle)
-        low, high = np.where(below, middle, low), np.where(below, high, middle)
+    low, high = bisected(is_below, low, high, _BISECTIONS)
     return 0.5 * (low + high)

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from leak.arrays import FloatArray
+from leak.numerics.curves import cell_cubics
 from leak.numerics.gauss import gauss
 
 # Both series converge here: images need exp(-1/t), eigenfunctions exp(-pi^2 t); at 0.3 the fourth of these is 1e-19 of
@@ -251,12 +252,8 @@ class PlasticRoughness:
         # Beyond the table only the slowest mode is left: exp(-pi^2 t).
         rest += (integrand[:, -1] / (T_END * np.pi**2))[:, None]
         # cubic Hermite in ln t: dR/dlnt = -t C_pl/C is known
-        left, right = rest[:, :-1], rest[:, 1:]
         slope = -step[:, None] * integrand[:, ::2]
-        at_left, at_right, fall = slope[:, :-1], slope[:, 1:], right - left
-        cubics = np.array(
-            [left, at_left, 3.0 * fall - 2.0 * at_left - at_right, at_left + at_right - 2.0 * fall]
-        )
+        cubics = cell_cubics(np.ones(1), rest.T, slope.T).swapaxes(1, 2)
         return cls(kappa, min(end, T_END / kappa), start, step, cubics.reshape(4, -1))
 
     @property
