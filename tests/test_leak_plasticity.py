@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from paper_surface import HARDNESS, E, spectrum, surface
 
 import leak
-from leak.theory.plasticity import PlasticRoughness, touching_area
+from leak.theory.plasticity import PlasticRoughness
 
 
 def stress_distribution(sigma: np.ndarray, s: float, t: float) -> np.ndarray:
@@ -164,10 +164,11 @@ def test_hardness_far_above_changes_nothing():
 
 
 def test_the_touching_area_is_elastic_and_plastic_area_together():
-    s, t = np.meshgrid([1e-9, 1e-3, 0.3, 0.7, 0.999, 1.0, 2.0], [1e-12, 1e-3, 0.29, 0.31, 3.0, 1e3])
-    parts = leak.area_fractions(s, t)
-    np.testing.assert_allclose(touching_area(s, t), parts.elastic + parts.plastic, rtol=1e-14, atol=0)
-    assert touching_area(0.2, 0.5).shape == ()
+    hard, p = surface(hardness=2e9), np.array([1e2, 1e6, 6e8, 1.4e9, 1.998e9, 2e9, 4e9])
+    for q in (None, hard.spectrum.q_low * 1.001, hard.spectrum.q_high):
+        together = np.asarray(hard.elastic_area(p, q)) + np.asarray(hard.plastic_area(p, q))
+        np.testing.assert_allclose(hard.contact_area(p, q), together, rtol=1e-14, atol=0)
+    assert isinstance(hard.contact_area(4e8), float)
 
 
 @settings(deadline=None, max_examples=200)

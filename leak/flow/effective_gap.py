@@ -11,7 +11,7 @@ from leak.flow.medium import DirectionalGap, anisotropic_medium, directional_med
 from leak.flow.rarefied import log_flow_factor
 from leak.numerics.roots import bisected
 from leak.surfaces.spectrum import PowerSpectrum
-from leak.theory.persson import ElasticRoughness, RoughnessSeen, separations
+from leak.theory.persson import ElasticRoughness, RoughnessSeen, moment_of_all, separations
 from leak.theory.separation import LostArea, SeparationGrid, density
 
 _GRID_POINTS = 256
@@ -139,7 +139,7 @@ def critical_gap(
     Fischer et al., "Fluid leakage in metallic seals", eq. (12) and the text above it.
     """
     target = relative_pressure**2 / (np.pi * area_argument_at(percolation_threshold) ** 2)
-    whole = seen.moment(np.full((target.size, 1), seen.end))[:, 0]
+    whole = moment_of_all(seen, target.size)
     M = _elastic_moment(seen, np.minimum(target, whole))
     found = separations(spectrum, seen, relative_pressure, M[:, None], gamma, refinement=2)
     return np.where(target < whole, found.lost[:, 0], 0.0)

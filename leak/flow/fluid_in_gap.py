@@ -5,7 +5,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property
 from math import exp, inf, log
 
 import numpy as np
@@ -18,7 +18,7 @@ from leak.flow.leak_rate import leak_flow
 from leak.flow.leak_result import LeakResult
 from leak.flow.permeant import LogConductivity, SigmaOfPressure, by_log_pressure
 from leak.fluids.pressure_law import FlowPotential, PressureLaw
-from leak.numerics.curves import spline_slopes
+from leak.numerics.curves import cell_cubics, spline_slopes
 from leak.numerics.roots import root_between
 
 # The outlet tail is left where p is this small a part of the pressure drop; p_f <= p there, so it is the error, too.
@@ -186,14 +186,13 @@ class _Path:
 
     def potential(self, log_Q: float, curve: ResistanceCurve) -> tuple[list[float], list[float]]:
         """psi(p_f) [Pa], which is p_f of a liquid that does not thicken, and ln(p - p_f) at the ends of the steps."""
-        rise_from = curve.rise if self.liquid is None else partial(curve.rise_of_potential, self.liquid)
-        y, guess = 0.0, curve.lowest
+        y, guess, liquid = 0.0, curve.lowest, self.liquid
         out, left = [y], [guess]
         weight = (1.0 - _STAGE) / _STAGE
         for (p1, p2), (length1, length2) in zip(self.pressures, self.log_lengths, strict=True):
-            rise, guess = rise_from(p1, y, log_Q + length1, guess)
+            rise, guess = curve.rise(p1, y, log_Q + length1, guess, liquid)
             y += weight * rise
-            rise, guess = rise_from(p2, y, log_Q + length2, guess)
+            rise, guess = curve.rise(p2, y, log_Q + length2, guess, liquid)
             y += rise
             out.append(y)
             left.append(guess)
@@ -429,70 +428,32 @@ class ResistanceCurve:
     @cached_property
     def _cubics(self) -> list[tuple[float, float, float, float]]:
         """Coefficients of the cubic in each cell over v less its lower node."""
-        h, d0, d1 = np.diff(self.nodes), np.array(self.slopes[:-1]), np.array(self.slopes[1:])
-        slope = np.diff(self.values) / h
-        c2, c3 = (3.0 * slope - 2.0 * d0 - d1) / h, (d0 + d1 - 2.0 * slope) / h**2
-        return list(zip(self.values[:-1], self.slopes[:-1], c2.tolist(), c3.tolist(), strict=True))
+        cubics = cell_cubics(np.diff(self.nodes), np.array(self.values), np.array(self.slopes))
+        return list(map(tuple, cubics.T.tolist()))
 
-    def rise(self, p: float, fluid: float, log_flow: float, guess: float) -> tuple[float, float]:
-        """Rise a/sigma(w) of the fluid pressure over a step, where w + a/sigma(w) = room = p - p_f, and ln w.
-
-        w is the pressure left for the asperities. Newton on ln(w + a/sigma(w)) = ln(room) in v = ln w, where the left
-        side rises and is convex: from above it converges without overshooting. No room: no contact, no rise.
-
-        Parameters
-        ----------
-        p, fluid : float
-            p, and p_f before the step [Pa].
-        log_flow : float
-            ln a, a = Q dx/(2 pi r).
-        guess : float
-            Near ln w.
-        """
-        room = p - fluid
-        if not room > 0.0:
-            return 0.0, guess
-        target = log(room)
-        top = min(target, self.highest)
-        v = min(guess, top)
-        for _ in range(_NEWTON_STEPS):
-            G, dG = self.at(v)
-            G += log_flow
-            larger = v if v > G else G
-            own, other = exp(v - larger), exp(G - larger)
-            total = own + other
-            step = (larger + log(total) - target) * total / (own + other * dG)
-            new = min(v - step, top)
-            # of the last step, which is tiny, the slope is enough
-            moved, G, v = abs(new - v), G + dG * (new - v), new
-            if moved < _NEWTON_CLOSE:
-                break
-        w = exp(v) if v > -700.0 else 0.0
-        if v == self.highest < target:
-            # So little flows that w stays at the last node, next to the sealing pressure.
-            return room - w, v
-        # Of two numbers that add up to `room` the smaller one is the accurate one.
-        return (exp(G) if v > G else room - w), v
-
-    def rise_of_potential(
-        self, liquid: _Thickening, p: float, psi: float, log_flow: float, guess: float
+    def rise(
+        self, p: float, psi: float, log_flow: float, guess: float, liquid: _Thickening | None = None
     ) -> tuple[float, float]:
-        """Rise a/sigma(w) of psi over a step, with w = p - p_f at its end, and ln w.
+        """Rise a/sigma(w) of psi over a step, and ln w, w = p - p_f at its end: the pressure left for the asperities.
 
-        Newton on ln[w + p_f(psi + a/sigma(w)) - p_f(psi)] = ln(room) in v = ln w, as in `rise`; p_f(psi) rises, so that
-        the left side does, and a step that leaves the bracket is halved.
+        Newton on ln[w + p_f(psi + a/sigma(w)) - p_f(psi)] = ln(room), room = p - p_f(psi), in v = ln w, where the left
+        side rises; a step that leaves the bracket is halved. Of a liquid that does not thicken the left side is convex,
+        too: from above Newton's method converges without overshooting. No room: no contact, no rise.
 
         Parameters
         ----------
-        liquid : _Thickening
         p : float
             [Pa]
         psi : float
             Before the step [Pa].
-        log_flow, guess
-            See `rise`.
+        log_flow : float
+            ln a, a = Q dx/(2 pi r).
+        guess : float
+            Near ln w.
+        liquid : _Thickening or None
+            None for a liquid that pressure does not change, psi = p_f.
         """
-        before, slope = liquid.at(psi)
+        before, slope = (psi, 1.0) if liquid is None else liquid.at(psi)
         room = p - before
         if not room > 0.0:
             return 0.0, guess
@@ -502,23 +463,27 @@ class ResistanceCurve:
         for _ in range(_NEWTON_STEPS):
             G, dG = self.at(v)
             rise = exp(min(G + log_flow, 600.0))
-            # of a small rise the difference of two pressures would be all round-off
-            after, steep = liquid.at(psi + rise)
-            lift = after - before if rise > 1e-6 * (psi + rise) else rise * slope
+            lift, steep = rise * slope, slope
+            if liquid is not None:
+                after, steep = liquid.at(psi + rise)
+                # of a small rise the difference of two pressures would be all round-off
+                lift = after - before if rise > 1e-6 * (psi + rise) else lift
             own = exp(v)
             excess = log(own + lift) - target
             low, high = (v, high) if excess < 0.0 else (low, v)
-            new = v - excess * (own + lift) / (own + steep * rise * dG)
+            new = min(v - excess * (own + lift) / (own + steep * rise * dG), top)
             if not low <= new <= high:
                 new = 0.5 * (low + high) if low > -inf else min(v - 1.0, top)
+            # of the last step, which is tiny, the slope is enough
             moved, G, v = abs(new - v), G + dG * (new - v), new
             if moved < _NEWTON_CLOSE:
                 break
         w = exp(v) if v > -700.0 else 0.0
         rise = exp(min(G + log_flow, 600.0))
-        # Of two numbers that add up to `room` the smaller one is the accurate one.
+        # So little flows that w stays at the last node, next to the sealing pressure; or of two numbers that add up to
+        # `room` the smaller one is the accurate one.
         if v == self.highest < target or rise * slope > w:
-            return liquid.potential(p - w) - psi, v
+            return (room - w if liquid is None else liquid.potential(p - w) - psi), v
         return rise, v
 
     def guess(

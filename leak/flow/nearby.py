@@ -185,14 +185,10 @@ class NearbyTables:
         within = None if self.within is None else elastic_range(self.surface, self.within, self.method)
         return replace(self, surface=self.surface.stand_in, within=within, _known_values={})
 
-    @property
+    @cached_property
     def _unlimited(self) -> NearbyTables:
         """With a known table up to the sealing pressure."""
-        return self if self.within is None else self._whole
-
-    @cached_property
-    def _whole(self) -> NearbyTables:
-        return replace(self, within=None)
+        return self if self.within is None else replace(self, within=None)
 
     @cached_property
     def _known(self) -> AnyTable:
@@ -234,14 +230,10 @@ class NearbyTables:
         gaps, log_R = zip(*(known[one] for one in places.tolist()), strict=True)
         return _Values(np.array(gaps), np.array(log_R))
 
-    @cached_property
-    def _kinked(self) -> bool:
-        """Whether spectra have so many kinks that few power laws stand for them."""
-        return self.surface.spectrum.break_moments.size > _PIECES
-
     def _at(self, surface: RoughContact, sealing: float, places: FloatArray) -> _Values:
         """What is interpolated, of all surfaces in the same way."""
-        few = replace(surface, spectrum=_few_power_laws(surface.spectrum)) if self._kinked else surface
+        many_kinks = self.surface.spectrum.break_moments.size > _PIECES
+        few = replace(surface, spectrum=_few_power_laws(surface.spectrum)) if many_kinks else surface
         p = sealing * np.exp(self._log_share(places))
         if not self.of_gas or self.method != "bruggeman":
             u = np.asarray(few.effective_separation(p, self.method, refinement=_DETAIL))

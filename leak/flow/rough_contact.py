@@ -38,6 +38,7 @@ from leak.theory.persson import (
     Separations,
     area_argument,
     low_pressure_law,
+    moment_of_all,
     relative_contact_area,
     separations,
 )
@@ -47,7 +48,6 @@ from leak.theory.plasticity import (
     area_fractions,
     remaining_fraction,
     remaining_moment,
-    touching_area,
 )
 from leak.theory.reading import READINGS, Reading
 from leak.theory.separation import LostArea, SeparationGrid, density, lost_area
@@ -336,7 +336,8 @@ class RoughContact:
         With a hardness it is the sum of `elastic_area` and `plastic_area`.
         """
         if self.hardness is not None:
-            return _scalar(touching_area(*self._yield_variables(pressure, wavenumber)))
+            parts = self._area_fractions(pressure, wavenumber)
+            return _scalar(parts.elastic + parts.plastic)
         p = _checked(pressure)
         return _scalar(relative_contact_area(p, self._slope_moment(wavenumber), self.effective_modulus))
 
@@ -383,16 +384,15 @@ class RoughContact:
         return _scalar(self._area_fractions(pressure, wavenumber).plastic)
 
     def _area_fractions(self, pressure: ArrayLike, wavenumber: ArrayLike | None) -> AreaFractions:
-        s, t = self._yield_variables(pressure, wavenumber)
-        return area_fractions(s, t)
+        return area_fractions(*self._yield_variables(pressure, wavenumber))
 
     def _yield_variables(
         self, pressure: ArrayLike, wavenumber: ArrayLike | None
     ) -> tuple[FloatArray, FloatArray]:
-        """s = p/sigma_P and t = G/sigma_P^2; without a hardness both are zero."""
-        sigma_P = np.inf if self.hardness is None else self.hardness
-        t = 0.25 * np.pi * (self.effective_modulus / sigma_P) ** 2 * self._slope_moment(wavenumber)
-        return _checked(pressure) / sigma_P, t
+        """s = p/sigma_P and t = G/sigma_P^2."""
+        assert self.hardness is not None  # of all who ask
+        t = 0.25 * np.pi * (self.effective_modulus / self.hardness) ** 2 * self._slope_moment(wavenumber)
+        return _checked(pressure) / self.hardness, t
 
     def _slope_moment(self, wavenumber: ArrayLike | None) -> FloatArray:
         return self.spectrum.slope_moment(self.spectrum.q_high if wavenumber is None else wavenumber)
@@ -623,7 +623,7 @@ class RoughContact:
     @cached_property
     def sealing_pressure(self) -> float:
         """Pressure from which A/A0 at full magnification exceeds the percolation threshold: nothing flows [Pa]."""
-        return self._sealing_pressure(self._sealing_argument("bruggeman"))
+        return self._sealing_pressure(area_argument_at(self.percolation_threshold))
 
     def sealing_pressure_by(self, method: str) -> float:
         """Pressure from which nothing flows, by a method of `effective_separation` [Pa].
@@ -633,12 +633,7 @@ class RoughContact:
         self._check_method(method)
         if method != "threshold-law":
             return self.sealing_pressure
-        return self._sealing_pressure(self._sealing_argument(method))
-
-    def _sealing_argument(self, method: str) -> float:
-        """The p/(2 sqrt(G)) at which no path is open."""
-        argument = percolation.argument_at if method == "threshold-law" else area_argument_at
-        return argument(self.percolation_threshold)
+        return self._sealing_pressure(percolation.argument_at(self.percolation_threshold))
 
     def _sealing_pressure(self, z: float) -> float:
         """Pressure at which p/(2 sqrt(G)) at full magnification is z [Pa]."""
@@ -764,7 +759,7 @@ class RoughContact:
         """Area lost and aspect of the inclusions of the effective medium, at acting pressures."""
         if self.peklenik == 1.0:
             return self._lost_area(p, seen, refinement), 1.0
-        touching = relative_contact_area(p, _remaining_moment(p, seen), self.effective_modulus)
+        touching = relative_contact_area(p, moment_of_all(seen, p.size), self.effective_modulus)
         share = touching / self.percolation_threshold
         more = self._touching_pressure(share)
         return self._lost_area(p * more, seen, refinement), lay.inclusion_aspect(self.peklenik, share)
@@ -783,7 +778,7 @@ class RoughContact:
     def _corrected_area(self, p: FloatArray, seen: RoughnessSeen) -> FloatArray:
         """Corrected A/A0 of the roughness that is seen, at acting pressures, shape (P,)."""
         return percolation.corrected_area(
-            area_argument(p / self.effective_modulus, _remaining_moment(p, seen))
+            area_argument(p / self.effective_modulus, moment_of_all(seen, p.size))
         )
 
     def _critical_separation(self, p: FloatArray, seen: RoughnessSeen) -> FloatArray:
@@ -820,8 +815,7 @@ def _sealing_by_equal_gap(surface: RoughContact, elastic: float) -> float:
     if surface.hardness is None:
         curve, unit = surface._equal_gap
         return math.exp(float(curve.inverse(np.array(math.log(elastic) - unit))) + unit)
-    most = math.inf if surface.hardness is None else surface.hardness
-    return surface._reaches(elastic, 0.0, min(_MOST_SEALING * elastic, most))
+    return surface._reaches(elastic, 0.0, min(_MOST_SEALING * elastic, surface.hardness))
 
 
 # Surfaces that differ in hardness alone have one elastic surface in common.
@@ -1125,11 +1119,6 @@ def _corrected_law(surface: RoughContact) -> RoughSurfaceLaw:
 def _toward(hardness: float) -> FloatArray:
     """ln p toward the hardness, where the gap closes ever faster: equal ratios of what is missing."""
     return np.log(hardness) + np.log1p(-np.exp(np.arange(-0.5, -7.0, -_LAW_SPACING)))
-
-
-def _remaining_moment(p: FloatArray, seen: RoughnessSeen) -> FloatArray:
-    """Slope moment of all the roughness that is seen, shape (P,) [-]."""
-    return seen.moment(np.full((p.size, 1), seen.end))[:, 0]
 
 
 def _checked(pressure: ArrayLike) -> FloatArray:

@@ -98,6 +98,11 @@ class ElasticRoughness:
         return self
 
 
+def moment_of_all(seen: RoughnessSeen, pressures: int) -> FloatArray:
+    """Slope moment of all the roughness that is seen at so many pressures, shape (pressures,) [-]."""
+    return seen.moment(np.full((pressures, 1), seen.end))[:, 0]
+
+
 # -------------------------------------------------------------------- contact area
 
 

@@ -90,16 +90,6 @@ def area_fractions(stress_ratio: ArrayLike, stress_variance: ArrayLike) -> AreaF
     return AreaFractions(elastic, plastic, lost)
 
 
-def touching_area(stress_ratio: ArrayLike, stress_variance: ArrayLike) -> FloatArray:
-    """Elastic and plastic contact area together, A/A0, for `area_fractions`' s and t."""
-    s, t = np.broadcast_arrays(
-        np.asarray(stress_ratio, dtype=float), np.asarray(stress_variance, dtype=float)
-    )
-    inside = s < 1.0
-    s_in = np.where(inside, s, 0.5)
-    return np.where(inside, _elastic_area(s_in, t) + _lost_area(s_in, 1.0 - s_in, t), 1.0)
-
-
 def remaining_fraction(stress_ratio: ArrayLike, stress_variance: ArrayLike) -> FloatArray:
     """C_pl/C = 1 - (A_pl/A_pl0)^6 with A_pl0/A0 = p/sigma_P, accurate where either side is tiny.
 

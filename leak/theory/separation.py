@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from leak.arrays import FloatArray
 from leak.numerics.gauss import gauss
 from leak.surfaces.spectrum import PowerSpectrum
-from leak.theory.persson import FULL_CONTACT, RoughnessSeen, area_argument, separations
+from leak.theory.persson import FULL_CONTACT, RoughnessSeen, area_argument, moment_of_all, separations
 
 # The first magnifications are taken in ln M, so that any small pressure is resolved: up to this step in ln q from
 # q_low, this fraction of the whole moment, and before anything yields.
@@ -53,18 +53,6 @@ class MagnificationNodes(NamedTuple):
     """Matrix that takes weighted values at the nodes to their integral from each node to the end."""
 
 
-class _Panels(NamedTuple):
-    """The part of the nodes that is the same for every pressure."""
-
-    first: float
-    """M where they begin."""
-    M: FloatArray
-    wavenumber: FloatArray
-    moment_weight: FloatArray
-    groups: tuple[slice, ...]
-    to_end: FloatArray
-
-
 class LostArea(NamedTuple):
     """Where contact is lost: the ingredients of P(u), arrays (pressures, magnifications)."""
 
@@ -87,9 +75,9 @@ def magnification_nodes(
     spectrum: PowerSpectrum, seen: RoughnessSeen, relative_pressure: FloatArray, *, refinement: float = 1.0
 ) -> MagnificationNodes:
     """Quadrature over magnification, from where the first contact is lost to where the last is."""
-    upper = _panels(spectrum, seen.last_loss, seen.kappa, refinement)
+    first, upper = _panels(spectrum, seen.last_loss, seen.kappa, refinement)
     # For pressures whose first loss lies above the first panel, the range of the p-dependent nodes is empty.
-    top = np.log(upper.first)
+    top = np.log(first)
     bottom = np.minimum(2.0 * np.log(relative_pressure) - np.log(np.pi * FULL_CONTACT**2), top)
     length = np.minimum(top - bottom, _FIRST_RANGE)
     t, w = gauss(round(_FIRST_NODES * refinement))
@@ -99,8 +87,8 @@ def magnification_nodes(
     weight = M * length[:, None] * (0.5 * _FIRST_PANELS[:, None] * w).ravel()
     q = np.exp(spectrum.at_slope_moment(M).log_wavenumber)
 
-    def both(first: FloatArray, second: FloatArray) -> FloatArray:
-        return np.concatenate([first, np.broadcast_to(second, (M.shape[0], second.size))], axis=1)
+    def both(lower: FloatArray, upper: FloatArray) -> FloatArray:
+        return np.concatenate([lower, np.broadcast_to(upper, (M.shape[0], upper.size))], axis=1)
 
     count = u.size
     groups = (slice(0, count), *(slice(g.start + count, g.stop + count) for g in upper.groups))
@@ -110,8 +98,10 @@ def magnification_nodes(
 
 
 @lru_cache(maxsize=16)
-def _panels(spectrum: PowerSpectrum, end: float, kappa: float, refinement: float) -> _Panels:
-    """Gauss panels from the first magnifications to `end`, split at the kinks of the spectrum."""
+def _panels(
+    spectrum: PowerSpectrum, end: float, kappa: float, refinement: float
+) -> tuple[float, MagnificationNodes]:
+    """Where the first magnifications end, and nodes from there to `end`, split at kinks: the same at every pressure."""
     breaks = spectrum.break_moments
     first = min(
         float(spectrum.slope_moment(spectrum.q_low * np.exp(_FIRST_STEP))),
@@ -131,7 +121,7 @@ def _panels(spectrum: PowerSpectrum, end: float, kappa: float, refinement: float
     to_end = _integral_to_end(
         [round(_FIRST_NODES * refinement)] * _FIRST_PANELS.size + sizes.tolist() if kappa else []
     )
-    return _Panels(first, M, q, weight, tuple(groups), to_end)
+    return first, MagnificationNodes(M, q, weight, tuple(groups), to_end)
 
 
 def _panel_ends(
@@ -232,10 +222,11 @@ def lost_area(
         variance = variance * lost**2 / np.maximum(variance + lost**2, 1e-300)
     from scipy.special import erf
 
-    end = seen.moment(np.full((relative_pressure.size, 1), seen.end))[:, 0]
     # At the end of the spectrum u1 and h vanish together; the floor keeps the Gaussian a function.
     width = np.maximum(np.sqrt(variance), _SMALLEST_WIDTH * spectrum.rms_height)
-    return LostArea(weight, lost, width, erf(area_argument(relative_pressure, end)))
+    return LostArea(
+        weight, lost, width, erf(area_argument(relative_pressure, moment_of_all(seen, len(weight))))
+    )
 
 
 def _height_variance_above(
