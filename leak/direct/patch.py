@@ -111,18 +111,7 @@ class Patch:
     @cached_property
     def held(self) -> PowerSpectrum:
         """The part of the spectrum that the patch holds."""
-        low, high = self.band
-        high = min(high, self.spectrum.q_high)
-        inside = (self.spectrum.wavenumber > low) & (self.spectrum.wavenumber < high)
-        q = np.concatenate([[low], self.spectrum.wavenumber[inside], [high]])
-        C = np.concatenate(
-            [
-                [float(self.spectrum(low))],
-                self.spectrum.density[inside],
-                [float(self.spectrum(high))],
-            ]
-        )
-        return PowerSpectrum(q, C)
+        return self.spectrum.between(*self.band)
 
     @property
     def height_cut(self) -> float:

@@ -127,9 +127,7 @@ class Strip:
         spectrum = self.spectrum
         if spectrum is None or spectrum.q_high <= self.q_high:
             return spectrum
-        inside = spectrum.wavenumber < self.q_high
-        q = np.append(spectrum.wavenumber[inside], self.q_high)
-        return PowerSpectrum(q, np.append(spectrum.density[inside], float(spectrum(self.q_high))))
+        return spectrum.between(0.0, self.q_high)
 
     def heights(self, seed: int) -> FloatArray:
         """Roughness of a sample, as of a piece cut out of an endless surface, shape (n, m) [m]."""

@@ -58,10 +58,6 @@ class MonotoneCurve:
             y += np.where(beyond < 0.0, self.slope[0], self.slope[-1]) * beyond
         return y
 
-    def derivative(self, x: FloatArray) -> FloatArray:
-        """dy/dx at x."""
-        return self.value_and_derivative(x)[1]
-
     def value_and_derivative(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
         """y and dy/dx at x."""
         x = np.asarray(x, dtype=float)

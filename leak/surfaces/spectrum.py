@@ -440,6 +440,27 @@ class PowerSpectrum:
             return None
         return np.searchsorted(self._slope_moment[1:-1], 0.5 * (breaks[1:] + breaks[:-1]), side="right")
 
+    def between(self, low: float, high: float) -> PowerSpectrum:
+        """The part of the spectrum between two wavenumbers, either of which may lie beyond its end.
+
+        Parameters
+        ----------
+        low, high : float
+            [1/m]
+
+        Examples
+        --------
+        >>> rough = PowerSpectrum.self_affine(rms_height=1e-6, hurst=0.8, q_low=1e4, q_rolloff=5e4, q_high=1e6)
+        >>> long_waves = rough.between(0.0, 1e5)
+        >>> long_waves.q_low, long_waves.q_high, long_waves.rms_height < rough.rms_height
+        (10000.0, 100000.0, True)
+        """
+        ends = np.array([max(low, self.q_low), min(high, self.q_high)])
+        inside = (self.wavenumber > ends[0]) & (self.wavenumber < ends[1])
+        q = np.concatenate([ends[:1], self.wavenumber[inside], ends[1:]])
+        C = np.asarray(self(ends))
+        return PowerSpectrum(q, np.concatenate([C[:1], self.density[inside], C[1:]]))
+
     def coarse(self, pieces: int) -> PowerSpectrum:
         """About so many power laws, each with the mean square height and slope of what it stands for.
 

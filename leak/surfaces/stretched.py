@@ -141,7 +141,8 @@ def stretched_roughness(along: PowerSpectrum, across: PowerSpectrum) -> Stretche
 
     limit = np.log(_MOST_STRETCHED)
     room = min(np.log(along.q_high / across.q_low), np.log(across.q_high / along.q_low)) - _LEAST_OVERLAP
-    if not room > 0.0 or _overlap(along, across, 0.0) < _LEAST_OVERLAP:
+    common = min(along.q_high, across.q_high) / max(along.q_low, across.q_low)
+    if not room > 0.0 or np.log(common) < _LEAST_OVERLAP:
         raise SpectrumError(
             f"along from {along.q_low:.4g} to {along.q_high:.4g} 1/m and across from {across.q_low:.4g} to "
             f"{across.q_high:.4g} 1/m: need a factor e of common wavenumbers"
@@ -164,12 +165,6 @@ def stretched_roughness(along: PowerSpectrum, across: PowerSpectrum) -> Stretche
     second = PowerSpectrum(across.wavenumber / root, across.density * gamma)
     average = stretched_spectrum(_joined(first, second), gamma)
     return StretchedRoughness(average, gamma, float(np.sqrt(error)))
-
-
-def _overlap(along: PowerSpectrum, across: PowerSpectrum, log_gamma: float) -> float:
-    gamma = np.exp(log_gamma)
-    low, high = max(along.q_low, across.q_low / gamma), min(along.q_high, across.q_high / gamma)
-    return float(np.log(high / low))
 
 
 def _mismatch(along: PowerSpectrum, across: PowerSpectrum, log_gamma: FloatArray) -> FloatArray:

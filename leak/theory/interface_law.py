@@ -125,7 +125,7 @@ class TabulatedLaw:
 
     def decay_length(self, log_pressure: ArrayLike) -> FloatArray:
         """-du/dlnp at ln(p/Pa) [m]."""
-        return -1.0 / self._curve.derivative(self.gap(log_pressure))
+        return -1.0 / self._curve.value_and_derivative(self.gap(log_pressure))[1]
 
     def pressure(self, gap: ArrayLike) -> FloatArray:
         """p at gap u [Pa]."""
