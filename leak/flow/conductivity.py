@@ -153,6 +153,11 @@ class ConductivityTable:
         return float((self.separation[0] - self.separation[1]) / np.log(self.pressure[1] / self.pressure[0]))
 
     @property
+    def liquid(self) -> ConductivityTable:
+        """Itself: what a `GasConductivityTable` has beside the rarefaction."""
+        return self
+
+    @property
     def _log_sealing(self) -> float:
         return math.log(self.sealing_pressure)
 
@@ -458,3 +463,6 @@ class GasConductivityTable:
             return log_R + log_f
 
         return log_flow
+
+
+AnyTable = ConductivityTable | GasConductivityTable

@@ -10,7 +10,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leak.arrays import FloatArray, different
-from leak.flow.conductivity import ConductivityTable, GasConductivityTable, logarithmic, table_abscissa
+from leak.flow.conductivity import (
+    AnyTable,
+    ConductivityTable,
+    GasConductivityTable,
+    logarithmic,
+    table_abscissa,
+)
 from leak.flow.memory import LoadMemory
 from leak.flow.rough_contact import RoughContact, asked_by, elastic_range, gas_conductivity_table
 from leak.numerics.curves import MonotoneCurve, cubic_spline_slopes, lagrange, spline_weights
@@ -47,8 +53,6 @@ _SPACING = 0.1
 _LOG_SHARES = np.concatenate(
     [np.linspace(-60.0, -4.0, 1001), np.log1p(-np.geomspace(1.0 - np.exp(-4.0), 1e-4, 4001))[1:]]
 )
-
-AnyTable = ConductivityTable | GasConductivityTable
 
 
 class _Values(NamedTuple):
@@ -138,7 +142,7 @@ class NearbyTables:
         if number < _FEWEST:
             return self._scaled(surface, sealing)
         places, ours, theirs = places[:number], ours.first(number), theirs.first(number)
-        liquid = _liquid(self._known)
+        liquid = self._known.liquid
         log_sealing = np.log(liquid.sealing_pressure)
         x = np.log(liquid.pressure) - log_sealing
         inside = int(np.count_nonzero(self._abscissa(x) < places[-1] - 1e-3))
@@ -167,7 +171,7 @@ class NearbyTables:
 
     def _scaled(self, surface: RoughContact, sealing: float) -> AnyTable:
         """The known table at equal p/p_seal: of contacts that all seal, to less than a molecule, it says so as well."""
-        known = _liquid(self._known)
+        known = self._known.liquid
         found = known.scaled(
             _length(surface) / _length(self.surface), sealing / known.sealing_pressure, LoadMemory(surface)
         )
@@ -175,9 +179,7 @@ class NearbyTables:
 
     def _by_stand_in(self, surface: RoughContact, stand_in: RoughContact, highest: FloatArray) -> AnyTable:
         """That of the surface that stands in for this one, asked at the pressures that act."""
-        found = self._stand_in.table(stand_in, surface.acting_pressure(highest))
-        liquid = asked_by(surface, _liquid(found))
-        return replace(found, liquid=liquid) if isinstance(found, GasConductivityTable) else liquid
+        return asked_by(surface, self._stand_in.table(stand_in, surface.acting_pressure(highest)))
 
     @cached_property
     def _stand_in(self) -> NearbyTables:
@@ -318,10 +320,6 @@ def height_ratio(surface: RoughContact, other: RoughContact) -> float | None:
     if like != other or np.abs(ratio / ratio[0] - 1.0).max() > _SAME:
         return None
     return float(np.sqrt(ratio[0]))
-
-
-def _liquid(table: AnyTable) -> ConductivityTable:
-    return table.liquid if isinstance(table, GasConductivityTable) else table
 
 
 def _length(surface: RoughContact) -> float:

@@ -14,7 +14,7 @@ from leak.arrays import FloatArray
 from leak.errors import ConductivityError, SurfaceError, positive
 from leak.flow import conductivity as flow
 from leak.flow import lay, medium, percolation
-from leak.flow.conductivity import ConductivityTable, GasConductivityTable
+from leak.flow.conductivity import AnyTable, ConductivityTable, GasConductivityTable
 from leak.flow.effective_gap import (
     area_argument_at,
     critical_gap,
@@ -686,14 +686,7 @@ class RoughContact:
         method : {"bruggeman", "critical-junction", "threshold-law"}
             See `effective_separation`.
         """
-        low = positive(ConductivityError, "p_min", p_min, "Pa")
-        high = positive(ConductivityError, "p_max", p_max, "Pa")
-        if not low < high:
-            raise ConductivityError(f"p_min = {p_min} and p_max = {p_max}: p_min must be below p_max [Pa]")
-        if num is not None and (int(num) != num or num < 8):
-            raise ConductivityError(f"num = {num}: must be a whole number, at least 8")
-        self._check_method(method)
-        return _conductivity_table(self, low, high, None if num is None else int(num), method)
+        return _conductivity_table(self, *_checked_range(p_min, p_max, num), method).liquid
 
     # ---------------------------------------------------------------- inside
 
@@ -957,28 +950,70 @@ def _allowed(values: FloatArray) -> FloatArray:
     return allowed
 
 
-@lru_cache(maxsize=32)
+def _checked_range(p_min: float, p_max: float, num: int | None) -> tuple[float, float, int | None]:
+    low = positive(ConductivityError, "p_min", p_min, "Pa")
+    high = positive(ConductivityError, "p_max", p_max, "Pa")
+    if not low < high:
+        raise ConductivityError(f"p_min = {p_min} and p_max = {p_max}: p_min must be below p_max [Pa]")
+    if num is not None and (int(num) != num or num < 8):
+        raise ConductivityError(f"num = {num}: must be a whole number, at least 8")
+    return low, high, None if num is None else int(num)
+
+
+@lru_cache(maxsize=64)
 def _conductivity_table(
-    surface: RoughContact, p_min: float, p_max: float, num: int | None, method: str
-) -> ConductivityTable:
-    within = _Range.of(surface, p_min, p_max, method)
-    if surface.theory == "corrected" and surface.stand_in is not None:
+    surface: RoughContact, p_min: float, p_max: float, num: int | None, method: str, of_gas: bool = False
+) -> AnyTable:
+    within, stand_in = _Range.of(surface, p_min, p_max, method), surface.stand_in
+    if stand_in is not None and surface.theory == "corrected":
         ends = _elastic_ends(surface, within)
-        return asked_by(surface, surface.stand_in.conductivity_table(*ends, num, method))
-    separation = _separation_of(surface, within, method)
-    return _tabulated(surface, within, p_max, num, lambda p: separation(p)[:, None])[0]
+        return asked_by(surface, _conductivity_table(stand_in, *ends, num, method, of_gas))
+    # ln R with u_eff, or afterwards where u_eff is positive
+    with_rarefaction = of_gas and (method == "bruggeman" if stand_in is None else num is None)
+    values = _values_of(surface, within, method, with_rarefaction)
+    liquid, log_R = _tabulated(surface, within, p_max, num, values)
+    if not of_gas:
+        return liquid
+    if not with_rarefaction:
+        log_R = _log_rarefaction(surface, liquid.pressure, method)
+    if not np.all(np.isfinite(log_R)):
+        raise ConductivityError(
+            f"p_max = {p_max}: too close to the sealing pressure {liquid.sealing_pressure} [Pa]"
+        )
+    return GasConductivityTable(liquid, log_R, _LOG_D)
 
 
-def asked_by(surface: RoughContact, table: ConductivityTable) -> ConductivityTable:
+def _values_of(
+    surface: RoughContact, within: _Range, method: str, of_gas: bool
+) -> Callable[[FloatArray], FloatArray]:
+    """u_eff and, of a gas, ln R over pressure, as a table is to be made of them, shape (n, 1 + m)."""
+    if surface.stand_in is None:
+        if of_gas:
+            return lambda p: np.column_stack(surface.rarefied_separation(p, _LOG_D))
+        return lambda p: np.asarray(surface.effective_separation(p, method))[:, None]
+    elastic = _conductivity_table(surface.stand_in, *_elastic_ends(surface, within), None, method, of_gas)
+
+    def values(p: FloatArray) -> FloatArray:
+        log_p = np.log(surface.acting_pressure(p))
+        u = elastic.at_log_pressure(log_p)[:, None]
+        if not isinstance(elastic, GasConductivityTable):
+            return u
+        return np.column_stack([u, elastic.log_rarefaction_at(log_p[:, None])(_LOG_D)])
+
+    return values
+
+
+def asked_by(surface: RoughContact, table: AnyTable) -> AnyTable:
     """Table of the surface that stands in for another one, asked at the nominal pressures of that one.
 
     Parameters
     ----------
     surface : RoughContact
         The other one.
-    table : ConductivityTable
+    table : ConductivityTable or GasConductivityTable
     """
-    return replace(table, memory=LoadMemory(surface), acting=surface.log_acting_pressure)
+    liquid = replace(table.liquid, memory=LoadMemory(surface), acting=surface.log_acting_pressure)
+    return replace(table, liquid=liquid) if isinstance(table, GasConductivityTable) else liquid
 
 
 def _tabulated(
@@ -1022,14 +1057,6 @@ def _tabulated(
         pressure[flows], found[flows, 0], within.sealing_pressure, p_max, within.method, LoadMemory(surface)
     )
     return table, found[flows, 1:]
-
-
-def _separation_of(surface: RoughContact, within: _Range, method: str) -> Callable[[FloatArray], FloatArray]:
-    """u_eff over pressure, as the table is to be made of it."""
-    if surface.stand_in is None:
-        return lambda p: np.asarray(surface.effective_separation(p, method))
-    elastic = surface.stand_in.conductivity_table(*_elastic_ends(surface, within), method=method)
-    return lambda p: np.asarray(elastic.effective_separation(surface.acting_pressure(p)))
 
 
 def elastic_range(
@@ -1169,49 +1196,9 @@ def gas_conductivity_table(
     >>> len(table.liquid.pressure) >= 8
     True
     """
-    return _table(surface, float(p_min), float(p_max), None if num is None else int(num), method)
-
-
-@lru_cache(maxsize=32)
-def _table(
-    surface: RoughContact, p_min: float, p_max: float, num: int | None, method: str
-) -> GasConductivityTable:
-    if surface.theory == "corrected" and surface.stand_in is not None:
-        ends = elastic_range(surface, (p_min, p_max), method)
-        elastic = gas_conductivity_table(surface.stand_in, *ends, num, method)
-        return replace(elastic, liquid=asked_by(surface, elastic.liquid))
-    if surface.stand_in is not None and num is None:
-        liquid, log_R = _of_stand_in(surface, surface.stand_in, p_min, p_max, method)
-    elif method == "bruggeman" and surface.stand_in is None:
-        within = _Range.of(surface, p_min, p_max, method)
-
-        def values(p: FloatArray) -> FloatArray:
-            return np.column_stack(surface.rarefied_separation(p, _LOG_D))
-
-        liquid, log_R = _tabulated(surface, within, p_max, num, values)
-    else:
-        liquid = surface.conductivity_table(p_min, p_max, num, method)
-        log_R = _log_rarefaction(surface, liquid.pressure, method)
-    if not np.all(np.isfinite(log_R)):
-        raise ConductivityError(
-            f"p_max = {p_max}: too close to the sealing pressure {liquid.sealing_pressure} [Pa]"
-        )
-    return GasConductivityTable(liquid, log_R, _LOG_D)
-
-
-def _of_stand_in(
-    surface: RoughContact, stand_in: RoughContact, p_min: float, p_max: float, method: str
-) -> tuple[ConductivityTable, FloatArray]:
-    """Table of u_eff, and ln R there: those of another surface at other pressures."""
-    within = _Range.of(surface, p_min, p_max, method)
-    elastic = gas_conductivity_table(stand_in, *_elastic_ends(surface, within), method=method)
-
-    def values(p: FloatArray) -> FloatArray:
-        log_p = np.log(surface.acting_pressure(p))
-        log_R = elastic.log_rarefaction_at(log_p[:, None])(_LOG_D)
-        return np.column_stack([elastic.at_log_pressure(log_p), log_R])
-
-    return _tabulated(surface, within, p_max, None, values)
+    found = _conductivity_table(surface, *_checked_range(p_min, p_max, num), method, of_gas=True)
+    assert isinstance(found, GasConductivityTable)
+    return found
 
 
 def _log_rarefaction(surface: RoughContact, pressure: FloatArray, method: str) -> FloatArray:

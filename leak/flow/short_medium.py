@@ -19,11 +19,10 @@ import numpy as np
 
 from leak.arrays import FloatArray
 from leak.errors import ConductivityError
-from leak.flow.conductivity import AlikeTables, ConductivityTable, GasConductivityTable
+from leak.flow.conductivity import AlikeTables, AnyTable, ConductivityTable, GasConductivityTable
 from leak.flow.contact_profile import ContactProfile, checked_profile
 from leak.flow.effective_gap import area_argument_at
 from leak.flow.medium import dimension_number
-from leak.flow.nearby import AnyTable
 from leak.flow.rough_contact import RoughContact
 from leak.numerics.curves import lagrange
 from leak.numerics.roots import root_of_rising
@@ -208,7 +207,7 @@ def in_profile(surface: RoughContact, table: AnyTable, profile: ContactProfile, 
     radius : float
         Distance from the axis, of which a contact's width is a small part [m].
     """
-    liquid = table.liquid if isinstance(table, GasConductivityTable) else table
+    liquid = table.liquid
     if surface.theory == "paper" or liquid.method != "bruggeman":
         return table
     log_p, weight, _ = profile.quadrature
