@@ -91,20 +91,8 @@ _FCI_SHARES = (("IV", 1e-4), ("III", 1e-3), ("II", 5e-3))
 _FCI_V_LIQUID = 5e-12 / (1e-3 * 1e5)
 _FCI_V_GAS = 4.7e-6 / _MINUTE / _INCH
 # Class VI: nominal seat diameter [mm], air [ml/min].
-_FCI_VI = (
-    (25.0, 0.15),
-    (38.0, 0.30),
-    (51.0, 0.45),
-    (64.0, 0.60),
-    (76.0, 0.90),
-    (102.0, 1.70),
-    (152.0, 4.00),
-    (203.0, 6.75),
-    (250.0, 11.1),
-    (300.0, 16.0),
-    (350.0, 21.6),
-    (400.0, 28.4),
-)
+_FCI_VI_SIZES = (25.0, 38.0, 51.0, 64.0, 76.0, 102.0, 152.0, 203.0, 250.0, 300.0, 350.0, 400.0)
+_FCI_VI_RATES = (0.15, 0.30, 0.45, 0.60, 0.90, 1.70, 4.00, 6.75, 11.1, 16.0, 21.6, 28.4)
 # A row holds for diameters that differ by no more from its own [mm].
 _FCI_VI_NEAR = 2.0 + 1e-9
 
@@ -397,18 +385,8 @@ _DN = (
     6, 8, 10, 15, 20, 25, 32, 40, 50, 65, 80, 100, 125, 150, 200, 250, 300, 350, 400, 450, 500, 600, 700, 800,
 )  # fmt: skip
 # NPS [inch] to DN where it is not 25 mm to the inch.
-_NPS = {
-    0.125: 6.0,
-    0.25: 8.0,
-    0.375: 10.0,
-    0.5: 15.0,
-    0.75: 20.0,
-    1.25: 32.0,
-    1.5: 40.0,
-    2.5: 65.0,
-    3.0: 80.0,
-    3.5: 90.0,
-}
+_INCHES = (0.125, 0.25, 0.375, 0.5, 0.75, 1.25, 1.5, 2.5, 3.0, 3.5)
+_NPS = dict(zip(_INCHES, (6.0, 8.0, 10.0, 15.0, 20.0, 32.0, 40.0, 65.0, 80.0, 90.0), strict=True))
 
 
 def _tightest(limits: list[LeakageLimit], lowest: float, highest: float) -> LeakageClass:
@@ -450,7 +428,7 @@ def _fci_limits(
 
 def _class_six(bore: float) -> float | None:
     """Bore in mm."""
-    rates = dict(_FCI_VI)
+    rates = dict(zip(_FCI_VI_SIZES, _FCI_VI_RATES, strict=True))
     nearest = min(rates, key=lambda size: abs(size - bore))
     if abs(nearest - bore) <= _FCI_VI_NEAR or bore < min(rates):
         return rates[nearest] * 1e-6 / _MINUTE

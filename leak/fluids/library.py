@@ -202,6 +202,15 @@ _OIL = (
 )
 _CRC = "CRC Handbook of Chemistry and Physics, 97th ed., viscosity of liquids at 0 to 100 degC"
 
+
+def _hydraulic_oil(grade: int, hot: float) -> _LiquidEntry:
+    """Of a class ISO VG, with its kinematic viscosity at 100 degC [mm^2/s]."""
+    name, points = f"hydraulic oil ISO VG {grade}", ((40.0, grade), (100.0, hot))
+    return _petroleum(
+        name, points, 870.0, 0.65, 253.15, 393.15, _OIL, bulk_modulus=1.65e9, highest_pressure=3e8
+    )
+
+
 LIQUID_ENTRIES = (
     _LiquidEntry(
         "water",
@@ -213,28 +222,8 @@ LIQUID_ENTRIES = (
         "Data 20, 97 (1975); under pressure: viscosity IAPWS R12-08, density IAPWS R7-97(2012), region 1",
         lambda T, viscosity: water_law(T),
     ),
-    _petroleum(
-        "hydraulic oil ISO VG 32",
-        ((40.0, 32.0), (100.0, 5.362)),
-        870.0,
-        0.65,
-        253.15,
-        393.15,
-        _OIL,
-        bulk_modulus=1.65e9,
-        highest_pressure=3e8,
-    ),
-    _petroleum(
-        "hydraulic oil ISO VG 46",
-        ((40.0, 46.0), (100.0, 6.762)),
-        870.0,
-        0.65,
-        253.15,
-        393.15,
-        _OIL,
-        bulk_modulus=1.65e9,
-        highest_pressure=3e8,
-    ),
+    _hydraulic_oil(32, 5.362),
+    _hydraulic_oil(46, 6.762),
     _petroleum(
         "diesel",
         ((40.0, 3.0), (100.0, 1.281)),
@@ -551,21 +540,8 @@ def heat_capacity_ratio(name: str) -> float | None:
     return None if heat_capacity is None else heat_capacity / (heat_capacity - GAS_CONSTANT)
 
 
-# What the optional package CoolProp calls the entries that it has, too.
-_COOLPROP = MappingProxyType(
-    {
-        "water": "Water",
-        "ethanol": "Ethanol",
-        "helium": "Helium",
-        "hydrogen": "Hydrogen",
-        "nitrogen": "Nitrogen",
-        "oxygen": "Oxygen",
-        "argon": "Argon",
-        "air": "Air",
-        "methane": "Methane",
-        "carbon dioxide": "CarbonDioxide",
-    }
-)
+# The optional package CoolProp has these entries, too.
+_IN_COOLPROP = frozenset(GASES) | {"water", "ethanol"}
 
 
 def coolprop_name(name: str) -> str | None:
@@ -581,8 +557,7 @@ def coolprop_name(name: str) -> str | None:
     >>> coolprop_name("hydrogen")
     'CoolProp:Hydrogen'
     """
-    found = _COOLPROP.get(name)
-    return None if found is None else f"CoolProp:{found}"
+    return f"CoolProp:{name.title().replace(' ', '')}" if name in _IN_COOLPROP else None
 
 
 def _elsewhere(name: str) -> str:
