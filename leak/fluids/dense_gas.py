@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
 
-from leak.fluids.properties import Gas
+from leak.fluids.library import CRITICAL
+from leak.fluids.properties import GAS_CONSTANT, Gas
 from leak.fluids.real_gas import RealGas
 
 
@@ -24,23 +24,6 @@ class Critical(NamedTuple):
     """Molar [m^3/mol]."""
 
 
-# B. E. Poling, J. M. Prausnitz, J. P. O'Connell, The Properties of Gases and Liquids, 5th ed., App. A; helium and
-# hydrogen with the effective constants that J. M. Prausnitz gives to quantum gases at room temperature.
-CRITICAL = MappingProxyType(
-    {
-        "helium": Critical(10.47, 6.76e5, 0.0, 37.5e-6),
-        "hydrogen": Critical(43.6, 20.5e5, 0.0, 51.5e-6),
-        "nitrogen": Critical(126.2, 33.98e5, 0.037, 90.1e-6),
-        "oxygen": Critical(154.58, 50.43e5, 0.022, 73.4e-6),
-        "argon": Critical(150.86, 48.98e5, -0.002, 74.57e-6),
-        "air": Critical(132.5, 37.7e5, 0.035, 87.5e-6),
-        "methane": Critical(190.56, 45.99e5, 0.011, 98.6e-6),
-        "carbon dioxide": Critical(304.12, 73.74e5, 0.225, 94.07e-6),
-    }
-)
-"""Gas of the library -> its critical constants, read-only."""
-
-_R = 8.314462618
 _PRESSURES = 61
 
 
@@ -68,12 +51,13 @@ def estimated_real_gas(gas: Gas, highest: float) -> RealGas | None:
     >>> f"{float(real.factor(7e7)):.1f}"
     '1.5'
     """
-    critical = CRITICAL.get(gas.name)
-    if critical is None:
+    if gas.name not in CRITICAL:
         return None
+    temperature, pressure, acentric, volume = CRITICAL[gas.name]
+    critical = Critical(temperature, pressure * 1e5, acentric, volume * 1e-6)
     pressures = np.linspace(0.0, highest, _PRESSURES)
     Z = np.array([_peng_robinson(critical, gas.temperature, p) for p in pressures])
-    reduced = pressures * critical.volume / (Z * _R * gas.temperature)
+    reduced = pressures * critical.volume / (Z * GAS_CONSTANT * gas.temperature)
     ratios = 1.0 + _dense_viscosity(critical, gas.molar_mass, reduced) / gas.viscosity
     return RealGas(tuple(pressures.tolist()), tuple(Z.tolist()), tuple(ratios.tolist()))
 

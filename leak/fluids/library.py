@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
+from importlib.resources import files
 from importlib.util import find_spec
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
@@ -18,6 +21,9 @@ from leak.fluids.water import water_law
 
 ROOM_TEMPERATURE = 293.15
 """20 degC [K]."""
+
+_DATA = tomllib.loads(files("leak.fluids").joinpath("library.toml").read_text(encoding="utf-8"))
+_SOURCES: dict[str, str] = _DATA["sources"]
 
 
 def known_name(name: str, library: Collection[str], synonyms: Mapping[str, str]) -> str:
@@ -160,125 +166,35 @@ def _glycol_law(T: float, viscosity: float) -> PressureLaw:
     return Barus(2.5e-9, Tait.of_bulk_modulus(2.8e9), 1.2e8, 0.4)
 
 
-_THICKENS = (
-    "under pressure: law of C. J. A. Roelands et al., J. Basic Eng. 85, 601 (1963), Z = 0.67 + 0.047 (mPa s/eta0)^2 "
-    "between the typical mineral oil of C. H. Venner, A. A. Lubrecht, Multilevel Methods in Lubrication (2000), "
-    "22/GPa at 40 mPa s, and decane and dodecane, M. L. Huber, A. Laesecke, H. W. Xiang, Fluid Phase Equilib. 224, "
-    "263 (2004); 15 % of the logarithm uncertain"
-)
-_DYMOND = "J. H. Dymond, R. Malhotra, Int. J. Thermophys. 9, 941 (1988)"
-
 # -------------------------------------------------------------------- the library
 
 
-def _petroleum(
-    name: str,
-    points: tuple[tuple[float, float], tuple[float, float]],
-    density_at_15: float,
-    slope: float,
-    low: float,
-    high: float,
-    source: str,
-    *,
-    bulk_modulus: float,
-    highest_pressure: float,
-) -> _LiquidEntry:
-    """Points: (degC, mm^2/s)."""
-    first, second = ((t + 273.15, nu * 1e-6) for t, nu in points)
-    density = _thermal_expansion(density_at_15, slope)
-
-    def viscosity(T: float) -> float:
-        return walther(T, first, second) * density(T)
-
-    modulus = f"density by the Tait equation of {_DYMOND}, typical bulk modulus {bulk_modulus / 1e9:g} GPa at 20 degC"
-    law = _petroleum_law(bulk_modulus, highest_pressure)
-    return _LiquidEntry(name, viscosity, density, low, high, f"{source}; {_THICKENS}; {modulus}", law)
-
-
-_OIL = (
-    "ISO 3448: kinematic viscosity at 40 degC, the midpoint of the class, tolerance 10 %; at 100 degC that of "
-    "viscosity index 100 (ISO 2909), typical of mineral hydraulic oil; ASTM D341 between; density of a typical "
-    "mineral oil, 870 kg/m^3 at 15 degC less 0.65 kg/m^3 per kelvin"
-)
-_CRC = "CRC Handbook of Chemistry and Physics, 97th ed., viscosity of liquids at 0 to 100 degC"
+def _liquid_entry(name: str, data: Mapping[str, Any]) -> _LiquidEntry:
+    """Entry of the library from its table in library.toml."""
+    low, high = data["temperature"]
+    source = data["source"].format(**_SOURCES)
+    if "kinematic_viscosity" in data:
+        first, second = ((t + 273.15, nu * 1e-6) for t, nu in data["kinematic_viscosity"])
+        density, modulus = _thermal_expansion(*data["density"]), data["bulk_modulus"]
+        source += (
+            f"; {_SOURCES['thickens']}; density by the Tait equation of {_SOURCES['dymond']}, typical bulk modulus "
+            f"{modulus / 1e9:g} GPa at 20 degC"
+        )
+        law = _petroleum_law(modulus, data["highest_pressure"])
+        return _LiquidEntry(
+            name, lambda T: walther(T, first, second) * density(T), density, low, high, source, law
+        )
+    if name == "water":
+        return _LiquidEntry(
+            name, _water_viscosity, _water_density, low, high, source, lambda T, viscosity: water_law(T)
+        )
+    known = "log_viscosity" in data
+    viscosity = _exponential(*data["log_viscosity"]) if known else _interpolated(data["viscosity"])
+    law_of = {"glycol/water 50/50": _glycol_law, "ethanol": _ethanol_law}.get(name)
+    return _LiquidEntry(name, viscosity, _polynomial(*data["density"]), low, high, source, law_of)
 
 
-def _hydraulic_oil(grade: int, hot: float) -> _LiquidEntry:
-    """Of a class ISO VG, with its kinematic viscosity at 100 degC [mm^2/s]."""
-    name, points = f"hydraulic oil ISO VG {grade}", ((40.0, grade), (100.0, hot))
-    return _petroleum(
-        name, points, 870.0, 0.65, 253.15, 393.15, _OIL, bulk_modulus=1.65e9, highest_pressure=3e8
-    )
-
-
-LIQUID_ENTRIES = (
-    _LiquidEntry(
-        "water",
-        _water_viscosity,
-        _water_density,
-        253.15,
-        383.15,
-        "viscosity: IAPWS SR6-08(2011), liquid water at 0.1 MPa, uncertainty 1 %; density: G. S. Kell, J. Chem. Eng. "
-        "Data 20, 97 (1975); under pressure: viscosity IAPWS R12-08, density IAPWS R7-97(2012), region 1",
-        lambda T, viscosity: water_law(T),
-    ),
-    _hydraulic_oil(32, 5.362),
-    _hydraulic_oil(46, 6.762),
-    _petroleum(
-        "diesel",
-        ((40.0, 3.0), (100.0, 1.281)),
-        833.0,
-        0.70,
-        258.15,
-        373.15,
-        "typical of EN 590, which allows 2.0 to 4.5 mm^2/s at 40 degC and 820 to 845 kg/m^3 at 15 degC; fall of the "
-        "viscosity with temperature: that of cetane, ASTM D341",
-        bulk_modulus=1.35e9,
-        highest_pressure=2e8,
-    ),
-    _petroleum(
-        "kerosene",
-        ((-20.0, 4.1), (40.0, 1.282)),
-        799.0,
-        0.73,
-        233.15,
-        373.15,
-        "typical certificate of Jet A-1, whose specification (Def Stan 91-091) allows up to 8 mm^2/s at -20 degC and "
-        "775 to 840 kg/m^3 at 15 degC; fall of the viscosity with temperature: that of dodecane, ASTM D341",
-        bulk_modulus=1.2e9,
-        highest_pressure=2e8,
-    ),
-    _LiquidEntry(
-        "glycol/water 50/50",
-        _exponential(-5.60125889, -3.26511829e-2, 2.51412728e-4, -1.31742016e-6),
-        _polynomial(1064.928663, -0.5323217, -2.241185e-03, 6.876436e-06),
-        243.15,
-        373.15,
-        "ethylene glycol and water, equal masses without inhibitors: A. Melinder, Properties of Secondary Working "
-        "Fluids for Indirect Systems, IIR (2010); under pressure: estimate of 2.5/GPa, 40 % uncertain, between water "
-        "and the glycol, with the nearly linear rise up to 1200 bar that Y. Tanaka et al., Int. J. Thermophys. 9, 511 "
-        f"(1988), measured at 25 and 50 degC; density by the Tait equation of {_DYMOND}, bulk modulus 2.8 GPa",
-        _glycol_law,
-    ),
-    _LiquidEntry(
-        "ethanol",
-        _interpolated(((0.0, 1.786), (25.0, 1.074), (50.0, 0.694), (75.0, 0.476))),
-        _polynomial(789.3, -0.85),
-        273.15,
-        348.15,
-        f"{_CRC}; density 789.3 kg/m^3 at 20 degC; under pressure: fitted with Roelands' law and the Tait equation to "
-        "S. B. Kiselev et al., Ind. Eng. Chem. Res. 44, 6916 (2005), and its equation of state in CoolProp",
-        _ethanol_law,
-    ),
-    _LiquidEntry(
-        "ethylene glycol",
-        _interpolated(((25.0, 16.1), (50.0, 6.554), (75.0, 3.340), (100.0, 1.975))),
-        _polynomial(1113.5, -0.70),
-        283.15,
-        373.15,
-        f"{_CRC}; density 1113.5 kg/m^3 at 20 degC",
-    ),
-)
+LIQUID_ENTRIES = tuple(_liquid_entry(name, data) for name, data in _DATA["liquids"].items())
 
 
 FLUIDS = MappingProxyType({entry.name: entry.at(ROOM_TEMPERATURE) for entry in LIQUID_ENTRIES})
@@ -306,85 +222,28 @@ class _GasEntry:
         return Gas(self.name, self.molar_mass, float(viscosity), T, self.source, self.dilute_pressure)
 
 
-# Collision integral of Lemmon & Jacobsen (2004).
-_LEMMON = (0.431, -0.4623, 0.08406, 0.005341, -0.00331)
-_AIR_PAPER = (
-    "E. W. Lemmon, R. T Jacobsen, Int. J. Thermophys. 25, 21 (2004), dilute gas, uncertainty 1 to 2 %"
-)
-_DILUTE = "; molar mass: IUPAC 2021"
+# Collision integral of Lemmon & Jacobsen (2004), and where it holds [K].
+_LEMMON, _LEMMON_RANGE = (0.431, -0.4623, 0.08406, 0.005341, -0.00331), (200.0, 1000.0)
 
 
-def _chapman_enskog(
-    name: str, molar_mass: float, diameter: float, energy: float, dilute_pressure: float, source: str
-) -> _GasEntry:
-    """Molar mass in g/mol, diameter in nm, energy over k in K, as in the papers."""
-    scale = 0.0266958e-6 * np.sqrt(molar_mass) / diameter**2
+def _gas_entry(name: str, data: Mapping[str, Any]) -> _GasEntry:
+    """Entry of the library from its table in library.toml; of Chapman and Enskog where a diameter is known."""
+    scale = data.get("scale")
+    if scale is None:
+        scale = 0.0266958 * np.sqrt(data["molar_mass"]) / data["diameter"] ** 2
     return _GasEntry(
         name,
-        molar_mass * 1e-3,
-        float(scale),
-        energy,
-        _LEMMON,
-        200.0,
-        1000.0,
-        dilute_pressure,
-        source + _DILUTE,
+        data["molar_mass"] / 1e3,
+        float(scale) * 1e-6,
+        data["energy"],
+        tuple(data.get("collision", _LEMMON)),
+        *data.get("temperature", _LEMMON_RANGE),
+        data["dilute_pressure"] * 1e5,
+        data["source"].format(**_SOURCES),
     )
 
 
-GAS_ENTRIES = (
-    _GasEntry(
-        "helium",
-        4.002602e-3,
-        19.825e-6 / np.sqrt(298.15),
-        298.15,
-        # eta ~ T^0.69
-        (0.0, -0.19),
-        200.0,
-        600.0,
-        100e5,
-        "J. J. Hurly, J. B. Mehl, J. Res. NIST 112, 75 (2007), 19.825 uPa s at 298.15 K from first principles; "
-        "eta ~ T^0.69 holds to 0.6 % from 200 to 600 K" + _DILUTE,
-    ),
-    _GasEntry(
-        "hydrogen",
-        2.01588e-3,
-        0.021357e-6 * np.sqrt(2.01588) / 0.297**2,
-        30.41,
-        (2.0963e-1, -4.55274e-1, 1.43602e-1, -3.35325e-2, 2.76981e-3),
-        200.0,
-        1000.0,
-        80e5,
-        "C. D. Muzny, M. L. Huber, A. F. Kazakov, J. Chem. Eng. Data 58, 969 (2013), dilute-gas viscosity, "
-        "uncertainty 2 %" + _DILUTE,
-    ),
-    _chapman_enskog("nitrogen", 28.0134, 0.3656, 98.94, 50e5, _AIR_PAPER),
-    _chapman_enskog("oxygen", 31.9988, 0.3428, 118.5, 44e5, _AIR_PAPER),
-    _chapman_enskog("argon", 39.948, 0.335, 143.2, 48e5, _AIR_PAPER),
-    _chapman_enskog("air", 28.9586, 0.360, 103.3, 49e5, _AIR_PAPER + "; dry air"),
-    _chapman_enskog(
-        "methane",
-        16.0428,
-        0.3758,
-        148.6,
-        27e5,
-        "Lennard-Jones parameters of R. A. Svehla, NASA TR R-132 (1962), in B. E. Poling et al., The Properties of "
-        "Gases and Liquids, 5th ed., App. B; collision integral of Lemmon & Jacobsen (2004); within 1 % of the "
-        "reference correlation from 200 to 600 K",
-    ),
-    _GasEntry(
-        "carbon dioxide",
-        44.0095e-3,
-        1.00697e-6,
-        251.196,
-        (0.235156, -0.491266, 5.211155e-2, 5.347906e-2, -1.537102e-2),
-        220.0,
-        1000.0,
-        9e5,
-        "A. Fenghour, W. A. Wakeham, V. Vesovic, J. Phys. Chem. Ref. Data 27, 31 (1998), dilute-gas viscosity, "
-        "uncertainty 0.3 % near 300 K" + _DILUTE,
-    ),
-)
+GAS_ENTRIES = tuple(_gas_entry(name, data) for name, data in _DATA["gases"].items())
 
 
 GASES = MappingProxyType({entry.name: entry.at(ROOM_TEMPERATURE) for entry in GAS_ENTRIES})
@@ -394,12 +253,7 @@ GASES = MappingProxyType({entry.name: entry.at(ROOM_TEMPERATURE) for entry in GA
 # -------------------------------------------------------------------- by name
 
 _LIQUIDS = {entry.name: entry for entry in LIQUID_ENTRIES}
-_SYNONYMS = {
-    "iso vg 32": "hydraulic oil ISO VG 32",
-    "iso vg 46": "hydraulic oil ISO VG 46",
-    "jet a-1": "kerosene",
-    "glycol/water": "glycol/water 50/50",
-}
+_SYNONYMS = {word: name for name, data in _DATA["liquids"].items() for word in data.get("synonyms", ())}
 
 
 def liquid(name: str, temperature: float = ROOM_TEMPERATURE) -> Liquid:
@@ -443,15 +297,7 @@ def is_liquid(name: str) -> bool:
 
 
 _GASES = {entry.name: entry for entry in GAS_ENTRIES}
-_SHORT = {
-    "he": "helium",
-    "h2": "hydrogen",
-    "n2": "nitrogen",
-    "o2": "oxygen",
-    "ar": "argon",
-    "ch4": "methane",
-    "co2": "carbon dioxide",
-}
+_SHORT = {word: name for name, data in _DATA["gases"].items() for word in data.get("synonyms", ())}
 
 
 def gas(name: str, temperature: float = ROOM_TEMPERATURE) -> Gas:
@@ -496,26 +342,10 @@ def is_gas(name: str) -> bool:
 
 # -------------------------------------------------------------------- what else is known
 
-_MONATOMIC = 2.5 * GAS_CONSTANT
-_NITROGEN, _OXYGEN = 29.124, 29.376
-
-HEAT_CAPACITIES = MappingProxyType(
-    {
-        "helium": _MONATOMIC,
-        "argon": _MONATOMIC,
-        "hydrogen": 28.836,
-        "nitrogen": _NITROGEN,
-        "oxygen": _OXYGEN,
-        # dry air by volume
-        "air": 0.78084 * _NITROGEN + 0.20946 * _OXYGEN + 0.0097 * _MONATOMIC,
-        "methane": 35.639,
-        "carbon dioxide": 37.129,
-    }
-)
-"""Name of a gas -> molar heat capacity at constant pressure of the ideal gas at 25 degC [J/(mol K)], read-only.
-
-NIST-JANAF Thermochemical Tables, 4th ed. (1998).
-"""
+CRITICAL = MappingProxyType({name: tuple(data["critical"]) for name, data in _DATA["gases"].items()})
+"""Name of a gas -> critical temperature [K], pressure [bar], acentric factor [-] and molar volume [cm^3/mol]."""
+HEAT_CAPACITIES = MappingProxyType({name: data["heat_capacity"] for name, data in _DATA["gases"].items()})
+"""Name of a gas -> molar heat capacity at constant pressure of the ideal gas at 25 degC [J/(mol K)], read-only."""
 
 
 def heat_capacity_ratio(name: str) -> float | None:
@@ -568,27 +398,7 @@ def _elsewhere(name: str) -> str:
     return f'; "{other}" of the optional package CoolProp{there} knows more'
 
 
-# Kinetic diameters: D. W. Breck, Zeolite Molecular Sieves, Wiley (1974), table 8.1 (air: nitrogen's).
-# Oils and fuels pass where their chains do sideways: the kinetic diameter of normal butane and longer paraffins.
-_PARAFFIN = 0.43e-9
-_WATER = 0.265e-9
-
-MOLECULAR_SIZES = MappingProxyType(
-    {
-        "helium": 0.26e-9,
-        "hydrogen": 0.289e-9,
-        "nitrogen": 0.364e-9,
-        "air": 0.364e-9,
-        "oxygen": 0.346e-9,
-        "argon": 0.34e-9,
-        "carbon dioxide": 0.33e-9,
-        "methane": 0.38e-9,
-        "water": _WATER,
-        "oil": _PARAFFIN,
-        "diesel": _PARAFFIN,
-        "kerosene": _PARAFFIN,
-    }
-)
+MOLECULAR_SIZES = MappingProxyType({word: size * 1e-9 for word, size in _DATA["molecular_sizes"].items()})
 """Word in a fluid's name -> smallest channel that it passes [m], read-only."""
 
 
