@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -57,7 +58,14 @@ def load(
         gap=np.zeros(3),
         turning=turning,
         fields={name: field(name) for name in ("closure", "seat")} | {body.name: body for body in bodies},
-        model=SimpleNamespace(closure=None, seat=None),
+        model=SimpleNamespace(
+            closure=None,
+            seat=None,
+            touch_radius=0.014,
+            touch_normal_z=0.7,
+            relative_radius=0.02,
+            lines=(SimpleNamespace(x=_X, bend=np.zeros(3)),),
+        ),
         stays_below=lambda name, stress: False,
     )
     found: Any = LoadResult(fluid_pressure, applied_force, contact)  # type: ignore[arg-type]
@@ -74,11 +82,7 @@ def judged(
     relative_radius: float = 0.02,
 ) -> list[Caution]:
     """The cautions of one kind about these loads of a case, a ball on a cone unless given."""
-    model: Any = SimpleNamespace(
-        touch_radius=0.014,
-        touch_normal_z=0.7,
-        relative_radius=relative_radius,
-        lines=(SimpleNamespace(x=_X, bend=np.zeros(3)),),
-    )
-    found = load_cautions(SealProblem.of(of or case()), model, loads, surface)
+    for one in loads:
+        one.contact.model.relative_radius = relative_radius
+    found = load_cautions(replace(SealProblem.of(of or case()), surface=surface), loads)
     return [caution for caution in found if caution.kind == kind]

@@ -108,7 +108,10 @@ def rough_result() -> SealResult:
 def judged_anew(result: SealResult) -> SealResult:
     """A result whose case or loads were changed, judged as a run does."""
     found = VERDICT.compute(result, Inquiry(Mock(), Mock(), answers=dict(result.answers)))
-    return replace(result.answered(verdict=found), loads=tuple(VERDICT.told(result.loads, found)))  # type: ignore[arg-type]
+    return replace(
+        result.answered(verdict=found),
+        loads=tuple(VERDICT.of_load(load, n, found) for n, load in enumerate(result.loads)),
+    )  # type: ignore[arg-type]
 
 
 def single_case() -> Case:

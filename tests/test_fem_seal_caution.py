@@ -164,7 +164,7 @@ def test_a_coarse_mesh_makes_all_loads_doubtful(soft_result):
     from fem_seal.seal.load_result import DiscretisationError
 
     result, coarse = rough_result(), DiscretisationError(0.01, 0.0, 0.0, None)
-    found = load_validity(result.problem, result.loads[0], result.surface, coarse)
+    found = load_validity(result.problem, result.loads[0].knowing(mesh_error=coarse))
     assert found.level is Level.DOUBTFUL and found.reasons == ("estimated discretisation error 1 %",)
     assert found.without("mesh") == VALID
 
@@ -177,7 +177,7 @@ def test_a_force_for_the_target_that_is_outside_the_theory_says_nothing_of_its_l
     assert found.validity == VALID
     assert any("at the force for the target leak rate" in one for one in result.warnings)
     contact = LoadResult(found.fluid_pressure, 0.0, found.contact, found.rough)
-    assert not warnings.target_validity(result.problem, result.surface, contact).outside
+    assert not warnings.target_validity(result.problem, contact).outside
 
 
 # ---------------------------------------------------------------- numbers that agree
@@ -225,7 +225,7 @@ def test_a_mesh_error_that_is_not_known_is_no_clean_bill():
     from fem_seal.seal.load_result import DiscretisationError
 
     result, unknown = rough_result(), DiscretisationError(math.nan, math.nan, math.nan, None)
-    found = load_validity(result.problem, result.loads[0], result.surface, unknown)
+    found = load_validity(result.problem, result.loads[0].knowing(mesh_error=unknown))
     assert found.reasons == ("discretisation error not estimated",)
 
 
@@ -314,11 +314,7 @@ def test_next_to_the_percolation_threshold_no_more_leaks_than_where_direct_resul
     (load,) = result.loads
     rough = replace(load.rough, make=lambda flow, surface: flow.table_around(surface, [math.log10(peak)]))
     given = GivenLoad(2e6, 0.0, GivenContact(profile), rough)
-    (found,) = (
-        one
-        for one in profile_validity(result.problem, result.surface, given).cautions
-        if one.kind == "few channels"
-    )
+    (found,) = (one for one in profile_validity(result.problem, given).cautions if one.kind == "few channels")
     assert "orders of magnitude" in found.reason and found.leak_factor.low == 0.0
     # the bound holds what the theory is off by there
     limit = float(np.interp(0.39, result.surface.contact_area(p := np.linspace(0.8, 1.0, 200) * peak), p))

@@ -71,9 +71,7 @@ def of_mesh(peak: float, fwhm: float, std: float, leak_rate: float):
 def all_words(result) -> str:
     """What is said of a result, sentences and tables."""
     case, load = result.case, result.highest
-    cautions = contact_cautions(
-        result.problem, result.model, result.loads, result.discretisation_error, result.surface
-    )
+    cautions = contact_cautions(result.problem, result.loads)
     drawn = surface_picture(result, load)
     assert drawn is not None
     return "\n".join(

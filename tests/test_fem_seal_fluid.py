@@ -357,7 +357,7 @@ def test_a_turbulent_load_is_told_before_one_of_more_inertia(monkeypatch):
     wide, turbulent = (LoadResult(drop, 0.0, profile) for drop in (1e5, 2e5))
     numbers = {id(wide): (1500.0, 3.0), id(turbulent): (2500.0, 2.0)}
     monkeypatch.setattr(fluid_warnings, "_of_liquid", lambda flow, load: numbers[id(load)])
-    (found,) = fluid_warnings._liquid_inertia(SimpleNamespace(fluid="water"), [wide, turbulent])
+    (found,) = fluid_warnings._inertia(SimpleNamespace(fluid="water", gas=None), [wide, turbulent])
     assert found.level is Level.OUTSIDE and "at 2 bar" in found.text
 
 
@@ -369,13 +369,13 @@ def test_inertia_says_how_much_less_may_leak(monkeypatch, acceleration, reduced,
     load = LoadResult(1e5, 0.0, SimpleNamespace(profile=None))
     of_gas = GasInertia(100.0, 0.3, acceleration), reduced
     monkeypatch.setattr(fluid_warnings, "_inertia_of", lambda flow, load: of_gas)
-    found = fluid_warnings._fastest(SimpleNamespace(), [load], [(load, load)])
+    found = fluid_warnings._fastest_gas(SimpleNamespace(), [load], [(load, load)], end=False)
     assert found.leak_factor == (pytest.approx(least), 1.0) and found.leak_error == pytest.approx(1 - least)
-    end = fluid_warnings._fastest(SimpleNamespace(), [load], [(load, load)], end=True)
+    end = fluid_warnings._fastest_gas(SimpleNamespace(), [load], [(load, load)], end=True)
     assert end.leak_factor == (1.0, 1.0)
     if reduced > 1:
         monkeypatch.setattr(fluid_warnings, "_of_liquid", lambda flow, load: (500.0, reduced))
-        (found,) = fluid_warnings._liquid_inertia(SimpleNamespace(fluid="water"), [load])
+        (found,) = fluid_warnings._inertia(SimpleNamespace(fluid="water", gas=None), [load])
         assert found.leak_factor == (pytest.approx(1 / (1 + 0.1 * reduced)), 1.0)
 
 

@@ -16,7 +16,6 @@ from sample_results import SPECTRUM, STEEL, case, cone
 import fem_seal
 import leak
 from fem_seal.answers.accuracy import NOT_ESTIMATED
-from fem_seal.answers.findings import validity_after
 from fem_seal.answers.profile_leak import leak_of_profiles
 from fem_seal.answers.target import contacts_at_target
 from fem_seal.contact.load_path import ElastoplasticContact
@@ -167,15 +166,15 @@ def test_a_body_that_would_have_yielded_under_the_earlier_load_is_doubtful_at_ev
     assert found.earlier is not None and problem.loads.earlier is not None
     now = list(load_validity(problem, LoadResult(*problem.loads.points[0], found.contacts[0])).cautions)
     assert not [one for one in now if one.kind == "yield stress"]
-    (caution,) = earlier_cautions(problem, LoadResult(*problem.loads.earlier, found.earlier))
+    (caution,) = earlier_cautions(problem, found.earlier)
     assert caution.kind == "yield stress"
     assert caution.reason.startswith("largest earlier load: seat: von Mises stress")
     assert _judged(problem, found, [caution]).level == caution.level
 
 
 def _judged(problem: SealProblem, found: Any, before: list[Caution]) -> Validity:
-    load = LoadResult(*problem.loads.points[0], found.contacts[0])
-    return validity_after(problem, load, NOT_ESTIMATED, tuple(before))
+    load = LoadResult(*problem.loads.points[0], found.contacts[0], mesh_error=NOT_ESTIMATED)
+    return load_validity(problem, load, before)
 
 
 def test_a_zero_that_an_earlier_load_has_left_is_as_doubtful_as_its_own() -> None:
@@ -186,7 +185,7 @@ def test_a_zero_that_an_earlier_load_has_left_is_as_doubtful_as_its_own() -> Non
     assert load.leak is not None
     assert load.leak.leak_rate == 0.0
     assert load.contact.profile.peak_pressure < 0.1 * problem.hardness
-    validity = load_validity(problem, load, problem.surface)
+    validity = load_validity(problem, load)
     assert validity.level.name in ("DOUBTFUL", "OUTSIDE")
     assert any(reason.startswith("largest pressure before") for reason in validity.reasons)
     assert any(reason.startswith("sealed by the percolation threshold") for reason in validity.reasons)

@@ -214,11 +214,7 @@ def test_checks_of_the_interface_are_part_of_a_run():
         rms_height=0.1e-6, hurst=0.8, q_low=1e6, q_rolloff=1e6, q_high=1e8
     )
     surface = replace(result.surface, spectrum=spectrum)
-    found = warnings.contact_cautions(
-        result.problem, result.model, result.loads, result.discretisation_error, surface
-    )
+    found = warnings.contact_cautions(replace(result.problem, surface=surface), result.loads)
     assert any("too short a wave" in one.text for one in found)
-    own = warnings.contact_cautions(
-        result.problem, result.model, result.loads, result.discretisation_error, result.surface
-    )
+    own = warnings.contact_cautions(result.problem, result.loads)
     assert set(result.warnings) <= {caution.text for caution in own}

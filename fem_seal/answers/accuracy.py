@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import TYPE_CHECKING
 
-from fem_seal.answers.answer import Answer, Inquiry, Loads
+from fem_seal.answers.answer import Answer, Inquiry
 from fem_seal.bodies.supports import Supports
 from fem_seal.contact.model import ContactModel
 from fem_seal.contact.plastic_step import PlasticSettings
@@ -231,17 +231,19 @@ class Accuracy:
 def _compute(seal: SolvedSeal, ask: Inquiry) -> Accuracy:
     # the bodies on coarser elements are gone when this is done
     sizing, strongest = seal.seal_mesh.sizing, strongest_load(seal.loads)
-    with ask.step("error", "estimating the discretisation error"):
+    with ask.clock.step("error", "estimating the discretisation error"):
         coarser = on_coarser_mesh(seal.problem, sizing, strongest)
         estimate = partial(discretisation_error, seal.loads[strongest].contact, coarser, sizing)
         error = ask.steps.compute(ACCURACY.what, estimate, NOT_ESTIMATED)
-    with ask.step("far field", "comparing sizes and supports far from the contact"):
+    with ask.clock.step("far field", "comparing sizes and supports far from the contact"):
         far = ask.steps.compute("influence of the far field", partial(far_field, coarser), ())
     return Accuracy(error, far)
 
 
-def _told(loads: Loads, found: Accuracy) -> Loads:
-    return [load.knowing(mesh_error=found.error) for load in loads]
-
-
-ACCURACY = Answer[Accuracy]("accuracy", "discretisation error", _compute, Accuracy(), told=_told)
+ACCURACY = Answer[Accuracy](
+    "accuracy",
+    "discretisation error",
+    _compute,
+    Accuracy(),
+    of_load=lambda load, number, found: load.knowing(mesh_error=found.error),
+)

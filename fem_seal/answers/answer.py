@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import nullcontext
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, Generic, TypeVar, overload
@@ -14,7 +14,6 @@ from fem_seal.seal.optional_steps import OptionalSteps
 from fem_seal.seal.solved_seal import SolvedSeal
 
 T = TypeVar("T")
-Loads = Sequence[LoadResult]
 
 
 @dataclass(frozen=True)
@@ -56,14 +55,6 @@ class Inquiry:
     steps: OptionalSteps = field(default_factory=OptionalSteps)
     answers: dict[str, Any] = field(default_factory=dict)
 
-    def step(self, name: str, text: str = "") -> AbstractContextManager[None]:
-        """Time what happens inside under a name, and tell in words what is being done."""
-        return self.clock.step(name, text)
-
-
-def _unchanged(loads: Loads, found: object) -> Loads:
-    return loads
-
 
 @dataclass(frozen=True)
 class Answer(Generic[T]):
@@ -83,10 +74,10 @@ class Answer(Generic[T]):
         The answer where it does not apply or fails.
     applies : callable
         Whether it is asked of a solved seal; always unless given.
-    told : callable
-        Gives the loads with what the answer knows of each of them; the same loads unless given.
+    of_load : callable
+        Gives a load, of a number, with what the answer knows of it; the same load unless given.
     doing : str
-        Told while it is computed, and then it is timed; empty where `compute` sees to that with `Inquiry.step`.
+        Told while it is computed, and then it is timed; empty where `compute` sees to that with `Inquiry.clock`.
     clock : str
         Name of its time; `name` unless given.
     """
@@ -96,7 +87,7 @@ class Answer(Generic[T]):
     compute: Callable[[SolvedSeal, Inquiry], T]
     otherwise: T
     applies: Callable[[SolvedSeal, Wanted], bool] = lambda seal, wanted: True
-    told: Callable[[Loads, T], Loads] = _unchanged
+    of_load: Callable[[LoadResult, int, T], LoadResult] = lambda load, number, found: load
     doing: str = ""
     clock: str = ""
 
@@ -110,7 +101,7 @@ class Answer(Generic[T]):
         """
         if not self.applies(seal, ask.wanted):
             return self.otherwise
-        with ask.step(self.clock or self.name, self.doing) if self.doing else nullcontext():
+        with ask.clock.step(self.clock or self.name, self.doing) if self.doing else nullcontext():
             return ask.steps.compute(self.what, partial(self.compute, seal, ask), self.otherwise)
 
     def of(self, answers: Mapping[str, Any]) -> T:
@@ -143,5 +134,5 @@ def answered(seal: Seal, ask: Inquiry, answers: Sequence[Answer[Any]]) -> Seal:
     """
     for one in answers:
         ask.answers[one.name] = found = one.found(seal, ask)
-        seal = seal.with_loads(one.told(seal.loads, found))
+        seal = seal.with_loads([one.of_load(load, n, found) for n, load in enumerate(seal.loads)])
     return seal

@@ -15,6 +15,7 @@ from fem_seal.errors import InputError
 from fem_seal.former_names import former_attribute
 from fem_seal.loads import blow_off_of_sealed_area, contact_force, expected_force, line_load
 from fem_seal.seal.problem import LARGEST_TURNING, TURNED, SealProblem
+from fem_seal.validity.words import sentence
 from leak import (
     CrossoverLine,
     GaussianLine,
@@ -180,20 +181,13 @@ def closed_form_limits(case: Case, derived: Derived) -> str:
         if law is not None and load.crossover is not None:
             there = float(law.decay_length(np.array([math.log(closed.peak_pressure)]))[0])
             if there < (1 - _STIFFER) * load.crossover.u0:
-                return (
-                    f"from {load.fluid_pressure / 1e5:.6g} bar on, p(u) of this surface is not exponential: its decay "
-                    f"length falls from {1e6 * load.crossover.u0:.3g} um at low pressure to {1e6 * there:.3g} um at "
-                    "the peak. The crossover uses the former; the calculated contact is narrower and its peak higher"
-                )
+                lengths = {"low": 1e6 * load.crossover.u0, "peak": 1e6 * there}
+                return sentence("closed_forms", "stiffer", bar=load.fluid_pressure / 1e5, **lengths)
         # Beyond two standard deviations there is a twentieth of the load; Hertz's contact ends there.
         inside = case.contact.breaks[np.abs(case.contact.breaks) < 2 * closed.std]
         if len(inside):
             nearest = 1e6 * float(np.abs(inside).min())
-            return (
-                f"from {load.fluid_pressure / 1e5:.6g} bar on, the contact is wider than the stretch over which the "
-                f"faces keep the curvature of first touch ({nearest:.3g} um to one side of it): the closed forms "
-                "(Hertz, crossover) do not hold there, and the calculated peak differs from theirs"
-            )
+            return sentence("closed_forms", "breaks", bar=load.fluid_pressure / 1e5, nearest=nearest)
     return ""
 
 
@@ -208,13 +202,8 @@ def strain_limit(derived: Derived) -> str:
         closed = load.crossover or load.hertz
         turned = 0.0 if closed is None else 2 * closed.peak_pressure / derived.effective_modulus
         if turned > TURNED:
-            return (
-                f"from {load.fluid_pressure / 1e5:.6g} bar on, the closed forms expect a contact that turns the faces "
-                f"against each other by {turned:.2g} rad (half-width over radius of relative curvature); the theory is "
-                f"for small strains, doubtful above {TURNED:g} and without meaning above {LARGEST_TURNING:g}. A run "
-                "calculates such a load and says how far it turned the faces; a smaller load, a larger edge radius or "
-                "stiffer materials turn them less"
-            )
+            bar, limits = load.fluid_pressure / 1e5, {"limit": TURNED, "largest": LARGEST_TURNING}
+            return sentence("closed_forms", "strain", bar=bar, turned=turned, **limits)
     return ""
 
 
@@ -226,12 +215,8 @@ def nearly_open(derived: Derived) -> str:
     derived : Derived
     """
     carried = [load.fluid_pressure / 1e5 for load in derived.loads if math.isnan(load.contact_force)]
-    if not carried:
-        return ""
-    return (
-        f"at {', '.join(f'{pressure:.6g}' for pressure in carried)} bar the fluid on the sealed area balances the "
-        "applied force, or nearly so: the seal is open or close to opening, and only a run can tell"
-    )
+    bars = ", ".join(f"{pressure:.6g}" for pressure in carried)
+    return sentence("closed_forms", "nearly_open", bars=bars) if carried else ""
 
 
 def _stiffening_law(problem: SealProblem) -> InterfaceLaw | None:

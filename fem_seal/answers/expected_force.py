@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
+from fem_seal.case.words import problem as case_problem
 from fem_seal.errors import InputError
 from fem_seal.loads import contact_force
 from fem_seal.seal.problem import SealProblem, largest_force
@@ -48,23 +50,14 @@ def expected_contact_force(flow: SealFlow, fluid_pressure: float, target: float)
         ahead = min(at + step, highest)
         if excess(ahead) * step <= 0:
             return math.exp(root_between(excess, at, ahead, xtol=1e-3))
+        bar = fluid_pressure / 1e5
         if ahead == highest:
             least = flow.leak(flow.expected_profile(math.exp(highest)), fluid_pressure).leak_rate
-            raise target_problem(
-                problem,
-                f"even a contact force of {briefly('force', largest_force(problem))}, the largest for small "
-                "strains, leaves "
-                f"{quantity('flow', least)} at {fluid_pressure / 1e5:.4g} bar; give a larger target or a "
-                "smoother surface",
-                target,
-            )
+            force = briefly("force", largest_force(problem))
+            values = {"force": force, "leaves": quantity("flow", least), "bar": bar}
+            raise target_problem(problem, "target_too_small", target, **values)
         if ahead < highest + math.log(_LEAST):
-            raise target_problem(
-                problem,
-                f"at {fluid_pressure / 1e5:.4g} bar even an almost unloaded contact leaks less than this; any force "
-                "that closes the seal meets the target",
-                target,
-            )
+            raise target_problem(problem, "target_always_met", target, bar=bar)
         at = ahead
 
 
@@ -92,7 +85,18 @@ def log_excess(leak_rate: float, target: float) -> float:
     return math.log(min(max(leak_rate / target, 1 / _FARTHEST), _FARTHEST))
 
 
-def target_problem(problem: SealProblem, message: str, target: float | None) -> InputError:
-    """What is wrong with a target leak rate."""
+def target_problem(problem: SealProblem, name: str, target: float | None, **values: object) -> InputError:
+    """What is wrong with a target leak rate, in the words of templates/problems.toml.
+
+    Parameters
+    ----------
+    problem : SealProblem
+    name : str
+    target : float or None
+        [m^3/s]
+    **values
+        What the words have in braces.
+    """
+    wrong = case_problem(name, **values)
     shown = None if target is None else given("flow", target)
-    return InputError.at("load.target_leak_rate", message, shown, file=problem.file)
+    return InputError(replace(wrong, value=shown), file=problem.file)

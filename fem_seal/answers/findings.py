@@ -5,20 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING
 
-from fem_seal.answers.accuracy import ACCURACY
-from fem_seal.answers.answer import Answer, Inquiry, Loads
+from fem_seal.answers.answer import Answer, Inquiry
 from fem_seal.answers.target import TARGET
 from fem_seal.seal.findings import NOT_JUDGED, Caution, Validity, worst_first
-from fem_seal.seal.load_result import DiscretisationError, LoadResult, highest_load
+from fem_seal.seal.load_result import LoadResult, highest_load
 from fem_seal.seal.solved_seal import SolvedSeal
 from fem_seal.units import given
 from fem_seal.validity.checks import contact_cautions, earlier_cautions, load_validity
-
-if TYPE_CHECKING:
-    from fem_seal.contact.solution import ContactSolution
-    from fem_seal.seal.problem import SealProblem
 
 
 @dataclass(frozen=True)
@@ -42,16 +36,14 @@ class Findings:
 
 
 def _compute(seal: SolvedSeal, ask: Inquiry) -> Findings:
-    problem, error, target = seal.problem, ACCURACY.of(ask.answers).error, TARGET.of(ask.answers)
-    compute = ask.steps.compute
-    check = partial(contact_cautions, problem, seal.model, seal.loads, error, problem.surface)
-    checks = compute("checks of what the theory allows", check, ())
-    find = partial(of_earlier, problem, seal.earlier, error)
+    problem, target, compute = seal.problem, TARGET.of(ask.answers), ask.steps.compute
+    checks = compute("checks of what the theory allows", partial(contact_cautions, problem, seal.loads), ())
+    find = partial(earlier_cautions, problem, seal.earlier, seal.loads[0].mesh_error)
     before = compute("checks of the largest earlier load", find, ())
     validity = [
         compute(
             f"validity at {given('fluid pressure', load.fluid_pressure)}",
-            partial(validity_after, problem, load, error, before),
+            partial(load_validity, problem, load, before),
             NOT_JUDGED,
         )
         for load in seal.loads
@@ -59,16 +51,14 @@ def _compute(seal: SolvedSeal, ask: Inquiry) -> Findings:
     asked = () if target is None else target.remarks
     others = compute(
         "validity by the other theory",
-        partial(_of_other_theories, seal, error, before),
+        partial(_of_other_theories, seal, before),
         ({},) * len(seal.loads),
     )
     cautions = tuple(worst_first((*seal.left_out, *checks, *before, *asked)))
     return Findings(tuple(validity), cautions, others)
 
 
-def _of_other_theories(
-    seal: SolvedSeal, error: DiscretisationError, before: tuple[Caution, ...]
-) -> tuple[Mapping[str, Validity], ...]:
+def _of_other_theories(seal: SolvedSeal, before: tuple[Caution, ...]) -> tuple[Mapping[str, Validity], ...]:
     """Of the loads whose interval by another theory is told: the highest, and those that are judged."""
     highest, required = highest_load(seal.loads), seal.case.requirement
     told = [
@@ -78,7 +68,7 @@ def _of_other_theories(
     problems = {theory: seal.problem.in_theory(theory) for theory in seal.problem.other_theories}
     return tuple(
         {
-            theory: validity_after(problems[theory], other, error, before)
+            theory: load_validity(problems[theory], other, before)
             for theory, other in (load.by_theory or {}).items()
             if wanted
         }
@@ -86,52 +76,14 @@ def _of_other_theories(
     )
 
 
-def of_earlier(
-    problem: SealProblem, earlier: ContactSolution | None, error: DiscretisationError
-) -> tuple[Caution, ...]:
-    """What is said against the largest load before those of a problem, whose traces they carry.
-
-    Parameters
-    ----------
-    problem : SealProblem
-    earlier : ContactSolution or None
-        Under that load.
-    error : DiscretisationError
-    """
-    if earlier is None or problem.loads.earlier is None:
-        return ()
-    load = LoadResult(*problem.loads.earlier, earlier, mesh_error=error)
-    return tuple(earlier_cautions(problem, load))
+def _of_load(load: LoadResult, number: int, found: Findings) -> LoadResult:
+    validity = found.validity[number] if found.validity else NOT_JUDGED
+    of_theories = found.by_theory[number] if found.by_theory else {}
+    by_theory = {
+        theory: other.knowing(validity=of_theories.get(theory, other.validity))
+        for theory, other in (load.by_theory or {}).items()
+    }
+    return load.knowing(validity=validity, by_theory=by_theory)
 
 
-def validity_after(
-    problem: SealProblem, load: LoadResult, error: DiscretisationError, before: tuple[Caution, ...]
-) -> Validity:
-    """Validity of a load, in which stands what is said against the load before it.
-
-    Parameters
-    ----------
-    problem : SealProblem
-    load : LoadResult
-    error : DiscretisationError
-    before : tuple of Caution
-        See `of_earlier`.
-    """
-    return Validity.of((*load_validity(problem, load, problem.surface, error).cautions, *before))
-
-
-def _told(loads: Loads, found: Findings) -> Loads:
-    validity = found.validity or [NOT_JUDGED] * len(loads)
-    known = [load.knowing(validity=one) for load, one in zip(loads, validity, strict=True)]
-    return [
-        load.knowing(
-            by_theory={
-                theory: other.knowing(validity=of_load.get(theory, other.validity))
-                for theory, other in (load.by_theory or {}).items()
-            }
-        )
-        for load, of_load in zip(known, found.by_theory or ({},) * len(loads), strict=True)
-    ]
-
-
-FINDINGS = Answer[Findings]("findings", "checks of the result", _compute, Findings(), told=_told)
+FINDINGS = Answer[Findings]("findings", "checks of the result", _compute, Findings(), of_load=_of_load)

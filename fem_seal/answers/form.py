@@ -232,11 +232,12 @@ class _Formed:
         """In the other readings of yielding asperities."""
         return {reading: _Formed(load) for reading, load in self.load.others.items()}
 
-    def other_rates(self, formed: Around) -> dict[Reading, float]:
-        """Leak rate in those readings [m^3/s]."""
+    def found(self, formed: Around) -> tuple[float | None, float, dict[Reading, float]]:
+        """Leak rate [m^3/s], least line load over mean, and leak rates in the other readings [m^3/s]."""
         leaks = {reading: one.leaks for reading, one in self.others.items()}
         rates = {reading: _rate(formed.with_leak(one)) for reading, one in leaks.items() if one is not None}
-        return {reading: rate for reading, rate in rates.items() if rate is not None}
+        others = {reading: rate for reading, rate in rates.items() if rate is not None}
+        return _rate(formed), formed.least_over_mean, others
 
     def with_form(self, form: FormError) -> Around:
         before = None if self.formed.before is None else self.formed.before.local
@@ -251,15 +252,12 @@ class _Formed:
                 formed = self.with_form(self.form.scaled(factor))
             except (ConvergenceError, OpenSealError):
                 break
-            height = float(np.ptp(formed.gap_change))
-            least, others = formed.least_over_mean, self.other_rates(formed)
-            found.append(FormPoint(factor, height, _rate(formed), least, others))
+            found.append(FormPoint(factor, float(np.ptp(formed.gap_change)), *self.found(formed)))
         return found
 
     def alone(self, wave: Wave) -> WaveAlone:
         formed = self.with_form(replace(self.form, waves=(wave,), highest=wave.waves))
-        least, others = formed.least_over_mean, self.other_rates(formed)
-        return WaveAlone(wave.waves, wave.amplitude, _rate(formed), least, others)
+        return WaveAlone(wave.waves, wave.amplitude, *self.found(formed))
 
     def with_wave(self, number: int, amplitude: float) -> FormError:
         """One wave beside the eccentricity and tilt that there are, widest where they are."""

@@ -13,11 +13,13 @@ from fem_seal.answers.chain import solve
 from fem_seal.arrays import FloatArray
 from fem_seal.case.case import CaseSource, case_of
 from fem_seal.case.tables import curves
+from fem_seal.case.words import problem
 from fem_seal.errors import InputError
 from fem_seal.former_names import former_attribute, formerly
 from fem_seal.loads import expected_force
-from fem_seal.seal.findings import Caution, Level, Validity
+from fem_seal.seal.findings import Level, Validity
 from fem_seal.units import briefly, given
+from fem_seal.validity.words import caution
 
 if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
@@ -180,7 +182,7 @@ def leak_map(
     """
     case = case_of(case)
     if case.roughness is None or case.fluid is None:
-        raise InputError.at("table", "needs [roughness] and [fluid]: without them there is no leak rate")
+        raise InputError(problem("table_without_leak"))
     pressures = _pressures(case) if fluid_pressure is None else _increasing("pressures", fluid_pressure)
     forces = (
         sorted({force for _, force in case.load.points})
@@ -188,13 +190,10 @@ def leak_map(
         else _increasing("forces", applied_force)
     )
     if not pressures[0] > 0:
-        raise InputError.at(
-            "pressures", "must be above zero; at zero nothing leaks", given("fluid pressure", pressures[0])
-        )
+        raise InputError(problem("table_at_zero", pressure=given("fluid pressure", pressures[0])))
     if len(pressures) * len(forces) > _MOST:
-        raise InputError.at(
-            "table", f"has {len(pressures)} x {len(forces)} points; up to {_MOST} are calculated"
-        )
+        size = {"pressures": len(pressures), "forces": len(forces)}
+        raise InputError(problem("table_too_large", most=_MOST, **size))
     points = [(pressure, force) for force in forces for pressure in pressures]
     yields = bool(curves(case))
     if yields:
@@ -218,23 +217,12 @@ def _check_formed(case: Case) -> None:
     """InputError where bodies that yield were not formed by a load that is as large as all others."""
     load = case.load
     largest = max(_contact_force(case, *point) for point in load.points)
-    why = (
-        "a body that yields (stress_strain) has no table of its own until a load larger than all others has formed it: "
-        "before that a leak depends on the loads before it"
-    )
-    key = "load.largest_earlier_force"
     if load.earlier is None:
-        raise InputError.at(
-            key, f"is missing: {why}. Give at least {math.ceil(largest)} N, the largest contact force here"
-        )
+        raise InputError(problem("table_not_formed", largest=math.ceil(largest)))
     formed = _contact_force(case, *load.earlier)
     if formed < largest * (1 - 1e-6):
-        raise InputError.at(
-            load.earlier_key,
-            f"closes with {briefly('force', formed)}, and the largest contact force here is "
-            f"{briefly('force', largest)}; {why}. Raise it, "
-            "or ask for smaller pressures and forces",
-        )
+        forces = {"formed": briefly("force", formed), "largest": briefly("force", largest)}
+        raise InputError(problem("table_formed_less", key=load.earlier_key, **forces))
 
 
 # Change of the leak rate at the largest load, after all others, up to which a formed body is taken to come back.
@@ -250,18 +238,12 @@ def _with_memory(found: LeakMap, solution: SealSolution) -> LeakMap:
     if math.isclose(before, after, rel_tol=_COMES_BACK):
         return found
     change = f"{100 * (after / before - 1):+.2g} %" if before > 0 else "from nothing"
-    caution = Caution(
-        "load history",
-        Level.DOUBTFUL,
-        f"the body yields again: leak rate changes by {change} when the largest load comes back",
-        f"the leak rate at the largest load changes by {change} when that load comes back after all "
-        "others: the body yields again between them, and a leak depends on the order of the loads",
-    )
+    history = caution("load_history", change=change)
     validity = tuple(
-        tuple(None if one is None else Validity.of([*one.cautions, caution]) for one in row)
+        tuple(None if one is None else Validity.of([*one.cautions, history]) for one in row)
         for row in found.validity
     )
-    return replace(found, validity=validity, reasons=(*found.reasons, caution.text))
+    return replace(found, validity=validity, reasons=(*found.reasons, history.text))
 
 
 def _with_loads(case: Case, points: Sequence[tuple[float, float]]) -> Case:

@@ -9,7 +9,7 @@ from functools import partial
 
 import numpy as np
 
-from fem_seal.answers.answer import Answer, Inquiry, Loads
+from fem_seal.answers.answer import Answer, Inquiry
 from fem_seal.arrays import FloatArray
 from fem_seal.contact.penetration import effective_radius
 from fem_seal.loads import PressureSide, blow_off_of_sealed_area
@@ -44,7 +44,7 @@ def _compute(seal: SolvedSeal, ask: Inquiry) -> tuple[Opening, ...]:
         """What the pressure depends on: the applied force, and of bodies that yield the contact."""
         return load.applied_force, id(load.contact) if solver.yields else None
 
-    with ask.step("questions", "blow-off and force for the target leak rate"):
+    with ask.clock.step("questions", "blow-off and force for the target leak rate"):
         asked = penetrates or of.pressure_side == "inner"
         # elastic bodies are the same after every load
         different = {key(load): load for load in reversed(seal.loads)} if asked else {}
@@ -67,11 +67,13 @@ def _compute(seal: SolvedSeal, ask: Inquiry) -> tuple[Opening, ...]:
     return tuple(Opening(one.effective_radius, one.blow_off_pressure, one.opening) for one in loads)
 
 
-def _told(loads: Loads, found: tuple[Opening, ...]) -> Loads:
-    return [load.knowing(**vars(one)) for load, one in zip(loads, found, strict=True)] if found else loads
-
-
-OPENING = Answer[tuple[Opening, ...]]("opening", "margin to opening", _compute, (), told=_told)
+OPENING = Answer[tuple[Opening, ...]](
+    "opening",
+    "margin to opening",
+    _compute,
+    (),
+    of_load=lambda load, number, found: load.knowing(**vars(found[number])) if found else load,
+)
 
 
 def blow_off_pressures(problem: SealProblem) -> FloatArray:

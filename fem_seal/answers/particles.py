@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -141,16 +141,12 @@ def answers_of(load: LoadResult, found: Sequence[ParticleAnswers]) -> ParticleAn
 
 def _shut() -> Shut:
     """Rough surfaces with all gaps below a size shut, made once for each surface and size."""
-    known: dict[tuple[RoughFlow, float], RoughFlow] = {}
 
+    @cache
     def shut(rough: RoughFlow, size: float) -> RoughFlow:
-        if (rough, size) not in known:
-            table = rough.table
-            assert table is not None  # the load leaks
-            known[rough, size] = replace(
-                rough, make=lambda flow, surface: leak.shut_conductivity(table, surface, size)
-            )
-        return known[rough, size]
+        table = rough.table
+        assert table is not None  # the load leaks
+        return replace(rough, make=lambda flow, surface: leak.shut_conductivity(table, surface, size))
 
     return shut
 

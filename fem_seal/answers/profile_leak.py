@@ -92,7 +92,7 @@ def _given_load(
     # the force is not known, and the same for all
     by_theory = {theory: GivenLoad(fluid_pressure, 0.0, contact, one) for theory, one in others.items()}
     load = GivenLoad(fluid_pressure, 0.0, contact, rough, by_theory=by_theory)
-    return load.knowing(validity=profile_validity(problem, rough.surface, load))
+    return load.knowing(validity=profile_validity(problem, load))
 
 
 def _conductivity(peaks: Sequence[float], flow: Flow, surface: RoughContact) -> Conductivity:

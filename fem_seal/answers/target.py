@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 
-from fem_seal.answers.answer import Answer, Inquiry, Loads
+from fem_seal.answers.answer import Answer, Inquiry
 from fem_seal.answers.expected_force import expected_contact_force, log_excess, target_problem
 from fem_seal.contact.refit import solve_fitted
 from fem_seal.contact.solution import ContactSolution
@@ -67,12 +67,10 @@ def contacts_at_target(
     """
     target = problem.loads.target_leak_rate if target_leak_rate is None else target_leak_rate
     if target is None or not target > 0:
-        raise target_problem(problem, "needed is a target leak rate above zero", target)
+        raise target_problem(problem, "target_missing", target)
     flow = SealFlow.of(problem)
     if flow is None:
-        raise target_problem(
-            problem, "needs [roughness] and [fluid]: without them there is no leak rate", target
-        )
+        raise target_problem(problem, "target_without_leak", target)
     if reading is not None:
         flow = replace(flow, surface=flow.surface.reading(reading))
     # up and down again, or under several forces, a pressure may come more than once
@@ -95,84 +93,69 @@ def contacts_at_target(
 
 @dataclass(frozen=True)
 class TargetForces:
-    """Forces for the target leak rate, one for each load, and what to know before believing them.
+    """Forces for the target leak rate in one reading of yielding asperities, and what to know before believing them.
 
     Parameters
     ----------
     force : sequence of float or None
         See `LoadResult.force_for_target` [N].
     validity : sequence of Validity or None
-    others : mapping
-        The forces in the other readings of yielding asperities.
+        Of the reading of the loads themselves.
     remarks : tuple of Caution
+    others : mapping
+        The forces in the other readings.
     """
 
     force: Sequence[float | None]
     validity: Sequence[Validity | None]
-    others: Mapping[Reading, Sequence[float | None]]
     remarks: tuple[Caution, ...] = ()
+    others: Mapping[Reading, Sequence[float | None]] = field(default_factory=dict)
 
 
 def _compute(seal: SolvedSeal, ask: Inquiry) -> TargetForces:
-    none: Forces = [None] * len(seal.loads)
-    unknown = none, [None] * len(none), ()
-    with ask.step("questions"):
-        forces, validity, remarks = ask.steps.compute(TARGET.what, partial(_forces, seal), unknown)
-        read = {
-            reading: ask.steps.compute(
-                f"{TARGET.what} of {WORDS[reading].asperities}",
-                partial(_forces_read, seal, reading),
-                (none, ()),
-            )
+    none = [None] * len(seal.loads)
+
+    def compute(what: str, reading: Reading | None = None) -> TargetForces:
+        return ask.steps.compute(what, partial(_forces, seal, reading), TargetForces(none, none))
+
+    with ask.clock.step("questions", ""):
+        own = compute(TARGET.what)
+        others = {
+            reading: compute(f"{TARGET.what} of {WORDS[reading].asperities}", reading)
             for reading in seal.loads[0].others
         }
-    others = {reading: one for reading, (one, _) in read.items()}
-    return TargetForces(
-        forces, validity, others, (*remarks, *(remark for _, more in read.values() for remark in more))
+    remarks = [remark for one in (own, *others.values()) for remark in one.remarks]
+    return replace(
+        own, remarks=tuple(remarks), others={reading: one.force for reading, one in others.items()}
     )
 
 
-Forces = Sequence[float | None]
-
-
-def _forces(seal: SolvedSeal) -> tuple[Forces, Sequence[Validity | None], tuple[Caution, ...]]:
-    """Force for the target leak rate at each load and how good it is, and what to know before believing it."""
+def _forces(seal: SolvedSeal, reading: Reading | None) -> TargetForces:
+    """Forces in a reading of yielding asperities; how good they are is looked at in that of the problem alone."""
     problem, none = seal.problem, [None] * len(seal.loads)
     try:
-        found = contacts_at_target(problem)
+        found = contacts_at_target(problem, reading=reading)
     except InputError as error:
-        return none, none, _refused(error)
-    surface = problem.surface
-    assert surface is not None  # of a target
-    validity = [target_validity(problem, surface, one) for one in found]
-    return [one.applied_force for one in found], validity, tuple(target_cautions(problem, surface, found))
+        when = "" if reading is None else f"{WORDS[reading].condition}: "
+        texts = [f"{when}{one}" for one in error.problems]
+        return TargetForces(none, none, tuple(Caution("target", Level.DOUBTFUL, one, one) for one in texts))
+    forces = TargetForces([one.applied_force for one in found], none)
+    if reading is not None:
+        return forces
+    validity = [target_validity(problem, one) for one in found]
+    return replace(forces, validity=validity, remarks=tuple(target_cautions(problem, found)))
 
 
-def _forces_read(seal: SolvedSeal, reading: Reading) -> tuple[Forces, tuple[Caution, ...]]:
-    """The same forces in another reading of yielding asperities."""
-    try:
-        return [one.applied_force for one in contacts_at_target(seal.problem, reading=reading)], ()
-    except InputError as error:
-        return [None] * len(seal.loads), _refused(error, f"{WORDS[reading].condition}: ")
-
-
-def _refused(error: InputError, when: str = "") -> tuple[Caution, ...]:
-    texts = [f"{when}{one}" for one in error.problems]
-    return tuple(Caution("target", Level.DOUBTFUL, text, text) for text in texts)
-
-
-def _told(loads: Loads, found: TargetForces | None) -> Loads:
+def _of_load(load: LoadResult, number: int, found: TargetForces | None) -> LoadResult:
     if found is None:
-        return loads
-    return [
-        load.knowing(force_for_target=found.force[n], target_validity=found.validity[n]).with_readings(
-            {
-                reading: load.reading(reading).knowing(force_for_target=forces[n])
-                for reading, forces in found.others.items()
-            }
-        )
-        for n, load in enumerate(loads)
-    ]
+        return load
+    known = load.knowing(force_for_target=found.force[number], target_validity=found.validity[number])
+    return known.with_readings(
+        {
+            reading: load.reading(reading).knowing(force_for_target=forces[number])
+            for reading, forces in found.others.items()
+        }
+    )
 
 
 TARGET = Answer[TargetForces | None](
@@ -181,7 +164,7 @@ TARGET = Answer[TargetForces | None](
     _compute,
     None,
     lambda seal, wanted: seal.problem.loads.target_leak_rate is not None and seal.problem.leaks,
-    _told,
+    _of_load,
 )
 
 
@@ -204,12 +187,8 @@ def _on_model(
     highest = math.log(largest_force(solver.problem)) if solver.yields else math.inf
     root = _root_near(excess, math.log(expected), highest)
     if root is None:
-        raise target_problem(
-            solver.problem,
-            f"no contact force up to {briefly('force', largest_force(solver.problem))} leaks as little at "
-            f"{fluid_pressure / 1e5:.4g} bar",
-            target,
-        )
+        force = briefly("force", largest_force(solver.problem))
+        raise target_problem(solver.problem, "target_not_met", target, force=force, bar=fluid_pressure / 1e5)
     if root not in known:
         excess(root)
     contact, applied_force = known[root]

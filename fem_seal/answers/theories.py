@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from fem_seal.answers.answer import Answer, Inquiry, Loads
+from fem_seal.answers.answer import Answer, Inquiry
 from fem_seal.contact.newton import solve_together
 from fem_seal.seal.leak_model import RoughFlow
 from fem_seal.seal.load_result import LoadResult, highest_load
@@ -100,11 +100,10 @@ def _compute(seal: SolvedSeal, ask: Inquiry) -> Theories:
     return Theories(found, same_contact)
 
 
-def _told(loads: Loads, found: Theories) -> Loads:
-    return [
-        load.knowing(by_theory={theory: one for theory, each in found.loads.items() if (one := each[number])})
-        for number, load in enumerate(loads)
-    ]
+def _of_load(load: LoadResult, number: int, found: Theories) -> LoadResult:
+    return load.knowing(
+        by_theory={theory: one for theory, each in found.loads.items() if (one := each[number])}
+    )
 
 
 THEORIES = Answer[Theories](
@@ -113,6 +112,6 @@ THEORIES = Answer[Theories](
     _compute,
     Theories(),
     lambda seal, wanted: bool(seal.problem.other_theories),
-    _told,
+    _of_load,
     "contacts and leak rates by the other theory",
 )

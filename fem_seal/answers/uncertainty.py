@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial, reduce
-from typing import TYPE_CHECKING, Literal, TypeVar
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -58,8 +58,6 @@ _CHECKS = 4
 _OF_LINEAR = 0.03, 0.06
 # So it is with tables from that of the case: one of their own for every sample unless they are as good as this.
 _OF_TABLES = 0.01, 0.02
-
-Load = TypeVar("Load", bound=LoadResult)
 
 # What is less is no leak: a molecule of a gas in a hundred years [m^3/s], or so much of what the case itself leaks.
 # Next to sealing a sample that leaks so little may be off by a factor, and nobody sees it.
@@ -156,23 +154,20 @@ class LeakInterval:
         """Share of the samples that do not leak, shape (loads,)."""
         return (self.leak_rate == 0).mean(axis=1)
 
-    @property
-    def ends(self) -> list[Bounds]:
-        """`low` and `high` of each load [m^3/s]."""
-        return list(map(Bounds, self.low.tolist(), self.high.tolist()))
+    def ends(self, number: int) -> Bounds:
+        """`low` and `high` of a load [m^3/s]."""
+        return Bounds(float(self.low[number]), float(self.high[number]))
 
-    def of(self, loads: Sequence[Load]) -> tuple[Load, ...]:
-        """The loads of the samples, which know their ends.
+    def of_load(self, load: LoadResult, number: int) -> LoadResult:
+        """The load of this number, which knows the ends of its samples.
 
         Parameters
         ----------
-        loads : sequence of LoadResult
+        load : LoadResult
+        number : int
         """
-        in_test = [None] * len(loads) if self.in_test is None else self.in_test.ends
-        return tuple(
-            load.knowing(sampled=ends, sampled_in_test=tested)
-            for load, ends, tested in zip(loads, self.ends, in_test, strict=True)
-        )
+        tested = None if self.in_test is None else self.in_test.ends(number)
+        return load.knowing(sampled=self.ends(number), sampled_in_test=tested)
 
 
 def leak_interval(
@@ -894,6 +889,6 @@ UNCERTAINTY = Answer[LeakInterval | None](
     lambda seal, ask: leak_interval(seal, progress=ask.clock.progress),
     None,
     lambda seal, wanted: seal.case.sampled is not None,
-    lambda loads, found: loads if found is None else found.of(loads),
+    lambda load, number, found: load if found is None else found.of_load(load, number),
     "leak rates of uncertain inputs",
 )

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import product
 from typing import TYPE_CHECKING, Literal
 
 from fem_seal.answers.accuracy import Comparison
 from fem_seal.answers.answer import Answer
-from fem_seal.seal.leak_model import Flow, RoughFlow
+from fem_seal.seal.leak_model import RoughFlow
 from fem_seal.seal.load_result import LoadResult, leak_rates, strongest_load
 from fem_seal.seal.load_solver import LoadSolver, solve_load, solve_loads, solved_again
 from fem_seal.seal.solved_seal import SolvedSeal
@@ -21,7 +20,8 @@ if TYPE_CHECKING:
 
 # Share of the contact area at which channels close: two-dimensional percolation, and the textbook value.
 _THRESHOLDS = (0.42, 0.5)
-_WIDTHS: tuple[Literal["effective", "plain"], ...] = ("effective", "plain")
+_Conductivity = Literal["bruggeman", "critical-junction", "threshold-law"]
+_Width = Literal["effective", "plain"] | None
 
 
 @dataclass(frozen=True)
@@ -71,18 +71,35 @@ def theory_variants(result: SolvedSeal) -> tuple[TheoryVariant, ...]:
     surface, flow = problem.surface, problem.flow
     if surface is None or flow is None:
         return ()
+    plastic_laws: tuple[bool | None, ...] = (False,) if surface.hardness is None else (False, True)
+    laws = plastic_laws if problem.interface.law == "spectrum" else (None,)
     variants: list[TheoryVariant] = []
-    for plastic in _laws(problem, surface):
+    for plastic in laws:
         loads: Sequence[LoadResult] = result.loads
-        if plastic is not None and plastic != problem.interface.plastic:
+        own_law = plastic is None or plastic == problem.interface.plastic
+        if plastic is not None and not own_law:
             loads = _loads(result, _with_law(problem, plastic))
-        for reading in _readings(flow, surface):
-            rates = _leak_rates(surface, flow, loads, reading)
-            used = plastic in (None, problem.interface.plastic) and reading.is_of(flow, surface)
-            variants.append(
-                TheoryVariant(plastic, reading.conductivity, reading.width, reading.threshold, rates, used)
+        for conductivity, width, threshold in _ways(surface):
+            read = replace(flow, conductivity=conductivity)
+            rough = replace(
+                surface,
+                percolation_threshold=threshold,
+                separation_width=surface.separation_width if width is None else width,
             )
+            (rates,) = leak_rates(rough, [read], loads)
+            own_flow = conductivity == flow.conductivity and width != "plain"
+            used = own_law and own_flow and threshold == surface.percolation_threshold
+            variants.append(TheoryVariant(plastic, conductivity, width, threshold, rates, used))
     return tuple(variants)
+
+
+def _ways(surface: RoughContact) -> list[tuple[_Conductivity, _Width, float]]:
+    """How the flow through a rough contact may be read: conductivity, width in P(u) and percolation threshold."""
+    ways: list[tuple[_Conductivity, _Width]] = [("bruggeman", "effective"), ("bruggeman", "plain")]
+    if surface.peklenik == 1.0:  # the others know no direction
+        ways += [("threshold-law", "effective"), ("critical-junction", None)]
+    thresholds = sorted({*_THRESHOLDS, surface.percolation_threshold})
+    return [(*way, threshold) for way in ways for threshold in thresholds]
 
 
 def _with_law(problem: SealProblem, plastic: bool) -> SealProblem:
@@ -101,51 +118,6 @@ def _loads(result: SolvedSeal, problem: SealProblem) -> Sequence[LoadResult]:
     ]
 
 
-def _laws(problem: SealProblem, surface: RoughContact) -> tuple[bool | None, ...]:
-    if problem.interface.law != "spectrum":
-        return (None,)
-    return (False,) if surface.hardness is None else (False, True)
-
-
-@dataclass(frozen=True)
-class _Reading:
-    """How the flow through a rough contact is read: conductivity, width in P(u) and threshold."""
-
-    conductivity: Literal["bruggeman", "critical-junction", "threshold-law"]
-    width: Literal["effective", "plain"] | None
-    threshold: float
-
-    def is_of(self, flow: Flow, surface: RoughContact) -> bool:
-        """Whether it is that of the problem itself."""
-        return (
-            self.conductivity == flow.conductivity
-            and self.width in (None, "effective")
-            and self.threshold == surface.percolation_threshold
-        )
-
-
-def _readings(flow: Flow, surface: RoughContact) -> list[_Reading]:
-    thresholds = sorted({*_THRESHOLDS, surface.percolation_threshold})
-    channels = [_Reading("bruggeman", width, threshold) for width, threshold in product(_WIDTHS, thresholds)]
-    if surface.peklenik != 1.0:
-        return channels  # the others know no direction
-    near = [_Reading("threshold-law", "effective", threshold) for threshold in thresholds]
-    return [*channels, *near, *(_Reading("critical-junction", None, threshold) for threshold in thresholds)]
-
-
-def _leak_rates(
-    surface: RoughContact, flow: Flow, loads: Sequence[LoadResult], reading: _Reading
-) -> tuple[float, ...]:
-    read = replace(flow, conductivity=reading.conductivity)
-    surface = replace(
-        surface,
-        percolation_threshold=reading.threshold,
-        separation_width=surface.separation_width if reading.width is None else reading.width,
-    )
-    (found,) = leak_rates(surface, [read], loads)
-    return found
-
-
 def ratio_to_case(leak_rate: float, of_case: float) -> float:
     """Leak rate over that of the case; NaN where the case is sealed."""
     return leak_rate / of_case if of_case > 0 else float("nan")
@@ -155,9 +127,9 @@ def interface_variants(solver: LoadSolver, loads: Sequence[LoadResult]) -> tuple
     """The load with the largest closing force with p(u) of the elastic and of the plastically smoothed surface."""
     problem = solver.problem
     surface = problem.surface
-    if surface is None or surface.hardness is None or problem.interface.law != "spectrum":
+    if surface is None or surface.hardness is None or surface.theory != "paper":
         return ()
-    if surface.theory != "paper":
+    if problem.interface.law != "spectrum":
         return ()
     strongest = strongest_load(loads)
     load, variants = loads[strongest], []

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from fem_seal.answers.answer import Answer, Inquiry, Loads
+from fem_seal.answers.answer import Answer, Inquiry
 from fem_seal.answers.judgement import JudgedLoad, Judgement, SealJudgement, Shares, Verdict, Why, severity
 from fem_seal.answers.limits import limit_of_rate, limits
 from fem_seal.answers.uncertainty import UNCERTAINTY
@@ -180,17 +180,11 @@ def _worst(case: Case, loads: Sequence[LoadResult | None]) -> tuple[int, Judgeme
     return max(known, key=lambda one: severity(one[1]), default=None)
 
 
-def _told(loads: Loads, found: Judgements) -> Loads:
-    if not found.of_loads:
-        return loads
-    return [load.knowing(judgement=one) for load, one in zip(loads, found.of_loads, strict=True)]
-
-
 VERDICT = Answer[Judgements](
     "verdict",
     "verdict on the requirement",
     _compute,
     Judgements(),
     lambda seal, wanted: seal.case.requirement is not None,
-    _told,
+    lambda load, n, found: load.knowing(judgement=found.of_loads[n]) if found.of_loads else load,
 )

@@ -10,9 +10,8 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from fem_seal.answers.accuracy import discretisation_error, on_coarser_mesh
-from fem_seal.answers.answer import Answer, Inquiry, Loads, Wanted
+from fem_seal.answers.answer import Answer, Inquiry, Wanted
 from fem_seal.answers.expected_force import expected_contact_force
-from fem_seal.answers.findings import of_earlier, validity_after
 from fem_seal.answers.judgement import Judgement, Verdict, VerdictForce
 from fem_seal.answers.uncertainty import leak_interval
 from fem_seal.answers.verdict import judgements
@@ -26,7 +25,7 @@ from fem_seal.seal.problem import condensed, largest_force, sizing
 from fem_seal.seal.seal_flow import SealFlow
 from fem_seal.seal.solved_seal import SolvedSeal
 from fem_seal.units import briefly
-from fem_seal.validity.checks import load_validity
+from fem_seal.validity.checks import earlier_cautions, load_validity
 from leak.numerics.roots import root_between
 from meshes import build_contact
 
@@ -209,7 +208,7 @@ class _Search:
         except (ConvergenceError, InputError, OpenSealError):
             return None
         load = load.knowing(rough=RoughFlow.of(problem.surface, problem.flow, load.contacts))
-        return load.knowing(validity=load_validity(problem, load, problem.surface))
+        return load.knowing(validity=load_validity(problem, load))
 
     def _tell(self, tried: str) -> None:
         at = briefly("fluid pressure", self.load.fluid_pressure)
@@ -339,7 +338,7 @@ def _compute(seal: SolvedSeal, ask: Inquiry) -> Sequence[VerdictForce]:
     if ask.wanted.verdict_force is None and seal.problem.curves:
         return [_TOO_DEAR] * len(seal.loads)
     progress = ask.clock.progress
-    with ask.step("verdict force", VERDICT_FORCE.what):
+    with ask.clock.step("verdict force", VERDICT_FORCE.what):
         return forces_for_verdict(seal, partial(_alone, seal, progress), progress=progress)
 
 
@@ -353,12 +352,12 @@ def _alone(seal: SolvedSeal, progress: Progress, fluid_pressure: float, applied_
     problem, sizing, (load,) = alone.problem, alone.seal_mesh.sizing, alone.loads
     with clock.step("error", "estimating the discretisation error"):
         error = discretisation_error(load.contact, on_coarser_mesh(problem, sizing, 0), sizing)
-    validity = validity_after(problem, load, error, of_earlier(problem, alone.earlier, error))
-    load = load.knowing(mesh_error=error, validity=validity)
+    load = load.knowing(mesh_error=error)
+    validity = load_validity(problem, load, earlier_cautions(problem, alone.earlier, error))
+    load = load.knowing(validity=validity)
     if seal.case.sampled is None or validity.outside:
         return load
-    (load,) = leak_interval(alone.with_loads([load]), progress=progress).of([load])
-    return load
+    return leak_interval(alone.with_loads([load]), progress=progress).of_load(load, 0)
 
 
 def _applies(seal: SolvedSeal, wanted: Wanted) -> bool:
@@ -366,12 +365,11 @@ def _applies(seal: SolvedSeal, wanted: Wanted) -> bool:
     return asked and seal.problem.leaks
 
 
-def _told(loads: Loads, found: Sequence[VerdictForce]) -> Loads:
-    if not found:
-        return loads
-    return [load.knowing(verdict_force=one) for load, one in zip(loads, found, strict=True)]
-
-
 VERDICT_FORCE = Answer[Sequence[VerdictForce]](
-    "verdict_force", "force with which the verdict passes", _compute, (), _applies, _told
+    "verdict_force",
+    "force with which the verdict passes",
+    _compute,
+    (),
+    _applies,
+    lambda load, number, found: load.knowing(verdict_force=found[number]) if found else load,
 )

@@ -30,7 +30,7 @@ from fem_seal.seal.leak_model import Conductivity, Flow
 from fem_seal.seal.load_result import highest_load
 from fem_seal.seal.problem import SealProblem, sizing
 from fem_seal.seal.sources import Bodies, Kept, Rounding, Shared
-from fem_seal.validity.by_table import validity_of
+from fem_seal.validity.checks import validity_of
 from leak import LeakError, RoughContact
 from meshes import MeshesError
 

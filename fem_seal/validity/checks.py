@@ -3,30 +3,34 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fem_seal.contact.load_path import yielding_bodies
-from fem_seal.contact.model import ContactModel
 from fem_seal.contact.yielding import PlasticZone, YieldedZone, yielding_of
 from fem_seal.materials import creep_remarks
 from fem_seal.seal.bounds import EXACT, Bounds
-from fem_seal.seal.findings import DIRECT_SCATTER, ORDERS_OF_MAGNITUDE, YIELD_STRESS, Caution, Level, Validity
+from fem_seal.seal.findings import ORDERS_OF_MAGNITUDE, Caution, Level, Validity
 from fem_seal.seal.load_names import load_name
+from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.problem import LARGEST_TURNING, TURNED
 from fem_seal.units import DIGITS, beside, briefly, number, rounded, share_text
 from fem_seal.validity.fluid import fluid_cautions, molecule_cautions
 from fem_seal.validity.form import LARGEST_EXCESS, form_cautions
 from fem_seal.validity.materials import temperature_cautions
 from fem_seal.validity.words import caution
+from leak import ConductivityTable
 from leak.numerics.roots import root_between
 
 if TYPE_CHECKING:
+    from fem_seal.contact.solution import ContactSolution
     from fem_seal.seal.direct import DirectTable
-    from fem_seal.seal.load_result import DiscretisationError, GivenLoad, LoadResult
+    from fem_seal.seal.evaluate import Evaluation
+    from fem_seal.seal.leak_model import Flow
+    from fem_seal.seal.load_result import DiscretisationError, GivenLoad
     from fem_seal.seal.problem import SealProblem
     from leak import RoughContact
 
@@ -76,53 +80,34 @@ _SLIDES = 0.02
 _TURNS, _NEAR_END, _TINY = 0.02, 0.2, 1e-12
 # Beyond this share of the ball's radius the contact is no narrow line any more.
 _NARROW = 0.2
+# u_eff [m] above which u_c, which is of its size, need not be compared with molecules of half a nanometre.
+_WIDE_GAP = 20e-9
 
 
-def contact_cautions(
-    problem: SealProblem,
-    model: ContactModel,
-    loads: Sequence[LoadResult],
-    error: DiscretisationError,
-    surface: RoughContact | None = None,
-) -> tuple[Caution, ...]:
+def contact_cautions(problem: SealProblem, loads: Sequence[LoadResult]) -> tuple[Caution, ...]:
     """Everything that a user should know before believing the result, one caution of each kind for all loads.
 
     Parameters
     ----------
     problem : SealProblem
-    model : ContactModel
     loads : sequence of LoadResult
-    error : DiscretisationError
-    surface : RoughContact, optional
-        The problem's rough contact.
+        With what their mesh leaves uncertain.
     """
     # remarks that are nothing against the numbers
     near = [one for one in temperature_cautions(problem) if one.level is Level.VALID]
-    return (
-        *_of_surface(problem),
-        *load_cautions(problem, model, loads, surface),
-        *_coarse(model, error),
-        *near,
-    )
+    return (*_of_surface(problem), *load_cautions(problem, loads), *_coarse(loads[0]), *near)
 
 
 def load_cautions(
-    problem: SealProblem,
-    model: ContactModel,
-    loads: Sequence[LoadResult],
-    surface: RoughContact | None = None,
-    sealing: float | None = None,
+    problem: SealProblem, loads: Sequence[LoadResult], sealing: float | None = None
 ) -> Iterator[Caution]:
     """What the numbers of the loads themselves say against them, without mesh and roughness.
 
     Parameters
     ----------
     problem : SealProblem
-    model : ContactModel
     loads : sequence of LoadResult
         What is said is about the worst of them.
-    surface : RoughContact, optional
-        The problem's rough contact.
     sealing : float, optional
         See `load_validity`.
     """
@@ -140,11 +125,11 @@ def load_cautions(
         _creeps,
         _hot,
         _moved_by_heat,
+        form_cautions,
     )
-    yield from (one for check in bodies for one in check(problem, model, loads))
-    yield from form_cautions(problem, loads)
-    if surface is not None:
-        yield from _interface_cautions(problem, surface, loads, sealing)
+    yield from (one for check in bodies for one in check(problem, loads))
+    if problem.surface is not None:
+        yield from _interface_cautions(problem, problem.surface, loads, sealing)
 
 
 def _interface_cautions(
@@ -153,85 +138,121 @@ def _interface_cautions(
     sealing = _sealing_pressure(problem, surface) if sealing is None else sealing
     yield from _sealed(problem, surface, loads, sealing)
     yield from _nearly_sealed(problem, surface, loads, sealing)
-    interface = (_range, _long_waves)
-    flow = () if problem.flow is None else (_fluid_opens,)
-    yield from (one for check in (*interface, *flow) for one in check(problem, surface, loads))
+    yield from _range(problem, surface, loads)
+    yield from _long_waves(surface, loads)
     if problem.flow is not None:
+        yield from _fluid_opens(problem, problem.flow, loads)
         yield from fluid_cautions(problem.flow, loads)
 
 
 def load_validity(
-    problem: SealProblem,
-    load: LoadResult,
-    surface: RoughContact | None = None,
-    error: DiscretisationError | None = None,
-    sealing: float | None = None,
+    problem: SealProblem, load: LoadResult, before: Iterable[Caution] = (), sealing: float | None = None
 ) -> Validity:
-    """How far the numbers of one load can be trusted, by its own checks alone.
+    """How far the numbers of one load can be trusted, by its own checks and what is said of the load before it.
 
     Parameters
     ----------
     problem : SealProblem
     load : LoadResult
-    surface : RoughContact, optional
-        The problem's rough contact.
-    error : DiscretisationError, optional
-        Of the mesh; left out where it is not known.
+        With what its mesh leaves uncertain, where that is known.
+    before : iterable of Caution
+        See `earlier_cautions`.
     sealing : float, optional
         Pressure from which on the surface is tight, where a table has it [Pa]: to look for it takes longer than a
         design of a study.
     """
-    model = load.contact.model
-    mesh = () if error is None else _coarse(model, error)
-    own = load_cautions(problem, model, [load], surface, sealing)
-    return Validity.of((*_of_surface(problem), *own, *mesh))
+    own = load_cautions(problem, [load], sealing)
+    return Validity.of((*_of_surface(problem), *own, *_coarse(load), *before))
 
 
-def profile_validity(problem: SealProblem, surface: RoughContact, load: GivenLoad) -> Validity:
+def validity_of(
+    found: Evaluation, load: LoadResult, *, by_table: bool = True, usual_only: bool = False
+) -> Validity:
+    """How far the numbers of an evaluated load can be trusted, by its own checks and those of the load before it.
+
+    Parameters
+    ----------
+    found : Evaluation
+    load : LoadResult
+        One of its loads, with what its mesh leaves uncertain where that is known.
+    by_table : bool
+        Whether, where bodies are shared, a conductivity table may spare the search for what takes longer than a design.
+    usual_only : bool
+        Whether the range of a finish is left out.
+    """
+    problem, before, sealing = found.problem, found.solved.earlier, None
+    if usual_only:
+        problem = replace(problem, usual_only=True)
+    if found.model.closure.solve is None:
+        # without a way to stresses
+        materials = {name: replace(one, yield_stress=None) for name, one in problem.materials.items()}
+        problem = replace(problem, materials=materials)
+    table = None if load.rough is None or load.rough.flow is None else load.rough.table
+    # a gas percolates where a liquid does
+    table = getattr(table, "liquid", table)
+    if by_table and found.seal_mesh is None and isinstance(table, ConductivityTable) and table.acting is None:
+        sealing = table.sealing_pressure
+        # u_eff falls over the pressure: that of the next one in the table is a bound
+        beyond = table.separation[table.pressure.searchsorted(load.peak_pressure) :]
+        if len(beyond) and beyond[0] >= _WIDE_GAP:
+            load = load.knowing(critical_separation=None)
+    return load_validity(problem, load, earlier_cautions(problem, before, load.mesh_error), sealing)
+
+
+def profile_validity(problem: SealProblem, load: GivenLoad) -> Validity:
     """How far the leak rate of a given pressure profile can be trusted; of its bodies nothing is known.
 
     Parameters
     ----------
     problem : SealProblem
-    surface : RoughContact
-        The problem's rough contact.
+        With roughness.
     load : GivenLoad
     """
+    assert problem.surface is not None  # of a leak rate
     return Validity.of(
         (
             *_of_surface(problem),
-            *_above_hardness(problem, None, [load]),
-            *_creeps(problem, None, [load]),
+            *_above_hardness(problem, [load]),
+            *_creeps(problem, [load]),
             *(one for one in temperature_cautions(problem, bodies=False) if one.level is not Level.VALID),
-            *_interface_cautions(problem, surface, [load]),
+            *_interface_cautions(problem, problem.surface, [load]),
         )
     )
 
 
-def earlier_cautions(problem: SealProblem, earlier: LoadResult) -> Iterator[Caution]:
-    """What the largest load before all others says against what is remembered of it.
+def earlier_cautions(
+    problem: SealProblem, earlier: ContactSolution | None, error: DiscretisationError | None = None
+) -> tuple[Caution, ...]:
+    """What the largest load before those of a problem says against what is remembered of it.
 
     Parameters
     ----------
     problem : SealProblem
-    earlier : LoadResult
+    earlier : ContactSolution or None
+        Under that load.
+    error : DiscretisationError, optional
+        Of its mesh.
     """
-    for check in (_yielding, _table_left, _turned, _cut_off):
-        for one in check(problem, earlier.contact.model, [earlier]):
-            text = f"at the largest earlier load: {one.text}"
-            yield replace(one, reason=f"largest earlier load: {one.reason}", text=text)
+    if earlier is None or problem.loads.earlier is None:
+        return ()
+    load = LoadResult(*problem.loads.earlier, earlier, mesh_error=error)
+    return tuple(
+        replace(
+            one,
+            reason=f"largest earlier load: {one.reason}",
+            text=f"at the largest earlier load: {one.text}",
+        )
+        for check in (_yielding, _table_left, _turned, _cut_off)
+        for one in check(problem, [load])
+    )
 
 
-def target_cautions(
-    problem: SealProblem, surface: RoughContact, answers: Sequence[LoadResult]
-) -> Iterator[Caution]:
+def target_cautions(problem: SealProblem, answers: Sequence[LoadResult]) -> Iterator[Caution]:
     """What a user should know before believing the force for a target leak rate.
 
     Parameters
     ----------
     problem : SealProblem
-    surface : RoughContact
-        The problem's rough contact.
     answers : sequence of LoadResult
         At least one.
     """
@@ -239,32 +260,28 @@ def target_cautions(
     named = dict.fromkeys(
         f"{briefly('force', one.applied_force)} at {one.fluid_pressure / 1e5:.4g} bar" for one in ends
     )
-    for one in _at_target(problem, surface, answers):
+    for one in _at_target(problem, answers):
         text = f"at the force for the target leak rate, {' to '.join(named)}: {one.text}"
         yield replace(one, text=text)
 
 
-def target_validity(problem: SealProblem, surface: RoughContact, answer: LoadResult) -> Validity:
+def target_validity(problem: SealProblem, answer: LoadResult) -> Validity:
     """How far the force for a target leak rate can be trusted at one fluid pressure.
 
     Parameters
     ----------
     problem : SealProblem
-    surface : RoughContact
-        The problem's rough contact.
     answer : LoadResult
     """
-    return Validity.of(_at_target(problem, surface, [answer]))
+    return Validity.of(_at_target(problem, [answer]))
 
 
-def _at_target(
-    problem: SealProblem, surface: RoughContact, answers: Sequence[LoadResult]
-) -> Iterator[Caution]:
-    model = answers[0].contact.model
+def _at_target(problem: SealProblem, answers: Sequence[LoadResult]) -> Iterator[Caution]:
     bodies = (_yielding, _turned, _cut_off, _wide, _above_hardness)
-    yield from (one for check in bodies for one in check(problem, model, answers))
-    yield from _nearly_sealed(problem, surface, answers, _sealing_pressure(problem, surface))
-    if problem.flow is not None:
+    yield from (one for check in bodies for one in check(problem, answers))
+    if problem.surface is not None and problem.flow is not None:  # of a leak rate
+        sealing = _sealing_pressure(problem, problem.surface)
+        yield from _nearly_sealed(problem, problem.surface, answers, sealing)
         yield from molecule_cautions(problem.flow, answers)
 
 
@@ -275,42 +292,36 @@ def _of_surface(problem: SealProblem) -> Iterator[Caution]:
         yield Caution("roughness", Level.DOUBTFUL, text, text)
 
 
-def _touched_beside(
-    problem: SealProblem, model: ContactModel, loads: Sequence[LoadResult]
-) -> Iterator[Caution]:
+def _touched_beside(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Caution]:
     for text in problem.beside:
-        body = text.partition(".")[0]
-        yield Caution(
-            f"face of the {body}",
-            Level.DOUBTFUL,
-            f"first touch is beside the face that the shape of the {body} is named after",
-            text,
-        )
+        yield caution("touched_beside", body=text.partition(".")[0], text=text)
 
 
-def _near_opening(
-    problem: SealProblem, model: ContactModel, loads: Sequence[LoadResult]
-) -> Iterator[Caution]:
+def _near_opening(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Caution]:
     close = [(load.opening, load) for load in loads if load.opening and load.opening.share < _NEAR_OPENING]
     if close:
         margin, load = min(close, key=lambda item: item[0].share)
         share = max(margin.share, 0.0)
         others = f" ({len(close)} loads are closer than {100 * _NEAR_OPENING:g} %)" if len(close) > 1 else ""
         counts = f"{number(1 / share, 2)} times" if share > 0 else "any number of times"
-        text = (
-            f"{load_name(load, loads)} is {share_text(share)} from opening the seal: {number(margin.force, 2)} N of "
-            f"the applied {load.applied_force:.6g} N, or {number(margin.pressure / 1e5, 2)} bar{others}. The contact "
-            "force is the small difference of applied force and fluid force: a relative error of either counts "
-            f"{counts} in it, in the peak pressure and in the leak rate"
+        yield caution(
+            "near_opening",
+            load,
+            loads,
+            share=share_text(share),
+            force=number(margin.force, 2),
+            applied=load.applied_force,
+            pressure=number(margin.pressure / 1e5, 2),
+            others=others,
+            counts=counts,
         )
-        yield Caution("near opening", Level.DOUBTFUL, f"{share_text(share)} from opening the seal", text)
 
 
 def _yielding_of(problem: SealProblem, load: LoadResult) -> Mapping[str, YieldedZone | PlasticZone]:
     return yielding_of(load.contact, problem.materials)
 
 
-def _yielding(problem: SealProblem, model: ContactModel, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+def _yielding(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Caution]:
     zones = [(load, zone) for load in loads for zone in _yielding_of(problem, load).values()]
     elastic = [(load, zone) for load, zone in zones if isinstance(zone, YieldedZone)]
     # the body that is further above its yield stress comes first
@@ -319,28 +330,27 @@ def _yielding(problem: SealProblem, model: ContactModel, loads: Sequence[LoadRes
         load, zone = max(over, key=lambda item: item[1].von_mises)
         first = load_name(min((load for load, _ in over), key=lambda load: load.point), loads)
         r, z = zone.place
-        level = Level.OUTSIDE if zone.excess > LARGEST_EXCESS else Level.DOUBTFUL
-        limit, excess = rounded(zone.yield_stress / 1e6, DIGITS), _times(zone.excess, load, 3)
-        stress = _mpa(zone.von_mises, load, limit)
-        yield Caution(
-            YIELD_STRESS,
-            level,
-            f"{name}: von Mises stress {excess} times its yield stress",
-            f"{name}: von Mises stress {stress} MPa at {load_name(load, loads)} is {excess} times the yield stress "
-            f"{limit:g} MPa, at r = {r * 1e3:.4g} mm, z = {z * 1e3:.4g} mm, {_um(zone.depth, load, 3)} from the "
-            f"contact line; it is exceeded to a depth of {_um(zone.deepest, load, 3)} (from {first} on). The body is "
-            "solved as elastic: the true contact is wider and its peak pressure lower. A stress_strain curve in its "
-            "material"
-            + (
-                ' together with [load] closing = "sealed-area"'
-                if problem.loads.closing == "penetration"
-                else ""
-            )
-            + " solves it as elastoplastic",
+        limit = rounded(zone.yield_stress / 1e6, DIGITS)
+        penetrates = problem.loads.closing == "penetration"
+        yield caution(
+            "yield_stress",
+            load,
+            loads,
+            outside=zone.excess > LARGEST_EXCESS,
+            name=name,
+            excess=_times(zone.excess, load, 3),
+            stress=_mpa(zone.von_mises, load, limit),
+            limit=limit,
+            r=1e3 * r,
+            z=1e3 * z,
+            depth=_um(zone.depth, load, 3),
+            deepest=_um(zone.deepest, load, 3),
+            first=first,
+            closing=' together with [load] closing = "sealed-area"' if penetrates else "",
         )
 
 
-def _table_left(problem: SealProblem, model: ContactModel, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+def _table_left(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Caution]:
     for name, material in problem.materials.items():
         curve = material.hardening
         if curve is None:
@@ -355,65 +365,48 @@ def _table_left(problem: SealProblem, model: ContactModel, loads: Sequence[LoadR
                 "stress_strain_curve",
                 load,
                 loads,
-                level=Level.OUTSIDE,
+                outside=True,
                 name=name,
                 strain=100 * zone.strain,
                 last=100 * curve.last_strain,
                 stress=curve.stress[-1] / 1e6,
             )
         if zone.strain > _LARGE_STRAIN:
-            yield caution(
-                "large_strain",
-                load,
-                loads,
-                level=Level.OUTSIDE,
-                name=name,
-                strain=100 * zone.strain,
-                limit=100 * _LARGE_STRAIN,
-            )
+            strain, limit = 100 * zone.strain, 100 * _LARGE_STRAIN
+            yield caution("large_strain", load, loads, outside=True, name=name, strain=strain, limit=limit)
 
 
-def _turned(problem: SealProblem, model: ContactModel, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+def _turned(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Caution]:
     load = max(loads, key=lambda load: load.contact.turning)
     turned = load.contact.turning
     if turned > TURNED:
         much = turned > LARGEST_TURNING
-        yield Caution(
-            "small strain",
-            Level.OUTSIDE if much else Level.DOUBTFUL,
-            f"faces turned against each other by {turned:.2g} rad, too far for small-strain theory",
-            f"at {load_name(load, loads)} the load turns the faces against each other by {turned:.2g} rad (of smooth "
-            "bodies the half-width of the contact over the radius of relative curvature). The theory is for small "
-            f"strains and rotations: above {TURNED:g} rad a leak rate that falls steeply with pressure is off by more "
-            f"than 5 %, above {LARGEST_TURNING:g} rad by more than 20 %. A smaller load, a larger edge radius or "
-            "stiffer materials remove the problem",
+        yield caution(
+            "small_strain", load, loads, outside=much, turned=turned, limit=TURNED, largest=LARGEST_TURNING
         )
 
 
-def _cut_off(problem: SealProblem, model: ContactModel, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+def _cut_off(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Caution]:
     for end, side in ((0, "bore"), (-1, "outer")):
         ends = [load.profiles[end] for load in loads]
         shares = [float(one.pressure[end]) / one.peak_pressure for one in ends]
         if max(shares) > _CUT_OFF:
             load = loads[shares.index(max(shares))]
             # where faces fit each other along a stretch, that they end is part of the contact
-            fitting = math.isinf(model.relative_radius)
-            much = max(shares) > _MUCH_CUT_OFF and not fitting
-            level = Level.OUTSIDE if much else Level.DOUBTFUL
-            yield caution(
-                "cut_off", load, loads, level=level, side=side, share=max(shares), x=1e3 * ends[0].x[end]
-            )
+            fitting = math.isinf(load.contact.model.relative_radius)
+            much, x = max(shares) > _MUCH_CUT_OFF and not fitting, 1e3 * ends[0].x[end]
+            yield caution("cut_off", load, loads, outside=much, side=side, share=max(shares), x=x)
 
 
-def _wide(problem: SealProblem, model: ContactModel, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+def _wide(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Caution]:
     load = max(loads, key=lambda load: load.std)
-    share = 2 * load.std / model.touch_radius
+    share = 2 * load.std / load.contact.model.touch_radius
     if share > _NARROW:
         yield caution("wide_contact", load, loads, share=share)
 
 
-def _thick_layer(problem: SealProblem, model: ContactModel, loads: Sequence[LoadResult]) -> Iterator[Caution]:
-    bend = np.concatenate([line.bend for line in model.lines])
+def _thick_layer(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+    bend = np.concatenate([line.bend for line in loads[0].contact.model.lines])
     shares = []
     for load in loads:
         forces = load.contact.point_forces
@@ -421,32 +414,28 @@ def _thick_layer(problem: SealProblem, model: ContactModel, loads: Sequence[Load
     share = max(shares)
     if share > _THICK_LAYER:
         load = loads[shares.index(share)]
-        apart = float(load.contact.gap[int(np.argmax(load.contact.pressure))])
-        yield caution(
-            "thick_layer",
-            load,
-            loads,
-            level=Level.OUTSIDE if share > _NO_LAYER else Level.DOUBTFUL,
-            share=share,
-            apart=1e6 * apart,
-        )
+        apart, outside = 1e6 * _gap_at_peak(load), share > _NO_LAYER
+        yield caution("thick_layer", load, loads, outside=outside, share=share, apart=apart)
 
 
-def _slides(problem: SealProblem, model: ContactModel, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+def _gap_at_peak(load: LoadResult) -> float:
+    return float(load.contact.gap[int(np.argmax(load.contact.pressure))])
+
+
+def _slides(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+    load = max(loads, key=_gap_at_peak)
+    model, apart = load.contact.model, _gap_at_peak(load)
     slope = math.sqrt(1 - model.touch_normal_z**2) / model.touch_normal_z / model.touch_radius
-    apart = [float(load.contact.gap[int(np.argmax(load.contact.pressure))]) for load in loads]
-    share = slope * max(apart)
+    share = slope * apart
     if share > _SLIDES:
-        load = loads[apart.index(max(apart))]
-        yield caution("steep_seat", load, loads, share=share, apart=1e6 * max(apart))
+        yield caution("steep_seat", load, loads, share=share, apart=1e6 * apart)
 
 
-def _moved_by_heat(
-    problem: SealProblem, model: ContactModel, loads: Sequence[LoadResult]
-) -> Iterator[Caution]:
+def _moved_by_heat(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Caution]:
     """How far the faces slide along each other: the place of contact is that of the drawing."""
     if not problem.temperatures:
         return
+    model = loads[0].contact.model
     at_rest, outwards = problem.at_rest(model), []
     for body in (model.closure, model.seat):
         touch = body.held.contact_dofs[0, np.argmin(np.abs(body.contact_x))]
@@ -464,15 +453,13 @@ def _moved_by_heat(
         )
 
 
-def _creeps(
-    problem: SealProblem, model: ContactModel | None, loads: Sequence[LoadResult]
-) -> Iterator[Caution]:
+def _creeps(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Caution]:
     creeping = [name for name, material in problem.materials.items() if material.creeps]
     for name, text in zip(creeping, creep_remarks(problem.materials), strict=True):
         yield Caution("creep", Level.DOUBTFUL, f"{name}: {problem.materials[name].name} creeps", text)
 
 
-def _hot(problem: SealProblem, model: ContactModel | None, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+def _hot(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Caution]:
     yield from (one for one in temperature_cautions(problem) if one.level is not Level.VALID)
 
 
@@ -507,14 +494,12 @@ def _named_pressure(load: LoadResult) -> str:
     )
 
 
-def _above_hardness(
-    problem: SealProblem, model: ContactModel | None, loads: Sequence[LoadResult]
-) -> Iterator[Caution]:
+def _above_hardness(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Caution]:
     load = max(loads, key=_highest_pressure)
     peak, hardness = _highest_pressure(load), problem.hardness
     if hardness is None or peak <= (_NEAR_HARDNESS if problem.asperities_yield else 1.0) * hardness:
         return
-    share, told, limit = peak / hardness, _times(peak / hardness, load), rounded(hardness / 1e6, DIGITS)
+    share = peak / hardness
     why = (
         "no body carries a mean pressure above its hardness"
         if share > 1
@@ -524,10 +509,10 @@ def _above_hardness(
         "hardness",
         load,
         loads,
-        level=Level.OUTSIDE if share > 1 else Level.DOUBTFUL,
+        outside=share > 1,
         pressure=_named_pressure(load),
-        told=told,
-        peak=_mpa(peak, load, limit),
+        told=_times(share, load),
+        peak=_mpa(peak, load, rounded(hardness / 1e6, DIGITS)),
         why=why,
     )
 
@@ -666,19 +651,17 @@ def _simulated(table: DirectTable, load: LoadResult, loads: Sequence[LoadResult]
         else "decides whether the first patch is tight"
     )
     if max(down, up) > _UNSURE:
-        yield Caution(
-            DIRECT_SCATTER,
-            Level.DOUBTFUL,
-            f"conductivity of the direct simulation uncertain by a factor {down:.2g} down and {up:.2g} up",
-            f"near the peak pressure {at} at {load_name(load, loads)} the conductivity of the direct simulation may be "
-            f"a factor {down:.2g} smaller or {up:.2g} larger: {_samples(row.samples)}, and waves too short for the "
-            f"grid, of which the last octave that it holds {octave}",
+        yield caution(
+            "direct_scatter",
+            load,
+            loads,
             leak_factor=Bounds(1.0 / down, up),
+            down=down,
+            up=up,
+            at=at,
+            samples="1 sample" if row.samples == 1 else f"{row.samples} samples",
+            octave=octave,
         )
-
-
-def _samples(count: int) -> str:
-    return "1 sample" if count == 1 else f"{count} samples"
 
 
 def _lay_factor(area: float, peklenik: float) -> float:
@@ -700,9 +683,7 @@ def _range(problem: SealProblem, surface: RoughContact, loads: Sequence[LoadResu
         )
 
 
-def _long_waves(
-    problem: SealProblem, surface: RoughContact, loads: Sequence[LoadResult]
-) -> Iterator[Caution]:
+def _long_waves(surface: RoughContact, loads: Sequence[LoadResult]) -> Iterator[Caution]:
     load = min(loads, key=lambda load: load.std)
     std, spectrum = load.std, surface.spectrum
     above = float(spectrum.height_variance_above(1 / std)) / spectrum.rms_height**2
@@ -717,29 +698,24 @@ def _long_waves(
     yield caution("long_waves", load, loads, leak_factor=factors, share=told, std=_um(std, load), more=more)
 
 
-def _fluid_opens(
-    problem: SealProblem, surface: RoughContact, loads: Sequence[LoadResult]
-) -> Iterator[Caution]:
-    local = problem.flow is not None and problem.flow.fluid_in_gap == "local"
-    if local:
+def _fluid_opens(problem: SealProblem, flow: Flow, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+    if flow.fluid_in_gap == "local":
         yield from _blown_open(loads)
-    if local or problem.loads.closing == "penetration":
-        return
-    load = max(loads, key=lambda load: load.fluid_pressure / load.peak_pressure)
-    share = load.fluid_pressure / load.peak_pressure
-    if share > FLUID_OPENS:
-        most = (
-            f"about {1 + 1.7 * share:.2g} times as much" if share < _FLUID_LIFTS else "several times as much"
-        )
-        yield caution(
-            "fluid_opens",
-            load,
-            loads,
-            level=Level.OUTSIDE if share > _FLUID_LIFTS else Level.DOUBTFUL,
-            leak_factor=Bounds(1.0, 1.0 + 1.7 * share if share < _FLUID_LIFTS else math.inf),
-            share=share,
-            most=most,
-        )
+    elif problem.loads.closing != "penetration":
+        load = max(loads, key=lambda load: load.fluid_pressure / load.peak_pressure)
+        share = load.fluid_pressure / load.peak_pressure
+        times = 1.0 + 1.7 * share if share < _FLUID_LIFTS else math.inf
+        most = "several times as much" if math.isinf(times) else f"about {times:.2g} times as much"
+        if share > FLUID_OPENS:
+            yield caution(
+                "fluid_opens",
+                load,
+                loads,
+                outside=share > _FLUID_LIFTS,
+                leak_factor=Bounds(1.0, times),
+                share=share,
+                most=most,
+            )
 
 
 def _blown_open(loads: Sequence[LoadResult]) -> Iterator[Caution]:
@@ -747,17 +723,19 @@ def _blown_open(loads: Sequence[LoadResult]) -> Iterator[Caution]:
     if blown:
         load = min(blown, key=lambda load: load.point)
         peak = _mpa(load.peak_pressure, load, load.fluid_pressure / 1e6)
-        yield caution("lifted_open", load, loads, level=Level.OUTSIDE, peak=peak)
+        yield caution("lifted_open", load, loads, outside=True, peak=peak)
 
 
-def _coarse(model: ContactModel, error: DiscretisationError) -> Iterator[Caution]:
-    estimates = (error.peak_pressure, error.std, error.leak_rate or 0.0)
-    if not all(math.isfinite(one) for one in estimates):
-        reason = "discretisation error not estimated"
-        yield Caution("mesh", Level.DOUBTFUL, reason, f"{reason}: the effect of the mesh is not known")
+def _coarse(load: LoadResult) -> Iterator[Caution]:
+    """What the mesh says, the same of all loads; nothing where it is not known at all."""
+    error, model = load.mesh_error, load.contact.model
+    if error is None:
         return
+    estimates = error.peak_pressure, error.std, error.leak_rate or 0.0
     worst = max(estimates)
-    if yielding_bodies(model):
+    if not all(map(math.isfinite, estimates)):
+        yield caution("mesh_not_estimated")
+    elif yielding_bodies(model):
         if worst > _LARGEST_ERROR_OF_PATH:
             yield caution("mesh_and_steps", share=share_text(worst))
     elif worst > _LARGEST_ERROR:

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from fem_seal.seal.bounds import Bounds
-from fem_seal.seal.findings import Caution, Level
+from fem_seal.seal.findings import Caution
 from fem_seal.seal.load_names import load_name
 from fem_seal.units import rounded, share_text
 from fem_seal.validity.words import caution
@@ -48,8 +48,8 @@ def fluid_cautions(flow: Flow, loads: Sequence[LoadResult]) -> Iterator[Caution]
     loads : sequence of LoadResult
         What is said is about the worst of them.
     """
-    own = (_thickening, _liquid_inertia) if flow.gas is None else (_dense_gas, _inertia)
-    yield from (one for check in (molecule_cautions, *own) for one in check(flow, loads))
+    own = _thickening if flow.gas is None else _dense_gas
+    yield from (one for check in (molecule_cautions, own, _inertia) for one in check(flow, loads))
 
 
 def molecule_cautions(flow: Flow, loads: Sequence[LoadResult]) -> Iterator[Caution]:
@@ -144,7 +144,7 @@ def _beyond_table(gas: Gas, real: RealGas, highest: float) -> Iterator[Caution]:
         return
     at, known = f"{highest / 1e5:.4g} bar", f"{real.highest_pressure / 1e5:.4g} bar"
     if real.condenses:
-        yield caution("condensed", level=Level.OUTSIDE, gas=gas, at=at, known=known)
+        yield caution("condensed", outside=True, gas=gas, at=at, known=known)
     else:
         yield caution("dense_gas", gas=gas, known=known, at=at)
 
@@ -155,42 +155,38 @@ def _not_ideal(flow: Flow, gas: Gas, highest: float) -> Iterator[Caution]:
     from leak.fluids.library import coolprop_name
 
     real, other = estimated_real_gas(gas, highest), coolprop_name(gas.name)
-    said, ratio = "", 1.0
+    leaks, there, ratio = "", "", 1.0
     if real is not None:
         ratio = real_gas_flow_ratio(real, highest, flow.outlet_pressure)
-        said = (
+        leaks = f": about {ratio:.2g} times as much leaks"
+        there = (
             f". There the compressibility factor is about {float(real.factor(highest)):.2g} and the viscosity "
-            f"{float(real.viscosity_ratio(highest)):.2g} times that of the dilute gas: about {ratio:.2g} times as much "
-            "leaks"
+            f"{float(real.viscosity_ratio(highest)):.2g} times that of the dilute gas{leaks}"
         )
-    remedy = "" if other is None else f'. [fluid] name = "{other}" calculates with the real gas'
-    yield Caution(
-        "dense gas",
-        Level.DOUBTFUL,
-        f"{gas.name} at {highest / 1e5:.4g} bar is not a dilute ideal gas"
-        + ("" if real is None else f": about {ratio:.2g} times as much leaks"),
-        f"{gas.name} at {highest / 1e5:.4g} bar is not a dilute ideal gas: above "
-        f"{gas.dilute_pressure / 1e5:.4g} bar its density or viscosity differs by more than 5 %, "
-        f"which the leak rate does not take into account{said}{remedy}",
+    yield caution(
+        "not_ideal_gas",
         leak_factor=Bounds(min(ratio, 1.0), max(ratio, 1.0)),
+        gas=gas,
+        at=f"{highest / 1e5:.4g} bar",
+        dilute=f"{gas.dilute_pressure / 1e5:.4g} bar",
+        leaks=leaks,
+        there=there,
+        remedy="" if other is None else f'. [fluid] name = "{other}" calculates with the real gas',
     )
 
 
 def _inertia(flow: Flow, loads: Sequence[LoadResult]) -> Iterator[Caution]:
-    found = _fastest(flow, loads, [(load, load) for load in loads])
-    if found is None:
-        # where the result is slow enough, the other reading may not be
-        found = _fastest(flow, loads, _other_reading(loads), end=True)
-    if found is not None:
-        yield found
+    """Where the fluid goes too fast through the gap for viscous flow, in the result or else in its upper end."""
+    fastest = _fastest_liquid if flow.gas is None else _fastest_gas
+    for end, readings in ((False, [(load, load) for load in loads]), (True, _other_reading(loads))):
+        found = fastest(flow, loads, readings, end=end)
+        if found is not None:
+            yield found
+            return
 
 
-def _fastest(
-    flow: Flow,
-    loads: Sequence[LoadResult],
-    readings: Sequence[tuple[LoadResult, LoadResult]],
-    *,
-    end: bool = False,
+def _fastest_gas(
+    flow: Flow, loads: Sequence[LoadResult], readings: Sequence[tuple[LoadResult, LoadResult]], *, end: bool
 ) -> Caution | None:
     """What inertia says against the loads in some reading; None if nothing. `end`: only against one end of the leak."""
     found = [(inertia, load) for load, read in readings if (inertia := _inertia_of(flow, read))]
@@ -201,43 +197,42 @@ def _fastest(
     outside = numbers.acceleration > _CHOKED or worst_reynolds > _TURBULENT
     if not outside and numbers.acceleration <= _ACCELERATED and reduced <= _REDUCED:
         return None
-    chokes = "it chokes, and " if numbers.mach > _CHOKES else ""
     least = min(1.0 - numbers.acceleration, 1.0 / (1.0 + _PRESSURE_SHARE * reduced))
-    fast = f"Mach number {_two(numbers.mach)} and Reynolds number {_two(numbers.reynolds)}"
-    return Caution(
-        "inertia",
-        Level.OUTSIDE if outside and not end else Level.DOUBTFUL,
-        f"gas flow with {fast}"
-        + (" where the surface changes only where it touches: upper end too high" if end else ""),
-        f"{_where(load, loads, end=end)} the gas would flow with {fast} through the effective gap; inertia takes about "
-        f"{share_text(numbers.acceleration)} of what drives the flow (limit {100 * _ACCELERATED:.0f} %), and inertia "
-        f"over friction along the gap is {_two(reduced)} (limit {_REDUCED:g}). Viscous flow is assumed: in truth "
-        f"{chokes}less leaks" + (" than the upper end says" if end else ""),
-        Bounds(1.0 if end else least, 1.0),
+    return caution(
+        "gas_inertia_of_end" if end else "gas_inertia",
+        outside=outside and not end,
+        leak_factor=Bounds(1.0 if end else least, 1.0),
+        place=_where(load, loads, end=end),
+        fast=f"Mach number {_two(numbers.mach)} and Reynolds number {_two(numbers.reynolds)}",
+        share=share_text(numbers.acceleration),
+        limit=100 * _ACCELERATED,
+        reduced=_two(reduced),
+        most=_REDUCED,
+        chokes="it chokes, and " if numbers.mach > _CHOKES else "",
     )
 
 
-def _liquid_inertia(flow: Flow, loads: Sequence[LoadResult]) -> Iterator[Caution]:
-    """Where a liquid goes too fast through the gap for viscous flow, in the result or else in its upper end."""
-    for end, readings in ((False, [(load, load) for load in loads]), (True, _other_reading(loads))):
-        found = [(*numbers, load) for load, read in readings if (numbers := _of_liquid(flow, read))]
-        # a turbulent flow before any other
-        worst = max(found, key=lambda one: (one[0] > _TURBULENT, one[1]), default=(0.0, 0.0, None))
-        reynolds, reduced, load = worst
-        if load is None or (reduced <= _REDUCED and reynolds <= _TURBULENT):
-            continue
-        yield Caution(
-            "inertia",
-            Level.OUTSIDE if reynolds > _TURBULENT and not end else Level.DOUBTFUL,
-            f"Reynolds number {_two(reynolds)} in the gap"
-            + (" where the surface changes only where it touches: upper end too high" if end else ""),
-            f"{_where(load, loads, end=end)} {flow.fluid} would flow with a Reynolds number of {_two(reynolds)} "
-            f"through the effective gap (limit {_TURBULENT:g}), and inertia over friction along the gap is "
-            f"{_two(reduced)} (limit {_REDUCED:g}). Viscous flow is assumed: in truth less leaks"
-            + (" than the upper end says" if end else ""),
-            Bounds(1.0 if end else 1.0 / (1.0 + _PRESSURE_SHARE * reduced), 1.0),
-        )
-        return
+def _fastest_liquid(
+    flow: Flow, loads: Sequence[LoadResult], readings: Sequence[tuple[LoadResult, LoadResult]], *, end: bool
+) -> Caution | None:
+    """The same of a liquid."""
+    found = [(*numbers, load) for load, read in readings if (numbers := _of_liquid(flow, read))]
+    # a turbulent flow before any other
+    worst = max(found, key=lambda one: (one[0] > _TURBULENT, one[1]), default=(0.0, 0.0, None))
+    reynolds, reduced, load = worst
+    if load is None or (reduced <= _REDUCED and reynolds <= _TURBULENT):
+        return None
+    return caution(
+        "liquid_inertia_of_end" if end else "liquid_inertia",
+        outside=reynolds > _TURBULENT and not end,
+        leak_factor=Bounds(1.0 if end else 1.0 / (1.0 + _PRESSURE_SHARE * reduced), 1.0),
+        place=_where(load, loads, end=end),
+        fluid=flow.fluid,
+        reynolds=_two(reynolds),
+        turbulent=_TURBULENT,
+        reduced=_two(reduced),
+        most=_REDUCED,
+    )
 
 
 def _of_liquid(flow: Flow, load: LoadResult) -> tuple[float, float] | None:
@@ -282,7 +277,7 @@ def _where_most_leaks(load: LoadResult) -> tuple[PressureProfile, LeakResult] | 
 
 
 def _where(load: LoadResult, loads: Sequence[LoadResult], *, end: bool) -> str:
-    """At which load and place that is, and in which reading; see `_fastest`."""
+    """At which load and place that is, and in which reading; see `_fastest_gas`."""
     clauses = [f"at {load_name(load, loads)}"]
     if load.formed is not None and load.formed.form.felt:
         clauses.append("where most leaks around the axis")

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from fem_seal.materials import ROOM_TEMPERATURE, celsius
 from fem_seal.seal.findings import Caution, Level
+from fem_seal.validity.words import caution
 
 if TYPE_CHECKING:
     from fem_seal.materials import Material
@@ -93,23 +95,31 @@ def _beyond(name: str, material: Material, key: str, at: float) -> Caution:
     table = material.table(key)
     assert table is not None  # of those that were looked at
     end = table.temperature[0] if at < table.temperature[0] else table.temperature[-1]
-    words, value = _WORDS[key][0], _said(key, table.at(end))
-    return Caution(
-        f"hot {key}",
-        Level.DOUBTFUL if table.beyond(at) >= _FAR else Level.VALID,
-        f"{name}: {words} of {celsius(end)}, not of {celsius(at)}",
-        f"{name}.material.{key}: the library knows the {words} of {material.name} {table.reach}; the {value} of "
-        f"{celsius(end)} stands for {celsius(at)}; give a table over temperature in the case, "
-        f"{_table(key, end, at, value)}",
+    value = _said(key, table.at(end))
+    found = caution(
+        "beyond_temperatures",
+        name=name,
+        key=key,
+        number=_WORDS[key][0],
+        material=material,
+        table=table,
+        value=value,
+        end=celsius(end),
+        at=celsius(at),
+        example=_table(key, end, at, value),
     )
+    return found if table.beyond(at) >= _FAR else replace(found, level=Level.VALID)
 
 
 def _plain(name: str, material: Material, keys: list[str], temperature: float) -> Caution:
-    value = _said(keys[0], getattr(material, keys[0]))
-    numbers = " and ".join(filter(None, (", ".join(keys[:-1]), keys[-1])))
-    text = (
-        f"{name}.material: {numbers} of the case {'have' if len(keys) > 1 else 'has'} no temperature and "
-        f"{'are' if len(keys) > 1 else 'is'} taken as given for {celsius(temperature)}; a number that belongs to "
-        f"another temperature is written as a table, such as {_table(keys[0], ROOM_TEMPERATURE, temperature, value)}"
+    value, several = _said(keys[0], getattr(material, keys[0])), len(keys) > 1
+    found = caution(
+        "no_temperature",
+        name=name,
+        numbers=" and ".join(filter(None, (", ".join(keys[:-1]), keys[-1]))),
+        have="have" if several else "has",
+        are="are" if several else "is",
+        at=celsius(temperature),
+        example=_table(keys[0], ROOM_TEMPERATURE, temperature, value),
     )
-    return Caution("temperature", Level.VALID, f"{name}: numbers without a temperature", text)
+    return replace(found, level=Level.VALID)

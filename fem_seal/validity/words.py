@@ -20,7 +20,7 @@ def caution(
     loads: Sequence[LoadResult] = (),
     /,
     *,
-    level: Level = Level.DOUBTFUL,
+    outside: bool = False,
     leak_factor: Bounds = EXACT,
     **values: object,
 ) -> Caution:
@@ -32,13 +32,27 @@ def caution(
         Of its words: kind, reason and text.
     load, loads
         About which load it is, and those from which its name tells it.
-    level, leak_factor
+    outside : bool
+        Whether it makes the numbers worse than doubtful.
+    leak_factor
         See `Caution`.
     **values
         What the words have in braces.
     """
-    words = own_tables("findings.toml")[name]
     if load is not None:
         values["where"] = load_name(load, loads)
-    reason, text = (words[part].format(**values) for part in ("reason", "text"))
-    return Caution(words["kind"], level, reason, text, leak_factor)
+    kind, reason, text = (sentence(name, part, **values) for part in ("kind", "reason", "text"))
+    return Caution(kind, Level.OUTSIDE if outside else Level.DOUBTFUL, reason, text, leak_factor)
+
+
+def sentence(name: str, part: str = "text", /, **values: object) -> str:
+    """One of the words of an entry.
+
+    Parameters
+    ----------
+    name, part : str
+    **values
+        What the words have in braces.
+    """
+    words: str = own_tables("findings.toml")[name][part]
+    return words.format(**values)
