@@ -13,8 +13,7 @@ from sample_results import STEEL, ball, case, cone, judged_anew, rough_result, w
 
 import fem_seal
 from fem_seal.answers.judgement import Judgement, Limit, Verdict, Why
-from fem_seal.answers.leakage_class import leakage_classes, next_class
-from fem_seal.answers.limits import limits
+from fem_seal.answers.leakage_class import leakage_classes, limits, next_class
 from fem_seal.answers.verdict import seal_judgement
 from fem_seal.cli import app as cli
 from fem_seal.errors import ConvergenceError, InputError, LoadProblem

@@ -100,10 +100,6 @@ class CoarserLoad:
     number: int
     contact: ContactSolution
 
-    def solve(self, solver: LoadSolver) -> ContactSolution:
-        """The same load and load steps with another solver."""
-        return solve_load(solver, self.number, steps=_STEPS // COARSER, start=self.contact)
-
     def compared(self, name: str, contact: ContactSolution) -> Comparison:
         """What is compared of this load on some contact."""
         flow = self.solver.flow
@@ -162,12 +158,8 @@ def _compared(
         """Relative error by Richardson's rule."""
         return abs(change) / (COARSER**order - 1) * (COARSER**order if of_coarse else 1.0)
 
-    return DiscretisationError(
-        estimated(change.peak_pressure),
-        estimated(change.fwhm),
-        estimated(change.std),
-        None if change.leak_rate is None else estimated(change.leak_rate),
-    )
+    rate = None if change.leak_rate is None else estimated(change.leak_rate)
+    return DiscretisationError(*map(estimated, (change.peak_pressure, change.fwhm, change.std)), rate)
 
 
 def far_field(load: CoarserLoad) -> tuple[Comparison, ...]:
@@ -180,7 +172,8 @@ def far_field(load: CoarserLoad) -> tuple[Comparison, ...]:
     base = load.compared("as it is", load.contact)
 
     def change(name: str, model: ContactModel) -> Comparison:
-        changed = load.solve(replace(load.solver, model=model))
+        solver, steps = replace(load.solver, model=model), _STEPS // COARSER
+        changed = solve_load(solver, load.number, steps=steps, start=load.contact)
         return load.compared(name, changed).relative_to(base)
 
     changes = []

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import fields, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from fem_seal.answers.accuracy import ACCURACY
@@ -109,10 +109,8 @@ def solve(
     ask = Inquiry(LoadSolver(seal.problem, seal.model), clock, wanted, steps)
     seal = answered(seal, ask, ANSWERS if answers is None else answers)
     texts = (caution.text for caution in FINDINGS.of(ask.answers).cautions)
-    known = {field.name: getattr(seal, field.name) for field in fields(seal)}
-    return SealSolution(
-        **known, answers=ask.answers, warnings=(*texts, *steps.failures), timings=clock.timings
-    )
+    warnings = (*texts, *steps.failures)
+    return SealSolution(**vars(seal), answers=ask.answers, warnings=warnings, timings=clock.timings)
 
 
 def _solved(case: Case, clock: Clock, steps: OptionalSteps) -> SolvedSeal:
@@ -123,7 +121,8 @@ def _solved(case: Case, clock: Clock, steps: OptionalSteps) -> SolvedSeal:
         _ = whole.law  # made once for each surface, and here, where it is timed
     _simulate(whole, clock)
     refused = whole.loads.refused
-    problem = _without(whole, refused)
+    # the problem itself keeps its law
+    problem = replace(whole, loads=whole.loads.without(refused)) if refused else whole
     found = evaluate(problem, clock=clock)
     problem, solved = found.problem, found.solved
     kept = [number for number in range(len(whole.loads.points)) if number not in refused]
@@ -132,7 +131,8 @@ def _solved(case: Case, clock: Clock, steps: OptionalSteps) -> SolvedSeal:
     if solved.not_unloaded is not None:
         steps.name_failure("residual stress and imprint", solved.not_unloaded)
     with clock.step("leak", "flow conductivity and leak rates"):
-        rough = _with_tables(steps, found.loads[0].rough)
+        rough = found.loads[0].rough
+        rough = None if rough is None else _read(steps, rough, {"table": "flow conductivity"})
         loads = tuple(
             _read(
                 steps,
@@ -152,45 +152,19 @@ def _solved(case: Case, clock: Clock, steps: OptionalSteps) -> SolvedSeal:
     )
 
 
-def _without(problem: SealProblem, numbers: Collection[int]) -> SealProblem:
-    return replace(problem, loads=problem.loads.without(numbers)) if numbers else problem
-
-
-def _with_tables(steps: OptionalSteps, rough: RoughFlow | None) -> RoughFlow | None:
-    if rough is None:
-        return None
-    rough = steps.compute_values(rough, {"table": "flow conductivity"})
-    return rough.with_readings(
-        {
-            reading: steps.compute_values(
-                other, {"table": f"flow conductivity of {WORDS[reading].asperities}"}
-            )
-            for reading, other in _others(rough)
-        }
-    )
-
-
-def _others(one: Read) -> Iterator[tuple[Reading, Read]]:
-    """A load, or its surfaces, in all other readings, with asperities that never yield to compare with."""
-    for reading in dict.fromkeys((*one.readings, Reading.ELASTIC)):
-        if (other := one.reading(reading)) is not one:
-            yield reading, other
-
-
-def _read(steps: OptionalSteps, load: LoadResult, values: Mapping[str, str]) -> LoadResult:
-    """A load with some of its values worked out in all readings."""
-    load = _settled(steps, load, values)
+def _read(steps: OptionalSteps, one: Read, values: Mapping[str, str]) -> Read:
+    """A load, or its surfaces, with some values in all readings, with asperities that never yield to compare with."""
+    one = _settled(steps, one, values)
     others = {
         reading: _settled(
-            steps, one, {name: f"{what} of {WORDS[reading].asperities}" for name, what in values.items()}
+            steps, other, {name: f"{what} of {WORDS[reading].asperities}" for name, what in values.items()}
         )
-        for reading, one in _others(load)
+        for reading in dict.fromkeys((*one.readings, Reading.ELASTIC))
+        if (other := one.reading(reading)) is not one
     }
-    return load.with_readings(others)
+    return one.with_readings(others)
 
 
-def _settled(
-    steps: OptionalSteps, load: LoadResult, values: Mapping[str, str], otherwise: object = None
-) -> LoadResult:
-    at = given("fluid pressure", load.fluid_pressure)
-    return steps.compute_values(load, {name: f"{what} at {at}" for name, what in values.items()}, otherwise)
+def _settled(steps: OptionalSteps, one: Read, values: Mapping[str, str], otherwise: object = None) -> Read:
+    at = f" at {given('fluid pressure', one.fluid_pressure)}" if isinstance(one, LoadResult) else ""
+    return steps.compute_values(one, {name: f"{what}{at}" for name, what in values.items()}, otherwise)

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
-from fem_seal.case.words import problem as case_problem
 from fem_seal.errors import InputError
 from fem_seal.loads import contact_force
 from fem_seal.seal.problem import SealProblem, largest_force
 from fem_seal.seal.seal_flow import SealFlow
 from fem_seal.units import briefly, given, quantity
+from fem_seal.validity.words import sentence
 from leak.numerics.roots import root_between
 
 # Step of the force while a target is looked for, and how far down from the largest sensible force.
@@ -55,9 +54,9 @@ def expected_contact_force(flow: SealFlow, fluid_pressure: float, target: float)
             least = flow.leak(flow.expected_profile(math.exp(highest)), fluid_pressure).leak_rate
             force = briefly("force", largest_force(problem))
             values = {"force": force, "leaves": quantity("flow", least), "bar": bar}
-            raise target_problem(problem, "target_too_small", target, **values)
+            raise target_problem(problem, "too_small", target, **values)
         if ahead < highest + math.log(_LEAST):
-            raise target_problem(problem, "target_always_met", target, bar=bar)
+            raise target_problem(problem, "always_met", target, bar=bar)
         at = ahead
 
 
@@ -86,7 +85,7 @@ def log_excess(leak_rate: float, target: float) -> float:
 
 
 def target_problem(problem: SealProblem, name: str, target: float | None, **values: object) -> InputError:
-    """What is wrong with a target leak rate, in the words of templates/problems.toml.
+    """What is wrong with a target leak rate, in the words of templates/findings.toml.
 
     Parameters
     ----------
@@ -97,6 +96,6 @@ def target_problem(problem: SealProblem, name: str, target: float | None, **valu
     **values
         What the words have in braces.
     """
-    wrong = case_problem(name, **values)
     shown = None if target is None else given("flow", target)
-    return InputError(replace(wrong, value=shown), file=problem.file)
+    message = sentence("target", name, **values)
+    return InputError.at("load.target_leak_rate", message, shown, file=problem.file)

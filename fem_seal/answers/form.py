@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem_seal.answers.answer import Answer, Inquiry
-from fem_seal.answers.leakage_class import leakage_classes, test_of
-from fem_seal.answers.limits import limits
+from fem_seal.answers.leakage_class import leakage_classes, limits, test_of
 from fem_seal.errors import ConvergenceError, OpenSealError
 from fem_seal.form import FormError, Wave, WaveTolerance
 from fem_seal.seal.circumference import Around, LeakCurve, around_after

@@ -51,10 +51,7 @@ class ResponseSurface:
 
     def __call__(self, inputs: FloatArray) -> FloatArray:
         """Outputs at inputs of shape (n, d); shape (n, outputs)."""
-        return self._design(inputs) @ self.coefficients
-
-    def _design(self, inputs: FloatArray) -> FloatArray:
-        return _design(inputs, self.bases, self.centre, self.scale, self.exponents)
+        return _design(inputs, self.bases, self.centre, self.scale, self.exponents) @ self.coefficients
 
     @property
     def variance(self) -> FloatArray:

@@ -131,9 +131,7 @@ def levers(result: SolvedSeal, number: int | None = None) -> tuple[Lever, ...]:
     bench = _Bench(result, result.loads[number], number)
     if not bench.usable:
         return ()
-    found: list[Lever] = []
-    for make in (bench.force, bench.surface_levers, bench.dimensions):
-        found += make()
+    found = [*bench.force(), *bench.surface_levers(), *bench.dimensions()]
     return tuple(sorted(found, key=lambda one: -one.strength))
 
 
@@ -210,11 +208,10 @@ class _Bench:
             near = _rates(solved(1.0 + small))
             if len(near) != len(self.rates):
                 return
-            exponents = _exponents(self.rates, near, 1.0 + small)
             factor = large if sum(near) < sum(self.rates) else 1.0 / large
-            far = _rates(solved(factor))
+            ratio = _ratio(self.rates, _rates(solved(factor)))
             after = None if value is None else value * factor
-            yield Lever(key, value, after, factor, _ratio(self.rates, far), exponents)
+            yield Lever(key, value, after, factor, ratio, _exponents(self.rates, near, 1.0 + small))
 
     def force(self) -> list[Lever]:
         """More force of spring or actuator: a tenth of it or, where there is none, of the contact force."""
@@ -306,11 +303,9 @@ class _Bench:
             with suppress(*_FAILURES):
                 after = value + step
                 far = _rates(self._with_dimensions(dict.fromkeys(paths, after)))
-                factor = after / value
                 if len(far) == len(self.rates):
-                    exponents = _exponents(self.rates, far, factor)
-                    ratio = _ratio(self.rates, far)
-                    found.append(Lever(" and ".join(paths), value, after, factor, ratio, exponents))
+                    effect = _ratio(self.rates, far), _exponents(self.rates, far, after / value)
+                    found.append(Lever(" and ".join(paths), value, after, after / value, *effect))
         return found
 
     def _dimensions(self) -> Iterator[tuple[tuple[str, ...], float, float]]:
@@ -340,20 +335,15 @@ class _Bench:
     def _with_dimensions(self, entries: dict[str, float]) -> LoadResult:
         points = self.problem.loads.points[: self.number] if self.yields else ()
         pressures, forces = zip(*points, self.load.point, strict=True)
-        of_load = {
-            "load.fluid_pressure": list(pressures),
-            "load.applied_force": list(forces),
-            "requirement": None,
-        }
-        case = self.case.replace({**of_load, **entries})
+        of_load = {"load.fluid_pressure": list(pressures), "load.applied_force": list(forces)}
+        case = self.case.replace({**of_load, "requirement": None, **entries})
         size = self.result.seal_mesh.sizing.contact_size
         problem = replace(SealProblem.of(case), surface=self.problem.surface, contact_size=size)
         if self.yields:
             model, start = condensed(problem, build_mesh(problem)), None
         else:
             evaluated = evaluate(problem)
-            model, found = evaluated.model, evaluated.solved
-            start = found.contacts[0]
+            model, start = evaluated.model, evaluated.solved.contacts[0]
         return self.solved(problem, model, self.load.applied_force, start)
 
 

@@ -67,10 +67,10 @@ def contacts_at_target(
     """
     target = problem.loads.target_leak_rate if target_leak_rate is None else target_leak_rate
     if target is None or not target > 0:
-        raise target_problem(problem, "target_missing", target)
+        raise target_problem(problem, "missing", target)
     flow = SealFlow.of(problem)
     if flow is None:
-        raise target_problem(problem, "target_without_leak", target)
+        raise target_problem(problem, "without_leak", target)
     if reading is not None:
         flow = replace(flow, surface=flow.surface.reading(reading))
     # up and down again, or under several forces, a pressure may come more than once
@@ -188,7 +188,7 @@ def _on_model(
     root = _root_near(excess, math.log(expected), highest)
     if root is None:
         force = briefly("force", largest_force(solver.problem))
-        raise target_problem(solver.problem, "target_not_met", target, force=force, bar=fluid_pressure / 1e5)
+        raise target_problem(solver.problem, "not_met", target, force=force, bar=fluid_pressure / 1e5)
     if root not in known:
         excess(root)
     contact, applied_force = known[root]

@@ -584,11 +584,7 @@ class _Study:
         return np.array(first + in_copies(self._leak_rates, samples[shared:]))
 
     def _leak_rates(self, sample: int) -> list[float]:
-        factors = {
-            one.name: float(self.values[one.name][sample, 0])
-            for one in self.calculated
-            if isinstance(one, UncertainInput)
-        }
+        factors = self._values_of(UncertainInput, sample)
         surface = self._surface(sample, factors)
         try:
             return self._rates(surface, self._loads(surface, factors))
@@ -596,6 +592,11 @@ class _Study:
             if self.lenient or (self.whole_paths and not self._bulk):
                 return [math.nan] * (self.kinds * len(self.result.loads))
             raise
+
+    def _values_of(self, kind: type[UncertainInput | UncertainFinish], sample: int) -> dict[str, float]:
+        """Values of the inputs of one kind."""
+        inputs = [one for one in self.calculated if isinstance(one, kind)]
+        return {one.name: float(self.values[one.name][sample, 0]) for one in inputs}
 
     def _rates(self, surface: RoughContact, loads: Sequence[LoadResult]) -> list[float]:
         """Leak rates in each reading at each load."""
@@ -643,11 +644,7 @@ class _Study:
                 assert roughness is not None
                 mean = means[one.key] if one.key in means else roughness.parts[one.key].build()
                 means[one.key] = one.spectrum(mean, float(self.values[one.name][sample, 0]))
-        shares = {
-            one.name: float(self.values[one.name][sample, 0])
-            for one in self.calculated
-            if isinstance(one, UncertainFinish)
-        }
+        shares = self._values_of(UncertainFinish, sample)
         return changed_surface(self.result.case, self.result.surface, factors, means, shares)
 
     def _loads(self, surface: RoughContact, factors: dict[str, float]) -> Sequence[LoadResult]:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from fem_seal.answers.answer import Answer, Inquiry
 from fem_seal.answers.judgement import JudgedLoad, Judgement, SealJudgement, Shares, Verdict, Why, severity
-from fem_seal.answers.limits import limit_of_rate, limits
+from fem_seal.answers.leakage_class import limit_of_rate, limits
 from fem_seal.answers.uncertainty import UNCERTAINTY
 from fem_seal.seal.solved_seal import SolvedSeal
 

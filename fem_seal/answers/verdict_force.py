@@ -187,7 +187,7 @@ class _Search:
     def _value(self, at: float) -> float:
         """The same at ln of a contact force, without samples and mesh error."""
         load = self._load(at)
-        return _FAR if load is None or load.validity.outside else self._excess(load)
+        return self._excess(load) if load is not None and self._inside(at) else _FAR
 
     def _inside(self, at: float) -> bool:
         load = self._load(at)

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem_seal.answers.leakage_class import leakage_classes, volume_of
-from fem_seal.answers.limits import limits
+from fem_seal.answers.leakage_class import leakage_classes, limits, volume_of
 from fem_seal.output.answers.verdict import next_class_in_words, verdict_facts, verdict_sentences
 from fem_seal.output.columns import COLUMNS, Row
 from fem_seal.seal.findings import Level

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from fem_seal.answers.closed_forms import widths
-from fem_seal.answers.limits import limits
+from fem_seal.answers.leakage_class import limits
 from fem_seal.output.case_words import listed_dimensions, section
 from fem_seal.output.finish import finish_numbers
 

@@ -7,8 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
-from fem_seal.answers.leakage_class import volume_of
-from fem_seal.answers.limits import OF_LEAK_RATE
+from fem_seal.answers.leakage_class import OF_LEAK_RATE, volume_of
 from fem_seal.answers.solution import SealSolution
 from fem_seal.output.answers.around import around_in_words
 from fem_seal.output.prose import other_reading, said

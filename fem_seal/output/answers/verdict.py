@@ -8,8 +8,7 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from fem_seal.answers.judgement import Limit, SealJudgement, Shares, Why
-from fem_seal.answers.leakage_class import next_class, nominal_size, volume_of
-from fem_seal.answers.limits import OF_LEAK_RATE, limits
+from fem_seal.answers.leakage_class import OF_LEAK_RATE, limits, next_class, nominal_size, volume_of
 from fem_seal.case.leak_rate import Bubbles, NormalVolume, Throughput
 from fem_seal.output.answers.uncertainty import error_shares_of
 from fem_seal.output.prose import said
