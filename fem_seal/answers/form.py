@@ -335,12 +335,9 @@ def _deepest_scratch(case: Case, load: LoadResult, asked: _Formed) -> tuple[floa
     if not placed or limit is None:
         return None
     place, widest = max(placed, key=lambda one: one[1].width)
-    if asked.leaks is None:
+    if asked.leaks is None or asked.load.leak is None:
         return None
-    flow = asked.leaks.flow
-    profile = asked.formed.profile_at(place.angle)
-    if asked.load.leak is None:
-        return None
+    flow, profile = asked.leaks.flow, asked.formed.profile_at(place.angle)
     without = asked.load.leak.leak_rate - flow.bounds(profile, [widest]).largest_extra
     found = deepest_scratch(
         lambda scratch: without + flow.bounds(profile, [scratch]).largest_extra,

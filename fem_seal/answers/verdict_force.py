@@ -26,6 +26,7 @@ from fem_seal.seal.seal_flow import SealFlow
 from fem_seal.seal.solved_seal import SolvedSeal
 from fem_seal.units import briefly
 from fem_seal.validity.checks import earlier_cautions, load_validity
+from fem_seal.validity.words import sentence
 from leak.numerics.roots import root_between
 from meshes import build_contact
 
@@ -133,7 +134,7 @@ class _Search:
     def found(self) -> VerdictForce:
         """The smallest force that passes, or why there is none."""
         if self.problem.usual_only or (self.result.case.sampled is not None and self.load.sampled is None):
-            return VerdictForce(None, "without the interval of what the inputs leave open no verdict passes")
+            return VerdictForce(None, sentence("verdict_force", "no_interval"))
         start = self._start()
         if start is None:
             return VerdictForce(None, self._outside_everywhere())
@@ -157,7 +158,7 @@ class _Search:
                 return VerdictForce(passes.applied_force)
             start = at
         if passes is None:
-            return VerdictForce(None, "no force was found within the runs that are tried")
+            return VerdictForce(None, sentence("verdict_force", "not_found"))
         return VerdictForce(passes.applied_force)
 
     def _run(self, at: float) -> LoadResult | None:
@@ -266,7 +267,7 @@ class _Search:
             if value <= 0.0:
                 ahead = at - step
                 if ahead < self._highest - _FAR:
-                    return "any force that closes the seal passes"
+                    return sentence("verdict_force", "any")
             else:
                 ahead = min(at + step, self._highest)
                 ends = ahead == self._highest
@@ -288,23 +289,22 @@ class _Search:
     def _why_none(self, at: float) -> str:
         load, after = self._load(at), self._load(min(at + _EDGE, self._highest))
         force = "that" if load is None else briefly("force", load.applied_force)
-        ends = "strains are no longer small"
-        if after is not None and after.validity.outside:
-            ends = f"all is outside the theory ({after.validity.reasons[0]})"
+        outside = after is not None and after.validity.outside
+        ends = sentence("verdict_force", "outside" if outside else "strains", load=after)
         why = "" if load is None else load.leak_validity.leak_reason(more=True)
-        off = f", with what the calculation may be off by ({why})" if why else ""
-        return f"up to an applied force of {force} more may leak than is allowed{off}; beyond it {ends}"
+        off = sentence("verdict_force", "off", why=why) if why else ""
+        return sentence("verdict_force", "more_leaks", force=force, off=off, ends=ends)
 
     def _outside_everywhere(self) -> str:
         reasons = [one.validity.reasons[0] for one in self.tried.values() if one and one.validity.outside]
-        return f"no force is within the theory ({reasons[0] if reasons else 'no contact converges'})"
+        return sentence("verdict_force", "nowhere", why=reasons[0] if reasons else "no contact converges")
 
 
 def _begins(problem: SealProblem) -> str:
     """What every force meets that is tried, where loads leave something behind."""
     if problem.loads.earlier is not None:
-        return "after the largest earlier load"
-    return "on a new seal" if problem.curves else ""
+        return sentence("verdict_force", "after_earlier")
+    return sentence("verdict_force", "on_new") if problem.curves else ""
 
 
 def _along(added: Sequence[Added], at: float) -> float:
@@ -325,18 +325,10 @@ def _excess(judged: Judgement) -> float:
     return min(-math.log(judged.margin), _FAR)
 
 
-# Where a body yields the force takes minutes: only if it is asked for.
-_TOO_DEAR = VerdictForce(
-    None,
-    "where a body yields every force that is tried is a whole path of loads; in Python "
-    "fem_seal.run(case, verdict_force=True) asks for it",
-    looked_for=False,
-)
-
-
 def _compute(seal: SolvedSeal, ask: Inquiry) -> Sequence[VerdictForce]:
     if ask.wanted.verdict_force is None and seal.problem.curves:
-        return [_TOO_DEAR] * len(seal.loads)
+        # where a body yields the force takes minutes
+        return [VerdictForce(None, sentence("verdict_force", "too_dear"), looked_for=False)] * len(seal.loads)
     progress = ask.clock.progress
     with ask.clock.step("verdict force", VERDICT_FORCE.what):
         return forces_for_verdict(seal, partial(_alone, seal, progress), progress=progress)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -317,12 +317,8 @@ def _near_opening(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator
         )
 
 
-def _yielding_of(problem: SealProblem, load: LoadResult) -> Mapping[str, YieldedZone | PlasticZone]:
-    return yielding_of(load.contact, problem.materials)
-
-
 def _yielding(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Caution]:
-    zones = [(load, zone) for load in loads for zone in _yielding_of(problem, load).values()]
+    zones = [(load, zone) for load in loads for zone in yielding_of(load.contact, problem.materials).values()]
     elastic = [(load, zone) for load, zone in zones if isinstance(zone, YieldedZone)]
     # the body that is further above its yield stress comes first
     for name in dict.fromkeys(zone.body for _, zone in sorted(elastic, key=lambda item: -item[1].excess)):
@@ -355,7 +351,7 @@ def _table_left(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[C
         curve = material.hardening
         if curve is None:
             continue
-        found = [(load, _yielding_of(problem, load).get(name)) for load in loads]
+        found = [(load, yielding_of(load.contact, problem.materials).get(name)) for load in loads]
         zones = [(load, zone) for load, zone in found if isinstance(zone, PlasticZone)]
         if not zones:
             continue

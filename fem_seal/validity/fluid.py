@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from fem_seal.profile import PressureProfile
     from fem_seal.seal.leak_model import Flow
     from fem_seal.seal.load_result import LoadResult
-    from leak import Gas, GasInertia, LeakResult, RealGas
+    from leak import Gas, GasInertia, LeakResult
 
 # Pressure from which on the thickening of a liquid should be known [Pa].
 _THICKENS = 2e7
@@ -84,11 +84,10 @@ def _thickening(flow: Flow, loads: Sequence[LoadResult]) -> Iterator[Caution]:
     if law is None:
         yield from _unknown_thickening(flow, load, loads)
         return
-    if pressure > law.highest_pressure and abs(math.log(_ratio(flow, pressure))) > math.log(_SLIGHTLY):
+    ratio = float(law.viscosity_ratio(pressure))
+    if pressure > law.highest_pressure and abs(math.log(ratio)) > math.log(_SLIGHTLY):
         known = f"{law.highest_pressure / 1e5:.4g} bar"
-        yield caution(
-            "thickening_extrapolated", load, loads, known=known, flow=flow, ratio=_ratio(flow, pressure)
-        )
+        yield caution("thickening_extrapolated", load, loads, known=known, flow=flow, ratio=ratio)
     share = law.uncertainty * abs(math.log(effective_viscosity_ratio(law, pressure)))
     if share > _UNCERTAIN:
         yield caution(
@@ -100,11 +99,6 @@ def _thickening(flow: Flow, loads: Sequence[LoadResult]) -> Iterator[Caution]:
             flow=flow,
             known=share_text(law.uncertainty),
         )
-
-
-def _ratio(flow: Flow, pressure: float) -> float:
-    """Viscosity at a pressure over that at atmospheric pressure."""
-    return 1.0 if flow.pressure_law is None else float(flow.pressure_law.viscosity_ratio(pressure))
 
 
 def _unknown_thickening(flow: Flow, load: LoadResult, loads: Sequence[LoadResult]) -> Iterator[Caution]:
@@ -133,20 +127,14 @@ def _dense_gas(flow: Flow, loads: Sequence[LoadResult]) -> Iterator[Caution]:
     gas = flow.gas
     assert gas is not None  # of a gas
     highest = max(load.fluid_pressure for load in loads) + flow.outlet_pressure
-    if gas.real is not None:
-        yield from _beyond_table(gas, gas.real, highest)
-    elif highest > gas.dilute_pressure:
+    if gas.real is not None and highest > gas.real.highest_pressure:
+        at, known = f"{highest / 1e5:.4g} bar", f"{gas.real.highest_pressure / 1e5:.4g} bar"
+        condenses = gas.real.condenses
+        yield caution(
+            "condensed" if condenses else "dense_gas", outside=condenses, gas=gas, at=at, known=known
+        )
+    elif gas.real is None and highest > gas.dilute_pressure:
         yield from _not_ideal(flow, gas, highest)
-
-
-def _beyond_table(gas: Gas, real: RealGas, highest: float) -> Iterator[Caution]:
-    if highest <= real.highest_pressure:
-        return
-    at, known = f"{highest / 1e5:.4g} bar", f"{real.highest_pressure / 1e5:.4g} bar"
-    if real.condenses:
-        yield caution("condensed", outside=True, gas=gas, at=at, known=known)
-    else:
-        yield caution("dense_gas", gas=gas, known=known, at=at)
 
 
 def _not_ideal(flow: Flow, gas: Gas, highest: float) -> Iterator[Caution]:
