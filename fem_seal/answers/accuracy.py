@@ -159,7 +159,8 @@ def _compared(
         return abs(change) / (COARSER**order - 1) * (COARSER**order if of_coarse else 1.0)
 
     rate = None if change.leak_rate is None else estimated(change.leak_rate)
-    return DiscretisationError(*map(estimated, (change.peak_pressure, change.fwhm, change.std)), rate)
+    peak, fwhm, std = map(estimated, (change.peak_pressure, change.fwhm, change.std))
+    return DiscretisationError(peak, fwhm, std, rate)
 
 
 def far_field(load: CoarserLoad) -> tuple[Comparison, ...]:
