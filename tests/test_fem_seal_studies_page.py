@@ -14,7 +14,7 @@ from fem_seal.studies.designs import unit_points
 from fem_seal.studies.designs_table import LEAK_RATE, Designs, sensitivities
 from fem_seal.studies.exports import dataset
 from fem_seal.studies.expressions import Constraint
-from fem_seal.studies.page import plots, plots_goals, plots_statistics
+from fem_seal.studies.page import plots
 from fem_seal.studies.page.display import Display, short
 from fem_seal.studies.page.page import page, sections
 from fem_seal.studies.tables import Design
@@ -313,7 +313,7 @@ def test_inputs_and_constants_have_no_sensitivity(kind):
 def test_sensitivity_is_legible():
     designs = sensitive("morris")
     found = {one.output: one for one in sensitivities(designs)}
-    linear = plots_statistics.sensitivity_plot(Display(designs), found[PRESSURE])
+    linear = plots.sensitivity_plot(Display(designs), found[PRESSURE])
     assert linear.layout.xaxis.title.text == "effect on peak pressure [MPa]"
     assert linear.data[0].x == pytest.approx([10, 1])
     section = headings(designs)["Sensitivity of peak pressure"]
@@ -324,12 +324,12 @@ def test_sensitivity_is_legible():
     logarithm = headings(designs)["Sensitivity of leak rate"]
     assert "multiplies or divides leak rate by eˣ" in logarithm.note
     assert logarithm.rows[0][-1] == f"× {short(math.exp(3), 3)}"
-    figure = plots_statistics.sensitivity_plot(Display(designs), found[LEAK_RATE])
+    figure = plots.sensitivity_plot(Display(designs), found[LEAK_RATE])
     assert figure.layout.xaxis.title.text == "effect on ln(leak rate)"
 
     designs = sensitive("sobol-sensitivity")
     one = next(one for one in sensitivities(designs) if one.output == LEAK_RATE)
-    figure = plots_statistics.sensitivity_plot(Display(designs), one)
+    figure = plots.sensitivity_plot(Display(designs), one)
     assert figure.layout.xaxis.title.text == "share of the variance of ln(leak rate)"
 
 
@@ -347,7 +347,7 @@ def test_a_search_for_two_goals_shows_its_course():
         design={"optimise": True},
     )
     assert "Search" in headings(designs)
-    figure = plots_goals.search_plot(Display(designs))
+    figure = plots.search_plot(Display(designs))
     assert figure.layout.yaxis2.title.text == "seat.angle * 2 [SI]"
     small, large = (one for one in figure.data if one.name == "best so far")
     # trials 3 and 4 violate the constraint
@@ -449,9 +449,9 @@ def test_front_course_and_best_leave_out_what_is_outside_the_theory():
     assert designs.best(10) == [1, 0]
     assert designs.left_out == 2 and designs.levels == {"valid": 1, "doubtful": 1, "outside the theory": 2}
     display = Display(designs)
-    others, front = plots_goals.pareto_plot(display).data
+    others, front = plots.pareto_plot(display).data
     assert len(front.x) == 2 and len(others.x) == 0
-    course = plots_goals.search_plot(display)
+    course = plots.search_plot(display)
     assert [list(one.x) for one in course.data if one.name == "outside the theory"] == [[2, 3]] * 2
     (small, _) = (one for one in course.data if one.name == "best so far")
     assert small.y[-1] == pytest.approx(3)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from contextlib import closing
 from dataclasses import dataclass
 from functools import cached_property
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 LEAK_RATE = "leak_rate_m3_per_s"
 # What a design leaks at most.
 _UPPER_ENDS = (LEAK_RATE, *map(leak_rate_column, (*FURTHER, OWN)), "leak_rate_high_m3_per_s")
-QUANTILES = (0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99)
+_QUANTILES = (0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99)
 # Columns that differ by less, relative to their size, are equal.
 _ROUND_OFF = 1e-9
 
@@ -90,8 +90,7 @@ class Designs:
     @property
     def verdicts(self) -> dict[str, int]:
         """How many designs pass, fail and are inconclusive; empty where nothing was asked."""
-        found = self.verdict[self.verdict != ""].value_counts()
-        return {str(word): int(found[word]) for word in Verdict if word in found}
+        return _counts(self.verdict, Verdict)
 
     @cached_property
     def worst_reason(self) -> pd.Series:
@@ -128,8 +127,7 @@ class Designs:
     @cached_property
     def levels(self) -> dict[str, int]:
         """How many designs that did not fail are valid, doubtful and outside the theory; empty if nobody has judged."""
-        found = self.validity.value_counts()
-        return {str(level): int(found[level]) for level in Level if level in found}
+        return _counts(self.validity, Level)
 
     @cached_property
     def violated(self) -> pd.Series:
@@ -160,6 +158,11 @@ class Designs:
         """How the designs were chosen: the kind of the design, or "search" for an optimisation."""
         design = self.about["design"]
         return "search" if design["optimise"] else str(design["kind"])
+
+    @property
+    def by_chance(self) -> bool:
+        """Whether a parameter was drawn from a distribution."""
+        return any(one["distribution"] for one in self.about["parameters"])
 
     @property
     def parameters(self) -> list[str]:
@@ -223,6 +226,12 @@ class Designs:
         return [int(number) for number in goals.sort_values(list(goals.columns)).index[:count]]
 
 
+def _counts(told: pd.Series, words: Iterable[str]) -> dict[str, int]:
+    """How often each of some words stands in a column, those that do, in their order."""
+    found = told.value_counts()
+    return {str(word): int(found[word]) for word in words if word in found}
+
+
 def records(table: pd.DataFrame) -> list[dict[str, Any]]:
     """Rows of a table by their columns."""
     return cast("list[dict[str, Any]]", table.to_dict("records"))
@@ -253,15 +262,9 @@ def pareto_front(goals: FloatArray) -> NDArray[np.bool_]:
     return front
 
 
-def quantiles(values: FloatArray, shares: Sequence[float] = QUANTILES) -> dict[float, float]:
-    """Values below which the given shares of all designs lie.
-
-    Parameters
-    ----------
-    values : ndarray
-    shares : sequence of float
-    """
-    return dict(zip(shares, np.quantile(values, shares).tolist(), strict=True))
+def quantiles(values: FloatArray) -> dict[float, float]:
+    """Values below which some shares of all designs lie, by the share."""
+    return dict(zip(_QUANTILES, np.quantile(values, _QUANTILES).tolist(), strict=True))
 
 
 def other_leak_rates(designs: Designs) -> dict[Reading, FloatArray]:
@@ -322,6 +325,16 @@ class Sensitivity:
     total: FloatArray
     first_error: FloatArray
     total_error: FloatArray
+
+    @property
+    def influence(self) -> FloatArray:
+        """How much each parameter matters."""
+        return self.first if self.method == "morris" else self.total
+
+    @property
+    def order(self) -> list[int]:
+        """Places of the parameters, the one that matters most first."""
+        return [int(place) for place in np.argsort(-self.influence, kind="stable")]
 
     @property
     def noise(self) -> NDArray[np.bool_]:

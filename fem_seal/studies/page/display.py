@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fem_seal.arrays import FloatArray
+from fem_seal.files import own_tables
 from fem_seal.output.columns import COLUMNS
 from fem_seal.seal.findings import Level
 from fem_seal.studies.designs_table import Designs
@@ -21,10 +22,14 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
+# File in templates/: looks of the plots and words of the page.
+LOOKS = "study.page.toml"
 _NONE = Unit("", 1.0)
 _DISTRIBUTIONS = {"LogUniform": "log-uniform", "LogNormal": "lognormal"}
 # So many values can be named one by one.
 FEW = 8
+# Of designs that count and of those that do not, as in templates/study.page.toml.
+BLUE, GREY = "#2f81f7", "#8c959f"
 
 
 @dataclass(frozen=True, eq=False)
@@ -190,14 +195,8 @@ class Display:
         return unit_for(kind, float(np.abs(values[np.isfinite(values)]).max(initial=0.0)))
 
 
-# Parts of a path that say nothing more to a reader, and what some keys are called.
+# Parts of a path that say nothing more to a reader.
 _UNSAID = ("material", "spectrum", "load", "roughness", "interface", "leak", "mesh")
-_CALLED = {"applied_force": "applied force", "q_low": "q low", "q_rolloff": "roll-off", "q_high": "q high"}
-_CALLED |= {
-    "hurst": "Hurst exponent",
-    "youngs_modulus": "Young's modulus",
-    "poissons_ratio": "Poisson's ratio",
-}
 
 
 def parameter_words(path: str) -> str:
@@ -217,7 +216,7 @@ def parameter_words(path: str) -> str:
     *tables, key = path.split(".")
     # lists are counted from one where people read them
     parts = [str(int(one) + 1) if one.isdecimal() else one for one in tables if one not in _UNSAID]
-    return " ".join([*parts, _CALLED.get(key, key.replace("_", " "))])
+    return " ".join([*parts, own_tables(LOOKS)["called"].get(key, key.replace("_", " "))])
 
 
 def short(value: float | None, digits: int = 4) -> str:
@@ -255,39 +254,3 @@ def _word(value: object) -> str:
     if isinstance(value, (bool, np.bool_)):
         return "yes" if value else "no"
     return str(value)
-
-
-# More points than these make a page slow and its plots a blot; a regular part of the designs is drawn then.
-MOST_POINTS = 5000
-BLUE, ORANGE, GREY = "#2f81f7", "#bc4c00", "#8c959f"
-LAYOUT: dict[str, Any] = {
-    # the page decides what lies behind, light or dark
-    "paper_bgcolor": "rgba(0,0,0,0)",
-    "plot_bgcolor": "rgba(0,0,0,0)",
-    "margin": {"l": 70, "r": 20, "t": 30, "b": 60},
-    "height": 460,
-}
-MEETING = {"size": 7, "color": BLUE, "opacity": 0.75}
-VIOLATING = {"size": 7, "color": GREY, "symbol": "circle-open", "line": {"width": 1.5}}
-
-
-def drawn(table: pd.DataFrame) -> pd.DataFrame:
-    """The designs that are drawn: all, or a regular part of many."""
-    step = -(-len(table) // MOST_POINTS)
-    return table if step <= 1 else table.iloc[::step]
-
-
-def verdict(designs: Designs) -> str:
-    """What is wrong with a design that does not count, for a legend."""
-    return designs.why_not_counted.replace("violate", "violates").replace("are outside", "outside")
-
-
-def by_verdict(display: Display, rows: pd.Index) -> list[tuple[str, pd.Index, dict[str, Any]]]:
-    """Designs that count and those that do not: legend, designs, marker; one group if all do."""
-    designs = display.designs
-    if not designs.some_do_not_count:
-        return [("designs", rows, MEETING)]
-    fails = ~designs.counted.loc[rows].to_numpy()
-    good = "inside the theory" if designs.left_out else "meets the constraints"
-    groups = [(good, rows[~fails], MEETING), (verdict(designs), rows[fails], VIOLATING)]
-    return [group for group in groups if len(group[1])]

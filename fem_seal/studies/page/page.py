@@ -13,7 +13,7 @@ import numpy as np
 
 from fem_seal.arrays import FloatArray
 from fem_seal.errors import InputError
-from fem_seal.files import write_text
+from fem_seal.files import own_tables, write_text
 from fem_seal.output.prose import said, template
 from fem_seal.output.report.words import volumes_of_gas
 from fem_seal.seal.findings import Level
@@ -28,8 +28,8 @@ from fem_seal.studies.designs_table import (
     quantiles,
     sensitivities,
 )
-from fem_seal.studies.page import plots, plots_goals, plots_statistics
-from fem_seal.studies.page.display import MOST_POINTS, Display, drawn, short
+from fem_seal.studies.page import plots
+from fem_seal.studies.page.display import LOOKS, Display, short
 from fem_seal.studies.store import FILE, open_to_read
 from fem_seal.units import leak_rate_text
 from fem_seal.version import __version__
@@ -131,39 +131,29 @@ def sections(designs: Designs) -> Iterator[Section]:
     if designs.done.empty:
         return
     display = Display(designs)
-    drawn_by_chance = is_drawn(designs)
-    if drawn_by_chance:
+    # a batch of parts: nothing is looked for among them
+    looked_for = designs.about["goals"] or designs.kind in (*_WITHOUT_SHARES, *SENSITIVITY)
+    batch = designs.by_chance and not looked_for
+    if batch:
         # how often it leaks how much is what such a study asks
         yield from _how_often(display)
     yield from _best(display)
-    words, table, part = _words(), drawn(designs.done), ""
-    if len(designs.done) > MOST_POINTS:
+    words, table, part = _words(), plots.drawn(designs.done), ""
+    if len(designs.done) > plots.MOST_POINTS:
         part = f"{words.part(len(designs.done), len(table))} "
     missing = len(table) - len(plots.complete(table, designs.telling_outputs))
     parallel = words.parallel(part, missing)
-    yield from _plotted("Pareto front", words.pareto(), plots_goals.pareto_plot(display))
-    yield from _plotted("Search", words.search(designs), plots_goals.search_plot(display))
+    yield from _plotted("Pareto front", words.pareto(), plots.pareto_plot(display))
+    yield from _plotted("Search", words.search(designs), plots.search_plot(display))
     yield from _plotted("Map", words.crosses(designs), plots.map_plot(display))
     yield from _plotted(
         "Responses over parameters", part + words.hollow(designs), plots.response_plot(display)
     )
     yield from _plotted("All designs", parallel, plots.parallel_plot(display), broad=True)
     yield from _sensitivity(display)
-    if not drawn_by_chance:
+    if not batch:
         yield from _how_often(display)
     yield _columns(display)
-
-
-def is_drawn(designs: Designs) -> bool:
-    """Whether the designs were drawn from distributions and nothing is looked for among them: a batch of parts.
-
-    Parameters
-    ----------
-    designs : Designs
-    """
-    by_chance = any(one["distribution"] for one in designs.about["parameters"])
-    looked_for = designs.about["goals"] or designs.kind in (*_WITHOUT_SHARES, *SENSITIVITY)
-    return by_chance and not looked_for
 
 
 def _how_often(display: Display) -> Iterator[Section]:
@@ -226,17 +216,16 @@ def _sensitivity(display: Display) -> Iterator[Section]:
 
 
 def _indices(display: Display, found: Sensitivity) -> Section:
-    of, size, unit = plots_statistics.scale(display, found)
+    of, size, unit = plots.scale(display, found)
     title, noise = display.title(found.output), found.noise.tolist()
     if found.method == "morris":
         note = _words().morris(of, found.logarithmic, title)
-        headings = [f"mean absolute effect{unit}", f"±{unit}", f"its spread{unit}"]
-        shown, largest = [found.first, found.first_error, found.total], found.first
     else:
         note = _words().sobol(of, found.logarithmic, any(noise))
-        headings = ["first order", "±", "total", "±"]
-        shown, largest = [found.first, found.first_error, found.total, found.total_error], found.total
-    columns = [_column(one / size, largest / size) for one in shown]
+    words = own_tables(LOOKS)["sensitivity"][found.method]
+    headings = [heading.format(unit=unit) for heading in words["headings"]]
+    shown = (found.first, found.first_error, found.total, found.total_error)[: len(headings)]
+    columns = [_column(one / size, found.influence / size) for one in shown]
     columns[0] = [f"{text} (noise)" if bad else text for text, bad in zip(columns[0], noise, strict=True)]
     if found.method == "morris" and found.logarithmic:
         columns.append([f"× {short(one, 3)}" for one in np.exp(found.first).tolist()])
@@ -245,9 +234,9 @@ def _indices(display: Display, found: Sensitivity) -> Section:
     return Section(
         f"Sensitivity of {title}",
         note,
-        _html(plots_statistics.sensitivity_plot(display, found)),
+        _html(plots.sensitivity_plot(display, found)),
         ("parameter", *headings),
-        tuple(rows[n] for n in plots_statistics.order(found)),
+        tuple(rows[n] for n in found.order),
     )
 
 
@@ -257,12 +246,11 @@ def _column(values: FloatArray, of: FloatArray) -> list[str]:
 
 
 def _distribution(display: Display) -> Iterator[Section]:
-    figure = plots_statistics.distribution_plot(display)
+    figure = plots.distribution_plot(display)
     if figure is None:
         return
     designs = display.designs
     found = quantiles(designs.done[LEAK_RATE].dropna().to_numpy())
-    by_chance = any(one["distribution"] for one in designs.about["parameters"])
     leak_rate = f"leak rate{volumes_of_gas(bool(designs.about['seal'].get('gas')))}"
     headings: tuple[str, ...] = ("share of the designs below", leak_rate, "[m³/s]")
     rows: list[tuple[str, ...]] = [
@@ -276,7 +264,7 @@ def _distribution(display: Display) -> Iterator[Section]:
         other = said("readings.ends", "what")
     yield Section(
         "Distribution of the leak rate",
-        _words().distribution(_counted(designs), by_chance, other),
+        _words().distribution(_counted(designs), designs.by_chance, other),
         _html(figure),
         headings,
         tuple(rows),

@@ -1,58 +1,74 @@
-"""Interactive plots of the designs over their parameters; None where there is nothing to show."""
+"""Interactive plots of a study's page; None where there is nothing to show."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_seal.studies.designs_table import LEAK_RATE
-from fem_seal.studies.page.display import (
-    FEW,
-    GREY,
-    LAYOUT,
-    VIOLATING,
-    Display,
-    by_verdict,
-    drawn,
-    short,
-    spans_a_decade,
-    verdict,
-)
+from fem_seal.arrays import FloatArray
+from fem_seal.files import own_tables
+from fem_seal.seal.readings import WORDS
+from fem_seal.studies.designs_table import LEAK_RATE, Designs, Sensitivity, other_leak_rates, pareto_front
+from fem_seal.studies.page.display import FEW, GREY, LOOKS, Display, short, spans_a_decade
 
 if TYPE_CHECKING:
     import pandas as pd
     from plotly.graph_objects import Figure
 
+# More points than these make a page slow and its plots a blot; a regular part of the designs is drawn then.
+MOST_POINTS = 5000
 # Part of the colours that stands for designs that do not count.
 _GREY_SHARE = 0.08
 
 
+def drawn(table: pd.DataFrame) -> pd.DataFrame:
+    """The designs that are drawn: all, or a regular part of many."""
+    step = -(-len(table) // MOST_POINTS)
+    return table if step <= 1 else table.iloc[::step]
+
+
+def _figure(traces: Iterable[dict[str, Any]], look: str, **layout: Any) -> Figure:
+    from plotly.graph_objects import Figure
+
+    looks = own_tables(LOOKS)
+    return Figure(list(traces), {**looks["layout"], **looks["layouts"][look], **layout})
+
+
+def _trace(look: str, **data: Any) -> dict[str, Any]:
+    return {**own_tables(LOOKS)["traces"][look], **data}
+
+
+def _points(display: Display, rows: pd.Index, x: str, y: str, names: Iterable[str]) -> dict[str, Any]:
+    """Data of a trace with a point for each design, which shows columns when pointed at."""
+    return {
+        "x": display.values(rows, x),
+        "y": display.values(rows, y),
+        "text": display.hover(rows, list(names)),
+    }
+
+
+def _groups(designs: Designs, rows: pd.Index) -> list[tuple[str, pd.Index, str]]:
+    """Designs that count and those that do not: legend, designs, look; one group if all do."""
+    if not designs.some_do_not_count:
+        return [("designs", rows, "counting")]
+    fails = ~designs.counted.loc[rows].to_numpy()
+    good = "inside the theory" if designs.left_out else "meets the constraints"
+    bad = designs.why_not_counted.replace("violate", "violates").replace("are outside", "outside")
+    groups = [(good, rows[~fails], "counting"), (bad, rows[fails], "not_counting")]
+    return [group for group in groups if len(group[1])]
+
+
 def response_plot(display: Display) -> Figure | None:
     """Any output over any parameter, chosen with menus; designs that do not count hollow."""
-    from plotly.graph_objects import Figure, Scattergl
-
     designs = display.designs
     rows = drawn(designs.done).index
     outputs = [name for name in designs.outputs if designs.done[name].notna().any()]
     if not len(rows) or not outputs:
         return None
-    across, up, groups = designs.parameters[0], _preferred(outputs), by_verdict(display, rows)
-    figure = Figure(
-        [
-            Scattergl(
-                x=display.values(group, across),
-                y=display.values(group, up),
-                mode="markers",
-                name=name,
-                text=display.hover(group, designs.parameters),
-                hoverinfo="text+y",
-                marker=marker,
-            )
-            for name, group, marker in groups
-        ]
-    )
+    across, up, groups = designs.parameters[0], _preferred(outputs), _groups(designs, rows)
 
     def menu(side: str, names: list[str], **place: Any) -> dict[str, Any]:
         buttons = [
@@ -68,24 +84,25 @@ def response_plot(display: Display) -> Figure | None:
         ]
         return {"buttons": buttons, "y": 1.2, **place}
 
-    figure.update_layout(
-        **{**LAYOUT, "margin": {**LAYOUT["margin"], "t": 90}},
+    traces = [
+        _trace(look, **_points(display, group, across, up, designs.parameters), name=name)
+        for name, group, look in groups
+    ]
+    return _figure(
+        [{**one, "type": "scattergl", "hoverinfo": "text+y"} for one in traces],
+        "responses",
         xaxis=display.axis(across),
         yaxis=display.axis(up),
         showlegend=designs.some_do_not_count,
-        legend={"orientation": "h", "x": 0.5, "xanchor": "center", "y": 1.02, "yanchor": "bottom"},
         updatemenus=[
             menu("y", outputs, x=0.0, xanchor="left", active=outputs.index(up)),
             menu("x", designs.parameters, x=1.0, xanchor="right"),
         ],
     )
-    return figure
 
 
 def map_plot(display: Display) -> Figure | None:
     """The main output over the two parameters of a complete grid of two numeric ones."""
-    from plotly.graph_objects import Contour, Figure, Scatter
-
     designs, names = display.designs, display.designs.numeric_parameters
     if designs.kind != "grid" or len(designs.parameters) != 2 or len(names) != 2:
         return None
@@ -102,41 +119,25 @@ def map_plot(display: Display) -> Figure | None:
         ticks = np.linspace(np.nanmin(shown), np.nanmax(shown), 9)
         bar |= {"tickvals": ticks.tolist(), "ticktext": [short(10**tick, 3) for tick in ticks]}
         steps = {"start": float(ticks[1]), "end": float(ticks[-2]), "size": float(ticks[1] - ticks[0])}
-    figure = Figure(
-        Contour(
-            x=display.shown(names[0], table.columns).tolist(),
-            y=display.shown(names[1], table.index).tolist(),
-            z=_nulls(shown),
-            customdata=_nulls(values),
-            hovertemplate="%{x:.4~g}, %{y:.4~g}: %{customdata:.4~g}<extra></extra>",
-            colorscale="Viridis",
-            colorbar=bar,
-            contours=steps,
-        )
+    contour = _trace(
+        "map",
+        x=display.shown(names[0], table.columns).tolist(),
+        y=display.shown(names[1], table.index).tolist(),
+        z=_nulls(shown),
+        customdata=_nulls(values),
+        colorbar=bar,
+        contours=steps,
     )
-    for _, rows, marker in by_verdict(display, designs.done.index):
-        if marker is not VIOLATING:
-            continue
-        figure.add_trace(
-            Scatter(
-                x=display.values(rows, names[0]),
-                y=display.values(rows, names[1]),
-                mode="markers",
-                name=verdict(designs),
-                text=display.hover(rows, [*names, output]),
-                hoverinfo="text",
-                marker={"size": 10, "color": "white", "symbol": "x", "line": {"width": 1, "color": "black"}},
-                cliponaxis=False,
-            )
-        )
-    figure.update_layout(**LAYOUT, xaxis=display.axis(names[0]), yaxis=display.axis(names[1]))
-    return figure
+    crosses = [
+        _trace("crosses", **_points(display, rows, *names, [*names, output]), name=name)
+        for name, rows, look in _groups(designs, designs.done.index)
+        if look == "not_counting"
+    ]
+    return _figure([contour, *crosses], "map", xaxis=display.axis(names[0]), yaxis=display.axis(names[1]))
 
 
 def parallel_plot(display: Display) -> Figure | None:
     """What varies side by side, one line per design; designs that do not count grey."""
-    from plotly.graph_objects import Figure, Parcoords
-
     designs = display.designs
     table = drawn(designs.done)
     inputs = [name for name in designs.parameters if table[name].nunique() > 1]
@@ -148,32 +149,26 @@ def parallel_plot(display: Display) -> Figure | None:
     coloured = dimensions[len(inputs) + outputs.index(_preferred(outputs))] if outputs else dimensions[0]
     meets = designs.counted.loc[rows].to_numpy()
     if designs.some_do_not_count:
-        dimensions.append(
-            {
-                "label": "counts" if designs.left_out else "meets the constraints",
-                "values": meets.astype(int).tolist(),
-                "range": [0, 1],
-                "tickvals": [0, 1],
-                "ticktext": ["no", "yes"],
-            }
-        )
-    figure = Figure(
-        Parcoords(
-            dimensions=dimensions,
-            line=_colours(coloured, meets),
-            labelangle=-15,
-            labelfont={"size": 13},
-            # the ends stand at the axis as ticks
-            rangefont={"size": 1, "color": "rgba(0,0,0,0)"},
-        )
-    )
-    figure.update_layout(**{**LAYOUT, "margin": {"l": 150, "r": 90, "t": 130, "b": 30}, "height": 500})
-    return figure
+        label = "counts" if designs.left_out else "meets the constraints"
+        dimensions.append(_words_axis(label, ["no", "yes"], meets.astype(int).tolist()))
+    lines = _trace("parallel", dimensions=dimensions, line=_colours(coloured, meets))
+    return _figure([lines], "parallel")
 
 
 def complete(table: pd.DataFrame, outputs: list[str]) -> pd.Index:
     """Designs that have a number in all of these columns."""
     return table.index[np.isfinite(table[outputs].to_numpy(dtype=float)).all(axis=1)]
+
+
+def _words_axis(label: str, words: list[str], values: list[int]) -> dict[str, Any]:
+    """An axis of parallel coordinates with a word at each whole number."""
+    return {
+        "label": label,
+        "values": values,
+        "range": [0, max(len(words) - 1, 1)],
+        "tickvals": list(range(len(words))),
+        "ticktext": words,
+    }
 
 
 def _dimension(display: Display, rows: pd.Index, name: str) -> dict[str, Any]:
@@ -182,13 +177,7 @@ def _dimension(display: Display, rows: pd.Index, name: str) -> dict[str, Any]:
     if isinstance(shown[0], str):
         # the description of a study lists the first words of very many only
         words = list(dict.fromkeys([*display.levels(name), *shown]))
-        return {
-            "label": display.label(name),
-            "values": [words.index(word) for word in shown],
-            "range": [0, max(len(words) - 1, 1)],
-            "tickvals": list(range(len(words))),
-            "ticktext": words,
-        }
+        return _words_axis(display.label(name), words, [words.index(word) for word in shown])
     scaled = np.log10 if display.logarithmic(name) else np.asarray
     values = scaled(np.array(shown, dtype=float))
     ticks = np.linspace(values.min(), values.max(), 6)
@@ -211,28 +200,22 @@ def _colours(dimension: dict[str, Any], meets: NDArray[np.bool_]) -> dict[str, A
     values = np.array(dimension["values"], dtype=float)
     low, high = float(values.min()), float(values.max())
     ticks, text = list(dimension["tickvals"]), list(dimension["ticktext"])
-    viridis, floor, scale = sequential.Viridis, low, []
+    start, floor, scale = 0.0, low, []
     if not meets.all():
-        floor = low - (high - low or 1.0) * _GREY_SHARE / (1 - _GREY_SHARE)
+        start, floor = _GREY_SHARE, low - (high - low or 1.0) * _GREY_SHARE / (1 - _GREY_SHARE)
         values = np.where(meets, values, floor)
-        scale = [[0.0, GREY], [_GREY_SHARE, GREY]]
+        scale = [[0.0, GREY], [start, GREY]]
         ticks, text = [0.5 * (floor + low), *ticks], ["does not count", *text]
-    start = _GREY_SHARE if scale else 0.0
-    scale += [
-        [share, colour]
-        for share, colour in zip(np.linspace(start, 1.0, len(viridis)).tolist(), viridis, strict=True)
-    ]
+    shares = np.linspace(start, 1.0, len(sequential.Viridis)).tolist()
+    scale += map(list, zip(shares, sequential.Viridis, strict=True))
+    title = {"text": dimension["label"], "side": "right"}
     return {
         "color": values.tolist(),
         "cmin": floor,
         "cmax": high,
         "colorscale": scale,
         "showscale": True,
-        "colorbar": {
-            "title": {"text": dimension["label"], "side": "right"},
-            "tickvals": ticks,
-            "ticktext": text,
-        },
+        "colorbar": {"title": title, "tickvals": ticks, "ticktext": text},
     }
 
 
@@ -245,3 +228,127 @@ def _nulls(values: Any) -> Any:
     array = np.asarray(values, dtype=object)
     array[~np.isfinite(np.asarray(values, dtype=float))] = None
     return array.tolist()
+
+
+def pareto_plot(display: Display) -> Figure | None:
+    """Two goals against each other, with the designs that no other surpasses."""
+    goals = display.designs.goals
+    if goals.shape[1] != 2 or goals.empty:
+        return None
+    names = list(goals.columns)
+    on_front = pareto_front(goals.to_numpy())
+    groups = {
+        "others": drawn(goals[~on_front]).index,
+        "front": goals[on_front].sort_values(names).index,
+    }
+    told = [*names, *display.designs.parameters]
+    traces = [_trace(look, **_points(display, rows, *names, told)) for look, rows in groups.items()]
+    return _figure(traces, "pareto", xaxis=display.axis(names[0]), yaxis=display.axis(names[1]))
+
+
+def search_plot(display: Display) -> Figure | None:
+    """Each goal of the trials of an optimisation one above the other, with the best one so far."""
+    from plotly.subplots import make_subplots
+
+    designs = display.designs
+    if designs.kind != "search" or designs.goals.empty:
+        return None
+    names = list(designs.goals.columns)
+    figure = make_subplots(rows=len(names), cols=1, shared_xaxes=True, vertical_spacing=0.06)
+    for place, name in enumerate(names, start=1):
+        traces = [
+            _trace(
+                look,
+                type="scatter",
+                x=rows.tolist(),
+                y=display.values(rows, name),
+                name=legend,
+                legendgroup=legend,
+                text=display.hover(rows, [*names, *designs.parameters]),
+                hoverinfo="text",
+            )
+            for legend, rows, look in _groups(designs, drawn(designs.done).index)
+        ]
+        best = designs.goals[name].reindex(designs.done.index).cummin().ffill().dropna()
+        so_far = display.shown(name, designs.sign(name) * best).tolist()
+        traces.append(_trace("best_so_far", x=best.index.tolist(), y=so_far))
+        for trace in traces:
+            figure.add_trace({**trace, "showlegend": place == 1}, row=place, col=1)
+        figure.update_yaxes(display.axis(name), row=place, col=1)
+    figure.update_xaxes({"title": {"text": "trial"}}, row=len(names), col=1)
+    figure.update_layout({**own_tables(LOOKS)["layout"], "height": 160 + 300 * len(names)})
+    return figure
+
+
+def distribution_plot(display: Display) -> Figure | None:
+    """How often which leak rate occurs, and the share of the designs that leak less."""
+    done = display.designs.done
+    if LEAK_RATE not in done or done[LEAK_RATE].dropna().empty:
+        return None
+    leak_rate = np.sort(display.shown(LEAK_RATE, done[LEAK_RATE].dropna()))
+    step = max(1, len(leak_rate) // 1000)
+
+    def below(values: FloatArray) -> dict[str, Any]:
+        picked = np.unique(np.append(np.arange(0, len(values), step), len(values) - 1))
+        return {"x": values[picked].tolist(), "y": ((picked + 1) / len(values)).tolist()}
+
+    logarithmic = display.logarithmic(LEAK_RATE)
+    bins = min(max(int(np.sqrt(len(leak_rate))), 5), 40)
+    edges = np.histogram_bin_edges(np.log(leak_rate) if logarithmic else leak_rate, bins)
+    edges = np.exp(edges) if logarithmic else edges
+    # round-off at the ends must not lose a design
+    edges[0], edges[-1] = min(edges[0], leak_rate[0]), max(edges[-1], leak_rate[-1])
+    counts, _ = np.histogram(leak_rate, edges)
+    bars = _trace(
+        "share_between",
+        x=(0.5 * (edges[1:] + edges[:-1])).tolist(),
+        y=(counts / len(leak_rate)).tolist(),
+        width=np.diff(edges).tolist(),
+    )
+    others = [
+        # in the unit of the other curve
+        _trace(
+            "share_below_in_other_reading",
+            **below(np.sort(display.shown(LEAK_RATE, rates))),
+            name=f"share below, surface {WORDS[reading].title}",
+        )
+        for reading, rates in other_leak_rates(display.designs).items()
+    ]
+    curve = _trace("share_below", **below(leak_rate))
+    return _figure([bars, curve, *others], "distribution", xaxis=display.axis(LEAK_RATE))
+
+
+def sensitivity_plot(display: Display, found: Sensitivity) -> Figure:
+    """Bars of both indices of every parameter, the one that matters most above."""
+    of, size, unit = scale(display, found)
+    words, places = own_tables(LOOKS)["sensitivity"][found.method], found.order
+
+    def bars(look: str, name: str, values: FloatArray, errors: FloatArray) -> dict[str, Any]:
+        ends = {
+            "type": "data",
+            "array": (errors[places] / size).tolist(),
+            "visible": bool((errors > 0).any()),
+        }
+        titles = [display.title(found.parameters[n]) for n in places]
+        return _trace(look, y=titles, x=(values[places] / size).tolist(), name=name, error_x=ends)
+
+    return _figure(
+        [
+            bars("first_index", words["bars"][0], found.first, found.first_error),
+            bars("second_index", words["bars"][1], found.total, found.total_error),
+        ],
+        "sensitivity",
+        height=170 + 55 * len(found.parameters),
+        xaxis={"title": {"text": words["axis"].format(of=of, unit=unit)}},
+    )
+
+
+def scale(display: Display, found: Sensitivity) -> tuple[str, float, str]:
+    """What was analysed in words, the size of its unit, and the unit in brackets; indices and logarithms have none."""
+    title = display.title(found.output)
+    if found.logarithmic:
+        return f"ln({title})", 1.0, ""
+    if found.method != "morris":
+        return title, 1.0, ""
+    unit = display.unit(found.output)
+    return title, unit.size, f" [{unit.name}]" if unit.name else ""
