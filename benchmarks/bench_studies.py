@@ -94,7 +94,7 @@ def memory(points):
             for n, chunk in enumerate(chunks):
                 if n % 50 == 0:
                     seen.append(resident())
-                yield [Row(recipe.key(p), recipe.inputs(p), outputs, None, 0.0) for p in chunk.points]
+                yield [Row(recipe.key(p), recipe.inputs(p), outputs, None, 0.0) for p in chunk]
 
     seen = []
     study = Study(CASE, **latin(points))
@@ -105,7 +105,7 @@ def memory(points):
         )
         store.set_design(recipe.key(point) for point in study.points)
         start = time.process_time()
-        session._fill(recipe, store, Instant(), study, progress.Silent())
+        session._fill(recipe, store, Instant(), study, progress.Progress())
         spent = time.process_time() - start
         store.close()
     rest = seen[len(seen) // 10 :]

@@ -22,8 +22,7 @@ from fem_seal.cli import app as cli
 from fem_seal.errors import InputError, OutputError
 from fem_seal.files import UnreadableFileError, check_file, read_bytes, read_text
 from fem_seal.studies.session import description
-from fem_seal.studies.store import Row, create
-from fem_seal.studies.stored import check_rows
+from fem_seal.studies.store import Row, check_rows, create
 from fem_seal.studies.study import load_study
 from meshes import GeometryError, MeshedBody, read_section
 from meshes.gmsh_session import gmsh_session

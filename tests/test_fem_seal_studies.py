@@ -479,7 +479,7 @@ def test_rows_do_not_depend_on_order_or_neighbours(calculated):
     study, result = calculated
     recipe = work.Recipe.of(study)
     for number in (4, 0, 3):
-        (row,) = work.calculate(recipe, work.Chunk(study.points[number : number + 1]))
+        (row,) = work.calculate(recipe, study.points[number : number + 1])
         assert row.outputs == tuple(result.table.loc[number, study.output_names])
 
 
@@ -532,7 +532,7 @@ def test_designs_are_grouped_by_bodies_then_surfaces():
             "seat.angle": ["40 deg", "50 deg"],
         }
     )
-    every = np.vstack([chunk.points for chunk in work.chunks(work.Recipe.of(study), study.points)])
+    every = np.vstack(list(work.chunks(work.Recipe.of(study), study.points)))
     assert sorted(map(tuple, every)) == sorted(map(tuple, study.points))
     assert np.count_nonzero(np.diff(every[:, 2])) == 1
     assert np.count_nonzero(np.diff(every[:, 1])) == 3
@@ -542,7 +542,7 @@ def test_new_bodies_travel_a_few_at_a_time_and_further_loads_many():
     angles = {"seat.angle": {"start": "30 deg", "stop": "60 deg", "num": 12}}
     loads = {"load.applied_force": {"start": "0 N", "stop": "90 N", "num": 200}}
     bodies, designs_of_one = (
-        [len(chunk.points) for chunk in work.chunks(work.Recipe.of(study), study.points)]
+        [len(chunk) for chunk in work.chunks(work.Recipe.of(study), study.points)]
         for study in (small(parameters=angles), small(parameters=loads))
     )
     # about a second: a new cone takes a quarter of it, one more load on it some milliseconds
@@ -652,7 +652,7 @@ def test_resuming_calculates_only_what_is_missing(tmp_path, monkeypatch):
         run_study(study, folder=tmp_path / "part", workers=0)
     calls = []
     monkeypatch.setattr(
-        "fem_seal.studies.pools.calculate", lambda r, c: calls.append(len(c.points)) or work.calculate(r, c)
+        "fem_seal.studies.pools.calculate", lambda r, c: calls.append(len(c)) or work.calculate(r, c)
     )
     resumed = run_study(study, folder=tmp_path / "part", workers=0, resume=True)
     assert sum(calls) == 3

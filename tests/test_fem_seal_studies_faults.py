@@ -186,7 +186,7 @@ def test_what_takes_minutes_travels_one_design_at_a_time():
 
     def sizes(**tables):
         plan = study(**tables)
-        return [len(chunk.points) for chunk in chunks(Recipe.of(plan), plan.points)]
+        return [len(chunk) for chunk in chunks(Recipe.of(plan), plan.points)]
 
     assert sizes() == [4]
     assert sizes(changes={**COARSE, "load.closing": "penetration"}) == [4]
@@ -455,10 +455,10 @@ def test_a_data_file_of_a_parameter_is_watched_only_by_its_designs(tmp_path):
     recipe = Recipe.of(plan)
     rougher(tmp_path / "b.csv")
     (whole,) = chunks(recipe, plan.points)
-    (done,) = calculate(recipe, type(whole)(whole.points[:1]))
+    (done,) = calculate(recipe, whole[:1])
     assert done.reason is None
     with pytest.raises(InputError, match=r"b\.csv: was changed"):
-        calculate(recipe, type(whole)(whole.points[1:]))
+        calculate(recipe, whole[1:])
 
 
 @pytest.mark.parametrize("search", [False, True], ids=["grid", "search"])

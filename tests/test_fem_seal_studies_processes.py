@@ -207,7 +207,7 @@ def test_a_port_that_is_taken_is_passed_over_in_silence(recwarn):
 def test_a_design_that_kills_every_worker_costs_itself_only(tmp_path):
     """Whoever calculates the third design dies at once."""
     from fem_seal.studies.pools import Cluster, local_client
-    from fem_seal.studies.work import Chunk, Recipe
+    from fem_seal.studies.work import Recipe
 
     study = load_study(_small(tmp_path))
     recipe = Recipe.of(study)
@@ -215,7 +215,7 @@ def test_a_design_that_kills_every_worker_costs_itself_only(tmp_path):
     with local_client(2) as client:
         client.register_plugin(_arming(deadly))
         cluster = Cluster(client, 1, PATIENCE)
-        found = [row for rows in cluster.results(recipe, [Chunk(study.points)]) for row in rows]
+        found = [row for rows in cluster.results(recipe, [study.points]) for row in rows]
     reasons = {row.inputs[0]: row.reason for row in found}
     assert len(found) == 4
     assert "every worker that calculated it died" in reasons.pop(deadly)
@@ -249,14 +249,14 @@ def test_nobody_waits_for_ever(tmp_path):
     from dask.distributed import Client, LocalCluster
 
     from fem_seal.studies.pools import Cluster
-    from fem_seal.studies.work import Chunk, Recipe
+    from fem_seal.studies.work import Recipe
 
     study = load_study(_small(tmp_path))
     with (
         LocalCluster(n_workers=0, processes=False, dashboard_address=None, silence_logs=50) as cluster,
         Client(cluster) as client,
     ):
-        rows = Cluster(client, 1, 3.0).results(Recipe.of(study), [Chunk(study.points)])
+        rows = Cluster(client, 1, 3.0).results(Recipe.of(study), [study.points])
         with pytest.raises(ClusterError, match=r"no worker for 3 s.*--resume"):
             next(rows)
 
@@ -267,7 +267,7 @@ def test_chunks_of_the_only_worker_are_given_to_its_successor(tmp_path, monkeypa
 
     from fem_seal.studies import responses
     from fem_seal.studies.pools import Cluster
-    from fem_seal.studies.work import Chunk, Recipe
+    from fem_seal.studies.work import Recipe
 
     study, begun, free, found = load_study(_small(tmp_path)), Event(), Event(), []
     harmless = responses.warmed
@@ -285,9 +285,7 @@ def test_chunks_of_the_only_worker_are_given_to_its_successor(tmp_path, monkeypa
         Client(cluster) as client,
     ):
         # not even one more attempt: the designs have done nothing wrong
-        rows = Cluster(client, 0, PATIENCE).results(
-            Recipe.of(study), [Chunk(one[None]) for one in study.points]
-        )
+        rows = Cluster(client, 0, PATIENCE).results(Recipe.of(study), [one[None] for one in study.points])
         reader = Thread(target=lambda: found.extend(row for some in rows for row in some))
         reader.start()
         assert begun.wait(PATIENCE)
@@ -327,9 +325,8 @@ def test_chunks_that_were_taken_back_are_no_silence(monkeypatch):
         subscribe_topic=lambda *about: None,
     )
     monkeypatch.setattr(pools, "_HEARTBEAT", 0.01)
-    workers = pools._Workers(client, PATIENCE, print)
-    on_the_way = pools._OnTheWay(client, None, workers, print)
-    on_the_way.send(pools.Chunk(np.zeros((1, 1))), "tcp://there")
+    on_the_way = pools._OnTheWay(pools.Cluster(client, 1, PATIENCE), None)
+    on_the_way.send(np.zeros((1, 1)), "tcp://there")
     for _ in range(5):
         on_the_way._settled.put(Future())
         assert on_the_way.next() is None

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from fem_seal.case.words import problem
 from fem_seal.errors import InputError, OutputError
 from fem_seal.files import write_bytes
 from fem_seal.output.columns import COLUMNS
@@ -31,8 +32,7 @@ def export(folder: Path, path: Path) -> Path:
     """
     write = _WRITERS.get(path.suffix.lower())
     if write is None:
-        known = ", ".join(_WRITERS)
-        raise InputError.at("export", f"has an unknown ending; known are {known}", path.name)
+        raise InputError(problem("study_export_ending", known=", ".join(_WRITERS), name=path.name))
     designs = Designs.open(folder)
     try:
         return write(designs, path)

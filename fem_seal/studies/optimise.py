@@ -14,12 +14,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fem_seal.case.words import problem
 from fem_seal.errors import InputError, OutputError
 from fem_seal.sampling import LogUniform, Uniform
 from fem_seal.seal.findings import Level
 from fem_seal.studies.progress import Progress
 from fem_seal.studies.store import Row, Store, damaged
-from fem_seal.studies.work import Chunk, Recipe, check_unchanged
+from fem_seal.studies.work import Recipe, check_unchanged
 
 if TYPE_CHECKING:
     from optuna import Study as OptunaStudy
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
 
     from fem_seal.studies.plan import StudyPlan
     from fem_seal.studies.pools import Pool
+    from fem_seal.studies.tables import Optimise
 
 _NAME = "fem-seal"
 
@@ -75,52 +77,51 @@ def optimise(
     OutputError
         If the file cannot be written.
     """
+    settings = study.optimise
+    assert settings is not None
+    with _writable(store):
+        space = search_space(study)
+        search = _search(study, settings, space, store)
+        with _readable(store):
+            there = _trials(search)
+            # only the last one can have been cut short while it was proposed
+            proposed = [trial for trial in there if trial.params.keys() == space.keys()]
+            keys = [recipe.key(_point(trial, space)) for trial in proposed]
+            finished = [key for key, trial in zip(keys, proposed, strict=True) if trial.state.is_finished()]
+        if not set(finished) <= store.known(finished):
+            raise _another_search()
+        store.set_design(keys, **about)
+        progress.begin(settings.trials, len(finished))
+        try:
+            while batch := _batch(search, settings, space):
+                store.check_place()
+                points = np.array([_point(trial, space) for trial in batch])
+                rows = _rows(recipe, store, pool, points)
+                store.append_design(batch[0].number, [recipe.key(point) for point in points])
+                for trial, row in zip(batch, rows, strict=True):
+                    _tell(search, study, trial, row)
+                progress.advance(len(rows), sum(row.reason is not None for row in rows))
+        finally:
+            progress.end()
+
+
+@contextmanager
+def _writable(store: Store) -> Iterator[None]:
+    """Writing optuna's tables: a full disc and the like are called so."""
     from optuna.exceptions import StorageInternalError
     from sqlalchemy.exc import SQLAlchemyError
 
     try:
-        _optimise(study, recipe, about, store, pool, progress)
+        yield
     except (StorageInternalError, SQLAlchemyError) as error:
         store.check_place()
         raise OutputError(f"{store.path}: cannot be written ({error.__cause__ or error})") from error
 
 
-def _optimise(
-    study: StudyPlan, recipe: Recipe, about: Mapping[str, Any], store: Store, pool: Pool, progress: Progress
-) -> None:
-    settings = study.optimise
-    assert settings is not None
-    space = search_space(study)
-    search = _search(study, store)
-    with _readable(store):
-        there = _trials(search)
-        # only the last one can have been cut short while it was proposed
-        proposed = [trial for trial in there if trial.params.keys() == space.keys()]
-        keys = [recipe.key(_point(trial, space)) for trial in proposed]
-        finished = [key for key, trial in zip(keys, proposed, strict=True) if trial.state.is_finished()]
-    if not set(finished) <= store.known(finished):
-        raise _another_search()
-    store.set_design(keys, **about)
-    progress.begin(settings.trials, len(finished))
-    try:
-        while batch := _batch(search, study, space):
-            store.check_place()
-            points = np.array([_point(trial, space) for trial in batch])
-            rows = _rows(recipe, store, pool, points)
-            store.append_design(batch[0].number, [recipe.key(point) for point in points])
-            for trial, row in zip(batch, rows, strict=True):
-                _tell(search, study, trial, row)
-            progress.advance(len(rows), sum(row.reason is not None for row in rows))
-    finally:
-        progress.end()
-
-
-def _batch(search: OptunaStudy, study: StudyPlan, space: dict[str, BaseDistribution]) -> list[Trial]:
+def _batch(search: OptunaStudy, settings: Optimise, space: dict[str, BaseDistribution]) -> list[Trial]:
     """Trials to be calculated next: what is left of the batch that was interrupted, or a new one; empty at the end."""
     from optuna.trial import Trial
 
-    settings = study.optimise
-    assert settings is not None
     there = _trials(search)
     left = [trial.number for trial in there if not trial.state.is_finished()]
     start = (min(left) if left else len(there)) // settings.batch * settings.batch
@@ -156,12 +157,12 @@ def _trials(search: OptunaStudy) -> list[FrozenTrial]:
     return search.get_trials(deepcopy=False)
 
 
-def _search(study: StudyPlan, store: Store) -> OptunaStudy:
+def _search(
+    study: StudyPlan, settings: Optimise, space: dict[str, BaseDistribution], store: Store
+) -> OptunaStudy:
     import optuna
     from optuna.storages import RDBStorage
 
-    settings = study.optimise
-    assert settings is not None
     optuna.logging.set_verbosity(optuna.logging.ERROR)
     storage = RDBStorage(
         f"sqlite:///{store.path.absolute()}", engine_kwargs={"connect_args": {"timeout": 60}}
@@ -177,7 +178,7 @@ def _search(study: StudyPlan, store: Store) -> OptunaStudy:
     asked = json.dumps(
         [
             study.names,
-            [str(one) for one in search_space(study).values()],
+            [str(one) for one in space.values()],
             [one.text for one in study.goals.values()],
             [one.text for one in study.constraints.values()],
             [settings.seed, settings.batch, study.keeps_outside],
@@ -204,7 +205,7 @@ def _readable(store: Store) -> Iterator[None]:
 
 
 def _another_search() -> InputError:
-    return InputError.at("optimise", "the folder holds a search for something else; choose another folder")
+    return InputError(problem("study_another_search"))
 
 
 def _sampler(seed: int, number: int) -> TPESampler:
@@ -224,7 +225,7 @@ def _rows(recipe: Recipe, store: Store, pool: Pool, points: Any) -> list[Row]:
     keys = [recipe.key(point) for point in points]
     known = store.known(keys)
     fresh = {key: point for key, point in zip(keys, points, strict=True) if key not in known}
-    for rows in pool.results(recipe, [Chunk(point[None]) for point in fresh.values()]):
+    for rows in pool.results(recipe, [point[None] for point in fresh.values()]):
         check_unchanged(recipe.files)
         store.write(rows)
     found = store.rows(keys)
@@ -249,9 +250,8 @@ def _tell(search: OptunaStudy, study: StudyPlan, trial: Trial, row: Row) -> None
     if not all(math.isfinite(goal) for goal in goals):
         search.tell(trial, state=TrialState.FAIL)
         return
-    told = (
-        trial.constraints
-    )  # some, of a search that was killed in these lines; optuna warns of the second time
+    # some, of a search that was killed in these lines; optuna warns of the second time
+    told = trial.constraints
     # a name that no constraint can have
     outside = str(Level.OUTSIDE)
     if not study.keeps_outside and outside not in told:

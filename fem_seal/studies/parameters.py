@@ -11,6 +11,7 @@ import numpy as np
 
 from fem_seal.case.fields import Quantity, shown
 from fem_seal.case.paths import Entry, Value
+from fem_seal.case.words import problem
 from fem_seal.errors import InputError
 from fem_seal.sampling import Distribution, LogNormal, LogUniform, Normal, Uniform
 from fem_seal.units import parse_quantity
@@ -115,12 +116,7 @@ def read_parameter(entry: Entry, given: object) -> Parameter:
         return Parameter(entry, distribution=_distribution(entry, key, given))
     if isinstance(given, Mapping):
         return Parameter(entry, _range(entry, key, given))
-    raise InputError.at(
-        key,
-        f"must be a list, a range {{ start, stop, num }} or a distribution; one value belongs into [changes]: "
-        f"{entry.path} = {shown(given)}",
-        shown(given),
-    )
+    raise InputError(problem("study_parameter", path=entry.path, given=shown(given)))
 
 
 def _levels(entry: Entry, key: str, given: list[object]) -> tuple[Value, ...]:
@@ -202,9 +198,7 @@ def _lognormal(entry: Entry, key: str, given: Mapping[str, Any]) -> Distribution
     median = float(_read(entry, f"{key}.median", given["median"]))
     relative = given["relative"]
     if isinstance(relative, bool) or not isinstance(relative, (int, float)) or not 0 < relative <= 1:
-        raise InputError.at(
-            f"{key}.relative", "must be a number above 0 to 1; 0.1 is ten per cent", shown(relative)
-        )
+        raise InputError(problem("study_relative_width", key=f"{key}.relative", given=shown(relative)))
     if median <= 0:
         raise InputError.at(f"{key}.median", "must be above zero", shown(given["median"]))
     return LogNormal(median, float(relative))

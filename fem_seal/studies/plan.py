@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -14,6 +13,7 @@ from fem_seal.case.case import Case
 from fem_seal.case.drawing_words import same_entry
 from fem_seal.case.fields import shown
 from fem_seal.case.paths import Value
+from fem_seal.case.words import problem
 from fem_seal.errors import InputError
 from fem_seal.output.columns import COLUMNS, LEAK_COLUMNS
 from fem_seal.sampling import LogNormal, Normal
@@ -31,7 +31,8 @@ class StudyPlan:
 
     file: Path | None
     """Study file, None if made in code."""
-    _given: dict[str, Any]
+    written: dict[str, Any]
+    """The tables of the study as they were given."""
     title: str
     design: Design
     run_settings: Run
@@ -78,11 +79,6 @@ class StudyPlan:
             If the design contradicts itself.
         """
         return self.case.replace_written(entries(self.parameters, point))
-
-    @cached_property
-    def written(self) -> dict[str, Any]:
-        """The tables of the study as they were given."""
-        return dict(self._given)
 
 
 # Columns of the study's own table.
@@ -141,9 +137,7 @@ def read_goals(study: StudyPlan, read: StudyTables) -> dict[str, Expression]:
             for text in _texts(getattr(read.optimise, key))
         ]
         if not wanted:
-            raise InputError.at(
-                "optimise.minimise", 'is missing; name a column, such as "leak_rate_m3_per_s"'
-            )
+            raise InputError(problem("study_goal_missing"))
     if len(wanted) > 2:
         raise InputError.at(wanted[2][0], "is a third goal; allowed are one or two")
     goals: dict[str, Expression] = {}
@@ -276,9 +270,7 @@ def check_changes(changes: Mapping[str, Any], paths: Sequence[str]) -> None:
     changed = {same_entry(path) for path in changes}
     twice = [path for path in paths if same_entry(path) in changed]
     if twice:
-        raise InputError.at(
-            f"changes.{twice[0]}", "is a parameter as well, which would replace it; remove one of them"
-        )
+        raise InputError(problem("study_changed_and_varied", key=twice[0]))
 
 
 def check_load(case: Case, paths: Collection[str]) -> None:
@@ -293,21 +285,17 @@ def check_load(case: Case, paths: Collection[str]) -> None:
     if force_count > 1 and "load.applied_force" not in paths:
         several['"load.applied_force" = "0 N"'] = f"{force_count} applied forces"
     if several:
-        raise InputError.at(
-            "base",
-            f"has {' and '.join(several.values())}, a design has one: write [changes] {' and '.join(several)}, or "
-            f"make {'it a parameter' if len(several) == 1 else 'them parameters'}",
-        )
+        loads, changes = " and ".join(several.values()), " and ".join(several)
+        them = "it a parameter" if len(several) == 1 else "them parameters"
+        raise InputError(problem("study_several_loads", loads=loads, changes=changes, them=them))
 
 
 def check_design(design: Design, parameters: Sequence[Parameter], optimise: bool) -> None:
     """InputError if a design cannot be made of its parameters."""
     if not parameters:
-        raise InputError.at(
-            "parameters", 'is empty; name what varies, such as "seat.angle" = ["30 deg", "45 deg"]'
-        )
+        raise InputError(problem("study_no_parameters"))
     if design.file is not None:
-        raise InputError.at("design.file", 'only with kind = "list"; remove it', shown(design.file))
+        raise InputError(problem("study_file_without_list", file=shown(design.file)))
     if optimise:
         _check_searched(parameters)
     elif design.kind == "grid":
@@ -319,56 +307,40 @@ def check_design(design: Design, parameters: Sequence[Parameter], optimise: bool
 def _check_searched(parameters: Sequence[Parameter]) -> None:
     for one in parameters:
         if isinstance(one.distribution, (Normal, LogNormal)):
-            raise InputError.at(
-                f"parameters.{one.name}",
-                'is spread by chance; an optimisation chooses from a list, or from distribution = "uniform" or '
-                '"log-uniform"',
-            )
+            raise InputError(problem("study_search_of_chance", key=one.name))
 
 
 def _check_grid(design: Design, parameters: Sequence[Parameter]) -> None:
     for one in parameters:
         if one.distribution is not None:
-            raise InputError.at(
-                f"parameters.{one.name}",
-                'is a distribution, which has no levels; write a list or a range, or design.kind = "sobol"',
-            )
+            raise InputError(problem("study_grid_of_distribution", key=one.name))
     if design.num is not None:
-        raise InputError.at("design.num", "a grid has as many designs as its levels make; remove it")
+        raise InputError(problem("study_grid_num"))
 
 
 def _check_sampled(design: Design, parameters: Sequence[Parameter]) -> None:
     if design.num is None:
-        raise InputError.at("design.num", f'is missing; kind = "{design.kind}" needs a number of designs')
+        raise InputError(problem("study_num_missing", kind=design.kind))
     if design.kind in SENSITIVITY and design.num < 2:
-        raise InputError.at(
-            "design.num", f'kind = "{design.kind}" needs at least 2 to compare', str(design.num)
-        )
+        raise InputError(problem("study_num_of_sensitivity", kind=design.kind, num=design.num))
     for one in parameters:
         if one.distribution is None and one.numeric:
-            low, high = (one.entry.shown(bound) for bound in one.bounds)
-            raise InputError.at(
-                f"parameters.{one.name}",
-                f'has levels, but kind = "{design.kind}" draws from distributions; write {{ distribution = '
-                f'"uniform", low = {low}, high = {high} }}, or design.kind = "grid"',
-            )
+            low, high = map(one.entry.shown, one.bounds)
+            words = problem("study_sample_of_levels", key=one.name, kind=design.kind, low=low, high=high)
+            raise InputError(words)
 
 
 def check_kept(study: StudyPlan) -> None:
     """InputError if the designs whose complete results are wanted cannot exist."""
     wanted = study.run_settings.keep_fields
     if wanted == "best" and not study.goals:
-        raise InputError.at(
-            "run.keep_fields", "the best design needs a goal; write [report] goals", shown(wanted)
-        )
+        raise InputError(problem("study_best_without_goal", wanted=shown(wanted)))
     if isinstance(wanted, str):
         return
     count = study.optimise.trials if study.optimise else len(study.points)
     for number in wanted:
         if not 0 <= number < count:
-            raise InputError.at(
-                "run.keep_fields", f"there is no such design; allowed are 0 to {count - 1}", str(number)
-            )
+            raise InputError(problem("study_no_such_design", last=count - 1, number=number))
 
 
 def check_designs(study: StudyPlan) -> None:
@@ -380,13 +352,9 @@ def check_designs(study: StudyPlan) -> None:
         try:
             study.case_of(point)
         except InputError as error:
-            found = error.problems[0]
-            listed = named(study.parameters, point)
-            raise InputError.at(
-                "design",
-                f"design {number} ({listed}) is no valid case: {found}. Change the values, or set "
-                'design.invalid = "skip" to leave such designs out',
-            ) from None
+            found, listed = error.problems[0], named(study.parameters, point)
+            words = problem("study_invalid_design", number=number, listed=listed, found=found)
+            raise InputError(words) from None
 
 
 def _telling_designs(study: StudyPlan) -> Iterator[int]:

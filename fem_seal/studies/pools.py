@@ -14,18 +14,19 @@ from dataclasses import dataclass
 from itertools import pairwise
 from queue import Empty, SimpleQueue
 from threading import Event
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, TypeAlias
 from uuid import uuid4
 
 import numpy as np
 
 from fem_seal.arrays import FloatArray
+from fem_seal.case.words import problem
 from fem_seal.errors import ClusterError, InputError
 from fem_seal.processes import usable_cores
 from fem_seal.studies.parameters import named
 from fem_seal.studies.store import Row
 from fem_seal.studies.time_limit import Block, OvertimeError, Watch, ended_after, slow_line
-from fem_seal.studies.work import Chunk, Recipe, calculate, failed_row, overtime_row
+from fem_seal.studies.work import Recipe, calculate, failed_row, overtime_row
 from fem_seal.units import duration
 from leak.extras import needed
 
@@ -38,14 +39,11 @@ _HERE = "127.0.0.1"
 _OWN_PATIENCE, _FOREIGN_PATIENCE = 120.0, 12 * 3600.0
 
 
-class Pool(Protocol):
-    """Something that calculates chunks."""
-
-    def results(self, recipe: Recipe, chunks: Iterable[Chunk]) -> Iterator[list[Row]]:
-        """Rows of each chunk, in any order."""
-        ...
+def _unheard(text: str) -> None:
+    """Nobody is told."""
 
 
+@dataclass(frozen=True)
 class OwnProcess:
     """Calculates here, one design after the other.
 
@@ -57,28 +55,25 @@ class OwnProcess:
         Given the row of a design that reached its time limit and does not stop.
     """
 
-    def __init__(
-        self, note: Callable[[str], None] = lambda text: None, stuck: Callable[[Row], None] = lambda row: None
-    ) -> None:
-        self._note = note
-        self._stuck = stuck
+    note: Callable[[str], None]
+    stuck: Callable[[Row], None]
 
-    def results(self, recipe: Recipe, chunks: Iterable[Chunk]) -> Iterator[list[Row]]:
-        """See `Pool`."""
+    def results(self, recipe: Recipe, chunks: Iterable[FloatArray]) -> Iterator[list[Row]]:
+        """Rows of the designs, one by one."""
         # the limit is that of designs, not of loading what calculates them
         import fem_seal.studies.responses  # noqa: F401
 
         for chunk in chunks:
-            for point in chunk.points:
+            for point in chunk:
                 yield self._rows(recipe, point)
 
     def _rows(self, recipe: Recipe, point: FloatArray) -> list[Row]:
         def slow(seconds: float) -> None:
-            self._note(slow_line(named(recipe.parameters, point), seconds, recipe.time_limit))
+            self.note(slow_line(named(recipe.parameters, point), seconds, recipe.time_limit))
 
         try:
-            with ended_after(recipe.time_limit, slow, lambda: self._stuck(overtime_row(recipe, point))):
-                return calculate(recipe, Chunk(point[None]))
+            with ended_after(recipe.time_limit, slow, lambda: self.stuck(overtime_row(recipe, point))):
+                return calculate(recipe, point[None])
         except OvertimeError:
             return [overtime_row(recipe, point)]
 
@@ -89,8 +84,8 @@ def pool(
     workers: int | None,
     scheduler: str | None,
     retries: int,
-    note: Callable[[str], None] = lambda text: None,
-    stuck: Callable[[Row], None] = lambda row: None,
+    note: Callable[[str], None],
+    stuck: Callable[[Row], None],
 ) -> Iterator[Pool]:
     """The pool asked for; a cluster or a connection made for it is closed at the end.
 
@@ -115,9 +110,7 @@ def pool(
         If the processes do not start.
     """
     if scheduler is not None and workers is not None:
-        raise InputError.at(
-            "--workers", "not with --scheduler, which has workers of its own; remove it", str(workers)
-        )
+        raise InputError(problem("study_workers_of_scheduler", workers=workers))
     if client is None and (scheduler is not None or workers != 0):
         _check_dask()
     if client is not None:
@@ -132,17 +125,13 @@ def pool(
             yield Cluster(own, retries, _OWN_PATIENCE, note)
 
 
-@contextmanager
-def _connected(scheduler: str) -> Iterator[Client]:
+def _connected(scheduler: str) -> Client:
     from dask.distributed import Client
 
     try:
-        client = Client(scheduler, timeout=20)
+        return Client(scheduler, timeout=20)
     except (OSError, ValueError, TimeoutError) as error:
-        message = f"there is no dask scheduler ({error}); start one with: dask scheduler"
-        raise InputError.at("--scheduler", message, scheduler) from None
-    with client:
-        yield client
+        raise InputError(problem("study_no_scheduler", error=error, scheduler=scheduler)) from None
 
 
 @contextmanager
@@ -260,6 +249,7 @@ _FAREWELL = 2.0
 KEPT = "the designs that are done are kept, --resume (resume=True) continues"
 
 
+@dataclass(frozen=True)
 class Cluster:
     """Calculates on the workers of a dask cluster.
 
@@ -274,15 +264,12 @@ class Cluster:
         Told if there are no workers.
     """
 
-    def __init__(
-        self, client: Client, retries: int, patience: float, note: Callable[[str], None] = lambda text: None
-    ) -> None:
-        self._client = client
-        self._retries = retries
-        self._patience = patience
-        self._note = note
+    client: Client
+    retries: int
+    patience: float
+    note: Callable[[str], None] = _unheard
 
-    def results(self, recipe: Recipe, chunks: Iterable[Chunk]) -> Iterator[list[Row]]:
+    def results(self, recipe: Recipe, chunks: Iterable[FloatArray]) -> Iterator[list[Row]]:
         """Rows of each chunk, in any order.
 
         Only a few chunks per worker are on the way at a time. When workers die, dask gives their chunks to others. The
@@ -297,18 +284,16 @@ class Cluster:
         InputError
             If a file of the designs has changed.
         """
-        workers = _Workers(self._client, self._patience, self._note)
-        on_the_way = _OnTheWay(self._client, recipe, workers, self._note)
+        on_the_way = _OnTheWay(self, recipe)
         try:
-            yield from self._results(recipe, chunks, workers, on_the_way)
+            yield from self._results(recipe, list(chunks), on_the_way)
         finally:
             on_the_way.close()
 
     def _results(
-        self, recipe: Recipe, chunks: Iterable[Chunk], workers: _Workers, on_the_way: _OnTheWay
+        self, recipe: Recipe, chunks: list[FloatArray], on_the_way: _OnTheWay
     ) -> Iterator[list[Row]]:
-        shares = _Shares(list(chunks), workers.addresses())
-        suspects = deque[tuple[Chunk, int]]()
+        shares, suspects = _Shares(chunks, on_the_way.workers()), deque[tuple[FloatArray, int]]()
         while True:
             for sent in on_the_way.stranded():
                 shares.give_back(sent.worker, sent.chunk)
@@ -329,21 +314,24 @@ class Cluster:
             if rows is not None:
                 yield rows
             elif any(late := on_the_way.late(sent.chunk)):
-                yield [overtime_row(recipe, point) for point in sent.chunk.points[late]]
+                yield [overtime_row(recipe, point) for point in sent.chunk[late]]
                 if not all(late):
-                    shares.give_back(sent.worker, Chunk(sent.chunk.points[np.logical_not(late)]))
-            elif sent.attempt < self._retries or len(sent.chunk.points) > 1:
-                suspects.extend((Chunk(point[None]), sent.attempt + 1) for point in sent.chunk.points)
+                    shares.give_back(sent.worker, sent.chunk[np.logical_not(late)])
+            elif sent.attempt < self.retries or len(sent.chunk) > 1:
+                suspects.extend((point[None], sent.attempt + 1) for point in sent.chunk)
             else:
                 reason = "every worker that calculated it died; it may need more memory than a worker has"
-                yield [failed_row(recipe, point, reason) for point in sent.chunk.points]
+                yield [failed_row(recipe, point, reason) for point in sent.chunk]
+
+
+Pool: TypeAlias = OwnProcess | Cluster
 
 
 @dataclass(frozen=True)
 class _Sent:
     """A chunk that is on the way: meant for a worker, after so many attempts."""
 
-    chunk: Chunk
+    chunk: FloatArray
     worker: str | None
     attempt: int
 
@@ -355,7 +343,7 @@ class _Rows:
     rows: list[Row]
 
 
-def _calculate_watched(recipe: Recipe, chunk: Chunk, topic: str) -> _Rows:
+def _calculate_watched(recipe: Recipe, chunk: FloatArray, topic: str) -> _Rows:
     """What a worker does: `calculate`, and tell the coordinator of designs that take long."""
     from distributed import get_worker
 
@@ -363,7 +351,7 @@ def _calculate_watched(recipe: Recipe, chunk: Chunk, topic: str) -> _Rows:
     import fem_seal.studies.responses  # noqa: F401
 
     worker = get_worker()
-    designs = [_watched_design(recipe, point, worker, topic) for point in chunk.points]
+    designs = [_watched_design(recipe, point, worker, topic) for point in chunk]
 
     def several() -> Block:
         # a worker that dies without a word has its designs tried one by one
@@ -397,34 +385,26 @@ def _watched_design(recipe: Recipe, point: FloatArray, worker: Worker, topic: st
     return Block(slow, over)
 
 
-@dataclass(frozen=True)
-class _Over:
-    """A worker says that it has reached the time limit of a design."""
-
-    point: tuple[float, ...]
-    worker: str
-    replaceable: bool
-
-
 class _OnTheWay:
-    """Chunks that workers have been given and have not given back."""
+    """Chunks that workers have been given and have not given back, and which workers are there."""
 
-    def __init__(
-        self, client: Client, recipe: Recipe, workers: _Workers, note: Callable[[str], None]
-    ) -> None:
-        self._client = client
+    def __init__(self, cluster: Cluster, recipe: Recipe) -> None:
+        self._cluster = cluster
+        self._client = cluster.client
         self._recipe = recipe
-        self._workers = workers
-        self._note = note
         self._late = set[tuple[float, ...]]()
         # of this study alone, on a scheduler that may have several
         self._topic = f"fem-seal-{uuid4().hex}"
-        client.subscribe_topic(self._topic, self._hear)
+        self._client.subscribe_topic(self._topic, self._hear)
         self._sent: dict[Any, _Sent] = {}
+        # futures, and what workers say of designs that have reached their time limit
         self._settled = SimpleQueue[Any]()
         # chunks that the scheduler did not calculate any more when it was asked last
         self._doubtful = set[str]()
-        self._next_look = 0.0
+        self._addresses: list[str] = []
+        self._last_worker = time.monotonic()
+        self._waits = False
+        self._next_count = self._next_look = 0.0
 
     def close(self) -> None:
         """Listen to workers no longer."""
@@ -434,21 +414,42 @@ class _OnTheWay:
     def __bool__(self) -> bool:
         return bool(self._sent)
 
-    def late(self, chunk: Chunk) -> list[bool]:
+    def workers(self) -> list[str]:
+        """Addresses of the workers, as they were at most a heartbeat ago.
+
+        Raises
+        ------
+        ClusterError
+            If there has been none for too long.
+        """
+        now, patience = time.monotonic(), self._cluster.patience
+        if now >= self._next_count:
+            self._addresses = sorted(self._asked(self._client.scheduler.ncores) or ())
+            self._next_count = time.monotonic() + _HEARTBEAT
+        if self._addresses:
+            self._last_worker, self._waits = now, False
+        elif now - self._last_worker > patience:
+            raise ClusterError(f"there has been no worker for {patience:.0f} s; {KEPT}")
+        elif now - self._last_worker > _ANSWER and not self._waits:
+            self._waits = True
+            self._cluster.note(f"no worker is there; waiting for one up to {duration(patience)}")
+        return self._addresses
+
+    def late(self, chunk: FloatArray) -> list[bool]:
         """Which of its designs have reached their time limit."""
-        return [tuple(point) in self._late for point in chunk.points.tolist()]
+        return [tuple(point) in self._late for point in chunk.tolist()]
 
     def with_room(self) -> Iterator[str | None]:
         """A worker for each chunk that may be sent; None, for whichever comes, while there is no worker."""
         there = Counter(one.worker for one in self._sent.values())
-        addresses: list[str | None] = [*self._workers.addresses()] or [None]
+        addresses: list[str | None] = [*self.workers()] or [None]
         free = _AHEAD * len(addresses) - len(self._sent)
         for worker in addresses:
             for _ in range(min(_AHEAD - there[worker], free)):
                 free -= 1
                 yield worker
 
-    def send(self, chunk: Chunk, worker: str | None, attempt: int = 0) -> None:
+    def send(self, chunk: FloatArray, worker: str | None, attempt: int = 0) -> None:
         """Give a chunk to a worker, or to another one if that is busy or gone."""
         future = self._client.submit(
             _calculate_watched,
@@ -467,14 +468,12 @@ class _OnTheWay:
 
         What was meant for the last worker that died waits for that very address, whoever comes after it.
         """
-        there = self._workers.addresses()
+        there = self.workers()
         if not there or time.monotonic() < self._next_look:
             return []
         self._next_look = time.monotonic() + _HEARTBEAT
         meant = [
-            future
-            for future, sent in self._sent.items()
-            if sent.worker is not None and sent.worker not in there
+            one for one, sent in self._sent.items() if sent.worker is not None and sent.worker not in there
         ]
         states = self._states(meant) if meant else {}
         kept = [future for future in meant if states.get(future.key) == "no-worker"]
@@ -491,8 +490,8 @@ class _OnTheWay:
             future = self._settled.get(timeout=_HEARTBEAT)
         except Empty:
             future = self._fallen()
-        if isinstance(future, _Over):
-            future = self._given_up(future)
+        if isinstance(future, dict):
+            future = self._given_up(tuple(future["over"]), future["worker"], future["replaceable"])
         # what was taken back settles as well
         if future not in self._sent:
             return None
@@ -524,30 +523,26 @@ class _OnTheWay:
         """What a worker says; called from the client's own thread."""
         _, said = event
         if "slow" in said:
-            self._note(said["slow"])
+            self._cluster.note(said["slow"])
         else:
-            self._settled.put(_Over(tuple(said["over"]), said["worker"], said["replaceable"]))
+            self._settled.put(said)
 
-    def _given_up(self, over: _Over) -> Any:
+    def _given_up(self, point: tuple[float, ...], worker: str, replaceable: bool) -> Any:
         """The chunk of a design that has reached its time limit; None if it is not on the way any more."""
-        self._late.add(over.point)
-        meant = [
-            future
-            for future, sent in self._sent.items()
-            if any(tuple(point) == over.point for point in sent.chunk.points.tolist())
-        ]
+        self._late.add(point)
+        meant = [one for one, sent in self._sent.items() if list(point) in sent.chunk.tolist()]
         # or dask would give it to another worker
         self._client.cancel(meant)
-        if not over.replaceable:
+        if not replaceable:
             # what it is busy with never ends: it gets nothing more
-            _asked(self._client, self._client.scheduler.retire_workers, workers=[over.worker])
+            self._asked(self._client.scheduler.retire_workers, workers=[worker])
         return meant[0] if meant else None
 
     def _fallen(self) -> Any:
         """After a silence: a chunk that is not calculated any more although nobody said so; None if all are well."""
         if self._client.status == "closed":
             raise ClusterError(f"the connection to the scheduler is lost; {KEPT}")
-        self._workers.addresses()
+        self.workers()
         for future in self._sent:
             if future.status != "pending":
                 return future
@@ -561,55 +556,20 @@ class _OnTheWay:
     def _states(self, futures: Iterable[Any]) -> dict[str, str | None]:
         """What the scheduler does with chunks, by key; empty if it does not answer."""
         keys = [future.key for future in futures]
-        return _asked(self._client, self._client.scheduler.get_task_status, keys=keys) or {}
+        return self._asked(self._client.scheduler.get_task_status, keys=keys) or {}
 
-
-class _Workers:
-    """Who is there."""
-
-    def __init__(self, client: Client, patience: float, note: Callable[[str], None]) -> None:
-        self._client = client
-        self._patience = patience
-        self._note = note
-        self._noted = False
-        self._addresses: list[str] = []
-        self._last_seen = time.monotonic()
-        self._next_look = 0.0
-
-    def addresses(self) -> list[str]:
-        """Addresses of the workers, as they were at most a heartbeat ago.
-
-        Raises
-        ------
-        ClusterError
-            If there has been none for too long.
-        """
-        now = time.monotonic()
-        if now >= self._next_look:
-            self._addresses = sorted(_asked(self._client, self._client.scheduler.ncores) or ())
-            self._next_look = time.monotonic() + _HEARTBEAT
-        if self._addresses:
-            self._last_seen, self._noted = now, False
-        elif now - self._last_seen > self._patience:
-            raise ClusterError(f"there has been no worker for {self._patience:.0f} s; {KEPT}")
-        elif now - self._last_seen > _ANSWER and not self._noted:
-            self._noted = True
-            self._note(f"no worker is there; waiting for one up to {duration(self._patience)}")
-        return self._addresses
-
-
-def _asked(client: Client, what: Any, **about: Any) -> Any:
-    """Answer of the scheduler; None if it gives none."""
-    try:
-        return client.sync(what, **about, callback_timeout=_ANSWER)
-    except (OSError, TimeoutError):
-        return None
+    def _asked(self, what: Any, **about: Any) -> Any:
+        """Answer of the scheduler; None if it gives none."""
+        try:
+            return self._client.sync(what, **about, callback_timeout=_ANSWER)
+        except (OSError, TimeoutError):
+            return None
 
 
 class _Shares:
     """Neighbouring chunks for each worker: what one of them has worked out the others need not work out again."""
 
-    def __init__(self, chunks: list[Chunk], workers: list[str]) -> None:
+    def __init__(self, chunks: list[FloatArray], workers: list[str]) -> None:
         count = max(len(workers), 1)
         ends = [len(chunks) * n // count for n in range(count + 1)]
         # what is left of one share at the end is taken over from the next one: both come to where they meet
@@ -619,7 +579,7 @@ class _Shares:
         addresses: list[str | None] = [*workers] or [None]
         self._parts = dict(zip(addresses, parts, strict=True))
 
-    def next(self, worker: str | None) -> Chunk | None:
+    def next(self, worker: str | None) -> FloatArray | None:
         """The next chunk for a worker; who has none left, or is new, takes over half of the largest share."""
         own = self._parts.setdefault(worker, deque())
         if not own:
@@ -628,6 +588,6 @@ class _Shares:
                 own.append(largest.pop())
         return own.popleft() if own else None
 
-    def give_back(self, worker: str | None, chunk: Chunk) -> None:
+    def give_back(self, worker: str | None, chunk: FloatArray) -> None:
         """A chunk that is to be calculated again, by this worker or another one."""
         self._parts.setdefault(worker, deque()).appendleft(chunk)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 import time
-from dataclasses import dataclass, field
 from typing import Any
 
 from fem_seal.printable import printable
@@ -17,11 +16,19 @@ _PAUSE = 10.0
 class Progress:
     """What a running study tells; this one says nothing."""
 
+    total = done = failed = known = 0
+    """Designs of the study; those that are done, those of them that failed in this run, and those done before it."""
+    _started = 0.0
+
     def begin(self, total: int, known: int) -> None:
         """So many designs, of which so many are calculated already."""
+        self.total, self.done, self.failed, self.known = total, known, 0, known
+        self._started = time.monotonic()
 
     def advance(self, done: int, failed: int) -> None:
         """So many more are done, so many of them failed."""
+        self.done += done
+        self.failed += failed
 
     def note(self, text: str) -> None:
         """Something to know meanwhile."""
@@ -29,97 +36,80 @@ class Progress:
     def end(self) -> None:
         """Nothing more will come."""
 
+    @property
+    def rate(self) -> float:
+        """Designs of this run in a second."""
+        return (self.done - self.known) / max(time.monotonic() - self._started, 1e-9)
 
-@dataclass
+
 class Lines(Progress):
     """A line on standard error now and then, with rate and remaining time."""
 
-    total: int = 0
-    done: int = 0
-    failed: int = 0
-    known: int = 0
-    _started: float = field(default=0.0, repr=False)
-    _said: float = field(default=0.0, repr=False)
-    _told: int = field(default=0, repr=False)
+    _said = 0.0
+    _told = 0
 
     def begin(self, total: int, known: int) -> None:
         """See `Progress`."""
-        self.total, self.known, self.done, self.failed = total, known, known, 0
-        self._started = self._said = time.monotonic()
+        super().begin(total, known)
+        self._said = time.monotonic()
         if known:
-            self._say(f"{known} of {total} designs are calculated already")
+            self.note(f"{known} of {total} designs are calculated already")
 
     def advance(self, done: int, failed: int) -> None:
         """See `Progress`."""
-        self.done += done
-        self.failed += failed
+        super().advance(done, failed)
         if time.monotonic() - self._said > _PAUSE:
             self._said, self._told = time.monotonic(), self.done
-            self._say(self._state())
+            self.note(self._state())
 
     def note(self, text: str) -> None:
         """See `Progress`."""
-        self._say(text)
+        sys.stderr.write(printable(text) + "\n")
+        sys.stderr.flush()
 
     def end(self) -> None:
         """See `Progress`."""
         if self._told < self.done and self.known < self.done:
-            self._say(self._state())
+            self.note(self._state())
 
     def _state(self) -> str:
-        seconds = max(time.monotonic() - self._started, 1e-9)
-        rate = (self.done - self.known) / seconds
+        rate = self.rate
         left = duration((self.total - self.done) / rate) if rate > 0 else "unknown time"
         failed = f", {self.failed} failed" if self.failed else ""
         return f"{self.done} of {self.total} designs{failed}, {rate:.3g}/s, {left} left"
-
-    def _say(self, text: str) -> None:
-        sys.stderr.write(printable(text) + "\n")
-        sys.stderr.flush()
 
 
 class Bar(Progress):
     """A bar on the terminal."""
 
     def __init__(self) -> None:
+        from rich import progress
         from rich.console import Console
-        from rich.progress import (
-            BarColumn,
-            MofNCompleteColumn,
-            TextColumn,
-            TimeElapsedColumn,
-            TimeRemainingColumn,
-        )
-        from rich.progress import Progress as RichProgress
 
-        self._bar = RichProgress(
-            TextColumn("designs"),
-            BarColumn(),
-            MofNCompleteColumn(),
-            TextColumn("{task.fields[rate]}"),
-            TimeElapsedColumn(),
-            TextColumn("left"),
-            TimeRemainingColumn(elapsed_when_finished=False),
-            TextColumn("{task.fields[failed]}"),
+        self._bar = progress.Progress(
+            progress.TextColumn("designs"),
+            progress.BarColumn(),
+            progress.MofNCompleteColumn(),
+            progress.TextColumn("{task.fields[rate]}"),
+            progress.TimeElapsedColumn(),
+            progress.TextColumn("left"),
+            progress.TimeRemainingColumn(elapsed_when_finished=False),
+            progress.TextColumn("{task.fields[failed]}"),
             console=Console(stderr=True),
         )
         self._task: Any = None
-        self._failed = self._new = 0
-        self._started = 0.0
 
     def begin(self, total: int, known: int) -> None:
         """See `Progress`."""
-        self._started = time.monotonic()
+        super().begin(total, known)
         self._bar.start()
         self._task = self._bar.add_task("designs", total=total, completed=known, rate="", failed="")
 
     def advance(self, done: int, failed: int) -> None:
         """See `Progress`."""
-        self._failed += failed
-        self._new += done
-        rate = self._new / max(time.monotonic() - self._started, 1e-9)
-        told = f"{self._failed} failed" if self._failed else ""
-        self._bar.update(self._task, advance=done, rate=f"{rate:.3g}/s", failed=told)
+        super().advance(done, failed)
+        told = f"{self.failed} failed" if self.failed else ""
+        self._bar.update(self._task, advance=done, rate=f"{self.rate:.3g}/s", failed=told)
 
     def note(self, text: str) -> None:
         """See `Progress`."""

@@ -202,12 +202,10 @@ def _leaks(*, other: bool) -> Iterator[Callable[[LoadResult], object]]:
 
 
 def _result(row: Row, load: JudgedLoad, columns: Sequence[str]) -> DesignResult:
-    return DesignResult(_read(row, columns), _validity(load, columns), load.verdict)
-
-
-def _read(row: Row, columns: Sequence[str]) -> dict[str, float]:
     found = {column: COLUMNS[column].number(row) for column in columns}
-    return found | {"margin": min(found["margin"], LARGEST_MARGIN)} if "margin" in found else found
+    if "margin" in found:
+        found["margin"] = min(found["margin"], LARGEST_MARGIN)
+    return DesignResult(found, _validity(load, columns), load.verdict)
 
 
 def _with_verdict_force(case: Case, columns: Sequence[str]) -> DesignResult:

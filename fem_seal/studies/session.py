@@ -11,17 +11,19 @@ from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from fem_seal.arrays import FloatArray
+from fem_seal.case.words import problem
 from fem_seal.errors import InputError
 from fem_seal.files import parse_json, read_text, write_text
 from fem_seal.output.folders import alone
+from fem_seal.output.prose import said
 from fem_seal.studies.cost import design_seconds
 from fem_seal.studies.pools import KEPT, Pool, pool
 from fem_seal.studies.progress import Progress
 from fem_seal.studies.results import StudyResult
-from fem_seal.studies.store import FILE, FORMAT_VERSION, Row, Store, create, open_to_read
-from fem_seal.studies.stored import TRUTH
+from fem_seal.studies.store import FILE, FORMAT_VERSION, TRUTH, Row, Store, create, open_to_read
 from fem_seal.studies.time_limit import OvertimeError, ended_after, overtime_reason
-from fem_seal.studies.work import Chunk, Recipe, check_unchanged, chunks
+from fem_seal.studies.work import Recipe, check_unchanged, chunks
 from fem_seal.units import duration
 from fem_seal.version import __version__
 
@@ -73,17 +75,11 @@ def run_study(
         If the folder cannot be written, or is deleted meanwhile.
     """
     if retry_failed and study.optimise is not None:
-        raise InputError.at(
-            "--retry-failed",
-            "a search for the best design learns from its failures and goes on; use --resume alone",
-        )
+        raise InputError(problem("study_retry_of_search"))
     temporary = folder is None
     place = Path(tempfile.mkdtemp(prefix="fem-seal-study-")) if folder is None else Path(folder)
     if not resume and (place / FILE).exists():
-        raise InputError.at(
-            str(place),
-            "holds a study already; continue it with --resume (resume=True), or choose another folder",
-        )
+        raise InputError(problem("study_there_already", place=place))
     progress = progress or Progress()
     started = time.perf_counter()
 
@@ -92,10 +88,7 @@ def run_study(
         if row is not None:
             with closing(create(place / FILE, _column_types(study), study.output_names)) as store:
                 store.write([row])
-        progress.note(
-            "a design does not stop at its time limit, because a library that it uses never comes back; it is taken "
-            f"for failed. End this process; {KEPT}"
-        )
+        progress.note(said("studies.notes", "stuck", kept=KEPT))
         progress.end()
         leave()
 
@@ -138,10 +131,7 @@ def _set_aside(study: StudyPlan, path: Path, progress: Progress) -> None:
     for end in ("", "-wal", "-shm"):
         if (part := path.with_name(path.name + end)).exists():
             part.replace(aside.with_name(aside.name + end))
-    progress.note(
-        "the designs held here were calculated by the paper's theory, the default then; they stay in "
-        f'{aside.name}, and all are calculated anew (leak.theory = "paper" in the base case keeps that theory)'
-    )
+    progress.note(said("studies.notes", "set_aside", name=aside.name))
 
 
 def _calculate(study: StudyPlan, store: Store, ready: Pool, progress: Progress) -> None:
@@ -154,10 +144,7 @@ def _calculate(study: StudyPlan, store: Store, ready: Pool, progress: Progress) 
         held = store.size
         store.set_design((recipe.key(point) for point in study.points), **about)
         if held and store.counts()["open"] == len(study.points):
-            progress.note(
-                f"none of the {held} designs held here is one of this study as fem-seal {__version__} calculates it; "
-                "all are calculated anew"
-            )
+            progress.note(said("studies.notes", "none_known", held=held, version=__version__))
         _fill(recipe, store, ready, study, progress)
 
 
@@ -166,10 +153,8 @@ def _fill(recipe: Recipe, store: Store, ready: Pool, study: StudyPlan, progress:
     done = len(study.points) - counts["open"]
     expected = counts["open"] * design_seconds(recipe.case, recipe.columns)
     if expected > _WORTH_TELLING:
-        each = duration(expected / counts["open"])
-        progress.note(
-            f"a design takes about {each}, those that are left {duration(expected)} of processor time"
-        )
+        each, left = duration(expected / counts["open"]), duration(expected)
+        progress.note(said("studies.notes", "expected", each=each, all=left))
     progress.begin(len(study.points), done)
     todo = chunks(recipe, study.points)
     try:
@@ -186,14 +171,14 @@ def keep(store: Store, rows: list[Row], progress: Progress) -> None:
     progress.advance(len(rows), sum(row.reason is not None for row in rows))
 
 
-def _missing(recipe: Recipe, store: Store, all_chunks: Iterable[Chunk]) -> Iterator[Chunk]:
+def _missing(recipe: Recipe, store: Store, all_chunks: Iterable[FloatArray]) -> Iterator[FloatArray]:
     """Chunks without the designs that have a row already."""
     for chunk in all_chunks:
-        keys = [recipe.key(point) for point in chunk.points]
+        keys = [recipe.key(point) for point in chunk]
         known = store.known(keys)
         left = [n for n, key in enumerate(keys) if key not in known]
         if left:
-            yield Chunk(chunk.points[left])
+            yield chunk[left]
 
 
 def _column_types(study: StudyPlan) -> dict[str, str]:
@@ -253,7 +238,7 @@ def _keep_fields(
     for number in numbers:
         key, place = store.key(number), folder / "designs" / f"{number:06d}"
         if key is None:
-            progress.note(f"design {number} failed; run.keep_fields has no results of it to keep")
+            progress.note(said("studies.notes", "not_to_keep", number=number))
             continue
         # written last: says that the folder is complete, and whose results it holds
         mark = place / "design.json"
@@ -267,7 +252,7 @@ def _keep_fields(
             with ended_after(limit, stuck=stuck):
                 run(study.case.replace_written(changes)).write(place)
         except OvertimeError:
-            progress.note(f"complete results of design {number}: {overtime_reason(limit)}; none are kept")
+            progress.note(said("studies.notes", "not_kept", number=number, reason=overtime_reason(limit)))
             continue
         write_text(mark, json.dumps({"number": number, "key": key, "inputs": inputs}, indent=2) + "\n")
 

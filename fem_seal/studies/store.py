@@ -1,4 +1,4 @@
-"""The one file of a study: SQLite, written by the coordinating process alone.
+"""The one file of a study: SQLite, written by the coordinating process alone, and checked before it is read.
 
 Table `design` says which designs the study has, `point` what came out of each, keyed by a hash of everything that it
 depends on, `about` how the columns are to be read. Every batch of rows is one transaction in the write-ahead log: a
@@ -11,27 +11,26 @@ import json
 import shutil
 import sqlite3
 import sys
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
+from operator import attrgetter
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any, Self
 
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+from fem_seal.answers.judgement import Verdict
+from fem_seal.case.words import problem
 from fem_seal.errors import InputError, OutputError
-from fem_seal.files import UnreadableFileError, check_file
+from fem_seal.files import UnreadableFileError, check_file, parse_json
 from fem_seal.former_names import VERDICTS, in_present_words
-from fem_seal.studies.stored import (
-    ABOUT_ROW,
-    DONE,
-    FAILED,
-    TOLD,
-    TRUTH,
-    check_about,
-    check_rows,
-    quoted,
-    read_about,
-)
+from fem_seal.output.columns import COLUMNS
+from fem_seal.seal.findings import Level
+from fem_seal.studies.designs import SENSITIVITY
+from fem_seal.studies.expressions import Constraint, Expression
+from fem_seal.studies.tables import Design, Kind
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -39,7 +38,19 @@ if TYPE_CHECKING:
 FILE = "study.sqlite"
 # Raised when a table changes its meaning.
 FORMAT_VERSION = 1
+# SQLite takes expressions of up to 1000 conditions.
 _AT_ONCE = 500
+# Beyond this no number means anything, and its square is none: a design has no value then. Below the other one a float
+# loses its digits in another unit: it is zero.
+LARGEST, SMALLEST = 1e100, 1e-290
+# Files of before that may hold any number; a larger one than this has no square, which readers ask for.
+_LARGEST_READ = 1e150
+DONE, FAILED = "done", "failed"
+TRUTH = "BOOLEAN"
+# Columns of a row besides parameters and outputs. Files of before validity or a verdict was told do not have the last
+# ones.
+ABOUT_ROW = ("key", "status", "reason", "seconds")
+TOLD = ("validity", "validity_reasons", "verdict")
 # Files that were looked through by this process, by device and inode: in which state, and their columns.
 _Columns = tuple[tuple[str, ...], tuple[str, ...]]
 _looked_through: dict[tuple[int, int], tuple[object, _Columns]] = {}
@@ -76,6 +87,11 @@ class Row:
     validity_reasons: str | None = None
     verdict: str | None = None
 
+    @property
+    def status(self) -> str:
+        """Whether it is done or failed."""
+        return FAILED if self.reason else DONE
+
 
 class Store:
     """An open study file.
@@ -98,8 +114,8 @@ class Store:
         status = path.stat()
         self._file = (status.st_dev, status.st_ino)
         # files of before a column was renamed have it under its former name
-        self._stored = {in_present_words(name, aloud=False): name for name in _columns(connection)}
         types = _columns(connection)
+        self._stored = {in_present_words(name, aloud=False): name for name in types}
         # SQLite knows numbers and texts only
         self._truths = tuple(types[self._stored[name]] == TRUTH for name in inputs)
 
@@ -184,21 +200,9 @@ class Store:
 
     def write(self, rows: Sequence[Row]) -> None:
         """Keep rows, all of them or - if the process dies - none."""
+        about = attrgetter(*ABOUT_ROW, *TOLD)
         columns = (*ABOUT_ROW, *TOLD, *map(quoted, self.inputs), *map(quoted, self.outputs))
-        values = [
-            (
-                row.key,
-                FAILED if row.reason else DONE,
-                row.reason,
-                row.seconds,
-                row.validity,
-                row.validity_reasons,
-                row.verdict,
-                *row.inputs,
-                *row.outputs,
-            )
-            for row in rows
-        ]
+        values = [(*about(row), *row.inputs, *row.outputs) for row in rows]
         insert = f"INSERT OR IGNORE INTO point ({', '.join(columns)}) VALUES ({','.join('?' * len(columns))})"
         with self._transaction():
             self._connection.executemany(insert, values)
@@ -240,7 +244,7 @@ class Store:
         """Designs that have a row, in the order of the study: number, status, reason, validity, parameters, outputs."""
         import pandas as pd
 
-        there = {row[1] for row in self._connection.execute("PRAGMA table_info(point)")}
+        there = _all_columns(self._connection)
         told = [name for name in TOLD if name in there]
         columns = ", ".join(
             ["number", "status", "reason", *told, *map(self._read, (*self.inputs, *self.outputs))]
@@ -290,11 +294,7 @@ def create(path: Path, inputs: Mapping[str, str], outputs: Sequence[str]) -> Sto
         _lay_out(connection, inputs, outputs)
         there = list(_columns(connection))
         if there != [*inputs, *outputs]:
-            wrong = (
-                f"holds a study with other columns ({', '.join(there)}); choose another folder, or put the study "
-                "back"
-            )
-            raise InputError.at(str(path), wrong)
+            raise InputError(problem("study_other_columns", path=path, columns=", ".join(there)))
         if any(connection.execute("SELECT 1 FROM about UNION ALL SELECT 1 FROM point LIMIT 1")):
             _check_contents(connection, path)
     except BaseException as error:
@@ -325,7 +325,7 @@ def _lay_out(connection: sqlite3.Connection, inputs: Mapping[str, str], outputs:
             "CREATE TABLE IF NOT EXISTS point (key TEXT PRIMARY KEY, status TEXT NOT NULL, reason TEXT, "
             f"seconds REAL NOT NULL, {', '.join(listed)}) WITHOUT ROWID"
         )
-        there_already = {row[1] for row in connection.execute("PRAGMA table_info(point)")}
+        there_already = _all_columns(connection)
         for name in TOLD:
             if name not in there_already:
                 connection.execute(f"ALTER TABLE point ADD COLUMN {name} TEXT")
@@ -351,9 +351,7 @@ def open_to_read(path: Path) -> Store:
     except (sqlite3.Error, UnreadableFileError) as error:
         if getattr(error, "sqlite_errorname", "") == "SQLITE_CORRUPT":
             raise damaged(path, error) from None
-        raise InputError.at(
-            str(path.parent), f"holds no study ({path.name} is missing or no study file)"
-        ) from None
+        raise InputError(problem("study_not_there", folder=path.parent, name=path.name)) from None
     try:
         inputs, outputs = _checked_once(connection, path)
     except InputError:
@@ -445,11 +443,7 @@ def damaged(path: Path, why: object) -> InputError:
     path : Path
     why : object
     """
-    reason = " ".join(str(why).split())
-    return InputError.at(
-        str(path),
-        f"is damaged ({reason}); restore it from a copy, or calculate the study into another folder",
-    )
+    return InputError(problem("study_damaged", path=path, reason=" ".join(str(why).split())))
 
 
 def _fault(path: Path, error: sqlite3.Error) -> InputError | OutputError:
@@ -463,7 +457,197 @@ def _connect(path: Path, how: str) -> sqlite3.Connection:
     return sqlite3.connect(f"{path.absolute().as_uri()}?{how}", uri=True, timeout=60.0)
 
 
+def _all_columns(connection: sqlite3.Connection) -> dict[str, str]:
+    """Columns of the rows, with their types."""
+    return {row[1]: row[2] for row in connection.execute("PRAGMA table_info(point)")}
+
+
 def _columns(connection: sqlite3.Connection) -> dict[str, str]:
     """Columns of parameters and outputs, with their types."""
-    listed = {row[1]: row[2] for row in connection.execute("PRAGMA table_info(point)")}
+    listed = _all_columns(connection)
     return {name: kind for name, kind in listed.items() if name not in (*ABOUT_ROW, *TOLD)}
+
+
+_Finite = Annotated[float, Field(ge=-_LARGEST_READ, le=_LARGEST_READ)]
+
+
+class _Told(BaseModel):
+    """Nothing is converted; what other versions say besides is let be."""
+
+    model_config = ConfigDict(strict=True, extra="ignore")
+
+
+class _Parameter(_Told):
+    name: str
+    unit: str
+    numeric: bool
+    levels: list[str | bool | _Finite]
+    bounds: list[_Finite]
+    distribution: str | None
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        if self.numeric:
+            numbers = [one for one in self.levels if isinstance(one, float)]
+            low, high = self.bounds
+            if len(numbers) < len(self.levels) or not all(low <= one <= high for one in (*numbers, low)):
+                raise ValueError("its levels are not within its bounds")
+        return self
+
+
+class _Design(_Told):
+    kind: Kind
+    optimise: bool
+
+
+class _Seal(_Told):
+    nominal_size: Annotated[float, Field(gt=0, le=_LARGEST_READ)] | None
+    gas: bool
+
+
+class _About(_Told):
+    """What readers ask of `fem_seal.studies.session.description`."""
+
+    version: str
+    title: str
+    inputs: list[str]
+    parameters: list[_Parameter]
+    responses: list[str]
+    beside: list[str] = []
+    derived: dict[str, str]
+    constraints: dict[str, str]
+    goals: dict[str, str]
+    design: _Design
+    outside_theory: str = ""
+    standard: str
+    seal: _Seal
+
+
+class StoredError(ValueError):
+    """A study file does not hold what a study writes; the message says what is wrong."""
+
+
+def read_about(connection: sqlite3.Connection) -> dict[str, Any]:
+    """What a file says of its study, in present names.
+
+    Raises
+    ------
+    StoredError
+        If it is not what a study writes there.
+    """
+    try:
+        rows = connection.execute("SELECT name, text FROM about").fetchall()
+        about = {str(name): in_present_words(parse_json(text), aloud=False) for name, text in rows}
+    except (sqlite3.Error, TypeError, ValueError) as error:
+        raise StoredError(f"what it says of the study cannot be read: {error}") from None
+    return about
+
+
+def check_about(about: Mapping[str, Any], columns: Sequence[str]) -> None:
+    """StoredError unless all that readers ask is said of a study, and fits its columns.
+
+    Parameters
+    ----------
+    about : mapping
+    columns : sequence of str
+        Parameters and outputs of the rows.
+    """
+    try:
+        told = _About(**about)
+        if told.design.kind in SENSITIVITY and not told.design.optimise:
+            Design(**{key: value for key, value in about["design"].items() if key != "optimise"})
+        formulas: list[Expression | Constraint] = [
+            Expression(text) for text in (*told.derived.values(), *told.goals.values())
+        ]
+        formulas += [Constraint(text) for text in told.constraints.values()]
+    except ValidationError as error:
+        place = ".".join(map(str, error.errors(include_url=False)[0]["loc"]))
+        raise StoredError(f"{place or 'design'} of the study is not what a study writes there") from None
+    except ValueError as error:
+        raise StoredError(f"a formula of the study cannot be read: {error}") from None
+    names = [one.name for one in told.parameters]
+    if names != told.inputs or [*names, *told.responses, *told.derived] != list(columns):
+        raise StoredError("its columns are not those of the study")
+    unknown = [name for name in told.responses if name not in COLUMNS]
+    unknown += [name for one in formulas for name in one.names if name not in columns]
+    if unknown:
+        raise StoredError(f"there is no column {unknown[0]}")
+
+
+def check_rows(connection: sqlite3.Connection, kinds: Mapping[str, str], inputs: int) -> None:
+    """StoredError, or an error of SQLite, unless every row is one that a study writes.
+
+    Parameters
+    ----------
+    connection : sqlite3.Connection
+    kinds : mapping
+        Parameters and outputs as columns of the file, with their types in SQL.
+    inputs : int
+        So many first ones of them are parameters.
+    """
+    there = _all_columns(connection)
+    texts = [name for name in ("key", "status", "reason", *TOLD) if name in there]
+    texts += [name for name, kind in list(kinds.items())[:inputs] if kind == "TEXT"]
+    conditions = list(_wrong(there, kinds, inputs))
+    for start in range(0, len(conditions), _AT_ONCE):
+        some = conditions[start : start + _AT_ONCE]
+        if _misses(connection, some):
+            what = next(one for one in some if _misses(connection, [one]))
+            raise StoredError(f"a row holds what no study writes, not {what}")
+    # read once, because only reading shows what is no text
+    for query in (f"SELECT {', '.join(map(quoted, texts))} FROM point", "SELECT number, key FROM design"):
+        for _ in connection.execute(query):
+            pass
+    query = "SELECT 1 FROM design WHERE number < 0 OR typeof(key) != 'text' LIMIT 1"
+    if connection.execute(query).fetchone():
+        raise StoredError("a design has no number or no key")
+
+
+def _misses(connection: sqlite3.Connection, conditions: Sequence[str]) -> bool:
+    """Whether a row misses one of the conditions, by one look at the table."""
+    wrong = " OR ".join(f"NOT ({one})" for one in conditions)
+    return connection.execute(f"SELECT 1 FROM point WHERE {wrong} LIMIT 1").fetchone() is not None
+
+
+def _wrong(there: Collection[str], kinds: Mapping[str, str], inputs: int) -> Iterator[str]:
+    """What holds of every row, in SQL."""
+    yield "typeof(key) = 'text'"
+    yield f"(status = '{DONE}' AND reason IS NULL) OR (status = '{FAILED}' AND typeof(reason) = 'text')"
+    yield f"{_number('seconds')} AND seconds >= 0"
+    for name, words in (("validity", [*Level]), ("verdict", [*Verdict, *VERDICTS])):
+        if name in there:
+            listed = ", ".join(f"'{word}'" for word in words)
+            yield f"{name} IS NULL OR {name} IN ({listed})"
+    if "validity_reasons" in there:
+        yield "typeof(validity_reasons) IN ('null', 'text')"
+    for place, (name, kind) in enumerate(kinds.items()):
+        column = quoted(name)
+        if place >= inputs:
+            yield f"{column} IS NULL OR ({_number(column)})"
+        elif kind == TRUTH:
+            yield f"typeof({column}) = 'integer' AND {column} IN (0, 1)"
+        else:
+            yield f"typeof({column}) = 'text'" if kind == "TEXT" else _number(column)
+
+
+def _number(column: str) -> str:
+    # to SQLite all texts and bytes are larger than any number; to ask for types takes longer
+    return f"{column} IS NOT NULL AND +{column} BETWEEN {-_LARGEST_READ!r} AND {_LARGEST_READ!r}"
+
+
+def storable(value: float) -> float | None:
+    """A number as a study keeps it.
+
+    Examples
+    --------
+    >>> storable(2.0), storable(1e-300), storable(1e200), storable(float("nan"))
+    (2.0, 0.0, None, None)
+    """
+    if not abs(value) <= LARGEST:
+        return None
+    return value if abs(value) >= SMALLEST else 0.0
+
+
+def quoted(name: str) -> str:
+    """A column as SQL writes it."""
+    return '"' + name.replace('"', '""') + '"'

@@ -15,6 +15,7 @@ from fem_seal.case.case import Case, case_of, load_case
 from fem_seal.case.drawing_words import said_twice
 from fem_seal.case.messages import problems
 from fem_seal.case.paths import entry_at, with_open_materials
+from fem_seal.case.words import problem
 from fem_seal.errors import InputError
 from fem_seal.files import read_toml
 from fem_seal.former_names import in_present_entries, in_present_words
@@ -35,7 +36,7 @@ from fem_seal.studies.plan import (
 )
 from fem_seal.studies.progress import Progress
 from fem_seal.studies.tables import StudyTables
-from fem_seal.studies.work import contents_of_files
+from fem_seal.studies.work import contents_of_files, with_files
 
 if TYPE_CHECKING:
     from dask.distributed import Client
@@ -109,8 +110,9 @@ class Study(StudyPlan):
         read = _read_tables({**tables, "base": name})
         self.file = file
         case = base if isinstance(base, Case) else load_case(folder / base)
-        case = _changed(case, _placed_files(read.changes, folder), read.parameters)
-        self._given = dict(tables)
+        changes = with_files(read.changes, lambda named: str(folder / named))
+        case = _changed(case, changes, read.parameters)
+        self.written = dict(tables)
         self.title = read.title or (file.stem if file else case.title)
         self.design = read.design
         self.run_settings = read.run
@@ -133,13 +135,9 @@ class Study(StudyPlan):
         if design.kind == "list":
             if read.parameters or read.optimise:
                 key = "parameters" if read.parameters else "optimise"
-                raise InputError.at(
-                    key, 'not with design.kind = "list", whose CSV file names the designs; remove it'
-                )
+                raise InputError(problem("study_list_and_parameters", key=key))
             if design.file is None:
-                raise InputError.at(
-                    "design.file", 'is missing; kind = "list" takes its designs from a CSV file'
-                )
+                raise InputError(problem("study_list_without_file"))
             self.case, self.parameters, self.points = designs.read_list(folder / design.file, case)
             self.parameters = tuple(_placed(one, folder) for one in self.parameters)
         else:
@@ -220,7 +218,7 @@ def load_study(path: str | Path) -> Study:
     try:
         if not isinstance(base, str):
             what = "is missing" if base is None else "must be a text"
-            raise InputError.at("base", f'{what}; write base = "ball_cone.toml", the case to vary')
+            raise InputError(problem("study_base", what=what))
         study = Study.__new__(Study)
         study._set_up(base, tables, path.absolute().parent, path)
     except InputError as error:
@@ -235,9 +233,7 @@ def _base_and_tables(
     if "base" not in given:
         return Case(**given), dict(tables)
     if tables:
-        raise InputError.at(
-            next(iter(tables)), 'is not taken beside a dict with "base", a whole study; put it there'
-        )
+        raise InputError(problem("study_beside_whole", key=next(iter(tables))))
     base, own = given["base"], {key: value for key, value in given.items() if key != "base"}
     return (Case(**base) if isinstance(base, Mapping) else base), own
 
@@ -293,15 +289,14 @@ def _changed(case: Case, changes: Mapping[str, Any], parameters: Mapping[str, An
     """The base case with the changes; if these need it, with values of the parameters, which every design replaces."""
     if not changes:
         return case
-    plain = {key: list(value) if isinstance(value, tuple) else value for key, value in changes.items()}
     try:
-        return with_open_materials(case, list(plain)).replace_written(plain)
+        return with_open_materials(case, list(changes)).replace_written(changes)
     except InputError as error:
         found = error.problems[0]
         for end in (0, -1):
             varied = {path: _ends(given)[end] for path, given in parameters.items()}
             with suppress(InputError):
-                return with_open_materials(case, [*plain, *varied]).replace_written({**plain, **varied})
+                return with_open_materials(case, [*changes, *varied]).replace_written({**changes, **varied})
         raise InputError.at(f"changes.{found.key}", found.message, found.value) from None
 
 
@@ -319,27 +314,11 @@ def _ends(given: Any) -> tuple[Any, Any]:
     return given, given
 
 
-def _placed_files(changes: Mapping[str, Any], folder: Path) -> dict[str, Any]:
-    """Changes with the files that they name looked for beside the study file."""
-    placed: dict[str, Any] = {}
-    for key, value in changes.items():
-        if isinstance(value, Mapping):
-            placed[key] = _placed_files(value, folder)
-        elif key.split(".")[-1] in ("file", "files"):
-            several = isinstance(value, (list, tuple))
-            placed[key] = [str(folder / one) for one in value] if several else str(folder / str(value))
-        else:
-            placed[key] = value
-    return placed
-
-
 def _read_parameters(case: Case, given: Mapping[str, Any], folder: Path) -> tuple[Parameter, ...]:
     read = []
     again = said_twice(given)
     if again:
-        raise InputError.at(
-            f"parameters.{again[1]}", f"is {again[0]} in other words, which varies too; remove one of them"
-        )
+        raise InputError(problem("study_varied_twice", key=again[1], other=again[0]))
     for path, value in given.items():
         try:
             entry = entry_at(case, path)

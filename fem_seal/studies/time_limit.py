@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import _thread
-import math
 import signal
 import threading
 import time
@@ -57,6 +56,7 @@ class Watch:
     def __init__(self, limit: float) -> None:
         self._limit = limit
         self._first = min(_SLOW, 0.25 * limit)
+        self._pause = min(1.0, 0.05 * limit)
         self._block: Block | None = None
         # held while somebody is told something
         self._telling = threading.Lock()
@@ -89,31 +89,25 @@ class Watch:
             block.spent = time.monotonic() - block.start
 
     def _look(self) -> None:
-        pause = self._first
-        while not self._closed.wait(pause):
-            # whoever begins meanwhile is told nothing before this
-            pause = self._first
+        while not self._closed.wait(self._pause):
             with self._telling:
                 block = self._block
-                if block is not None and block.runs:
-                    pause = self._told(block)
+                if block is not None and block.runs and time.monotonic() - block.start >= block.tell:
+                    self._tell(block)
 
-    def _told(self, block: Block) -> float:
-        """Tell a block what is to be told; time until the next look [s]."""
+    def _tell(self, block: Block) -> None:
+        """Tell a block how long it has been, or that it has reached its limit."""
         passed = time.monotonic() - block.start
-        if passed >= self._limit:
-            # only now: it takes longer than many a turn
-            block.ended = ended = threading.Event()
-            if not block.runs:
-                ended.set()
-            block.over(ended)
-            block.tell = math.inf
-        elif passed >= block.tell:
+        if passed < self._limit:
             block.slow(passed)
-            block.tell = max(2 * block.tell, passed)
-        if math.isinf(block.tell):
-            return self._first
-        return max(block.start + min(block.tell, self._limit) - time.monotonic(), 0.0)
+            block.tell = min(2 * passed, self._limit)
+            return
+        # only now: it takes longer than many a turn
+        block.ended = ended = threading.Event()
+        if not block.runs:
+            ended.set()
+        block.over(ended)
+        block.tell = time.monotonic() - block.start + self._first
 
 
 @contextmanager

@@ -1,12 +1,11 @@
-"""What a worker is given and what it gives back: a few designs of equal bodies at a time."""
+"""What a worker is given and what it gives back: chunks of designs, a few of equal bodies at a time."""
 
 from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,13 +13,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem_seal.arrays import FloatArray
+from fem_seal.case.words import problem
 from fem_seal.errors import InputError
 from fem_seal.seal.batch import Batch, Turn, untimed
 from fem_seal.studies.cost import design_seconds
 from fem_seal.studies.expressions import Expression
 from fem_seal.studies.parameters import Parameter, entries
-from fem_seal.studies.store import Row
-from fem_seal.studies.stored import storable
+from fem_seal.studies.store import Row, storable
 from fem_seal.studies.time_limit import overtime_reason
 from fem_seal.version import __version__
 
@@ -32,8 +31,8 @@ if TYPE_CHECKING:
 # A chunk is what is lost when a worker dies and what travels at once: about a second of work, by these estimates of
 # what new bodies and a new surface cost beside a design [s]; a cone takes less, a land with its edges more.
 _BODIES, _SURFACE, _CHUNK = 0.2, 0.004, 1.0
-# Designs that take their steps together, mostly all of a chunk: more of them gain nothing any more.
-_TOGETHER = 128
+# Its designs take their steps together: more of them than these gain nothing any more.
+_MOST_DESIGNS = 128
 
 # Materials enter the bodies by their elastic constants, the surface by their hardness.
 _BODY_TABLES = ("closure.", "seat.", "mesh.")
@@ -121,23 +120,13 @@ class Recipe:
         return {path: held for path, held in self.files.items() if path not in levels}
 
 
-@dataclass(frozen=True)
-class Chunk:
-    """Designs that a worker calculates in one go.
+def calculate(recipe: Recipe, chunk: FloatArray, turn: Turn = untimed) -> list[Row]:
+    """Rows of some designs; a design that fails is a row with its reason.
 
     Parameters
     ----------
-    points : ndarray, shape (designs, parameters)
-    """
-
-    points: FloatArray
-
-
-def calculate(recipe: Recipe, chunk: Chunk, turn: Turn = untimed) -> list[Row]:
-    """Rows of all designs of a chunk; a design that fails is a row with its reason.
-
-    Parameters
-    ----------
+    recipe : Recipe
+    chunk : ndarray, shape (designs, parameters)
     turn : callable
         Entered with the number of a design while it is calculated, with None while several are.
 
@@ -146,21 +135,9 @@ def calculate(recipe: Recipe, chunk: Chunk, turn: Turn = untimed) -> list[Row]:
     InputError
         If a file that they are made of is no longer what it was when the study was read.
     """
-    rows: list[Row] = []
-    for start in range(0, len(chunk.points), _TOGETHER):
-        points = chunk.points[start : start + _TOGETHER].tolist()
-
-        def own(number: int | None, start: int = start) -> AbstractContextManager[None]:
-            return turn(None if number is None else start + number)
-
-        rows += _rows(recipe, points, own)
-    return rows
-
-
-def _rows(recipe: Recipe, points: Sequence[Sequence[float]], turn: Turn) -> list[Row]:
     from fem_seal.studies.responses import evaluate_designs
 
-    batch = Batch(turn)
+    points, batch = chunk.tolist(), Batch(turn)
 
     def case_of(number: int) -> Case:
         return recipe.case.replace_written(entries(recipe.parameters, points[number]))
@@ -170,34 +147,36 @@ def _rows(recipe: Recipe, points: Sequence[Sequence[float]], turn: Turn) -> list
         check_unchanged(one, all_there=False)
     cases = batch.each(range(len(points)), case_of)
     found = evaluate_designs(batch, cases, recipe.columns, interpolate=recipe.interpolate)
-    outputs = batch.each(found, lambda number: _outputs(recipe, points[number], found[number]))
+    done = batch.each(found, lambda number: _row(recipe, points[number], found[number]))
     # a design reads its files when it needs them: only now is it sure what it has read
     for one in files:
         check_unchanged(one, all_there=False)
-    none = ((None,) * (len(recipe.columns) + len(recipe.derived)), ())
-    rows = []
-    for number, point in enumerate(points):
-        failure = _reason(batch.failed[number]) if number in batch.failed else None
-        numbers, told = outputs.get(number, none)
-        seconds = batch.seconds[number]
-        rows.append(Row(recipe.key(point), recipe.inputs(point), numbers, failure, seconds, *told))
-    return rows
+    return [
+        replace(done[number], seconds=batch.seconds[number])
+        if number in done
+        else failed_row(recipe, point, _reason(batch.failed[number]), batch.seconds[number])
+        for number, point in enumerate(points)
+    ]
 
 
-def _outputs(
-    recipe: Recipe, point: Sequence[float], found: DesignResult
-) -> tuple[tuple[float | None, ...], tuple[str | None, ...]]:
-    """Numbers of a design, and what is told of them: validity, its reasons, verdict."""
+def _row(recipe: Recipe, point: Sequence[float], found: DesignResult) -> Row:
+    """Row of a design that was calculated, without the time that it took."""
     numbers = {
         one.name: float(number) for one, number in zip(recipe.parameters, point, strict=True) if one.numeric
     }
     values: dict[str, float] = {**numbers, **found.values}
     for name, formula in recipe.derived.items():
         values[name] = formula(values)
-    names = (*recipe.columns, *recipe.derived)
-    outputs = tuple(storable(values[name]) for name in names)
-    verdict = None if found.verdict is None else str(found.verdict)
-    return outputs, (str(found.validity.level), "; ".join(found.validity.reasons), verdict)
+    return Row(
+        recipe.key(point),
+        recipe.inputs(point),
+        outputs=tuple(storable(values[name]) for name in (*recipe.columns, *recipe.derived)),
+        reason=None,
+        seconds=0.0,
+        validity=str(found.validity.level),
+        validity_reasons="; ".join(found.validity.reasons),
+        verdict=None if found.verdict is None else str(found.verdict),
+    )
 
 
 def failed_row(recipe: Recipe, point: Sequence[float] | FloatArray, why: str, seconds: float = 0.0) -> Row:
@@ -217,8 +196,11 @@ def _reason(error: BaseException) -> str:
     return text if own and text else f"{type(error).__name__}: {text}"
 
 
-def chunks(recipe: Recipe, points: FloatArray) -> Iterator[Chunk]:
-    """All designs, each once, in an order in which equal bodies and then equal surfaces follow each other."""
+def chunks(recipe: Recipe, points: FloatArray) -> Iterator[FloatArray]:
+    """All designs, each once, in an order in which equal bodies and then equal surfaces follow each other.
+
+    Each chunk is what a worker calculates in one go.
+    """
     if len(points) == 0:
         return
     design = design_seconds(recipe.case, recipe.columns)
@@ -231,11 +213,11 @@ def chunks(recipe: Recipe, points: FloatArray) -> Iterator[Chunk]:
     costs = design + _SURFACE * new_surface + _BODIES * new_bodies
     start, cost = 0, 0.0
     for place, step in enumerate(np.asarray(costs).tolist()):
-        if place > start and cost + step > _CHUNK:
-            yield Chunk(ordered[start:place])
+        if place > start and (cost + step > _CHUNK or place - start == _MOST_DESIGNS):
+            yield ordered[start:place]
             start, cost = place, 0.0
         cost += step
-    yield Chunk(ordered[start:])
+    yield ordered[start:]
 
 
 def _rank(path: str) -> int:
@@ -254,7 +236,8 @@ def _fingerprint(
     tables = {name: entry for name, entry in input_tables(case).items() if name != "output"}
     about = {
         "version": __version__,
-        "case": _with_contents(tables),
+        # places of files do not matter, their contents do
+        "case": with_files(tables, _contents),
         "columns": list(columns),
         "derived": {name: formula.text for name, formula in derived.items()},
         "interpolate": interpolate,
@@ -266,13 +249,13 @@ def _fingerprint(
     ).hexdigest()
 
 
-def _with_contents(entry: Any, name: str = "") -> Any:
-    """Places of files do not matter, their contents do."""
+def with_files(entry: Any, change: Callable[[str], str], name: str = "") -> Any:
+    """Tables of a case in which each file that they name is replaced by what a function makes of it."""
     if isinstance(entry, Mapping):
-        return {key: _with_contents(value, key) for key, value in entry.items()}
+        return {key: with_files(value, change, key) for key, value in entry.items()}
     if isinstance(entry, (list, tuple)):
-        return [_with_contents(value, name) for value in entry]
-    return _contents(entry) if _is_file(name) and isinstance(entry, str) else entry
+        return [with_files(value, change, name) for value in entry]
+    return entry if entry is None or not _is_file(name) else change(str(entry))
 
 
 def _is_file(name: str) -> bool:
@@ -303,12 +286,7 @@ def check_unchanged(files: Mapping[str, str], *, all_there: bool = True) -> None
     for path, held in files.items():
         found = _contents(path)
         if found != held and (all_there or found != path):
-            raise InputError.at(
-                "",
-                "was changed or removed while the study ran; the designs that are done are kept, --resume "
-                "(resume=True) goes on, and calculates anew what depends on it",
-                file=path,
-            )
+            raise InputError(problem("study_file_changed"), file=path)
 
 
 def _contents(path: str) -> str:
