@@ -18,6 +18,7 @@ import fem_seal
 import leak
 from fem_seal import InputError, Study, load_study
 from fem_seal.errors import Problem
+from fem_seal.files import own_tables
 from fem_seal.output.columns import LEAK_COLUMNS
 from fem_seal.output.folders import alone
 from fem_seal.output.tables import leak_rows
@@ -325,6 +326,15 @@ def test_mistakes_are_named_before_any_work(tables, named):
         small(**tables)
     for words in named:
         assert words in str(error.value)
+
+
+def test_every_message_is_asked_for_and_every_one_asked_for_is_there():
+    files = (Path(fem_seal.__file__).parent / "studies").rglob("*.py")
+    code = "\n".join(path.read_text("utf-8") for path in files)
+    problems = {name for name in own_tables("problems.toml") if name.startswith("study_")}
+    assert set(re.findall(r'problem\(\s*"([^"]+)"', code)) == problems
+    notes = re.findall(r'said\(\s*"studies.notes",\s*"([^"]+)"', code)
+    assert set(notes) == set(own_tables("words.toml")["studies"]["notes"])
 
 
 def test_a_distribution_that_leaves_the_range_of_its_entry():

@@ -291,10 +291,11 @@ def class_shares(designs: Designs) -> list[tuple[str, float, float]]:
     # without a number of its own an end is that of the leak rate
     leak_rate = designs.done.loc[leak_rate.index, ends].max(axis=1)
     claimed = ~designs.outside[leak_rate.index]
-    limits = {}
-    for limit in leakage_limits(seal["nominal_size"], gas=seal["gas"]):
-        if limit.standard == designs.about["standard"]:
-            limits[limit.name] = limit.leak_rate
+    limits = {
+        limit.name: limit.leak_rate
+        for limit in leakage_limits(seal["nominal_size"], gas=seal["gas"])
+        if limit.standard == designs.about["standard"]
+    }
     ordered = sorted(limits.items(), key=lambda item: item[1])
     return [(name, most, float(((leak_rate <= most) & claimed).mean())) for name, most in ordered]
 

@@ -194,11 +194,11 @@ class Constraint(_Formula):
         return excess / scale if scale > 0 else excess
 
 
-def unknown_name(name: str, known: list[str]) -> str:
-    """What to say about a name that no column and no parameter has."""
+def unknown_name(name: str, known: list[str], what: str = "neither a column nor a parameter") -> str:
+    """What to say about a name that is none of those that are known."""
     near = difflib.get_close_matches(name, known, n=1, cutoff=0.5)
     hint = f"do you mean {near[0]}? " if near else ""
-    return f"uses {name}, which is neither a column nor a parameter; {hint}known are {', '.join(known)}"
+    return f"uses {name}, which is {what}; {hint}known are {', '.join(known)}"
 
 
 def _part(node: ast.expr, depth: int = 0) -> Part:

@@ -166,30 +166,19 @@ def _missing_for_readings(study: StudyPlan) -> str:
     return "" if leak.theory == "paper" or "leak.theory" in study.names else 'leak.theory = "paper"'
 
 
-def needed_columns(study: StudyPlan, responses: Sequence[str]) -> tuple[str, ...]:
-    """The responses asked for, those that formulas need, and what stands beside them, in the order of leak.csv."""
-    wanted = _asked(study, responses)
-    if _LEAK_RATE in wanted and not _missing_for_readings(study):
-        wanted.update(_BESIDE)
-    if _VERDICT in wanted:
-        wanted.add(_MARGIN)
-    return tuple(name for name in LEAK_COLUMNS if name in wanted)
+def needed_columns(study: StudyPlan, responses: Sequence[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Columns that are calculated, in the order of leak.csv, and those of them that nobody asked for.
 
-
-def _asked(study: StudyPlan, responses: Sequence[str]) -> set[str]:
-    used = {
-        name
-        for group in (study.derived, study.constraints, study.goals)
-        for one in group.values()
-        for name in one.names
-    }
-    return set(responses) | used
-
-
-def columns_beside(study: StudyPlan, responses: Sequence[str]) -> tuple[str, ...]:
-    """Needed columns that nobody asked for: they are shown beside the others and not studied themselves."""
-    asked = _asked(study, responses)
-    return tuple(name for name in needed_columns(study, responses) if name not in asked)
+    Asked for are responses and what formulas need; the others are shown beside them and not studied themselves.
+    """
+    asked = set(responses)
+    for formula in (*study.derived.values(), *study.constraints.values(), *study.goals.values()):
+        asked.update(formula.names)
+    beside = {_MARGIN} if _VERDICT in asked else set()
+    if _LEAK_RATE in asked and not _missing_for_readings(study):
+        beside.update(_BESIDE)
+    needed = tuple(name for name in LEAK_COLUMNS if name in asked | beside)
+    return needed, tuple(name for name in needed if name not in asked)
 
 
 def _texts(value: str | tuple[str, ...] | None) -> tuple[str, ...]:
@@ -201,17 +190,11 @@ def _texts(value: str | tuple[str, ...] | None) -> tuple[str, ...]:
 def _check_responses(study: StudyPlan, responses: Sequence[str]) -> None:
     for n, name in enumerate(responses):
         if name not in (*LEAK_COLUMNS, _VERDICT):
-            raise InputError.at("responses", unknown_column(name), shown(name))
+            unknown = unknown_name(name, list(LEAK_COLUMNS), "no column of leak.csv")
+            raise InputError.at("responses", unknown, shown(name))
         if name in responses[:n]:
             raise InputError.at("responses", f"names {name} twice; remove one")
         _check_possible("responses", name, study)
-
-
-def unknown_column(name: str) -> str:
-    """What to say about a name that is no column of leak.csv."""
-    return unknown_name(name, list(LEAK_COLUMNS)).replace(
-        "neither a column nor a parameter", "no column of leak.csv"
-    )
 
 
 def _formula(kind: type[F], key: str, text: str, derived: Iterable[str], study: StudyPlan) -> F:

@@ -125,9 +125,8 @@ def evaluate_designs(
     # for the checks alone the table would take too long
     leaks = any(column.startswith(("leak_rate", "lift_off", "margin")) for column in columns)
     if leaks:
-        bare = loads
         for step in _leaks(other="margin" in columns or not _OTHER_READINGS.isdisjoint(columns)):
-            batch.each(bare, lambda number: step(bare[number]))  # noqa: B023
+            batch.each(loads, lambda number: step(loads[number]))  # noqa: B023
     told = batch.each(
         loads,
         lambda n: _checked(solved[n], loads[n], cases[n], columns, leaks=leaks, interpolated=interpolate),

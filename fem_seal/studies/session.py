@@ -160,15 +160,10 @@ def _fill(recipe: Recipe, store: Store, ready: Pool, study: StudyPlan, progress:
     try:
         for rows in ready.results(recipe, _missing(recipe, store, todo) if done else todo):
             check_unchanged(recipe.files)
-            keep(store, rows, progress)
+            store.write(rows)
+            progress.advance(len(rows), sum(row.reason is not None for row in rows))
     finally:
         progress.end()
-
-
-def keep(store: Store, rows: list[Row], progress: Progress) -> None:
-    """Write rows and tell of them."""
-    store.write(rows)
-    progress.advance(len(rows), sum(row.reason is not None for row in rows))
 
 
 def _missing(recipe: Recipe, store: Store, all_chunks: Iterable[FloatArray]) -> Iterator[FloatArray]:

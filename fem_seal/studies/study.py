@@ -28,7 +28,6 @@ from fem_seal.studies.plan import (
     check_designs,
     check_kept,
     check_load,
-    columns_beside,
     needed_columns,
     read_constraints,
     read_formulas,
@@ -124,8 +123,7 @@ class Study(StudyPlan):
         self.derived = read_formulas(self, read.derived, read.responses)
         self.constraints = read_constraints(self, read.constraints)
         self.goals = read_goals(self, read)
-        self.responses = needed_columns(self, read.responses)
-        self.beside = columns_beside(self, read.responses)
+        self.responses, self.beside = needed_columns(self, read.responses)
         check_kept(self)
         check_designs(self)
 
