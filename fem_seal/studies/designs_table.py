@@ -90,7 +90,7 @@ class Designs:
     @property
     def verdicts(self) -> dict[str, int]:
         """How many designs pass, fail and are inconclusive; empty where nothing was asked."""
-        return _counts(self.verdict, Verdict)
+        return _counts(self.verdict, [*Verdict])
 
     @cached_property
     def worst_reason(self) -> pd.Series:
@@ -127,7 +127,7 @@ class Designs:
     @cached_property
     def levels(self) -> dict[str, int]:
         """How many designs that did not fail are valid, doubtful and outside the theory; empty if nobody has judged."""
-        return _counts(self.validity, Level)
+        return _counts(self.validity, [*Level])
 
     @cached_property
     def violated(self) -> pd.Series:

@@ -200,14 +200,15 @@ def _colours(dimension: dict[str, Any], meets: NDArray[np.bool_]) -> dict[str, A
     values = np.array(dimension["values"], dtype=float)
     low, high = float(values.min()), float(values.max())
     ticks, text = list(dimension["tickvals"]), list(dimension["ticktext"])
-    start, floor, scale = 0.0, low, []
+    start, floor = 0.0, low
+    scale: list[list[Any]] = []
     if not meets.all():
         start, floor = _GREY_SHARE, low - (high - low or 1.0) * _GREY_SHARE / (1 - _GREY_SHARE)
         values = np.where(meets, values, floor)
         scale = [[0.0, GREY], [start, GREY]]
         ticks, text = [0.5 * (floor + low), *ticks], ["does not count", *text]
     shares = np.linspace(start, 1.0, len(sequential.Viridis)).tolist()
-    scale += map(list, zip(shares, sequential.Viridis, strict=True))
+    scale += [[share, colour] for share, colour in zip(shares, sequential.Viridis, strict=True)]
     title = {"text": dimension["label"], "side": "right"}
     return {
         "color": values.tolist(),
