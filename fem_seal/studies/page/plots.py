@@ -129,7 +129,7 @@ def map_plot(display: Display) -> Figure | None:
         contours=steps,
     )
     crosses = [
-        _trace("crosses", **_points(display, rows, *names, [*names, output]), name=name)
+        _trace("crosses", **_points(display, rows, names[0], names[1], [*names, output]), name=name)
         for name, rows, look in _groups(designs, designs.done.index)
         if look == "not_counting"
     ]
@@ -243,7 +243,9 @@ def pareto_plot(display: Display) -> Figure | None:
         "front": goals[on_front].sort_values(names).index,
     }
     told = [*names, *display.designs.parameters]
-    traces = [_trace(look, **_points(display, rows, *names, told)) for look, rows in groups.items()]
+    traces = [
+        _trace(look, **_points(display, rows, names[0], names[1], told)) for look, rows in groups.items()
+    ]
     return _figure(traces, "pareto", xaxis=display.axis(names[0]), yaxis=display.axis(names[1]))
 
 
