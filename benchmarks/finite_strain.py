@@ -92,9 +92,9 @@ def displacement(solid: Solid, straight: FloatArray, contact: ContactSolution) -
     """What fem-seal finds, at the nodes of the reference [m]: where Newton's method begins."""
     u, model = solid.at_rest, contact.model
     for name, body in (("closure", model.closure), ("seat", model.seat)):
-        dofs = node_dofs(body.basis)
+        dofs, places = node_dofs(body.held.mesh), body.held.nodes[0]
         nodes = np.unique(solid.cells[solid.members[name]])
-        own = nodes[cKDTree(straight[:, nodes].T).query(np.array(body.basis.doflocs)[:, dofs[0]].T)[1]]
+        own = nodes[cKDTree(straight[:, nodes].T).query(places)[1]]
         moved = body.displacement(contact.point_forces)
         u[2 * own] = moved[dofs[0]]
         u[2 * own + 1] = moved[dofs[1]] - (contact.approach if name == "closure" else 0.0)

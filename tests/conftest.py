@@ -12,6 +12,7 @@ from collections.abc import Callable, Generator, Iterator
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import hypothesis
 import numpy as np
@@ -26,6 +27,9 @@ from fem_seal.contact.sizing import element_sizes
 from fem_seal.loads import contact_force, line_load
 from fem_seal.materials import Material
 from leak import TabulatedLaw
+
+if TYPE_CHECKING:
+    from skfem import Basis, MeshTri
 
 STEEL = Material("steel", 210e9, 0.3)
 
@@ -71,6 +75,13 @@ WAITING = tuple(
         "fem_seal_explore_browser",
     )
 )
+
+
+def displacement_basis(mesh: MeshTri) -> Basis:
+    """Of the quadratic displacement of a body, with all that scikit-fem knows of it."""
+    from skfem import Basis, ElementTriP2, ElementVector
+
+    return Basis(mesh, ElementVector(ElementTriP2()), intorder=4)
 
 
 @pytest.hookimpl(tryfirst=True)

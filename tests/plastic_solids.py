@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
-from conftest import STEEL
+from conftest import STEEL, displacement_basis
+from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import spsolve
-from skfem import MeshTri, MeshTri2
+from skfem import Basis, MeshTri, MeshTri2
 
 import meshes
-from fem_seal.bodies.elasticity import displacement_basis
+from fem_seal.bodies.elasticity import assembled, element_dofs, node_dofs
 from fem_seal.bodies.elastoplastic import BodyState, ElastoplasticBody
 from fem_seal.bodies.supports import Supports
 from fem_seal.contact.laws import Law
@@ -29,9 +31,27 @@ HARDENING = Material("hardening", E, NU, hardening=CURVE)
 LAW = ExponentialLaw(p_c=5e9, u0=0.76e-6)
 
 
+@dataclass(frozen=True)
+class HeldSolid(ElastoplasticBody):
+    """A solid some of whose dofs are held."""
+
+    free: np.ndarray = field(kw_only=True)
+
+    @cached_property
+    def basis(self) -> Basis:
+        """Of its displacement, with all that scikit-fem knows of it."""
+        return displacement_basis(self.mesh)
+
+    def stiffness(self, tangent: np.ndarray) -> csc_matrix:
+        """Of the free dofs with a given tangent (elements, points, 4, 4) at the quadrature points [N/m]."""
+        local = self.element_stiffness(np.arange(len(self.weight)), tangent)
+        whole = assembled(local, element_dofs(self.mesh), node_dofs(self.mesh).size)
+        return whole[self.free][:, self.free].tocsc()
+
+
 def ring_solid(
     cells: int, material: Material = PERFECT, *, hold: tuple[str, ...] = ("flat",), inner: float = INNER
-) -> ElastoplasticBody:
+) -> HeldSolid:
     """Rectangle in the (r, z) half-plane; "flat" ends are held along z, "inner" and "outer" walls along r."""
     mesh = MeshTri.init_tensor(np.linspace(inner, OUTER, cells + 1), np.linspace(0, HEIGHT, 2))
     mesh = mesh.with_boundaries(
@@ -45,10 +65,10 @@ def ring_solid(
     )
     basis = displacement_basis(mesh)
     held = [basis.get_dofs(name).all([f"u^{1 if name in ('inner', 'outer') else 2}"]) for name in hold]
-    return ElastoplasticBody(basis, material, np.setdiff1d(np.arange(basis.N), np.concatenate(held)))
+    return HeldSolid(mesh, material, free=np.setdiff1d(np.arange(basis.N), np.concatenate(held)))
 
 
-def shell_solid(cells: int, material: Material = PERFECT) -> ElastoplasticBody:
+def shell_solid(cells: int, material: Material = PERFECT) -> HeldSolid:
     """A quarter of a spherical shell's section with curved (quadratic) edges, symmetric to axis and equator."""
     radii, angles = np.linspace(INNER, OUTER, cells + 1), np.linspace(0, np.pi / 2, 2 * cells + 1)
     flat = MeshTri2.from_mesh(MeshTri.init_tensor(radii, angles))
@@ -62,11 +82,11 @@ def shell_solid(cells: int, material: Material = PERFECT) -> ElastoplasticBody:
     )
     basis = displacement_basis(mesh)
     held = [basis.get_dofs("axis").all(["u^1"]), basis.get_dofs("equator").all(["u^2"])]
-    return ElastoplasticBody(basis, material, np.setdiff1d(np.arange(basis.N), np.concatenate(held)))
+    return HeldSolid(mesh, material, free=np.setdiff1d(np.arange(basis.N), np.concatenate(held)))
 
 
 def balanced(
-    body: ElastoplasticBody,
+    body: HeldSolid,
     before: BodyState,
     forces: np.ndarray | float = 0.0,
     start: np.ndarray | None = None,

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from conftest import STEEL
 from factorised_whole import contact_compliance
-from plastic_solids import HARDENING, LAW, seal
+from plastic_solids import HARDENING, LAW, HeldSolid, seal
 
 import meshes
 from fem_seal.bodies.dissected_body import DissectedBody
@@ -72,7 +72,7 @@ def body_of(name: str) -> HeldBody:
 def flowing(solid: ElastoplasticBody, share: float) -> Flow:
     """An answer of the material in which some elements flow."""
     random = np.random.default_rng(2)
-    displacement = 1e-6 * random.normal(size=solid.basis.N)
+    displacement = 1e-6 * random.normal(size=solid.virgin.displacement.size)
     displacement[:: max(1, round(1 / share))] *= 30
     return solid.respond(displacement, solid.virgin)
 
@@ -80,7 +80,7 @@ def flowing(solid: ElastoplasticBody, share: float) -> Flow:
 @pytest.mark.parametrize("name", ["closure", "seat"])
 def test_a_body_in_parts_is_the_whole_one(name: str) -> None:
     held = body_of(name)
-    solid = ElastoplasticBody(held.basis, HARDENING, held.free)
+    solid = HeldSolid(held.mesh, HARDENING, free=held.free)
     flow = flowing(solid, 0.01)
     assert 0 < flow.yielding.any(axis=1).mean() < 1
     whole, solve_whole = contact_compliance(held, solid.stiffness(flow.tangent))
@@ -94,7 +94,7 @@ def test_a_body_in_parts_is_the_whole_one(name: str) -> None:
 @pytest.mark.parametrize("name", ["closure", "seat"])
 def test_an_elastic_body_in_parts_is_the_whole_one(name: str) -> None:
     held = body_of(name)
-    free = stiffness_matrix(held.basis, held.material)[held.free][:, held.free].tocsc()
+    free = stiffness_matrix(held.mesh, held.material)[held.free][:, held.free].tocsc()
     whole, solve_whole = contact_compliance(held, free)
     parts, solve_parts = DissectedBody(held).elastic()
     assert parts == pytest.approx(whole, abs=1e-12 * np.abs(whole).max())
@@ -110,7 +110,7 @@ def test_nodes_that_are_held_one_way_are_not_turned() -> None:
     # one that slides along z, one along r, one that stands
     fixed = np.array([nodes[0, 4], nodes[1, 9], *nodes[:, 13]])
     held = replace(held, free=np.setdiff1d(held.free, fixed))
-    solid = ElastoplasticBody(held.basis, HARDENING, held.free)
+    solid = HeldSolid(held.mesh, HARDENING, free=held.free)
     flow = flowing(solid, 0.01)
     whole, solve_whole = contact_compliance(held, solid.stiffness(flow.tangent))
     parts, solve_parts = DissectedBody(held, solid).condensed(flow)

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 import pytest
-from conftest import STEEL, ball_on_cone
+from conftest import STEEL, ball_on_cone, displacement_basis
 from factorised_whole import contact_compliance
 from scipy.sparse import csr_matrix, identity
 from scipy.sparse.linalg import splu
@@ -16,11 +16,11 @@ from skfem import Basis, ElementTriP2, ElementVector, MeshTri
 
 from fem_seal.bodies import harmonics
 from fem_seal.bodies.condensed import CondensedBody
-from fem_seal.bodies.elasticity import displacement_basis, node_dofs, quadratic_nodes, ring_volume
+from fem_seal.bodies.elasticity import node_dofs, quadratic_nodes, ring_volume
 from fem_seal.bodies.harmonics import (
-    element_dofs,
-    harmonic_body,
+    HarmonicBody,
     harmonic_dofs,
+    harmonic_element_dofs,
     harmonic_stiffness,
     harmonic_strains,
 )
@@ -58,11 +58,11 @@ def ring(inner: float = INNER, cells: int = 4) -> MeshTri:
 
 def assembled(basis: Basis) -> tuple[csr_matrix, ...]:
     """K0, K1 and K2 of all elements together; nothing is held."""
-    dofs, size = element_dofs(basis), harmonic_dofs(basis).size
+    dofs, size = harmonic_element_dofs(basis.mesh), harmonic_dofs(basis.mesh).size
     rows, columns = (index.ravel() for index in np.broadcast_arrays(dofs[:, :, None], dofs[:, None, :]))
     return tuple(
         csr_matrix((part.ravel(), (rows, columns)), shape=(size, size))
-        for part in harmonic_stiffness(basis, STEEL)
+        for part in harmonic_stiffness(basis.mesh, STEEL)
     )
 
 
@@ -72,14 +72,14 @@ def stiffness(basis: Basis, n: int) -> csr_matrix:
 
 
 def nodal(basis: Basis, amplitudes: Amplitudes) -> np.ndarray:
-    u = np.zeros(harmonic_dofs(basis).size)
-    u[harmonic_dofs(basis)] = amplitudes(*quadratic_nodes(basis.mesh)[0].T)
+    u = np.zeros(harmonic_dofs(basis.mesh).size)
+    u[harmonic_dofs(basis.mesh)] = amplitudes(*quadratic_nodes(basis.mesh)[0].T)
     return u
 
 
 def traction(basis: Basis, boundary: str, amplitudes: Amplitudes) -> np.ndarray:
     """Nodal forces of a surface traction [Pa], int 2 pi r t N ds; four Gauss points, exact up to t of fourth degree."""
-    mesh, forces = basis.mesh, np.zeros(harmonic_dofs(basis).size)
+    mesh, forces = basis.mesh, np.zeros(harmonic_dofs(basis.mesh).size)
     points, weights = np.polynomial.legendre.leggauss(4)
     t, weights = 0.5 * (points + 1), 0.5 * weights
     shapes = np.stack([(1 - t) * (1 - 2 * t), t * (2 * t - 1), 4 * t * (1 - t)])
@@ -88,14 +88,14 @@ def traction(basis: Basis, boundary: str, amplitudes: Amplitudes) -> np.ndarray:
         r, z = a[:, None] + (b - a)[:, None] * t
         nodes = [*mesh.facets[:, facet], mesh.nvertices + facet]
         measure = 2 * np.pi * r * weights * np.linalg.norm(b - a)
-        for dofs, component in zip(harmonic_dofs(basis), amplitudes(r, z), strict=True):
+        for dofs, component in zip(harmonic_dofs(basis.mesh), amplitudes(r, z), strict=True):
             forces[dofs[nodes]] += shapes @ (measure * component)
     return forces
 
 
 def moving(basis: Basis, n: int, held: np.ndarray | None = None) -> csr_matrix:
     """From what can move to all dofs: u = 0 where held, and finite strain on the axis."""
-    dofs = harmonic_dofs(basis)
+    dofs = harmonic_dofs(basis.mesh)
     radial, axial, around = dofs[:, quadratic_nodes(basis.mesh)[0][:, 0] == 0]
     ties = identity(dofs.size, format="lil")
     fixed = np.concatenate([axial if n else radial, around, np.zeros(0, int) if held is None else held])
@@ -110,7 +110,7 @@ def moving(basis: Basis, n: int, held: np.ndarray | None = None) -> csr_matrix:
 def test_each_part_is_symmetric_and_turning_the_sense_of_rotation_changes_nothing(inner: float) -> None:
     """phi to -phi is u_phi to -u_phi and n to -n: K1 couples u_phi with the plane, K0 and K2 do not. Rounding 1e-14."""
     basis = displacement_basis(ring(inner))
-    around = np.arange(basis.N, harmonic_dofs(basis).size)
+    around = np.arange(basis.N, harmonic_dofs(basis.mesh).size)
     for number, part in enumerate(assembled(basis)):
         assert abs(part - part.T).max() <= 1e-14 * abs(part).max()
         across, own = part[around][:, : basis.N], part[around][:, around]
@@ -227,9 +227,9 @@ def energy_error(n: int, inner: float, cells: int) -> float:
     basis = displacement_basis(mesh)
     u = nodal(basis, amplitudes)
     surface = [side for side in mesh.boundaries if inner or side != "inner"]
-    on_surface = np.isin(node_dofs(basis)[0], basis.get_dofs(surface).all(["u^1"]))
-    u[harmonic_dofs(basis)[:, ~on_surface]] = 0.0
-    free = moving(basis, n, harmonic_dofs(basis)[:, on_surface].ravel())
+    on_surface = np.isin(node_dofs(basis.mesh)[0], basis.get_dofs(surface).all(["u^1"]))
+    u[harmonic_dofs(basis.mesh)[:, ~on_surface]] = 0.0
+    free = moving(basis, n, harmonic_dofs(basis.mesh)[:, on_surface].ravel())
     K = stiffness(basis, n)
     u += free @ splu((free.T @ K @ free).tocsc()).solve(-(free.T @ (K @ u)))
     fine = Basis(mesh, ElementVector(ElementTriP2()), intorder=8)
@@ -269,7 +269,7 @@ def thin_ring(n: int, thickness: float) -> float:
     )
     u = splu(stiffness(basis, n).tocsc()).solve(force)
     middle = np.argmin(np.hypot(*(quadratic_nodes(basis.mesh)[0] - [1, 0]).T))
-    return float(u[harmonic_dofs(basis)[0][middle]] / (f / (E * thickness**4 / 12 * (n**2 - 1) ** 2)))
+    return float(u[harmonic_dofs(basis.mesh)[0][middle]] / (f / (E * thickness**4 / 12 * (n**2 - 1) ** 2)))
 
 
 @pytest.mark.parametrize("n", [2, 3, 5])
@@ -291,7 +291,7 @@ def test_a_cylinder_bends_under_one_wave_as_a_beam(length: float, tolerance: flo
     """
     load = 1e6
     basis = displacement_basis(rectangle((0.0, 1.0), (0.0, length), (3, int(2 * length))))
-    dofs, points = harmonic_dofs(basis), quadratic_nodes(basis.mesh)[0]
+    dofs, points = harmonic_dofs(basis.mesh), quadratic_nodes(basis.mesh)[0]
     bottom, top = (np.argmin(np.hypot(*(points - [0, z]).T)) for z in (0.0, length))
     # across, only the axis is held, by no force
     free = moving(basis, 1, np.append(dofs[1, points[:, 1] == 0], dofs[0, bottom]))
@@ -327,12 +327,12 @@ def bodies(model: ContactModel) -> tuple[CondensedBody, CondensedBody]:
 def test_without_waves_the_elements_are_those_of_the_axisymmetric_model(coarse: ContactModel) -> None:
     """Closing load and counting of the motion included; rounding, which the condition of K makes larger: 1e-10."""
     for body in bodies(coarse):
-        k0 = assembled(body.basis)[0]
-        in_plane = k0[: body.basis.N][:, : body.basis.N]
-        assert abs(k0[body.basis.N :][:, : body.basis.N]).max() == 0
+        k0 = assembled(displacement_basis(body.held.mesh))[0]
+        in_plane = k0[: body.held.size][:, : body.held.size]
+        assert abs(k0[body.held.size :][:, : body.held.size]).max() == 0
         free = in_plane[body.held.free][:, body.held.free].tocsc()
         compliance, solve = contact_compliance(body.held, free)
-        balanced = np.zeros(body.basis.N)
+        balanced = np.zeros(body.held.size)
         balanced[body.held.free] = solve(body.held.balance[body.held.free])
         compliance = body.held.floating(compliance, balanced)
         assert compliance == pytest.approx(body.compliance, abs=1e-10 * np.abs(body.compliance).max())
@@ -340,8 +340,8 @@ def test_without_waves_the_elements_are_those_of_the_axisymmetric_model(coarse: 
 
 def independently(body: CondensedBody, n: int, point_forces: np.ndarray) -> np.ndarray:
     """Opening by a factor of another kind, of supports written down anew, for one load at a time."""
-    basis, held = body.basis, body.held
-    dofs, closure = harmonic_dofs(basis), held.name == "closure"
+    basis, held = displacement_basis(body.held.mesh), body.held
+    dofs, closure = harmonic_dofs(basis.mesh), held.name == "closure"
 
     def at(boundary: str) -> np.ndarray:
         return np.isin(dofs[0], basis.get_dofs(boundary).all(["u^1"]))
@@ -366,14 +366,14 @@ def test_opening_is_that_of_the_whole_system_and_reciprocal(coarse: ContactModel
     x = coarse.line.x / coarse.line.x.max()
     one, other = coarse.line.area_weight * np.exp(-8 * x**2), coarse.line.area_weight * (1.5 + np.sin(3 * x))
     for body in bodies(coarse):
-        harmonic = harmonic_body(body)
+        harmonic = HarmonicBody(body.held)
         under_one, under_other = independently(body, n, one), independently(body, n, other)
         assert harmonic.opening(n, one) == pytest.approx(under_one, abs=1e-9 * np.abs(under_one).max())
         assert other @ under_one == pytest.approx(one @ under_other, rel=1e-9)
 
 
 def test_answers_are_kept_up_to_a_bound(coarse: ContactModel, monkeypatch: pytest.MonkeyPatch) -> None:
-    body = harmonic_body(coarse.seat)
+    body = HarmonicBody(coarse.seat.held)
     first = body.compliance(2)
     assert body.compliance(2) is first
     monkeypatch.setattr(harmonics, "_KEPT", 2.5 * first.nbytes)
@@ -389,14 +389,14 @@ def test_answers_are_kept_up_to_a_bound(coarse: ContactModel, monkeypatch: pytes
 @pytest.mark.parametrize("n", [0, -2, 1.5])
 def test_waves_are_counted_by_whole_numbers_from_one_on(coarse: ContactModel, n: float) -> None:
     with pytest.raises(ValueError, match=f"{n} waves around the axis: a whole number from 1 on is needed"):
-        harmonic_body(coarse.seat).compliance(n)  # type: ignore[arg-type]
+        HarmonicBody(coarse.seat.held).compliance(n)  # type: ignore[arg-type]
 
 
 def wave_compliance(model: ContactModel, std: float, waves: Sequence[int]) -> np.ndarray:
     """Opening averaged over the load itself, per line load on the circle of first touch [m^2/N]; (closure/seat, n)."""
     shape = model.line.radius * model.line.arc_weight * np.exp(-0.5 * (model.line.x / std) ** 2)
     forces = 2 * np.pi * model.touch_radius * shape / shape.sum()
-    both = [harmonic_body(body) for body in bodies(model)]
+    both = [HarmonicBody(body.held) for body in bodies(model)]
     return np.array([[forces @ body.opening(n, forces) / forces.sum() for n in waves] for body in both])
 
 

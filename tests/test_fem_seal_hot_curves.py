@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from plastic_solids import HEIGHT, INNER, NU, OUTER, E, balanced, ring_solid
+from plastic_solids import HEIGHT, INNER, NU, OUTER, E, HeldSolid, balanced, ring_solid
 from sample_results import cone, smooth_case
 
 import fem_seal
@@ -147,7 +147,7 @@ def hot_cylinder(cells: int) -> tuple[ElastoplasticBody, Any]:
         cells, Material("m", E, NU, hardening_over_temperature=perfect), hold=("flat", "inner")
     )
     r = np.asarray(plain.basis.global_coordinates())[0]
-    body = ElastoplasticBody(plain.basis, plain.material, plain.free, temperature(r))
+    body = HeldSolid(plain.mesh, plain.material, temperature(r), free=plain.free)
     return body, lambda r: 300e6 - 0.6e6 * (temperature(r) - 300)
 
 

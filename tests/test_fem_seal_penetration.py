@@ -13,7 +13,13 @@ import fem_seal
 import leak
 import meshes
 from fem_seal import HardContact, solve
-from fem_seal.bodies.elasticity import node_dofs, pressure_load, quadratic_nodes, stiffness_matrix
+from fem_seal.bodies.elasticity import (
+    boundary_dofs,
+    node_dofs,
+    pressure_load,
+    quadratic_nodes,
+    stiffness_matrix,
+)
 from fem_seal.bodies.supports import Supports
 from fem_seal.contact.coupled import FluidAndContact
 from fem_seal.contact.fixed_point import first_fixed_point, fixed_point
@@ -62,7 +68,7 @@ def power_law(side, exponent=1.0):
 
 
 def places(body):
-    return quadratic_nodes(body.basis.mesh)[0]
+    return quadratic_nodes(body.held.mesh)[0]
 
 
 # ---------------------------------------------------------------- the loads alone
@@ -73,7 +79,7 @@ def test_fluid_all_around_the_closure_lifts_nothing_and_shrinks_it_evenly():
     loads = FurtherLoads.of_fluid((p, p), np.full_like(line.x, p))
     # of 12.6 kN on the ball's section
     assert abs(loads.lift(model())) < 1e-9
-    moved = loads.displacement(closure, model())[node_dofs(closure.basis)]
+    moved = loads.displacement(closure, model())[node_dofs(closure.held.mesh)]
     strain = -p * (1 - 2 * STEEL.poissons_ratio) / STEEL.youngs_modulus
     r, z = places(closure).T
     # The contact line lies on the seat, up to 21 um off the ball: what that shifts is felt nearby only.
@@ -173,7 +179,7 @@ def test_fluid_all_around_a_seat_whose_wall_gives_way_shrinks_it_evenly():
     seat = held.seat
     moved = loads.displacement(seat, held)
     r, z = places(seat).T
-    dofs = node_dofs(seat.basis)
+    dofs = node_dofs(seat.held.mesh)
     scale = strain * cone.outer_radius
     # A linear field: the elements hold it exactly, up to the round-off of the factorisation.
     assert np.abs(moved[dofs[0]] + strain * r).max() < 1e-8 * scale
@@ -200,14 +206,14 @@ def test_bodies_move_as_in_one_solve_under_all_loads():
     loads = FurtherLoads.of_fluid((0.0, PRESSURE), PRESSURE * (line.x > 0))
     solution = solve(model(), LAW, contact_force=1000.0, loads=loads)
     seat = model().seat
-    dofs = node_dofs(seat.basis)
-    force = pressure_load(seat.basis, "seat_outer") * PRESSURE
-    normal = np.stack([np.interp(seat.contact_x, line.x, component) for component in line.normal])
-    pressed = seat.trace.T @ (line.area_weight * (solution.pressure + PRESSURE * (line.x > 0)))
-    force[dofs[:, seat.contact_nodes]] -= normal * pressed
-    free = np.setdiff1d(np.arange(seat.basis.N), seat.basis.get_dofs("seat_bottom").all(["u^2"]))
-    stiffness = stiffness_matrix(seat.basis, STEEL)
-    moved = np.zeros(seat.basis.N)
+    dofs = node_dofs(seat.held.mesh)
+    force = pressure_load(seat.held.mesh, "seat_outer") * PRESSURE
+    normal = np.stack([np.interp(seat.held.contact_x, line.x, component) for component in line.normal])
+    pressed = seat.held.trace.T @ (line.area_weight * (solution.pressure + PRESSURE * (line.x > 0)))
+    force[dofs[:, seat.held.contact_nodes]] -= normal * pressed
+    free = np.setdiff1d(np.arange(seat.held.size), boundary_dofs(seat.held.mesh, "seat_bottom", 1))
+    stiffness = stiffness_matrix(seat.held.mesh, STEEL)
+    moved = np.zeros(seat.held.size)
     moved[free] = spsolve(stiffness[free][:, free].tocsc(), force[free])
     assert solution.fields["seat"].displacement == pytest.approx(moved[dofs].T, abs=1e-9 * np.ptp(moved))
 

@@ -5,7 +5,7 @@ import pytest
 
 import fem_seal
 import meshes
-from fem_seal.bodies.condensed import body_field
+from fem_seal.bodies.fields import von_mises
 from fem_seal.contact.model import screened
 from fem_seal.contact.other_loads import FurtherLoads
 from fem_seal.contact.yielding import yielding_of
@@ -28,7 +28,7 @@ def field_maximum(model, name, pressure, loads):
     """Largest von Mises stress of the whole field [Pa]."""
     body = getattr(model, name)
     moved = body.displacement(model.line.area_weight * pressure) + loads.displacement(body, model)
-    return body_field(name, body, moved, np.zeros(0)).von_mises.max()
+    return von_mises(body.recovery.stress(moved)).max()
 
 
 def pressures(line):

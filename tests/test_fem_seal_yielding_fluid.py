@@ -14,7 +14,7 @@ from plastic_solids import HARDENING, LAW, YIELD, E, seal
 import fem_seal
 import leak
 from fem_seal.answers.uncertainty import _Study
-from fem_seal.bodies.elasticity import node_dofs
+from fem_seal.bodies.elasticity import boundary_dofs, node_dofs
 from fem_seal.bodies.supports import Supports
 from fem_seal.case.uncertainty import Spread, Uncertainty
 from fem_seal.contact.coupled import FluidAndContact
@@ -157,7 +157,7 @@ def test_even_pressure_all_around_makes_nothing_yield() -> None:
     )
     p = 4 * YIELD
     seat = model.seat.held
-    places = seat.basis.doflocs[0][seat.wall]
+    places = seat.nodes[0][seat.wall_nodes, 0]
     strain = p * (1 - 2 * STEEL.poissons_ratio) / E
     tight = FurtherLoads.press_fit(strain * float(places.max()))
     fluid = FurtherLoads.of_fluid((p, p), np.full_like(model.line.x, p), tight)
@@ -195,8 +195,8 @@ def test_spring_fluid_and_contact_are_in_balance_at_every_load() -> None:
         # what the elements of the seat put on its bottom, from their stress
         body = contact.bodies["seat"]
         internal = body.solid.internal_forces(contact.states["seat"].stress)
-        bottom = np.asarray(body.held.basis.get_dofs("seat_bottom").all(["u^2"]))
-        on_faces = pressure * body.held.further[0][node_dofs(body.held.basis)[1]].sum()
+        bottom = boundary_dofs(body.held.mesh, "seat_bottom", 1)
+        on_faces = pressure * body.held.further[0][node_dofs(body.held.mesh)[1]].sum()
         carried = contact.contact_force + float(line.normal[1] @ (line.area_weight * gap)) - on_faces
         assert internal[bottom].sum() == pytest.approx(carried, rel=1e-7)
 

@@ -306,7 +306,7 @@ def test_a_wall_held_by_forces_is_a_wall_that_is_held() -> None:
         assert load.axial_force == pytest.approx(
             expected.axial_force, abs=1e-2
         )  # of forces of GN by the wall
-    forces = np.random.default_rng(0).normal(size=fixed.seat.basis.N)
+    forces = np.random.default_rng(0).normal(size=fixed.seat.held.size)
     pairs.append((found.seat.solve(forces), fixed.seat.solve(forces)))
     for one, other in pairs:
         assert one == pytest.approx(other, abs=1e-12 * np.abs(other).max())

@@ -14,21 +14,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.sparse import csr_matrix
 
 from fem_seal.arrays import FloatArray
-from fem_seal.bodies.elasticity import lame_parameters, node_dofs
-from fem_seal.bodies.fields import BodyField
+from fem_seal.bodies.elasticity import node_dofs
 from fem_seal.bodies.held_body import HeldBody, LoadName
 from fem_seal.bodies.stress_recovery import StressRecovery
 from fem_seal.materials import Material
-
-if TYPE_CHECKING:
-    from skfem import Basis
 
 
 @dataclass(frozen=True)
@@ -118,34 +111,14 @@ class CondensedBody:
         return replace(self, loads=dict(self.loads), solve=None)
 
     @property
-    def basis(self) -> Basis:
-        """Displacement basis of the body."""
-        return self.held.basis
-
-    @property
     def material(self) -> Material:
         """Material of the body."""
         return self.held.material
 
-    @property
-    def trace(self) -> csr_matrix:
-        """From the body's n trace nodes to the m points of the contact line, shape (m, n)."""
-        return self.held.trace
-
-    @property
-    def contact_nodes(self) -> NDArray[np.int64]:
-        """The trace nodes among the body's quadratic nodes, along increasing x."""
-        return self.held.contact_nodes
-
-    @property
-    def contact_x(self) -> FloatArray:
-        """Arc length of the trace nodes from first touch [m]."""
-        return self.held.contact_x
-
     @cached_property
     def recovery(self) -> StressRecovery:
         """From displacements to the stress at the nodes."""
-        return StressRecovery(self.basis, self.material)
+        return StressRecovery(self.held.mesh, self.material)
 
     def displacement(self, point_forces: FloatArray) -> FloatArray:
         """Displacement dofs [m] under normal forces [N] at the points of the contact line.
@@ -198,7 +171,7 @@ def condense_body(
             counted = held.counted(response)
             if name == "wall":
                 counted[held.wall] = -1.0
-            axial = float(force[node_dofs(held.basis)[1]].sum())
+            axial = float(force[node_dofs(held.mesh)[1]].sum())
             yield name, BoundaryLoad(axial, held.trace @ held.retreat(counted), counted)
 
     if held.balance.any():
@@ -218,7 +191,7 @@ def with_wall_held(body: CondensedBody) -> CondensedBody:
     """
     held, solve = body.held.holding_wall(), body.solve
     assert solve is not None  # of a model that knows more than its contact line
-    unit = np.zeros((held.basis.N, len(held.wall)))
+    unit = np.zeros((held.size, len(held.wall)))
     unit[held.wall, np.arange(len(held.wall))] = 1.0
     by_wall = solve(unit)
     stiffness = np.linalg.inv(by_wall[held.wall])
@@ -244,43 +217,3 @@ def with_wall_held(body: CondensedBody) -> CondensedBody:
     loads = BoundaryLoads((*body.loads, "wall"), lambda: dict(answers()))
     compliance = body.compliance - retreat @ stiffness @ retreat.T
     return CondensedBody(held, compliance, loads, lambda nodal: brought_back(solve(nodal)))
-
-
-def body_field(
-    name: str,
-    body: CondensedBody,
-    displacement: FloatArray,
-    pressure: FloatArray,
-    free_strain: FloatArray | float = 0.0,
-    temperature: FloatArray | float | None = None,
-    stress: FloatArray | None = None,
-) -> BodyField:
-    """Field of a body under a displacement [m] and a contact pressure at its nodes [Pa].
-
-    Parameters
-    ----------
-    free_strain : ndarray, shape (nodes,), or float
-        Part of the strain that takes no stress [-].
-    temperature : ndarray, shape (nodes,), or float, optional
-        [K]
-    stress : ndarray, shape (nodes, 4), optional
-        Of the displacement [Pa], where it is known already.
-    """
-    points, triangles = body.held.nodes
-    lam, mu = lame_parameters(body.material)
-    if stress is None:
-        stress = body.recovery.stress(displacement)
-    if np.any(free_strain):
-        stress = stress.copy()
-        stress[:, :3] -= (3 * lam + 2 * mu) * np.broadcast_to(free_strain, len(points))[:, None]
-    return BodyField(
-        name,
-        points,
-        triangles,
-        displacement[node_dofs(body.basis)].T,
-        stress,
-        body.contact_nodes,
-        body.contact_x,
-        pressure,
-        temperature=None if temperature is None else np.broadcast_to(temperature, len(points)),
-    )

@@ -12,7 +12,7 @@ from scipy.sparse import csr_matrix
 
 from fem_seal.arrays import FloatArray
 from fem_seal.bodies.dissection import Dissection
-from fem_seal.bodies.elasticity import element_stiffness
+from fem_seal.bodies.elasticity import element_dofs, element_stiffness
 from fem_seal.bodies.elastoplastic import ElastoplasticBody
 from fem_seal.bodies.held_body import HeldBody
 from fem_seal.bodies.plastic_flow import Flow
@@ -117,7 +117,7 @@ class DissectedBody:
     def _touched(self) -> NDArray[np.bool_]:
         """Which elements have a turned node."""
         turned = self.held.contact_dofs[0, self._turned]
-        return np.asarray(np.isin(self.held.basis.element_dofs, turned).any(axis=0))
+        return np.asarray(np.isin(element_dofs(self.held.mesh), turned).any(axis=1))
 
     @cached_property
     def _number(self) -> NDArray[np.int64]:
@@ -127,9 +127,9 @@ class DissectedBody:
     @cached_property
     def _turn(self) -> FloatArray:
         """From normal and tangent to r and z, of the shapes of elements with a turned node; (k, shapes, shapes)."""
-        basis, (radial, axial) = self.held.basis, self.held.contact_dofs[:, self._turned]
-        dofs = basis.element_dofs.T[self._touched]
-        node = np.full(basis.N, -1)
+        radial, axial = self.held.contact_dofs[:, self._turned]
+        dofs = element_dofs(self.held.mesh)[self._touched]
+        node = np.full(self.held.size, -1)
         node[radial] = np.arange(len(radial))
         element, first = np.nonzero(node[dofs] >= 0)
         which = node[dofs[element, first]]
@@ -155,15 +155,15 @@ class DissectedBody:
 
     @cached_property
     def _dissection(self) -> Dissection:
-        held, basis = self.held, self.held.basis
-        everywhere = np.arange(basis.mesh.nelements)
+        held, mesh = self.held, self.held.mesh
+        everywhere = np.arange(mesh.nelements)
         return Dissection.of(
-            held.free_rows[basis.element_dofs].T,
+            held.free_rows[element_dofs(mesh)],
             places_of_elements(held),
             self._last[0],
             len(held.free),
-            self._with_turned(everywhere, element_stiffness(basis, held.material)),
-            basis.mesh.t.T,  # halves that share few vertices share few nodes
+            self._with_turned(everywhere, element_stiffness(mesh, held.material)),
+            mesh.t.T,  # halves that share few vertices share few nodes
         )
 
 
@@ -175,6 +175,6 @@ def places_of_elements(held: HeldBody) -> FloatArray:
     ndarray, shape (elements, 4)
         From the middle of the contact [m, m, m, rad].
     """
-    mesh, nodes = held.basis.mesh, held.contact_nodes
+    mesh, nodes = held.mesh, held.contact_nodes
     from_there = mesh.p[:, mesh.t].mean(axis=1).T - held.nodes[0][nodes[len(nodes) // 2]]
     return np.column_stack([from_there, np.hypot(*from_there.T), np.arctan2(*from_there.T)])

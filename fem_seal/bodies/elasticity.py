@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,7 +12,7 @@ from scipy.sparse import csr_matrix
 from fem_seal.materials import Material
 
 if TYPE_CHECKING:
-    from skfem import Basis, MeshTri
+    from skfem import MeshTri
 
     from fem_seal.arrays import FloatArray
 
@@ -36,18 +37,35 @@ def elasticity_matrix(material: Material) -> FloatArray:
     return D
 
 
-def displacement_basis(mesh: MeshTri) -> Basis:
-    """Quadratic vector basis (u_r, u_z); integration exact for constant strain times r."""
-    from skfem import ElementTriP2, ElementVector
+def without_free_strain(
+    stress: FloatArray, material: Material, free_strain: FloatArray | float
+) -> FloatArray:
+    """Stress (nodes, 4) [Pa] without that of the part of the strain, the same in all directions, that takes none."""
+    if not np.any(free_strain):
+        return stress
+    lam, mu = lame_parameters(material)
+    hindered = (3 * lam + 2 * mu) * np.broadcast_to(free_strain, len(stress))
+    return stress - hindered[:, None] * [1.0, 1.0, 1.0, 0.0]
 
-    from fem_seal.bodies.lazy_basis import LazyBasis
 
-    return LazyBasis(mesh, ElementVector(ElementTriP2()), intorder=4)
+@cache
+def quadrature() -> tuple[FloatArray, FloatArray]:
+    """Points (2, q) and weights (q,) in the reference triangle, exact for constant strain times r."""
+    from skfem.quadrature import get_quadrature
+    from skfem.refdom import RefTri
+
+    return get_quadrature(RefTri, 4)
 
 
-def ring_volume(basis: Basis) -> FloatArray:
+def quadrature_radius(mesh: MeshTri) -> FloatArray:
+    """Distance of the quadrature points from the axis [m]; shape (elements, points)."""
+    return np.asarray(mesh.mapping().F(quadrature()[0])[0])
+
+
+def ring_volume(mesh: MeshTri) -> FloatArray:
     """Volume that each quadrature point stands for, 2 pi r dr dz [m^3]; shape (elements, points)."""
-    return 2 * np.pi * np.asarray(basis.global_coordinates())[0] * basis.dx
+    points, weights = quadrature()
+    return 2 * np.pi * quadrature_radius(mesh) * (np.abs(mesh.mapping().detDF(points)) * weights)
 
 
 def shape_functions(points: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -73,6 +91,11 @@ def shape_functions(points: FloatArray) -> tuple[FloatArray, FloatArray]:
     return values, np.concatenate([at_corners, between], axis=1)
 
 
+def edge_shapes(t: FloatArray) -> FloatArray:
+    """Quadratic shape functions of start, end and middle of an edge at shares `t` of the way along it; shape (3, n)."""
+    return np.stack([(1 - t) * (1 - 2 * t), t * (2 * t - 1), 4 * t * (1 - t)])
+
+
 def shape_gradients(mesh: MeshTri, points: FloatArray) -> FloatArray:
     """Gradients (d/dr, d/dz) of the quadratic shape functions [1/m]; shape (elements, points, 6, 2).
 
@@ -90,24 +113,24 @@ def shape_gradients(mesh: MeshTri, points: FloatArray) -> FloatArray:
     return (gradients.reshape(-1, 2) @ inverse).reshape(len(inverse), *gradients.shape)
 
 
-def strain_matrix(basis: Basis) -> FloatArray:
+def strain_matrix(mesh: MeshTri) -> FloatArray:
     """Strains of each shape function at the quadrature points [1/m]; shape (elements, points, 4, shapes).
 
     e_rr = du_r/dr, e_zz = du_z/dz, e_tt = u_r/r, g_rz = du_r/dz + du_z/dr. On the axis u_r/r is its limit du_r/dr.
     """
-    r = np.asarray(basis.global_coordinates())[0]
-    on_axis = r < AXIS * basis.mesh.p[0].max()
-    gradients = shape_gradients(basis.mesh, basis.X)
+    r, points = quadrature_radius(mesh), quadrature()[0]
+    on_axis = r < AXIS * mesh.p[0].max()
+    gradients = shape_gradients(mesh, points)
     along_r, along_z = gradients[..., 0], gradients[..., 1]
-    B = np.zeros((*r.shape, 4, basis.Nbfun))
+    B = np.zeros((*r.shape, 4, 12))
     B[..., 0, ::2] = B[..., 3, 1::2] = along_r
     B[..., 1, 1::2] = B[..., 3, ::2] = along_z
-    over_r = shape_functions(basis.X)[0] / np.where(on_axis, 1.0, r)[..., None]
+    over_r = shape_functions(points)[0] / np.where(on_axis, 1.0, r)[..., None]
     B[..., 2, ::2] = np.where(on_axis[..., None], along_r, over_r)
     return B
 
 
-def element_stiffness(basis: Basis, material: Material) -> FloatArray:
+def element_stiffness(mesh: MeshTri, material: Material) -> FloatArray:
     """Stiffness int 2 pi r sigma(u) : epsilon(v) dr dz of every element [N/m]; shape (elements, shapes, shapes).
 
     The gradients of straight triangles are those of the reference triangle times one matrix, so that integrals over the
@@ -115,11 +138,11 @@ def element_stiffness(basis: Basis, material: Material) -> FloatArray:
     and j along its sides int phi_k N_i,c N_j,d with the corner functions phi_k of r, and int N_i N_j,c. What is divided
     by r is added up over the quadrature points.
     """
-    mesh, w = basis.mesh, 2 * np.pi * basis.W
     if not mesh.affine:
         raise ValueError("stiffness of curved triangles")
-    N, dN = shape_functions(basis.X)
-    phi = np.stack([1 - basis.X[0] - basis.X[1], *basis.X], axis=1)
+    points, weights = quadrature()
+    w, (N, dN) = 2 * np.pi * weights, shape_functions(points)
+    phi = np.stack([1 - points[0] - points[1], *points], axis=1)
     gradients = np.einsum("q,qk,qic,qjd->kcdij", w, phi, dN, dN).reshape(-1, 36)
     mixed = np.einsum("q,qi,qjc->cij", w, N, dN).reshape(-1, 36)
     values = np.einsum("q,qi,qj->qij", w, N, N).reshape(-1, 36)
@@ -152,20 +175,23 @@ def element_stiffness(basis: Basis, material: Material) -> FloatArray:
     return K
 
 
-def stiffness_matrix(basis: Basis, material: Material) -> csr_matrix:
+def stiffness_matrix(mesh: MeshTri, material: Material) -> csr_matrix:
     """Assembled `element_stiffness` [N/m]."""
-    dofs = basis.element_dofs.T
+    return assembled(element_stiffness(mesh, material), element_dofs(mesh), node_dofs(mesh).size)
+
+
+def assembled(local: FloatArray, dofs: NDArray[np.int64], size: int) -> csr_matrix:
+    """Sum of element matrices (elements, k, k) over the dofs of their shapes (elements, k); shape (size, size)."""
     rows, columns = np.broadcast_arrays(dofs[:, :, None], dofs[:, None, :])
-    entries = element_stiffness(basis, material).ravel(), (rows.ravel(), columns.ravel())
-    return csr_matrix(entries, shape=(basis.N, basis.N))
+    return csr_matrix((local.ravel(), (rows.ravel(), columns.ravel())), shape=(size, size))
 
 
-def pressure_load(basis: Basis, boundary: str) -> FloatArray:
+def pressure_load(mesh: MeshTri, boundary: str) -> FloatArray:
     """Nodal forces [N] of a unit pressure (1 Pa, pushing into the body) on a named boundary; none if it is missing.
 
     Over a straight edge r times a quadratic shape function is integrated exactly by Simpson's rule.
     """
-    mesh, forces = basis.mesh, np.zeros(basis.N)
+    forces = np.zeros(node_dofs(mesh).size)
     if boundary not in (mesh.boundaries or {}):
         # A contact line that reaches to the end of its face leaves nothing wetted beside it.
         return forces
@@ -183,24 +209,22 @@ def pressure_load(basis: Basis, boundary: str) -> FloatArray:
         (end, r[end], 1 / 6),
         (mesh.p.shape[1] + facets, 0.5 * (r[start] + r[end]), 4 / 6),
     ):
-        np.add.at(forces, node_dofs(basis)[:, nodes], 2 * np.pi * weight * radius * normal)
+        np.add.at(forces, node_dofs(mesh)[:, nodes], 2 * np.pi * weight * radius * normal)
     return forces
 
 
-def at_quadrature_points(basis: Basis, nodal: FloatArray) -> FloatArray:
+def at_quadrature_points(mesh: MeshTri, nodal: FloatArray) -> FloatArray:
     """Values at the quadrature points of a quadratic field given at the nodes (n,); shape (elements, points)."""
-    _, triangles = quadratic_nodes(basis.mesh)
-    return np.asarray(nodal[triangles] @ shape_functions(basis.X)[0].T)
+    _, triangles = quadratic_nodes(mesh)
+    return np.asarray(nodal[triangles] @ shape_functions(quadrature()[0])[0].T)
 
 
-def grown_by_one(basis: Basis) -> FloatArray:
+def grown_by_one(mesh: MeshTri) -> FloatArray:
     """Displacement of a body that grows by a strain of 1 in all directions: its own coordinates [m]; shape (dofs,)."""
-    grown = np.zeros(basis.N)
-    grown[node_dofs(basis)] = quadratic_nodes(basis.mesh)[0].T
-    return grown
+    return quadratic_nodes(mesh)[0].ravel()
 
 
-def thermal_load(basis: Basis, material: Material, strain: FloatArray) -> FloatArray:
+def thermal_load(mesh: MeshTri, material: Material, strain: FloatArray) -> FloatArray:
     """Nodal forces [N] of a free strain e the same in all directions: int 2 pi r D (e, e, e, 0) : epsilon(v) dr dz.
 
     Parameters
@@ -209,11 +233,10 @@ def thermal_load(basis: Basis, material: Material, strain: FloatArray) -> FloatA
         At the quadrature points [-].
     """
     lam, mu = lame_parameters(material)
-    spread = strain_matrix(basis)[..., :3, :].sum(axis=2)  # relative volume of each shape function
-    weight = (3 * lam + 2 * mu) * strain * ring_volume(basis)
+    spread = strain_matrix(mesh)[..., :3, :].sum(axis=2)  # relative volume of each shape function
+    weight = (3 * lam + 2 * mu) * strain * ring_volume(mesh)
     local = np.einsum("eqs,eq->se", spread, weight)
-    forces = np.bincount(basis.element_dofs.ravel(), local.ravel(), minlength=basis.N)
-    return np.asarray(forces, dtype=np.float64)
+    return np.asarray(np.bincount(element_dofs(mesh).T.ravel(), local.ravel()), dtype=np.float64)
 
 
 def quadratic_nodes(mesh: MeshTri) -> tuple[FloatArray, NDArray[np.int64]]:
@@ -222,9 +245,26 @@ def quadratic_nodes(mesh: MeshTri) -> tuple[FloatArray, NDArray[np.int64]]:
     return points, np.vstack([mesh.t, mesh.nvertices + mesh.t2f]).T
 
 
-def node_dofs(basis: Basis) -> NDArray[np.int64]:
+def node_dofs(mesh: MeshTri) -> NDArray[np.int64]:
     """Radial and axial dof of every quadratic node, shape (2, n)."""
-    return np.hstack([basis.nodal_dofs, basis.facet_dofs])
+    return np.arange(2 * (mesh.nvertices + mesh.nfacets)).reshape(-1, 2).T
+
+
+def element_dofs(mesh: MeshTri) -> NDArray[np.int64]:
+    """Dofs of the shapes of every triangle, radial and axial by turns; shape (elements, 12)."""
+    _, triangles = quadratic_nodes(mesh)
+    return (2 * triangles[..., None] + [0, 1]).reshape(len(triangles), 12)
+
+
+def boundary_dofs(mesh: MeshTri, boundary: str, component: int) -> NDArray[np.int64]:
+    """Radial (0) or axial (1) dofs of the nodes on a named boundary."""
+    return node_dofs(mesh)[component, boundary_nodes(mesh, boundary)]
+
+
+def boundary_nodes(mesh: MeshTri, boundary: str) -> NDArray[np.int64]:
+    """Quadratic nodes on a named boundary."""
+    facets = np.asarray((mesh.boundaries or {})[boundary])
+    return np.unique([*mesh.facets[:, facets], mesh.nvertices + facets])
 
 
 def node_shares(mesh: MeshTri) -> FloatArray:

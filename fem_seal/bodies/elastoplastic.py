@@ -8,14 +8,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csc_matrix, csr_matrix
+from scipy.sparse import csr_matrix
 
 from fem_seal.arrays import FloatArray
 from fem_seal.bodies.elasticity import (
     NODES,
+    element_dofs,
     lame_parameters,
+    node_dofs,
     node_shares,
     quadratic_nodes,
+    quadrature,
     ring_volume,
     strain_matrix,
 )
@@ -23,7 +26,7 @@ from fem_seal.bodies.plastic_flow import Flow, PlasticState, radial_return
 from fem_seal.materials import HardeningCurve, HardeningField, Material
 
 if TYPE_CHECKING:
-    from skfem import Basis
+    from skfem import MeshTri
 
 
 @dataclass(frozen=True)
@@ -51,12 +54,9 @@ class ElastoplasticBody:
 
     Parameters
     ----------
-    basis : skfem.Basis
-        Quadratic displacement, see `fem_seal.bodies.elasticity.displacement_basis`.
+    mesh : skfem.MeshTri
     material : Material
         With its hardening curve.
-    free : ndarray of int
-        Dofs that are not held.
     temperature : ndarray, shape (elements, points), optional
         At the quadrature points [K], where it differs from place to place; of a material whose hardening curve depends
         on it each point then has its own.
@@ -67,9 +67,8 @@ class ElastoplasticBody:
         If the material has no hardening curve.
     """
 
-    basis: Basis
+    mesh: MeshTri
     material: Material
-    free: NDArray[np.int64]
     temperature: FloatArray | None = None
 
     def __post_init__(self) -> None:
@@ -89,21 +88,23 @@ class ElastoplasticBody:
     def virgin(self) -> BodyState:
         """The body before its first load."""
         shape = self.weight.shape
-        return BodyState(np.zeros(self.basis.N), np.zeros((*shape, 4)), PlasticState.virgin(*shape))
+        return BodyState(
+            np.zeros(node_dofs(self.mesh).size), np.zeros((*shape, 4)), PlasticState.virgin(*shape)
+        )
 
     @cached_property
     def weight(self) -> FloatArray:
         """Volume that each quadrature point stands for, 2 pi r dr dz [m^3]; shape (elements, points)."""
-        return ring_volume(self.basis)
+        return ring_volume(self.mesh)
 
     @cached_property
     def strain_shapes(self) -> FloatArray:
         """Strains (rr, zz, tt, g_rz) of each shape function [1/m]; shape (elements, points, 4, shapes)."""
-        return strain_matrix(self.basis)
+        return strain_matrix(self.mesh)
 
     def strain(self, displacement: FloatArray) -> FloatArray:
         """Strain at the quadrature points; shape (elements, points, 4)."""
-        shapes, local = self.strain_shapes, displacement[self.basis.element_dofs].T
+        shapes, local = self.strain_shapes, displacement[self._dofs]
         elements, points, components, size = shapes.shape
         strain = shapes.reshape(elements, points * components, size) @ local[..., None]
         return strain.reshape(elements, points, components)
@@ -136,7 +137,7 @@ class ElastoplasticBody:
         shapes = self.strain_shapes
         weighted = (self.weight[..., None] * stress).reshape(len(shapes), 1, -1)
         local = (weighted @ shapes.reshape(len(shapes), -1, shapes.shape[-1]))[:, 0]
-        forces = np.bincount(self.basis.element_dofs.T.ravel(), local.ravel(), minlength=self.basis.N)
+        forces = np.bincount(self._dofs.ravel(), local.ravel())
         return np.asarray(forces, dtype=np.float64)
 
     def element_stiffness(self, elements: NDArray[np.int64], tangent: FloatArray) -> FloatArray:
@@ -146,13 +147,6 @@ class ElastoplasticBody:
         count, _, _, size = shapes.shape
         return shapes.reshape(count, -1, size).transpose(0, 2, 1) @ stress.reshape(count, -1, size)
 
-    def stiffness(self, tangent: FloatArray) -> csc_matrix:
-        """Stiffness of the free dofs with a given tangent (elements, points, 4, 4) at the quadrature points [N/m]."""
-        local = self.element_stiffness(np.arange(len(self.weight)), tangent)
-        place, indices, indptr = self._pattern
-        data = np.bincount(place, local.ravel(), minlength=len(indices) + 1)[:-1]
-        return csc_matrix((data, indices, indptr), shape=(len(self.free), len(self.free)))
-
     @cached_property
     def nodal_average(self) -> csr_matrix:
         """From values at the quadrature points to the quadratic nodes, shape (nodes, elements * points).
@@ -160,15 +154,15 @@ class ElastoplasticBody:
         In each triangle the linear function closest to the values is taken to its nodes; triangles that share a node
         are averaged, weighted by their area.
         """
-        points, triangles = quadratic_nodes(self.basis.mesh)
-        x, weights = self.basis.X, self.basis.W
+        points, triangles = quadratic_nodes(self.mesh)
+        x, weights = quadrature()
         linear = np.column_stack([np.ones(len(weights)), *x])
         fit = np.linalg.solve(linear.T @ (weights[:, None] * linear), linear.T * weights)
         extrapolate = np.column_stack([np.ones(6), *NODES]) @ fit  # (node, point)
         elements, count = self.weight.shape
         columns = np.arange(elements * count).reshape(elements, 1, count)
         shape = (elements, 6, count)
-        entries = (node_shares(self.basis.mesh)[..., None] * extrapolate).ravel()
+        entries = (node_shares(self.mesh)[..., None] * extrapolate).ravel()
         index = (
             np.broadcast_to(triangles[..., None], shape).ravel(),
             np.broadcast_to(columns, shape).ravel(),
@@ -176,19 +170,5 @@ class ElastoplasticBody:
         return csr_matrix((entries, index), shape=(len(points), elements * count))
 
     @cached_property
-    def _pattern(self) -> tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.int32]]:
-        """Place of every entry of every element matrix in the data of the assembled one, and its CSC pattern.
-
-        Entries of held dofs go to one place more, behind the data.
-        """
-        number = np.full(self.basis.N, -1, dtype=np.int64)
-        number[self.free] = np.arange(len(self.free))
-        dofs = number[self.basis.element_dofs].T
-        row, column = np.broadcast_arrays(dofs[:, :, None], dofs[:, None, :])
-        kept = ((row >= 0) & (column >= 0)).ravel()
-        key = (column * len(self.free) + row).ravel()
-        entries, place = np.unique(key[kept], return_inverse=True)
-        places = np.full(len(key), len(entries), dtype=np.int64)
-        places[kept] = place
-        indptr = np.searchsorted(entries, np.arange(len(self.free) + 1) * len(self.free))
-        return places, (entries % len(self.free)).astype(np.int32), indptr.astype(np.int32)
+    def _dofs(self) -> NDArray[np.int64]:
+        return element_dofs(self.mesh)

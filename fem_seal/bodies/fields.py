@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_seal.arrays import FloatArray
-from fem_seal.bodies.elasticity import node_dofs, quadratic_nodes
+from fem_seal.bodies.elasticity import node_dofs
 from fem_seal.bodies.elastoplastic import BodyState, ElastoplasticBody
 from fem_seal.bodies.held_body import HeldBody
 from fem_seal.profile import PressureProfile
@@ -89,6 +89,44 @@ class ElastoplasticField(BodyField):
         return self.equivalent_stress
 
 
+def body_field(
+    held: HeldBody,
+    displacement: FloatArray,
+    stress: FloatArray,
+    contact: PressureProfile | None = None,
+    temperature: FloatArray | float | None = None,
+) -> BodyField:
+    """Nodal values of a body.
+
+    Parameters
+    ----------
+    displacement : ndarray, shape (dofs,)
+        [m]
+    stress : ndarray, shape (n, 4)
+        [Pa]
+    contact : PressureProfile, optional
+        What presses on it.
+    temperature : ndarray, shape (n,), or float, optional
+        At the nodes, or all over [K].
+    """
+    points, triangles = held.nodes
+    pressure = np.zeros(len(points))
+    if contact is not None:
+        with np.errstate(under="ignore"):
+            pressure[held.contact_nodes] = np.interp(held.contact_x, contact.x, contact.pressure)
+    return BodyField(
+        held.name,
+        points,
+        triangles,
+        displacement[node_dofs(held.mesh)].T,
+        stress,
+        held.contact_nodes,
+        held.contact_x,
+        pressure,
+        temperature=None if temperature is None else np.broadcast_to(temperature, len(points)),
+    )
+
+
 def elastoplastic_field(
     held: HeldBody,
     solid: ElastoplasticBody,
@@ -100,32 +138,18 @@ def elastoplastic_field(
 
     Parameters
     ----------
-    contact : PressureProfile, optional
-        What presses on it.
-    temperature : ndarray, shape (n,), or float, optional
-        At the nodes, or all over [K].
+    contact, temperature
+        See `body_field`.
     """
-    points, triangles = quadratic_nodes(held.basis.mesh)
-    pressure = np.zeros(len(points))
-    if contact is not None:
-        with np.errstate(under="ignore"):
-            pressure[held.contact_nodes] = np.interp(held.contact_x, contact.x, contact.pressure)
 
     def at_nodes(values: FloatArray) -> FloatArray:
         """Nodal values that do not leave the range of those at the quadrature points, as a linear fit may."""
         return np.clip(solid.nodal_average @ values.ravel(), values.min(), values.max())
 
+    stress = solid.nodal_average @ state.stress.reshape(-1, 4)
     return ElastoplasticField(
-        held.name,
-        points,
-        triangles,
-        held.counted(state.displacement)[node_dofs(held.basis)].T,
-        solid.nodal_average @ state.stress.reshape(-1, 4),
-        held.contact_nodes,
-        held.contact_x,
-        pressure,
-        at_nodes(von_mises(state.stress)),
-        solid.nodal_average @ state.plastic.strain.reshape(-1, 4),
-        at_nodes(state.plastic.accumulated),
-        temperature=None if temperature is None else np.broadcast_to(temperature, len(points)),
+        **vars(body_field(held, held.counted(state.displacement), stress, contact, temperature)),
+        equivalent_stress=at_nodes(von_mises(state.stress)),
+        plastic_strain=solid.nodal_average @ state.plastic.strain.reshape(-1, 4),
+        accumulated_plastic_strain=at_nodes(state.plastic.accumulated),
     )

@@ -19,14 +19,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_seal.arrays import FloatArray
-from fem_seal.bodies.condensed import CondensedBody
 from fem_seal.bodies.dissected_body import places_of_elements
 from fem_seal.bodies.dissection import Dissection
 from fem_seal.bodies.elasticity import (
+    AXIS,
+    boundary_dofs,
     elasticity_matrix,
+    element_dofs,
     node_dofs,
     quadratic_nodes,
+    quadrature,
+    quadrature_radius,
     ring_volume,
+    shape_functions,
+    shape_gradients,
     strain_matrix,
 )
 from fem_seal.bodies.held_body import HeldBody
@@ -34,63 +40,59 @@ from fem_seal.materials import Material
 from fem_seal.processes import single_threaded
 
 if TYPE_CHECKING:
-    from skfem import Basis
+    from skfem import MeshTri
 
 # Compliances of so many bytes are kept: of all harmonics anybody asks for, unless the contact line is very fine.
 _KEPT = 100e6
-# A node is on the axis that is this near to it, as a share of the body's radius.
-_AXIS = 1e-12
 
 
-def harmonic_dofs(basis: Basis) -> NDArray[np.int64]:
-    """Dof of u_r, u_z and u_phi of every quadratic node, shape (3, nodes); u_r and u_z are those of the basis."""
-    in_plane = node_dofs(basis)
-    return np.vstack([in_plane, basis.N + np.arange(in_plane.shape[1])])
+def harmonic_dofs(mesh: MeshTri) -> NDArray[np.int64]:
+    """Dof of u_r, u_z and u_phi of every quadratic node, shape (3, nodes); u_r and u_z are `node_dofs`."""
+    in_plane = node_dofs(mesh)
+    return np.vstack([in_plane, in_plane.size + np.arange(in_plane.shape[1])])
 
 
-def harmonic_strains(basis: Basis) -> tuple[FloatArray, FloatArray]:
+def harmonic_strains(mesh: MeshTri) -> tuple[FloatArray, FloatArray]:
     """B0 and B1 of the strains (B0 + n B1) u [1/m]; both of shape (elements, points, 6, shapes).
 
     The strains are (rr, zz, pp, rz, rp, zp), shear as g = 2 e, the last two times sin n phi, the others times
     cos n phi: e_pp = (u_r + n u_phi)/r, g_rp = u_phi,r - (u_phi + n u_r)/r, g_zp = u_phi,z - n u_z/r; the others as
-    with axial symmetry. The shapes are those of the basis, then six of u_phi. No integration point lies on the axis.
+    with axial symmetry. The shapes are those of `strain_matrix`, then six of u_phi. No integration point lies on the
+    axis.
     """
-    r, in_plane = np.asarray(basis.global_coordinates())[0], basis.Nbfun
-    constant = np.zeros((*r.shape, 6, in_plane + in_plane // 2))
-    linear = np.zeros_like(constant)
-    constant[..., :4, :in_plane] = strain_matrix(basis)
-    for node in range(in_plane // 2):
-        radial, axial, around = 2 * node, 2 * node + 1, in_plane + node
-        (shape,) = basis.basis[radial]
-        over_r, (along_r, along_z) = np.asarray(shape)[0] / r, shape.grad[0]
-        constant[..., 4, around], constant[..., 5, around] = along_r - over_r, along_z
-        linear[..., 2, around] = over_r
-        linear[..., 4, radial] = linear[..., 5, axial] = -over_r
+    points, in_plane = quadrature()[0], strain_matrix(mesh)
+    along_r, along_z = np.moveaxis(shape_gradients(mesh, points), -1, 0)
+    over_r = shape_functions(points)[0] / quadrature_radius(mesh)[..., None]
+    constant, linear = np.zeros((2, *over_r.shape[:2], 6, 18))
+    constant[..., :4, :12] = in_plane
+    constant[..., 4, 12:], constant[..., 5, 12:] = along_r - over_r, along_z
+    linear[..., 2, 12:] = over_r
+    linear[..., 4, :12:2] = linear[..., 5, 1:12:2] = -over_r
     return constant, linear
 
 
-def harmonic_stiffness(basis: Basis, material: Material) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """K0, K1, K2 of each element's stiffness K0 + n K1 + n^2 K2 [N/m], over `element_dofs`.
+def harmonic_stiffness(mesh: MeshTri, material: Material) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """K0, K1, K2 of each element's stiffness K0 + n K1 + n^2 K2 [N/m], over `harmonic_element_dofs`.
 
     int 2 pi r sigma : epsilon dr dz of the amplitudes; each of shape (elements, shapes, shapes).
     """
     D = np.zeros((6, 6))
     D[:4, :4] = elasticity_matrix(material)
     D[4, 4] = D[5, 5] = D[3, 3]
-    constant, linear = harmonic_strains(basis)
+    constant, linear = harmonic_strains(mesh)
     flat = (len(constant), -1, constant.shape[-1])
 
     def element(left: FloatArray, right: FloatArray) -> FloatArray:
-        weighted = ring_volume(basis)[..., None, None] * (D @ right)
+        weighted = ring_volume(mesh)[..., None, None] * (D @ right)
         return np.asarray(left.reshape(flat).transpose(0, 2, 1) @ weighted.reshape(flat))
 
     mixed = element(constant, linear)
     return element(constant, constant), mixed + mixed.transpose(0, 2, 1), element(linear, linear)
 
 
-def element_dofs(basis: Basis) -> NDArray[np.int64]:
+def harmonic_element_dofs(mesh: MeshTri) -> NDArray[np.int64]:
     """Dofs of the shapes of each element, as `harmonic_strains` has them; shape (elements, shapes)."""
-    return np.hstack([basis.element_dofs.T, basis.N + quadratic_nodes(basis.mesh)[1]])
+    return np.hstack([element_dofs(mesh), node_dofs(mesh).size + quadratic_nodes(mesh)[1]])
 
 
 @dataclass(frozen=True)
@@ -119,7 +121,7 @@ class HarmonicBody:
     @cached_property
     def stiffness(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """K0, K1 and K2 of each element [N/m], see `harmonic_stiffness`."""
-        return harmonic_stiffness(self.held.basis, self.held.material)
+        return harmonic_stiffness(self.held.mesh, self.held.material)
 
     def compliance(self, n: int) -> FloatArray:
         """Retreat of the contact nodes along the normal under normal forces at them that wave n times [m/N].
@@ -198,16 +200,6 @@ class _StifferBody(HarmonicBody):
         return self.other.compliance(n) / self.factor
 
 
-def harmonic_body(condensed: CondensedBody) -> HarmonicBody:
-    """The same body under loads that wave around the axis; nothing is calculated yet.
-
-    Parameters
-    ----------
-    condensed : CondensedBody
-    """
-    return HarmonicBody(condensed.held)
-
-
 @dataclass(frozen=True)
 class _HeldHarmonics:
     """A body with the supports of the first harmonic, or of all others.
@@ -229,16 +221,16 @@ class _HeldHarmonics:
     @classmethod
     def of(cls, body: HarmonicBody, guided: bool) -> _HeldHarmonics:
         """With the supports of the first harmonic, or of all others."""
-        held, dofs = body.held, harmonic_dofs(body.held.basis)
+        held, dofs = body.held, harmonic_dofs(body.held.mesh)
         radius = held.nodes[0][:, 0]
-        radial, axial, around = dofs[:, radius <= _AXIS * radius.max()]
+        radial, axial, around = dofs[:, radius <= AXIS * radius.max()]
         sign = np.ones(dofs.size)
         fixed = [axial, around]
         if held.name == "seat":
-            fixed.append(np.setdiff1d(np.arange(held.basis.N), held.free))
+            fixed.append(np.setdiff1d(np.arange(held.size), held.free))
         if guided:
             stand = "closure_top" if held.name == "closure" else "seat_bottom"
-            on_stand = np.isin(dofs[0], held.basis.get_dofs(stand).all(["u^1"]))
+            on_stand = np.isin(dofs[0], boundary_dofs(held.mesh, stand, 0))
             fixed.append(dofs[:, on_stand].ravel())
         else:
             fixed.append(radial)
@@ -248,7 +240,7 @@ class _HeldHarmonics:
         if guided:
             # On the axis u_phi = -u_r: a shift along x is u_r = cos phi, u_phi = -sin phi.
             number[around], sign[around] = number[radial], -1.0
-        on_line, shapes = number[held.contact_dofs].ravel(), element_dofs(held.basis)
+        on_line, shapes = number[held.contact_dofs].ravel(), harmonic_element_dofs(held.mesh)
         places = np.flatnonzero(on_line >= 0)
         parts = Dissection.of(
             number[shapes],
@@ -256,7 +248,7 @@ class _HeldHarmonics:
             on_line[places],
             len(free),
             body.stiffness[0],
-            held.basis.mesh.t.T,  # halves that share few vertices share few nodes
+            held.mesh.t.T,  # halves that share few vertices share few nodes
         )
         return cls(parts, sign[shapes], places)
 

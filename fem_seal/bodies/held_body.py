@@ -12,12 +12,18 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
 from fem_seal.arrays import FloatArray
-from fem_seal.bodies.elasticity import displacement_basis, node_dofs, pressure_load, quadratic_nodes
+from fem_seal.bodies.elasticity import (
+    boundary_dofs,
+    edge_shapes,
+    node_dofs,
+    pressure_load,
+    quadratic_nodes,
+)
 from fem_seal.materials import Material
 from meshes import SealMesh
 
 if TYPE_CHECKING:
-    from skfem import Basis
+    from skfem import MeshTri
 
     from fem_seal.bodies.supports import Supports
 
@@ -50,8 +56,8 @@ class HeldBody:
     ----------
     name : str
         "closure" or "seat".
-    basis : skfem.Basis
-        Displacement basis.
+    mesh : skfem.MeshTri
+        Its displacement is quadratic, see `fem_seal.bodies.elasticity.node_dofs`.
     contact_nodes : ndarray of int, shape (n,)
         The nodes of the contact line among the body's quadratic nodes, along increasing x.
     contact_x : ndarray, shape (n,)
@@ -77,7 +83,7 @@ class HeldBody:
     """
 
     name: str
-    basis: Basis
+    mesh: MeshTri
     material: Material
     contact_nodes: NDArray[np.int64]
     contact_x: FloatArray
@@ -90,40 +96,45 @@ class HeldBody:
     free_strain: Mapping[str, FloatArray] = field(default_factory=dict)
     temperature: FloatArray | None = None
 
+    @property
+    def size(self) -> int:
+        """Number of its dofs."""
+        return self.balance.size
+
     @cached_property
     def contact_dofs(self) -> NDArray[np.int64]:
         """Radial and axial dof of the contact nodes, shape (2, n)."""
-        return node_dofs(self.basis)[:, self.contact_nodes]
+        return node_dofs(self.mesh)[:, self.contact_nodes]
 
     def holding_wall(self) -> HeldBody:
         """The same seat with its outer wall held radially."""
-        wall = _dofs(self.basis, "seat_wall", 1)
+        wall = boundary_dofs(self.mesh, "seat_wall", 0)
         return replace(self, free=np.setdiff1d(self.free, wall), wall=wall)
 
     @cached_property
     def nodes(self) -> tuple[FloatArray, NDArray[np.int64]]:
         """Places [m] of the quadratic nodes, and the triangles over them, see `quadratic_nodes`."""
-        return quadratic_nodes(self.basis.mesh)
+        return quadratic_nodes(self.mesh)
 
     @cached_property
     def wall_nodes(self) -> NDArray[np.int64]:
         """Nodes of a held wall among the quadratic ones."""
-        return np.flatnonzero(np.isin(node_dofs(self.basis)[0], self.wall))
+        return np.flatnonzero(np.isin(node_dofs(self.mesh)[0], self.wall))
 
     def nodal_forces(self, point_forces: FloatArray) -> FloatArray:
         """Nodal forces (dofs,) [N] of normal forces at the points of the contact line [N], balanced; or (dofs, k)."""
-        forces = np.zeros((self.basis.N, *point_forces.shape[1:]))
+        forces = np.zeros((self.size, *point_forces.shape[1:]))
         forces[self.contact_dofs] = (self.normal.T * (self.trace.T @ point_forces).T[..., None]).T
         return self.balanced(forces)
 
     def balanced(self, forces: FloatArray) -> FloatArray:
         """Nodal forces (dofs,) or (dofs, k) [N] together with what holds a floating body against them."""
-        return forces - np.multiply.outer(self.balance, forces[node_dofs(self.basis)[1]].sum(axis=0))
+        return forces - np.multiply.outer(self.balance, forces[node_dofs(self.mesh)[1]].sum(axis=0))
 
     def counted(self, displacement: FloatArray) -> FloatArray:
         """Displacement (dofs,) or (dofs, k) [m] without the axial rigid motion of a floating body."""
         counted = displacement.copy()
-        counted[node_dofs(self.basis)[1]] -= self.balance @ displacement
+        counted[node_dofs(self.mesh)[1]] -= self.balance @ displacement
         return counted
 
     def retreat(self, displacement: FloatArray) -> FloatArray:
@@ -151,7 +162,7 @@ class HeldBody:
     @cached_property
     def free_rows(self) -> NDArray[np.int64]:
         """Row of every dof among the free ones; -1 where it is held."""
-        number = np.full(self.basis.N, -1)
+        number = np.full(self.size, -1)
         number[self.free] = np.arange(len(self.free))
         return number
 
@@ -180,25 +191,25 @@ def held_body(
         Of a body whose temperature differs from place to place.
     """
     contact = seal_mesh.contact
-    basis = displacement_basis(seal_mesh.closure if name == "closure" else seal_mesh.seat)
-    nodes, trace = trace_matrix(basis, f"{name}_contact", contact.coordinate, x)
-    contact_x = contact.coordinate(*quadratic_nodes(basis.mesh)[0][nodes].T)
+    mesh: MeshTri = getattr(seal_mesh, name)
+    nodes, trace = trace_matrix(mesh, f"{name}_contact", contact.coordinate, x)
+    contact_x = contact.coordinate(*quadratic_nodes(mesh)[0][nodes].T)
     # Towards the body's inside: up into the closure, down into the seat.
     normal = contact.normal(contact_x) * (1.0 if name == "closure" else -1.0)
-    balance, wall = np.zeros(basis.N), np.zeros(0, dtype=np.int64)
+    balance, wall = np.zeros(node_dofs(mesh).size), np.zeros(0, dtype=np.int64)
     further: dict[LoadName, FloatArray] = {
-        region: pressure_load(basis, f"{name}_{side}") for region, side in enumerate(("inner", "outer"))
+        region: pressure_load(mesh, f"{name}_{side}") for region, side in enumerate(("inner", "outer"))
     }
     # Between the surfaces fluid acts on both bodies along the contact normal. What a face that leans away from it feels
     # more or less belongs to the fluid at that end of the line, so that fluid all around is even pressure.
-    on_line = node_dofs(basis)[:, nodes]
-    lacking = pressure_load(basis, f"{name}_contact")[on_line] - normal * (trace.T @ area_weight)
+    on_line = node_dofs(mesh)[:, nodes]
+    lacking = pressure_load(mesh, f"{name}_contact")[on_line] - normal * (trace.T @ area_weight)
     for region, beyond in enumerate((contact_x < 0, contact_x > 0)):
         further[region][on_line] += np.where(beyond, lacking, 0.0)
     if name == "closure":
-        closing = pressure_load(basis, "closure_top")
+        closing = pressure_load(mesh, "closure_top")
         further[1] += closing
-        axial = node_dofs(basis)[1]
+        axial = node_dofs(mesh)[1]
         balance = closing / closing[axial].sum()
         # Fluid all around must lift nothing, and that up to first touch acts on the area of its circle. What is left to
         # that is the node there, which stands on both sides, or of a ready mesh its facets across the ends of the line.
@@ -210,21 +221,21 @@ def held_body(
         ):
             node = on_line[1, end if contact.has_ready_mesh else middle]
             further[region][node] += area - further[region][axial].sum()
-        held = np.append(_dofs(basis, "closure_axis", 1), _dofs(basis, "closure_top", 2)[0])
+        held = np.append(boundary_dofs(mesh, "closure_axis", 0), boundary_dofs(mesh, "closure_top", 1)[0])
     else:
-        held = _dofs(basis, "seat_bottom", 2)
+        held = boundary_dofs(mesh, "seat_bottom", 1)
         if supports is not None and supports.wall == "fixed":
-            wall = _dofs(basis, "seat_wall", 1)
+            wall = boundary_dofs(mesh, "seat_wall", 0)
             held = np.concatenate([held, wall])
-    movable = np.ones(basis.N, dtype=bool)
+    movable = np.ones(balance.size, dtype=bool)
     movable[held] = False
     # All of a closure can grow beyond what the seat grows, with which the closure's place and size are compared.
-    free_strain = {"expansion": np.ones(len(quadratic_nodes(basis.mesh)[0]))} if name == "closure" else {}
+    free_strain = {"expansion": np.ones(len(quadratic_nodes(mesh)[0]))} if name == "closure" else {}
     if heat is not None:
         free_strain["heat"] = heat.strain
     return HeldBody(
         name,
-        basis,
+        mesh,
         material,
         nodes,
         contact_x,
@@ -240,7 +251,7 @@ def held_body(
 
 
 def trace_matrix(
-    basis: Basis, boundary: str, coordinate: Callable[[FloatArray, FloatArray], FloatArray], x: FloatArray
+    mesh: MeshTri, boundary: str, coordinate: Callable[[FloatArray, FloatArray], FloatArray], x: FloatArray
 ) -> tuple[NDArray[np.int64], csr_matrix]:
     """Quadratic trace on a contact line evaluated at the arc lengths `x`.
 
@@ -250,7 +261,6 @@ def trace_matrix(
         The trace nodes among the body's quadratic nodes, along increasing x.
     trace : csr_matrix, shape (len(x), n)
     """
-    mesh = basis.mesh
     facets = np.asarray((mesh.boundaries or {})[boundary])
     ends = coordinate(*mesh.p[:, mesh.facets[:, facets].ravel()]).reshape(2, -1)
     order = np.argsort(ends.mean(axis=0))
@@ -258,7 +268,7 @@ def trace_matrix(
     first = ends.min(axis=0)
     facet = np.clip(np.searchsorted(first, x, side="right") - 1, 0, len(facets) - 1)
     t = (x - ends[0, facet]) / (ends[1, facet] - ends[0, facet])
-    shape = np.stack([(1 - t) * (1 - 2 * t), t * (2 * t - 1), 4 * t * (1 - t)])
+    shape = edge_shapes(t)
     vertex, vertex_index = np.unique(mesh.facets[:, facets], return_inverse=True)
     vertex_index = vertex_index.reshape(2, -1)
     columns = np.stack([vertex_index[0, facet], vertex_index[1, facet], len(vertex) + facet])
@@ -269,10 +279,3 @@ def trace_matrix(
     return nodes[along], csr_matrix(
         (shape.ravel(), (rows, place[columns].ravel())), shape=(len(x), len(nodes))
     )
-
-
-def _dofs(basis: Basis, boundary: str, component: int) -> NDArray[np.int64]:
-    mesh = basis.mesh
-    facets = np.asarray((mesh.boundaries or {})[boundary])
-    nodes = [*mesh.facets[:, facets], mesh.p.shape[1] + facets]
-    return np.unique(node_dofs(basis)[component - 1, nodes])

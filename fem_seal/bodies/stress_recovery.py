@@ -20,7 +20,7 @@ from fem_seal.bodies.elasticity import AXIS, elasticity_matrix, quadratic_nodes,
 from fem_seal.materials import Material
 
 if TYPE_CHECKING:
-    from skfem import Basis, MeshTri
+    from skfem import MeshTri
 
     from fem_seal.arrays import FloatArray
 
@@ -41,12 +41,11 @@ class StressRecovery:
 
     Parameters
     ----------
-    basis : skfem.Basis
-        See `fem_seal.bodies.elasticity.displacement_basis`.
+    mesh : skfem.MeshTri
     material : Material
     """
 
-    basis: Basis
+    mesh: MeshTri
     material: Material
 
     def stress(self, displacement: FloatArray) -> FloatArray:
@@ -71,12 +70,12 @@ class StressRecovery:
 
     @cached_property
     def _nodes(self) -> tuple[FloatArray, NDArray[np.int64]]:
-        return quadratic_nodes(self.basis.mesh)
+        return quadratic_nodes(self.mesh)
 
     @cached_property
     def _inside(self) -> FloatArray:
         """Strains (rr, zz, g_rz) at the points of every triangle from what moves its nodes [1/m]; (elements, 9, 12)."""
-        along_r, along_z = np.moveaxis(shape_gradients(self.basis.mesh, _POINTS), 3, 0)
+        along_r, along_z = np.moveaxis(shape_gradients(self.mesh, _POINTS), 3, 0)
         strains = np.zeros((*along_r.shape[:2], 3, 6, 2))
         strains[:, :, 0, :, 0] = strains[:, :, 2, :, 1] = along_r
         strains[:, :, 1, :, 1] = strains[:, :, 2, :, 0] = along_z
@@ -84,7 +83,7 @@ class StressRecovery:
 
     def _at_nodes(self, inside: FloatArray) -> FloatArray:
         """Values at the nodes, shape (nodes, 3, k), from those at the points, shape (points, 3 k)."""
-        mesh = self.basis.mesh
+        mesh = self.mesh
         value, along_r, along_z = (self._fit @ inside).reshape(3, mesh.p.shape[1], -1)
         start, end = mesh.facets
         length_r, length_z = (mesh.p[:, end] - mesh.p[:, start])[..., None]
@@ -96,7 +95,7 @@ class StressRecovery:
     @cached_property
     def _fit(self) -> csr_matrix:
         """Value and slopes [1/m] at every vertex from what stands at the points; (3 vertices, 3 triangles)."""
-        mesh = self.basis.mesh
+        mesh = self.mesh
         vertex, element = _patches(mesh)
         first = np.searchsorted(vertex, np.arange(mesh.p.shape[1]))
         corners = np.stack([1 - _POINTS[0] - _POINTS[1], *_POINTS], axis=1)

@@ -16,6 +16,16 @@ import numpy as np
 from scipy.sparse import bmat, coo_matrix, csc_matrix, csr_matrix
 
 from fem_seal.arrays import FloatArray
+from fem_seal.bodies.elasticity import (
+    assembled,
+    at_quadrature_points,
+    boundary_nodes,
+    edge_shapes,
+    quadratic_nodes,
+    quadrature,
+    ring_volume,
+    shape_gradients,
+)
 from fem_seal.bodies.held_body import trace_matrix
 from fem_seal.errors import ConvergenceError, InputError
 from fem_seal.materials import Material
@@ -23,7 +33,7 @@ from fem_seal.processes import single_threaded
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-    from skfem import Basis, MeshTri
+    from skfem import MeshTri
 
     from meshes import SealMesh
 
@@ -41,6 +51,7 @@ FACES = {
 _PERFECT = 1e3
 # Conductivities that depend on the temperature: change of the field between two solutions [K].
 _SAME, _MOST_STEPS = 1e-8, 50
+_GAUSS = np.polynomial.legendre.leggauss(3)
 
 
 @dataclass(frozen=True)
@@ -102,64 +113,55 @@ class TemperatureField:
 
 @dataclass(frozen=True)
 class _Body:
-    """Temperature basis of a body and its part of the contact line."""
+    """Triangles of a body, whose temperature is quadratic, and its part of the contact line."""
 
     name: str
-    basis: Basis
+    mesh: MeshTri
     material: Material
-    order: NDArray[np.int64]
     trace: csr_matrix
 
     @classmethod
     def of(cls, name: str, seal_mesh: SealMesh, material: Material, x: FloatArray) -> _Body:
-        from skfem import Basis, ElementTriP2
-
         mesh: MeshTri = getattr(seal_mesh, name)
-        basis = Basis(mesh, ElementTriP2(), intorder=4)
-        order = np.concatenate([basis.nodal_dofs[0], basis.facet_dofs[0]])
-        nodes, trace = trace_matrix(basis, f"{name}_contact", seal_mesh.contact.coordinate, x)
-        on_nodes = coo_matrix(
-            (np.ones(len(nodes)), (np.arange(len(nodes)), order[nodes])), shape=(len(nodes), basis.N)
-        )
-        return cls(name, basis, material, order, (trace @ on_nodes).tocsr())
+        nodes, trace = trace_matrix(mesh, f"{name}_contact", seal_mesh.contact.coordinate, x)
+        size = mesh.nvertices + mesh.nfacets
+        on_nodes = coo_matrix((np.ones(len(nodes)), (np.arange(len(nodes)), nodes)), shape=(len(nodes), size))
+        return cls(name, mesh, material, (trace @ on_nodes).tocsr())
+
+    @property
+    def size(self) -> int:
+        """Number of nodes."""
+        return int(self.trace.shape[1])
 
     def conduction(self, temperature: FloatArray) -> csr_matrix:
-        """int 2 pi r k grad T . grad v [W/K] with the conductivity at a temperature (dofs,) [K]."""
-        from skfem import BilinearForm
-        from skfem.helpers import dot, grad
-
-        @BilinearForm
-        def conduct(T, v, w):  # type: ignore[no-untyped-def]
-            return 2 * np.pi * w.x[0] * w.k * dot(grad(T), grad(v))
-
-        here = np.asarray(self.basis.interpolate(temperature))
+        """int 2 pi r k grad T . grad v [W/K] with the conductivity at a temperature (nodes,) [K]."""
         try:
-            conductivity = self.material.conductivity(here)
+            conductivity = self.material.conductivity(at_quadrature_points(self.mesh, temperature))
         except InputError as error:
             raise InputError(
                 *(replace(one, key=f"{self.name}: {one.key}") for one in error.problems)
             ) from None
-        return conduct.assemble(self.basis, k=conductivity)
+        slopes = shape_gradients(self.mesh, quadrature()[0])
+        weight = conductivity * ring_volume(self.mesh)
+        local = np.einsum("eq,eqid,eqjd->eij", weight, slopes, slopes, optimize=True)
+        return assembled(local, quadratic_nodes(self.mesh)[1], self.size)
 
     def film(self, boundary: str) -> csr_matrix:
         """int 2 pi r T v over a face [m^2]; zero where the mesh has no such face."""
-        from skfem import BilinearForm
+        facets = (self.mesh.boundaries or {}).get(boundary, np.zeros(0, dtype=np.int64))
+        (start, end), p = self.mesh.facets[:, facets], self.mesh.p
+        along, weights = 0.5 + 0.5 * _GAUSS[0], 0.5 * _GAUSS[1]
+        shapes = edge_shapes(along)
+        radius = p[0, start, None] + (p[0, end] - p[0, start])[:, None] * along
+        area = 2 * np.pi * radius * np.hypot(*(p[:, end] - p[:, start]))[:, None] * weights
+        local = np.einsum("eq,iq,jq->eij", area, shapes, shapes)
+        return assembled(local, np.stack([start, end, self.mesh.nvertices + facets], axis=1), self.size)
 
-        if not len((self.basis.mesh.boundaries or {}).get(boundary, ())):
-            # a contact line that reaches to the end of its face leaves nothing wetted beside it
-            return csr_matrix((self.basis.N, self.basis.N))
-
-        @BilinearForm
-        def area(T, v, w):  # type: ignore[no-untyped-def]
-            return 2 * np.pi * w.x[0] * T * v
-
-        return area.assemble(self.basis.boundary(boundary))
-
-    def dofs(self, boundary: str) -> NDArray[np.int64]:
-        """Of the nodes on a face."""
-        if boundary not in (self.basis.mesh.boundaries or {}):
+    def nodes(self, boundary: str) -> NDArray[np.int64]:
+        """Of a face."""
+        if boundary not in (self.mesh.boundaries or {}):
             return np.zeros(0, dtype=np.int64)
-        return np.asarray(self.basis.get_dofs(boundary).all())
+        return boundary_nodes(self.mesh, boundary)
 
 
 @single_threaded
@@ -245,10 +247,10 @@ class _System:
 
     @property
     def size(self) -> int:
-        return sum(body.basis.N for body in self.bodies)
+        return sum(body.size for body in self.bodies)
 
     def split(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-        first = self.bodies[0].basis.N
+        first = self.bodies[0].size
         return values[:first], values[first:]
 
     def conduction(self, temperature: FloatArray) -> csc_matrix:
@@ -292,7 +294,7 @@ class _System:
         share = self.touching / self.touching.sum()
         across = float(self.split(self.contact @ temperature)[0].sum())
         return TemperatureField(
-            {name: T[body.order] for name, body, T in zip(BODIES, self.bodies, parts, strict=True)},
+            {name: T for name, T in zip(BODIES, parts, strict=True)},
             {
                 name: float(share @ (body.trace @ T))
                 for name, body, T in zip(BODIES, self.bodies, parts, strict=True)
@@ -306,7 +308,7 @@ def _film(bodies: tuple[_Body, _Body], name: str, beside: FloatArray | None) -> 
     """int 2 pi r T v over a face of both bodies and the part of the contact line beside it, areas (m,) [m^2]."""
     parts = []
     for of, body in zip(BODIES, bodies, strict=True):
-        part = csr_matrix((body.basis.N,) * 2)
+        part = csr_matrix((body.size,) * 2)
         for boundary in FACES[name]:
             if boundary.startswith(of):
                 part = part + body.film(boundary)
@@ -319,11 +321,11 @@ def _film(bodies: tuple[_Body, _Body], name: str, beside: FloatArray | None) -> 
 def _held(bodies: tuple[_Body, _Body], surroundings: Surroundings) -> dict[str, NDArray[np.int64]]:
     """Nodes of each face that has a temperature itself; a corner between two such faces is one of the first."""
     held: dict[str, NDArray[np.int64]] = {}
-    starts = dict(zip(BODIES, (0, bodies[0].basis.N), strict=True))
+    starts = dict(zip(BODIES, (0, bodies[0].size), strict=True))
     for name, face in surroundings.faces.items():
         if face.heat_transfer is None:
             dofs = [
-                start + body.dofs(boundary)
+                start + body.nodes(boundary)
                 for boundary in FACES[name]
                 for (of, start), body in zip(starts.items(), bodies, strict=True)
                 if boundary.startswith(of)

@@ -344,8 +344,8 @@ def _gave_up(reached: LoadOnPath, aim: LoadOnPath, error: Exception) -> str:
 def yielding_bodies(model: ContactModel) -> dict[str, YieldingBody]:
     """Those bodies of a seal whose materials have a hardening curve, by name; empty if the seal is elastic."""
     return {
-        body.held.name: YieldingBody(body.held)
-        for body in (model.closure, model.seat)
+        name: YieldingBody(body.held)
+        for name, body in model.bodies.items()
         if body.material.hardening is not None
     }
 

@@ -29,7 +29,7 @@ from fem_seal.bodies.condensed import (
 )
 from fem_seal.bodies.dissected_body import DissectedBody
 from fem_seal.bodies.elasticity import at_quadrature_points, grown_by_one, stiffness_matrix, thermal_load
-from fem_seal.bodies.harmonics import HarmonicBody, harmonic_body
+from fem_seal.bodies.harmonics import HarmonicBody
 from fem_seal.bodies.held_body import Heat, HeldBody, LoadName, held_body
 from fem_seal.bodies.stress_screen import StressScreen
 from fem_seal.bodies.supports import Supports
@@ -190,6 +190,11 @@ class ContactModel:
         return only
 
     @property
+    def bodies(self) -> dict[str, CondensedBody]:
+        """By name."""
+        return {"closure": self.closure, "seat": self.seat}
+
+    @property
     def effective_modulus(self) -> float:
         """E* of the pair [Pa]."""
         return effective_modulus(self.closure.material, self.seat.material)
@@ -207,8 +212,8 @@ def screened(model: ContactModel, names: Iterable[str]) -> ContactModel:
     names : iterable of str
         "closure" or "seat".
     """
-    bodies, area = {"closure": model.closure, "seat": model.seat}, model.line.area_weight
-    return replace(model, screens={name: StressScreen.of(bodies[name], area) for name in names})
+    area = model.line.area_weight
+    return replace(model, screens={name: StressScreen.of(model.bodies[name], area) for name in names})
 
 
 @single_threaded
@@ -269,7 +274,7 @@ def condense(
 
     closure, seat = body("closure"), body("seat")
     # The normal that the bodies feel, so that the forces on them balance to the last digit.
-    normal = np.stack([seat.trace @ component for component in contact.normal(seat.contact_x)])
+    normal = np.stack([seat.held.trace @ component for component in contact.normal(seat.held.contact_x)])
     gap, bend = contact.gap(x), contact.bend(x)
     hollow = contact if contact.normal_turns and contact.closure_curvature > 0 else None
     line = ContactLine(x, radius, weight, normal, facing, gap, bend, vertices, contact.reach, hollow)
@@ -282,8 +287,10 @@ def condense(
         math.cos(contact.angle),
         contact.relative_radius,
         (
-            known.harmonics[0] if known is not None and closure is known.closure else harmonic_body(closure),
-            harmonic_body(seat),
+            known.harmonics[0]
+            if known is not None and closure is known.closure
+            else HarmonicBody(closure.held),
+            HarmonicBody(seat.held),
         ),
     )
 
@@ -301,7 +308,7 @@ def _as_known(
     body: CondensedBody, mesh: MeshTri, material: Material, supports: Supports | None
 ) -> CondensedBody | None:
     """A body of a model that was condensed before, if it is that of a mesh to the last digit; None if it is not."""
-    before = body.basis.mesh
+    before = body.held.mesh
     if material != body.material or not (
         np.array_equal(mesh.p, before.p) and np.array_equal(mesh.t, before.t)
     ):
@@ -322,7 +329,7 @@ def line_points(seal_mesh: SealMesh) -> tuple[FloatArray, FloatArray]:
 
 def line_compliance(closure: CondensedBody, seat: CondensedBody) -> FloatArray:
     """Opening of the gap at the points of the line per unit normal force at each, both bodies together [m/N]."""
-    compliance = sum(body.trace @ (body.trace @ body.compliance.T).T for body in (closure, seat))
+    compliance = sum(body.held.trace @ (body.held.trace @ body.compliance.T).T for body in (closure, seat))
     return 0.5 * (compliance + compliance.T)
 
 
@@ -341,9 +348,9 @@ def _boundary_vertices(mesh: MeshTri, boundary: str) -> FloatArray:
 def _condense_body(held: HeldBody) -> CondensedBody:
     forces = {}
     if len(held.wall):
-        outwards = np.zeros(held.basis.N)
+        outwards = np.zeros(held.size)
         outwards[held.wall] = 1.0
-        forces["wall"] = np.asarray(stiffness_matrix(held.basis, held.material) @ outwards)
+        forces["wall"] = np.asarray(stiffness_matrix(held.mesh, held.material) @ outwards)
     body = condense_body(held, DissectedBody(held).elastic(), forces)
     loads = BoundaryLoads((*body.loads, *held.free_strain), lambda: {**body.loads, **dict(_heated(body))})
     return replace(body, loads=loads)
@@ -355,9 +362,9 @@ def _heated(body: CondensedBody) -> Iterator[tuple[LoadName, BoundaryLoad]]:
     for name, strain in held.free_strain.items():
         if name == "expansion":
             # Nothing keeps a closure from growing as a whole: its displacement is known, and it takes no stress.
-            response = held.counted(grown_by_one(held.basis))
+            response = held.counted(grown_by_one(held.mesh))
         else:
             assert body.solve is not None  # just condensed
-            force = thermal_load(held.basis, held.material, at_quadrature_points(held.basis, strain))
+            force = thermal_load(held.mesh, held.material, at_quadrature_points(held.mesh, strain))
             response = held.counted(body.solve(force))
         yield name, BoundaryLoad(0.0, held.trace @ held.retreat(response), response, strain)

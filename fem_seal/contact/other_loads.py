@@ -82,12 +82,16 @@ class FurtherLoads:
         """
         return cls(seat={"wall": interference} if interference else {})
 
+    def on(self, body: str) -> Mapping[LoadName, float]:
+        """Loads of the body "closure" or "seat"."""
+        return self.closure if body == "closure" else self.seat
+
     def opening(self, model: ContactModel) -> FloatArray:
         """How far these loads move the surfaces apart at the points of the contact line [m], shape (m,)."""
         apart = np.zeros_like(model.line.x)
-        for body, magnitudes in self._by_body(model):
-            for name, magnitude in magnitudes.items():
-                apart = apart + magnitude * body.loads[name].opening
+        for name, body in model.bodies.items():
+            for load, magnitude in self.on(name).items():
+                apart = apart + magnitude * body.loads[load].opening
         if self.gap_pressure is not None:
             apart = apart + model.compliance @ (model.line.area_weight * self.gap_pressure)
         return apart
@@ -109,19 +113,20 @@ class FurtherLoads:
         point_forces : ndarray, shape (m,), optional
             Normal forces of a solid contact at the points of the contact line, which act as well [N].
         """
-        magnitudes = self.closure if body is model.closure else self.seat
         moved = sum(
-            (size * body.loads[name].response for name, size in magnitudes.items()), np.zeros(body.basis.N)
+            (size * body.loads[name].response for name, size in self.on(body.held.name).items()),
+            np.zeros(body.held.size),
         )
         pressed = [] if point_forces is None else [point_forces]
         if self.gap_pressure is not None:
             pressed.append(model.line.area_weight * self.gap_pressure)
         return moved + body.displacement(np.sum(pressed, axis=0)) if pressed else moved
 
-    def free_strain(self, body: CondensedBody, model: ContactModel) -> FloatArray | float:
-        """Strain of a body of the model under these loads that takes no stress: a number, or one for each node."""
-        magnitudes = self.closure if body is model.closure else self.seat
-        return sum((size * body.loads[name].free_strain for name, size in magnitudes.items()), 0.0)
+    def free_strain(self, body: CondensedBody) -> FloatArray | float:
+        """Strain of a body under these loads that takes no stress: a number, or one for each node."""
+        return sum(
+            (size * body.loads[name].free_strain for name, size in self.on(body.held.name).items()), 0.0
+        )
 
     def face_temperature(
         self, body: CondensedBody, pressure: FloatArray, model: ContactModel
@@ -131,10 +136,7 @@ class FurtherLoads:
         if known is None or np.ndim(known) == 0:
             return None if known is None else float(known)
         weight = model.line.area_weight * pressure
-        return float(weight @ (body.trace @ np.asarray(known)[body.contact_nodes]) / weight.sum())
-
-    def _by_body(self, model: ContactModel) -> tuple[tuple[CondensedBody, Mapping[LoadName, float]], ...]:
-        return (model.closure, self.closure), (model.seat, self.seat)
+        return float(weight @ (body.held.trace @ np.asarray(known)[body.held.contact_nodes]) / weight.sum())
 
 
 NO_LOADS = FurtherLoads()

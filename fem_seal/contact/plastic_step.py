@@ -207,7 +207,7 @@ class _Step:
         if loads.gap_pressure is not None:
             pressed = pressed + self.model.line.area_weight * loads.gap_pressure
         forces = {
-            name: body.held.nodal_forces(pressed) + _further_forces(body.held, getattr(loads, name))
+            name: body.held.nodal_forces(pressed) + _further_forces(body.held, loads.on(name))
             for name, body in self.bodies.items()
         }
         return self._at(displacements, forces)
@@ -244,9 +244,9 @@ class _Step:
     def linear(self, at: _Iterate) -> tuple[ContactModel, dict[str, FloatArray]]:
         """The contact of the bodies linearised about an iterate, and their displacements where nothing acts [m]."""
         model, gap, at_rest = self.model, self.model.line.initial_gap, {}
-        bodies = {"closure": model.closure, "seat": model.seat}
+        bodies = model.bodies
         for name, body in self.bodies.items():
-            heat = _heat(body.held, getattr(self.at_rest, name))
+            heat = _heat(body.held, self.at_rest.on(name))
             bodies[name], at_rest[name] = body.linear(
                 bodies[name], at.displacements[name], at.flows[name], heat
             )
@@ -254,8 +254,7 @@ class _Step:
         linear = replace(
             model,
             lines=(replace(model.line, initial_gap=gap),),
-            closure=bodies["closure"],
-            seat=bodies["seat"],
+            **bodies,
             compliance=line_compliance(**bodies),
         )
         return linear, at_rest
@@ -270,9 +269,8 @@ class _Step:
         """Displacements of the linearised bodies that yield (dofs,) [m]."""
         found = {}
         for name in self.bodies:
-            body = linear.closure if name == "closure" else linear.seat
             pressed = None if contact is None else contact.point_forces
-            found[name] = at_rest[name] + loads.displacement(body, linear, pressed)
+            found[name] = at_rest[name] + loads.displacement(linear.bodies[name], linear, pressed)
         return found
 
     def _free_strain(self, name: str) -> FloatArray | float:
@@ -285,9 +283,9 @@ class _Step:
         for name, body in self.bodies.items():
             held = body.held
             heated = [
-                size * held.free_strain[way] for way, size in _heat(held, getattr(self.at_rest, name)).items()
+                size * held.free_strain[way] for way, size in _heat(held, self.at_rest.on(name)).items()
             ]
-            found[name] = at_quadrature_points(held.basis, np.sum(heated, axis=0)) if heated else 0.0
+            found[name] = at_quadrature_points(held.mesh, np.sum(heated, axis=0)) if heated else 0.0
         return found
 
     def _imbalance(self, name: str, flow: Flow, forces: FloatArray) -> float:
@@ -311,7 +309,7 @@ class _Step:
 def _further_forces(held: HeldBody, magnitudes: Mapping[LoadName, float]) -> FloatArray:
     """Balanced nodal forces of loads away from the contact line."""
     forces = (size * held.further[name] for name, size in magnitudes.items() if name in held.further)
-    return held.balanced(sum(forces, np.zeros(held.basis.N)))
+    return held.balanced(sum(forces, np.zeros(held.size)))
 
 
 def _heat(held: HeldBody, magnitudes: Mapping[LoadName, float]) -> dict[str, float]:
@@ -362,9 +360,9 @@ class YieldingBody:
     @cached_property
     def solid(self) -> ElastoplasticBody:
         """The elastoplastic solid."""
-        nodes, basis = self.held.temperature, self.held.basis
-        warm = None if nodes is None else at_quadrature_points(basis, nodes)
-        return ElastoplasticBody(basis, self.held.material, self.held.free, warm)
+        nodes, mesh = self.held.temperature, self.held.mesh
+        warm = None if nodes is None else at_quadrature_points(mesh, nodes)
+        return ElastoplasticBody(mesh, self.held.material, warm)
 
     def linear(
         self, elastic: CondensedBody, displacement: FloatArray, flow: Flow, heat: Mapping[str, float]
@@ -401,13 +399,13 @@ class YieldingBody:
         """The body with its tangents, and what it answers to its own internal forces (dofs,) [N] as "stress"."""
         solid, wall, forces = self.solid, self.held.wall, {"stress": internal}
         if len(wall):
-            outwards = np.zeros(self.held.basis.N)
+            outwards = np.zeros(self.held.size)
             outwards[wall] = 1.0
             pulled = np.einsum("eqij,eqj->eqi", flow.tangent, solid.strain(outwards))
             forces["wall"] = solid.internal_forces(pulled)
         body = condense_body(self.held, self._dissected.condensed(flow), forces)
         # how it got where it is with its heat stands in its displacement, from which this way is not counted back
-        unmoved = BoundaryLoad(0.0, np.zeros(self.held.trace.shape[0]), np.zeros(self.held.basis.N))
+        unmoved = BoundaryLoad(0.0, np.zeros(self.held.trace.shape[0]), np.zeros(self.held.size))
         return replace(body, loads={**body.loads, **dict.fromkeys(self.held.free_strain, unmoved)})
 
     @cached_property

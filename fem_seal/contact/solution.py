@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Self
@@ -10,8 +10,8 @@ from typing import Self
 import numpy as np
 
 from fem_seal.arrays import FloatArray
-from fem_seal.bodies.condensed import CondensedBody, body_field
-from fem_seal.bodies.fields import BodyField
+from fem_seal.bodies.elasticity import without_free_strain
+from fem_seal.bodies.fields import BodyField, body_field
 from fem_seal.contact.model import ContactModel
 from fem_seal.contact.other_loads import NO_LOADS, FurtherLoads
 from fem_seal.former_names import former_attribute
@@ -152,9 +152,8 @@ class ContactSolution:
         if screen is None:
             return False
         pressure, between = self.pressure, self.loads.gap_pressure
-        magnitudes = self.loads.closure if name == "closure" else self.loads.seat
         pressed = pressure if between is None else pressure + between
-        return screen.stays_below(stress, pressed, magnitudes)
+        return screen.stays_below(stress, pressed, self.loads.on(name))
 
     @cached_property
     def turning(self) -> float:
@@ -247,13 +246,13 @@ def _moved(solutions: Sequence[ContactSolution]) -> list[dict[str, tuple[FloatAr
     model = solutions[0].model
     forces = np.stack([one.line_forces for one in solutions], axis=1)
     found: list[dict[str, tuple[FloatArray, FloatArray]]] = [{} for _ in solutions]
-    for body in (model.closure, model.seat):
+    for name, body in model.bodies.items():
         moved = body.displacement(forces)
         for number, one in enumerate(solutions):
             moved[:, number] += replace(one.loads, gap_pressure=None).displacement(body, model)
         stress = np.moveaxis(body.recovery.stress(moved), 2, 0)
         for number, own in enumerate(found):
-            own[body.held.name] = moved[:, number].copy(), stress[number].copy()
+            own[name] = moved[:, number].copy(), stress[number].copy()
     return found
 
 
@@ -273,20 +272,7 @@ def body_fields(solution: ContactSolution) -> dict[str, BodyField]:
     >>> sorted(fields), bool(fields["seat"].von_mises.max() > 50e6)
     (['closure', 'seat'], True)
     """
-    model, loads = solution.model, solution.loads
-    found = {}
-    for name, body in (("closure", model.closure), ("seat", model.seat)):
-        displacement, stress = solution.moved[name]
-        found[name] = body_field(
-            name,
-            body,
-            displacement,
-            _at_contact(body, model, solution.pressure),
-            loads.free_strain(body, model),
-            loads.temperature.get(name),
-            stress,
-        )
-    return found
+    return _fields(solution.model, solution.loads, solution.moved, solution.profile)
 
 
 def fields_at_rest(model: ContactModel, loads: FurtherLoads) -> dict[str, BodyField]:
@@ -297,22 +283,23 @@ def fields_at_rest(model: ContactModel, loads: FurtherLoads) -> dict[str, BodyFi
     loads : FurtherLoads
         What acts on them.
     """
-    return {
-        name: body_field(
-            name,
-            body,
-            loads.displacement(body, model),
-            np.zeros(len(body.held.nodes[0])),
-            loads.free_strain(body, model),
-            loads.temperature.get(name),
-        )
-        for name, body in (("closure", model.closure), ("seat", model.seat))
-    }
+    moved = {}
+    for name, body in model.bodies.items():
+        displacement = loads.displacement(body, model)
+        moved[name] = displacement, body.recovery.stress(displacement)
+    return _fields(model, loads, moved)
 
 
-def _at_contact(body: CondensedBody, model: ContactModel, line_pressure: FloatArray) -> FloatArray:
-    """Contact pressure at the nodes of a body."""
-    pressure = np.zeros(len(body.held.nodes[0]))
-    with np.errstate(under="ignore"):
-        pressure[body.contact_nodes] = np.interp(body.contact_x, model.line.x, line_pressure)
-    return pressure
+def _fields(
+    model: ContactModel,
+    loads: FurtherLoads,
+    moved: Mapping[str, tuple[FloatArray, FloatArray]],
+    contact: PressureProfile | None = None,
+) -> dict[str, BodyField]:
+    """Fields of bodies with a displacement [m] and the stress of the strain by it [Pa]."""
+    found = {}
+    for name, (displacement, stress) in moved.items():
+        body = model.bodies[name]
+        stress = without_free_strain(stress, body.material, loads.free_strain(body))
+        found[name] = body_field(body.held, displacement, stress, contact, loads.temperature.get(name))
+    return found

@@ -64,8 +64,8 @@ class Stiffening:
         """By how much more the gap opens under the n-th harmonic than under an even line load [m per N/m]."""
         model, forces = self.model, self._forces
         opening = -(model.compliance @ forces)
-        for body, harmonic in zip((model.closure, model.seat), model.harmonics, strict=True):
-            opening = opening + body.trace @ (harmonic.compliance(n) @ (body.trace.T @ forces))
+        for harmonic in model.harmonics:
+            opening = opening + harmonic.opening(n, forces)
         return np.asarray(opening)
 
     @cached_property

@@ -122,7 +122,7 @@ def yielding_of(
         Of "closure" and "seat", where the model is shared by materials that differ in their strength.
     """
     found: dict[str, YieldedZone | PlasticZone] = {}
-    for name, body in (("closure", contact.model.closure), ("seat", contact.model.seat)):
+    for name, body in contact.model.bodies.items():
         material = body.material if materials is None else materials[name]
         limit = material.yield_stress
         if limit is None:

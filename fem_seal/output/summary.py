@@ -108,7 +108,7 @@ def mesh_numbers(result: SealSolution) -> dict[str, Any]:
     return {
         "triangles": quality.elements,
         "vertices": quality.vertices,
-        "unknowns": {"closure": int(model.closure.basis.N), "seat": int(model.seat.basis.N)},
+        "unknowns": {name: body.held.size for name, body in model.bodies.items()},
         "contact_elements": sum(len(line.vertices) - 1 for line in model.lines),
         "contact_points": sum(len(line.x) for line in model.lines),
         "contact_size_m": sizing.contact_size,

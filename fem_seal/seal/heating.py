@@ -106,7 +106,7 @@ class Heating:
             around = material.thermal_strain(housing, self.reference)
         else:
             around = self.housing_expansion * (housing - self.reference)
-        return (base - around) * float(seat.basis.mesh.p[0].max())
+        return (base - around) * float(seat.mesh.p[0].max())
 
 
 def _check_curves(name: str, material: Material, temperature: FloatArray) -> None:

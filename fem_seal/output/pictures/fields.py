@@ -248,7 +248,7 @@ def _polyline(points: FloatArray, edges: IntArray) -> FloatArray:
 
 
 def _unknowns(result: SealSolution) -> str:
-    return str(result.model.closure.basis.N + result.model.seat.basis.N)
+    return str(sum(body.held.size for body in result.model.bodies.values()))
 
 
 _COLOURS = {"seat": BLUE, "closure": ORANGE}
