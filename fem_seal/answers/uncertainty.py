@@ -685,7 +685,7 @@ class _Study:
         if height == 1.0 and pressure == 1.0:
             return problem.law
         assert not isinstance(problem.law, HardContact)  # of law persson
-        return ScaledLaw(problem.law, height, pressure)
+        return ScaledLaw(problem.law, height, math.log(pressure))
 
     def _contacts(
         self, problem: SealProblem, surface: RoughContact, law: Law, stiffness: float

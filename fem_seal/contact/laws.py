@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
@@ -40,66 +39,34 @@ Law = InterfaceLaw | HardContact
 
 @dataclass(frozen=True)
 class ScaledLaw:
-    """The law of one surface from that of another one of the same shape.
+    """The law of one surface, or of several, from that of another one of the same shape.
 
     Parameters
     ----------
     law : InterfaceLaw
         Which answers for each pressure of an array alone, as that of a rough surface does.
-    height : float
-        Ratio of the heights.
-    pressure : float
-        Ratio of the products of modulus and height.
+    height : float or ndarray, shape (laws,) or (laws, 1)
+        Ratio of the heights; of several laws the n-th is that of the n-th column, or row, of an array of pressures.
+    log_pressure : float or ndarray
+        Logarithm of the ratio of the products of modulus and height.
     """
 
     law: InterfaceLaw
-    height: float
-    pressure: float
-
-    def gap(self, log_pressure: FloatArray) -> FloatArray:
-        """Mean separation u [m] at ln(p/Pa)."""
-        return self.height * self.law.gap(log_pressure - math.log(self.pressure))
-
-    def decay_length(self, log_pressure: FloatArray) -> FloatArray:
-        """-du/d ln p [m], positive."""
-        return self.height * self.law.decay_length(log_pressure - math.log(self.pressure))
-
-
-@dataclass(frozen=True)
-class LawOfRows:
-    """Laws of the same shape, the n-th for the n-th row of an array of pressures.
-
-    Parameters
-    ----------
-    law : InterfaceLaw
-    height, log_pressure : ndarray, shape (laws, 1)
-        Ratios as of a `ScaledLaw`, of the second one its logarithm. Of shape (laws,) the n-th law is that of the n-th
-        column.
-    """
-
-    law: InterfaceLaw
-    height: FloatArray
-    log_pressure: FloatArray
+    height: float | FloatArray
+    log_pressure: float | FloatArray
 
     @classmethod
-    def of(cls, laws: Sequence[InterfaceLaw]) -> LawOfRows:
-        """Of one law, or of several `alike`."""
-        ratios = np.array(
-            [
-                (one.height, math.log(one.pressure)) if isinstance(one, ScaledLaw) else (1.0, 0.0)
-                for one in laws
-            ]
-        )
-        return cls(shape_of(laws[0]), ratios[:, :1], ratios[:, 1:])
+    def of(cls, laws: Sequence[InterfaceLaw]) -> ScaledLaw:
+        """Several laws of one shape, each for a column."""
+        ratios = [
+            (one.height, one.log_pressure) if isinstance(one, ScaledLaw) else (1.0, 0.0) for one in laws
+        ]
+        return cls(shape_of(laws[0]), *np.array(ratios).T)
 
-    @property
-    def each(self) -> LawOfRows:
-        """The same laws, each for a column."""
-        return LawOfRows(self.law, self.height[:, 0], self.log_pressure[:, 0])
-
-    def rows(self, chosen: NDArray[np.bool_]) -> LawOfRows:
-        """Of some of the rows."""
-        return LawOfRows(self.law, self.height[chosen], self.log_pressure[chosen])
+    def rows(self, chosen: NDArray[np.bool_] | slice) -> ScaledLaw:
+        """Some of several laws, each for a row."""
+        height, log_pressure = (np.reshape(one, (-1, 1))[chosen] for one in (self.height, self.log_pressure))
+        return ScaledLaw(self.law, height, log_pressure)
 
     def gap(self, log_pressure: FloatArray) -> FloatArray:
         """Mean separation u [m] at ln(p/Pa)."""

@@ -12,7 +12,7 @@ from scipy.linalg.lapack import dpotrf, dpotrs
 
 from fem_seal.arrays import FloatArray
 from fem_seal.contact.hard import solve_hard
-from fem_seal.contact.laws import HardContact, Law, LawOfRows, shape_of
+from fem_seal.contact.laws import HardContact, Law, ScaledLaw, shape_of
 from fem_seal.contact.model import ContactModel
 from fem_seal.contact.other_loads import NO_LOADS, FurtherLoads
 from fem_seal.contact.solution import ContactSettings, ContactSolution
@@ -231,7 +231,8 @@ class _Rows:
     Parameters
     ----------
     model : ContactModel
-    law : LawOfRows
+    law : ScaledLaw
+        Of each a row
     force : ndarray, shape (rows,)
         F_N [N].
     gap0 : ndarray, shape (rows, m)
@@ -239,7 +240,7 @@ class _Rows:
     """
 
     model: ContactModel
-    law: LawOfRows
+    law: ScaledLaw
     force: FloatArray
     gap0: FloatArray
 
@@ -248,7 +249,9 @@ class _Rows:
         model = pressings[0].model
         return cls(
             model,
-            LawOfRows.of([one.law for one in pressings if not isinstance(one.law, HardContact)]),
+            ScaledLaw.of([one.law for one in pressings if not isinstance(one.law, HardContact)]).rows(
+                slice(None)
+            ),
             np.array([one.contact_force for one in pressings]),
             np.stack([model.line.initial_gap + (one.loads or NO_LOADS).opening(model) for one in pressings]),
         )
@@ -296,36 +299,36 @@ def _newton(
             v, d = _first_guess(rows, floor)
         else:
             v, d = np.stack([one for one, _ in states]), np.array([[one] for _, one in states])
-        found: list[tuple[State | None, list[float]]] = [(None, []) for _ in v]
-        there = np.arange(len(v))
+        residuals: list[list[float]] = [[] for _ in v]
+        solved, left = np.zeros(len(v), dtype=bool), np.arange(len(v))
         for _ in range(settings.max_iterations):
-            decay = rows.law.decay_length(v) + floor * rows.softest
-            gap_residual, missing_force, worst = _unbalanced(rows, floor, v, d, decay, settings)
-            for number, one in zip(there.tolist(), worst.tolist(), strict=True):
-                found[number][1].append(one)
+            at_v, at_d = v[left], d[left]
+            decay = rows.law.decay_length(at_v) + floor * rows.softest
+            gap_residual, missing_force, worst = _unbalanced(rows, floor, at_v, at_d, decay, settings)
+            for number, one in zip(left.tolist(), worst.tolist(), strict=True):
+                residuals[number].append(one)
             done = (worst < settings.gap_tolerance) & (
                 np.abs(missing_force) < settings.force_tolerance * rows.force
             )
-            for row in done.nonzero()[0].tolist():
-                number = int(there[row])
-                found[number] = (v[row].copy(), float(d[row, 0])), found[number][1]
+            solved[left] = done
             if done.all():
                 break
-            if done.any():
-                left = ~done
-                rows, there = rows.chosen(left), there[left]
-                v, d, decay, gap_residual = v[left], d[left], decay[left], gap_residual[left]
-                missing_force, worst = missing_force[left], worst[left]
             least = _least_carrying(worst, min(settings.gap_tolerance, settings.force_tolerance))
-            v, d, failed = _newton_step(rows.model, v, d, decay, gap_residual, missing_force, least)
-            if failed.any():
-                for number in there[failed].tolist():
-                    found[number][1].append(np.inf)
-                left = ~failed
-                rows, there, v, d = rows.chosen(left), there[left], v[left], d[left]
-                if not len(there):
-                    break
-    return found
+            step_v, step_d, stepped = _newton_step(
+                rows.model, at_v, decay, gap_residual, missing_force, least, ~done
+            )
+            for number in left[~(done | stepped)].tolist():
+                residuals[number].append(np.inf)
+            left = left[stepped]
+            v[left] += step_v[stepped]
+            d[left] += step_d[stepped]
+            if not stepped.all():
+                rows = rows.chosen(stepped)
+            if not len(left):
+                break
+    return [
+        ((v[n].copy(), float(d[n, 0])) if solved[n] else None, residuals[n]) for n in range(len(residuals))
+    ]
 
 
 def _first_guess(rows: _Rows, floor: float) -> tuple[FloatArray, FloatArray]:
@@ -383,32 +386,32 @@ def _least_carrying(worst: FloatArray, tolerance: float) -> FloatArray:
 def _newton_step(
     model: ContactModel,
     v: FloatArray,
-    d: FloatArray,
     decay: FloatArray,
     gap_residual: FloatArray,
     missing_force: FloatArray,
     least: FloatArray,
+    asked: NDArray[np.bool_],
 ) -> tuple[FloatArray, FloatArray, NDArray[np.bool_]]:
-    """The states after one Newton step, and for which rows there is none.
+    """One Newton step of the states, and which of the rows that are asked have one.
 
     Points that carry less than `least`, shape (rows,), follow the others explicitly. That the lift follows the highest
     pressure is left out of the derivative.
     """
-    n_z, failed = model.line.normal[1], np.zeros(len(v), dtype=bool)
+    n_z, stepped = model.line.normal[1], asked.copy()
     softness = model.line.area_weight * np.exp(v) / decay
     carries = softness * model.compliance.diagonal()
     most = carries.max(axis=1, keepdims=True)
     active = carries > least[:, None] * np.minimum(1.0, most / _SOFT)
-    step_d, opened = np.zeros_like(d), np.zeros_like(v)
-    for row in range(len(v)):
+    step_d, opened = np.zeros((len(v), 1)), np.zeros_like(v)
+    for row in asked.nonzero()[0].tolist():
         try:
             step_d[row], opened[row] = _step_of_row(
                 model, active[row].nonzero()[0], softness[row], gap_residual[row], float(missing_force[row])
             )
         except np.linalg.LinAlgError:
-            failed[row] = True
+            stepped[row] = False
     step_v = (-gap_residual + step_d * n_z - opened) / decay
-    return v + np.where(step_v > 0, np.log1p(np.maximum(step_v, 0)), step_v), d + step_d, failed
+    return np.where(step_v > 0, np.log1p(np.maximum(step_v, 0)), step_v), step_d, stepped
 
 
 def _step_of_row(

@@ -10,7 +10,7 @@ from functools import lru_cache
 import numpy as np
 
 from fem_seal.arrays import FloatArray
-from fem_seal.contact.laws import HardContact, Law, LawOfRows, ScaledLaw
+from fem_seal.contact.laws import HardContact, Law, ScaledLaw
 from fem_seal.errors import InputError
 from fem_seal.loads import plastic_half_width
 from meshes import ContactGeometry, Sizing
@@ -199,7 +199,7 @@ def widths_together(expected: Sequence[Expected]) -> list[list[ContactWidth]]:
     if len(scaled) < len(expected) or len(kinds) != 1:
         return [one.widths for one in expected]
     found = contact_widths(
-        LawOfRows.of(scaled).each,
+        ScaledLaw.of(scaled),
         [load for one in expected for load in one.line_loads],
         expected[0].opening,
         np.array([one.effective_modulus for one in expected]),

@@ -51,7 +51,7 @@ def family_law(surface: RoughContact) -> ScaledLaw:
     surface : RoughContact
     """
     member, height, pressure = _member(surface)
-    return ScaledLaw(_law(member.elastic), height, pressure)
+    return ScaledLaw(_law(member.elastic), height, math.log(pressure))
 
 
 def family_table(
