@@ -26,10 +26,10 @@ from calculix_deck import Cells, FloatArray
 
 import leak
 import meshes
-from fem_seal.contact.fluid_path import FlowThrough
 from fem_seal.contact.load_path import ElastoplasticContact, load_path
 from fem_seal.contact.model import condense
 from fem_seal.contact.path_loads import FluidLoad
+from fem_seal.contact.penetration import FlowThrough
 from fem_seal.contact.plastic_step import PlasticSettings
 from fem_seal.contact.sizing import element_sizes, for_yielding
 from fem_seal.loads import line_load

@@ -7,14 +7,14 @@ from .case.case import Case as Case
 from .case.case import load_case as load_case
 from .case.material_library import material as material
 from .case.material_library import vickers_pressure as vickers_pressure
-from .contact.coupled import Seal as Seal
-from .contact.fluid_path import FlowThrough as FlowThrough
-from .contact.fluid_path import HeldFluid as HeldFluid
 from .contact.laws import HardContact as HardContact
 from .contact.model import ContactModel as ContactModel
 from .contact.model import condense as condense
 from .contact.newton import solve as solve
 from .contact.other_loads import FurtherLoads as FurtherLoads
+from .contact.penetration import FlowThrough as FlowThrough
+from .contact.penetration import HeldFluid as HeldFluid
+from .contact.penetration import Seal as Seal
 from .contact.penetration import blow_off_pressure as blow_off_pressure
 from .contact.penetration import solve_penetration as solve_penetration
 from .contact.solution import ContactSettings as ContactSettings

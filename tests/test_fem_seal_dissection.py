@@ -14,9 +14,8 @@ import meshes
 from fem_seal.bodies.dissected_body import DissectedBody
 from fem_seal.bodies.dissection import Dissection
 from fem_seal.bodies.elasticity import stiffness_matrix
-from fem_seal.bodies.elastoplastic import ElastoplasticBody
+from fem_seal.bodies.elastoplastic import ElastoplasticBody, Flow
 from fem_seal.bodies.held_body import HeldBody, held_body
-from fem_seal.bodies.plastic_flow import Flow
 from fem_seal.contact.load_path import load_path
 from fem_seal.contact.model import line_points
 from fem_seal.contact.path_loads import PathLoad

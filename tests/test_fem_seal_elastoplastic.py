@@ -21,14 +21,12 @@ from fem_seal.bodies.elasticity import (
     quadratic_nodes,
     stiffness_matrix,
 )
-from fem_seal.bodies.elastoplastic import ElastoplasticBody
+from fem_seal.bodies.elastoplastic import ElastoplasticBody, PlasticState, radial_return
 from fem_seal.bodies.fields import BodyField, von_mises
-from fem_seal.bodies.plastic_flow import PlasticState, radial_return
 from fem_seal.bodies.supports import Supports
 from fem_seal.case.case import load_case
-from fem_seal.contact.imprint import Imprint
 from fem_seal.contact.laws import HardContact, Law
-from fem_seal.contact.load_path import LoadPath, load_path
+from fem_seal.contact.load_path import Imprint, LoadPath, load_path
 from fem_seal.contact.newton import solve
 from fem_seal.contact.other_loads import FurtherLoads
 from fem_seal.contact.path_loads import PathLoad

@@ -21,12 +21,13 @@ from fem_seal.bodies.elasticity import (
     stiffness_matrix,
 )
 from fem_seal.bodies.supports import Supports
-from fem_seal.contact.coupled import FluidAndContact
 from fem_seal.contact.fixed_point import first_fixed_point, fixed_point
-from fem_seal.contact.fluid_path import FlowThrough, HeldFluid
 from fem_seal.contact.model import condense
 from fem_seal.contact.other_loads import FurtherLoads
 from fem_seal.contact.penetration import (
+    FlowThrough,
+    FluidAndContact,
+    HeldFluid,
     blow_off_pressure,
     effective_radius,
     solve_at_contact_force,

@@ -17,24 +17,29 @@ from fem_seal.answers.uncertainty import _Study
 from fem_seal.bodies.elasticity import boundary_dofs, node_dofs
 from fem_seal.bodies.supports import Supports
 from fem_seal.case.uncertainty import Spread, Uncertainty
-from fem_seal.contact.coupled import FluidAndContact
-from fem_seal.contact.fluid_path import FlowThrough, FluidPath, HeldFluid
 from fem_seal.contact.laws import HardContact, Law
 from fem_seal.contact.load_path import ElastoplasticContact, LoadPath, load_path
 from fem_seal.contact.model import ContactModel
 from fem_seal.contact.newton import solve
 from fem_seal.contact.other_loads import FurtherLoads
 from fem_seal.contact.path_loads import FluidLoad, PathLoad
-from fem_seal.contact.penetration import blow_off_pressure, effective_radius, solve_penetration
+from fem_seal.contact.penetration import (
+    FlowThrough,
+    FluidAndContact,
+    FluidPath,
+    HeldFluid,
+    blow_off_pressure,
+    effective_radius,
+    solve_penetration,
+)
 from fem_seal.contact.plastic_step import PlasticSettings
 from fem_seal.loads import PressureSide
 from fem_seal.materials import HardeningCurve
 from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.leak_model import RoughFlow
 from fem_seal.seal.load_result import LoadResult
-from fem_seal.seal.load_solver import LoadSolver, SolvedLoads, linearised_again
+from fem_seal.seal.load_solver import LoadSolver, SealFlow, SolvedLoads, linearised_again
 from fem_seal.seal.problem import SealProblem
-from fem_seal.seal.seal_flow import SealFlow
 from fem_seal.seal.solved_seal import SolvedSeal
 from fem_seal.studies.responses import evaluate_design
 

@@ -27,7 +27,7 @@ from fem_seal.contact.solution import move_together
 from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.heating import warmed
 from fem_seal.seal.leak_model import RoughFlow
-from fem_seal.seal.left_out import left_out
+from fem_seal.seal.load_names import left_out
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.load_solver import Clock, LoadSolver, Progress
 from fem_seal.seal.optional_steps import OptionalSteps

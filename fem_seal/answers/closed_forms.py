@@ -276,7 +276,7 @@ def _force_for_target(problem: SealProblem, fluid_pressure: float) -> float | No
     if target is None:
         return None
     from fem_seal.answers.expected_force import expected_contact_force
-    from fem_seal.seal.seal_flow import SealFlow
+    from fem_seal.seal.load_solver import SealFlow
 
     flow = SealFlow.of(problem)
     if flow is None:

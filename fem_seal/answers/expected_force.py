@@ -6,8 +6,8 @@ import math
 
 from fem_seal.errors import InputError
 from fem_seal.loads import contact_force
+from fem_seal.seal.load_solver import SealFlow
 from fem_seal.seal.problem import SealProblem, largest_force
-from fem_seal.seal.seal_flow import SealFlow
 from fem_seal.units import briefly, given, quantity
 from fem_seal.validity.words import sentence
 from leak.numerics.roots import root_between

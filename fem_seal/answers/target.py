@@ -15,10 +15,9 @@ from fem_seal.errors import InputError
 from fem_seal.seal.findings import Caution, Level, Validity
 from fem_seal.seal.leak_model import RoughFlow
 from fem_seal.seal.load_result import LoadResult
-from fem_seal.seal.load_solver import LoadSolver
+from fem_seal.seal.load_solver import LoadSolver, SealFlow
 from fem_seal.seal.problem import SealProblem, condensed, largest_force, sizing
 from fem_seal.seal.readings import WORDS
-from fem_seal.seal.seal_flow import SealFlow
 from fem_seal.seal.solved_seal import SolvedSeal
 from fem_seal.units import briefly
 from fem_seal.validity.checks import target_cautions, target_validity

@@ -20,9 +20,8 @@ from fem_seal.errors import ConvergenceError, InputError, OpenSealError
 from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.leak_model import RoughFlow
 from fem_seal.seal.load_result import LoadResult
-from fem_seal.seal.load_solver import Clock, LoadSolver, Progress
+from fem_seal.seal.load_solver import Clock, LoadSolver, Progress, SealFlow
 from fem_seal.seal.problem import condensed, largest_force, sizing
-from fem_seal.seal.seal_flow import SealFlow
 from fem_seal.seal.solved_seal import SolvedSeal
 from fem_seal.units import briefly
 from fem_seal.validity.checks import earlier_cautions, load_validity

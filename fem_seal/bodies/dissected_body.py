@@ -13,9 +13,8 @@ from scipy.sparse import csr_matrix
 from fem_seal.arrays import FloatArray
 from fem_seal.bodies.dissection import Dissection
 from fem_seal.bodies.elasticity import element_dofs, element_stiffness
-from fem_seal.bodies.elastoplastic import ElastoplasticBody
+from fem_seal.bodies.elastoplastic import ElastoplasticBody, Flow
 from fem_seal.bodies.held_body import HeldBody
-from fem_seal.bodies.plastic_flow import Flow
 
 
 @dataclass(frozen=True, eq=False)

@@ -436,7 +436,7 @@ def _made(folder: Path) -> Path:
 
 def _remarks(case: Case) -> list[str]:
     from fem_seal.materials import creep_remarks
-    from fem_seal.seal.left_out import left_out
+    from fem_seal.seal.load_names import left_out
     from fem_seal.seal.problem import SealProblem
     from fem_seal.validity.materials import temperature_cautions
 

@@ -11,13 +11,11 @@ import numpy as np
 
 from fem_seal.arrays import FloatArray
 from fem_seal.bodies.held_body import LoadName
-from fem_seal.contact.coupled import FluidAndContact
-from fem_seal.contact.fluid_path import FluidPath
 from fem_seal.contact.laws import Law
 from fem_seal.contact.model import ContactModel
 from fem_seal.contact.newton import solve
 from fem_seal.contact.other_loads import NO_LOADS, FurtherLoads
-from fem_seal.contact.penetration import solve_penetration
+from fem_seal.contact.penetration import FluidAndContact, FluidPath, solve_penetration
 from fem_seal.contact.solution import ContactSolution
 
 

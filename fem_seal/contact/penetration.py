@@ -1,4 +1,4 @@
-"""Contact, flow and the fluid pressure between the surfaces, up to blow-off."""
+"""Contact, flow and the fluid pressure between the surfaces that belong to each other, up to blow-off."""
 
 from __future__ import annotations
 
@@ -6,15 +6,297 @@ import math
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
 
 from fem_seal.arrays import FloatArray
-from fem_seal.contact.coupled import FluidAndContact, coupled_contact, dry_unknowns
-from fem_seal.contact.laws import HardContact
+from fem_seal.contact.fixed_point import first_fixed_point, fixed_point
+from fem_seal.contact.laws import HardContact, Law
+from fem_seal.contact.model import ContactLine, ContactModel
+from fem_seal.contact.newton import solve
+from fem_seal.contact.other_loads import NO_LOADS, FurtherLoads
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError, OpenSealError
 from fem_seal.former_names import formerly
-from fem_seal.loads import expected_force
+from fem_seal.loads import PressureSide, expected_force
+from fem_seal.profile import PressureProfile
 from leak.numerics.roots import root_between
+
+
+class FluidPath(Protocol):
+    """Fluid pressure between the surfaces, as a function of a few unknowns that follow from the solid contact."""
+
+    @property
+    def side(self) -> PressureSide:
+        """Side of the high pressure."""
+
+    def bounds(self, line: ContactLine) -> tuple[float, float]:
+        """Between which all unknowns lie."""
+
+    def share(self, line: ContactLine, unknowns: FloatArray) -> FloatArray:
+        """Fluid pressure over the pressure difference at the points of the line, shape (m,)."""
+
+    def found(self, profile: PressureProfile, fluid_pressure: float) -> FloatArray:
+        """The unknowns that belong to a profile of the solid contact pressure."""
+
+
+def _itself(profile: PressureProfile) -> PressureProfile:
+    return profile
+
+
+@dataclass(frozen=True)
+class FlowThrough:
+    """A fluid that flows through the rough contact; its pressure falls along the flow resistance.
+
+    Parameters
+    ----------
+    pressure_along : callable
+        Takes a `PressureProfile` and the pressure difference [Pa] to the fluid pressure at its points [Pa].
+    sealing_pressure : float
+        Contact pressure from which on nothing flows [Pa].
+    side : {"outer", "inner"}
+    as_first_loaded : callable
+        Takes a profile to that of first loading which lets as much through; itself where the contact remembers no
+        larger load.
+
+    Notes
+    -----
+    Where the contact is sealed nothing flows, and what the fluid does between the two ends of the sealed stretch is
+    not known: its pressure is taken to fall evenly there. That is also where it falls just before the contact seals.
+
+    Examples
+    --------
+    >>> import numpy as np, fem_seal
+    >>> evenly = lambda profile, drop: drop * np.linspace(0.0, 1.0, len(profile.x))
+    >>> fem_seal.FlowThrough(evenly, sealing_pressure=1e9).side
+    'outer'
+    """
+
+    pressure_along: Callable[[PressureProfile, float], FloatArray]
+    sealing_pressure: float
+    side: PressureSide = "outer"
+    as_first_loaded: Callable[[PressureProfile], PressureProfile] = _itself
+
+    def bounds(self, line: ContactLine) -> tuple[float, float]:
+        """Shares of the pressure difference."""
+        return 0.0, 1.0
+
+    def share(self, line: ContactLine, unknowns: FloatArray) -> FloatArray:
+        """The unknowns are the shares themselves."""
+        return unknowns
+
+    def found(self, profile: PressureProfile, fluid_pressure: float) -> FloatArray:
+        """Fluid pressure over the pressure difference."""
+        profile = self.as_first_loaded(profile)
+        if profile.pressure.max() < self.sealing_pressure:
+            return self.pressure_along(profile, fluid_pressure) / fluid_pressure
+        inner, outer = _stretch_above(profile, self.sealing_pressure)
+        # Sealed at one point alone the fall would be a step, which no point of the line feels.
+        width = max(outer - inner, 1e-3 * float(np.min(np.diff(profile.x))))
+        rising = np.clip((profile.x - inner) / width, 0.0, 1.0)
+        return rising if self.side == "outer" else 1.0 - rising
+
+
+@dataclass(frozen=True)
+class HeldFluid:
+    """A fluid of which no flow is known: it gets in as far as the contact pressure is below its own.
+
+    Full pressure from its side up to the first place where the solid contact presses harder than the fluid, nothing
+    beyond. The unknown is this place.
+
+    Parameters
+    ----------
+    side : {"outer", "inner"}
+
+    Examples
+    --------
+    >>> import fem_seal
+    >>> fem_seal.HeldFluid("inner").side
+    'inner'
+    """
+
+    side: PressureSide = "outer"
+
+    def bounds(self, line: ContactLine) -> tuple[float, float]:
+        """Ends of the contact line [m]."""
+        return float(line.vertices[0]), float(line.vertices[-1])
+
+    def share(self, line: ContactLine, unknowns: FloatArray) -> FloatArray:
+        """One up to the place, zero beyond; in between it falls within one element, so that it follows the place."""
+        front = float(unknowns[0])
+        element = int(np.clip(np.searchsorted(line.vertices, front) - 1, 0, len(line.vertices) - 2))
+        width = line.vertices[element + 1] - line.vertices[element]
+        rising = np.clip(0.5 + (line.x - front) / width, 0.0, 1.0)
+        return rising if self.side == "outer" else 1.0 - rising
+
+    def found(self, profile: PressureProfile, fluid_pressure: float) -> FloatArray:
+        """Where the contact pressure first exceeds that of the fluid, seen from the side of the fluid [m].
+
+        Raises
+        ------
+        OpenSealError
+            If it does so nowhere.
+        """
+        if profile.pressure.max() <= fluid_pressure:
+            raise OpenSealError(
+                f"the contact pressure, at most {profile.pressure.max() / 1e6:.4g} MPa, is nowhere above the fluid "
+                f"pressure of {fluid_pressure / 1e6:.4g} MPa: the fluid gets through"
+            )
+        return np.array([_stretch_above(profile, fluid_pressure)[1 if self.side == "outer" else 0]])
+
+
+def _stretch_above(profile: PressureProfile, pressure: float) -> tuple[float, float]:
+    """First and last place at which a profile is above a pressure [m]."""
+    above = np.flatnonzero(profile.pressure >= pressure)
+    return _crossing(profile, pressure, above[0], -1), _crossing(profile, pressure, above[-1], 1)
+
+
+def _crossing(profile: PressureProfile, pressure: float, inside: int, step: int) -> float:
+    outside = inside + step
+    if not 0 <= outside < len(profile.x):
+        return float(profile.x[inside])
+    # Squares: a Hertzian edge falls like a square root, and near its top any profile like a parabola.
+    high, low = profile.pressure[inside] ** 2, profile.pressure[outside] ** 2
+    share = (high - pressure**2) / (high - low)
+    return float(profile.x[inside] + share * (profile.x[outside] - profile.x[inside]))
+
+
+# Error of the fluid pressure in units of the pressure difference.
+_TOLERANCE = 1e-9
+# The same for hard contact: its edge moves by steps in the last element, and the flow resistance with it.
+_HARD_TOLERANCE = 2e-3
+# Error of the place up to which a held fluid gets in units of the smallest element.
+_FRONT = 1e-5
+
+
+@dataclass(frozen=True)
+class FluidAndContact:
+    """What stays the same when the loads of a seal change.
+
+    Parameters
+    ----------
+    path : FluidPath
+        How the fluid gets between the surfaces.
+    at_rest : FurtherLoads
+        What acts without any fluid, such as a press fit or heat.
+
+    Examples
+    --------
+    >>> import fem_seal, meshes
+    >>> ball = meshes.Ball(0.02)
+    >>> cone = meshes.ConicalSeat.around(0.785, ball)
+    >>> sizing = meshes.Sizing(2e-5, 1e-4, (-1e-3, 1e-3), 0.2, 0.3, 4e-3)
+    >>> steel = fem_seal.Material("steel", 210e9, 0.3)
+    >>> model = fem_seal.condense(meshes.build(ball, cone, sizing), {"closure": steel, "seat": steel})
+    >>> seal = fem_seal.Seal(model, fem_seal.HardContact(), fem_seal.HeldFluid("inner"))
+    >>> seal.at_rest.seat
+    {}
+    """
+
+    model: ContactModel
+    law: Law
+    path: FluidPath
+    at_rest: FurtherLoads = NO_LOADS
+
+    @property
+    def pressurised(self) -> int:
+        """Number of the wetted surface with the high pressure, from the axis outwards."""
+        return 0 if self.path.side == "inner" else len(self.model.lines)
+
+    def loads(self, fluid_pressure: float, unknowns: FloatArray) -> FurtherLoads:
+        """Fluid on the wetted surfaces and in the gap, and what acts without it."""
+        regions = range(len(self.model.lines) + 1)
+        wetted = [fluid_pressure if region == self.pressurised else 0.0 for region in regions]
+        share = self.path.share(self.model.line, unknowns)
+        return FurtherLoads.of_fluid(wetted, fluid_pressure * share, self.at_rest)
+
+
+# Its public name.
+Seal = FluidAndContact
+
+# Takes the lift per unit of fluid pressure [N/Pa] to fluid pressure [Pa] and contact force [N].
+Balance = Callable[[float], tuple[float, float]]
+
+
+def coupled_contact(
+    seal: FluidAndContact, balance: Balance, unknowns: FloatArray, start: ContactSolution | None
+) -> ContactSolution:
+    """Find the unknowns of the fluid that belong to the contact which they leave.
+
+    Parameters
+    ----------
+    balance : callable
+        Takes the lift per unit of fluid pressure [N/Pa] to fluid pressure [Pa] and contact force [N].
+    unknowns : ndarray
+        Of the fluid path, to start from.
+    start : ContactSolution or None
+        To start Newton's method from.
+
+    Raises
+    ------
+    OpenSealError
+        If nothing is left for the solid contact, or the fluid gets through.
+    ConvergenceError
+    """
+    solution = start
+
+    def image(at: FloatArray) -> FloatArray:
+        nonlocal solution
+        pressure, force = balance(seal.loads(1.0, at).lift(seal.model))
+        if not force > 0:
+            raise OpenSealError(f"nothing is left for the solid contact at {pressure / 1e5:.6g} bar")
+        solution = solve(
+            seal.model,
+            seal.law,
+            contact_force=force,
+            loads=seal.loads(pressure, at),
+            start=solution,
+        )
+        return seal.path.found(solution.profile, pressure)
+
+    low, high = seal.path.bounds(seal.model.line)
+    tolerance = _TOLERANCE * (high - low)
+    try:
+        if unknowns.size == 1:
+            # The place up to which the fluid gets moves from element to element.
+            elements = np.diff(seal.model.line.vertices)
+            first_fixed_point(
+                lambda place: float(image(np.array([place]))[0]),
+                float(unknowns[0]),
+                tolerance=_FRONT * float(elements.min()),
+                jump=float(elements.max()),
+            )
+        else:
+            _smooth_fixed_point(seal, image, unknowns, tolerance, (low, high))
+    except ConvergenceError as error:
+        raise ConvergenceError(f"contact and fluid pressure in the gap: {error}", solution) from error
+    assert solution is not None
+    return solution
+
+
+def _smooth_fixed_point(
+    seal: FluidAndContact,
+    image: Callable[[FloatArray], FloatArray],
+    unknowns: FloatArray,
+    tolerance: float,
+    bounds: tuple[float, float],
+) -> None:
+    try:
+        fixed_point(image, unknowns, tolerance=tolerance, bounds=bounds)
+    except ConvergenceError:
+        if not isinstance(seal.law, HardContact):
+            raise
+        fixed_point(image, unknowns, tolerance=_HARD_TOLERANCE, bounds=bounds)
+
+
+def dry_unknowns(
+    seal: FluidAndContact, force: float, fluid_pressure: float, start: ContactSolution | None
+) -> FloatArray:
+    """Unknowns of the fluid that belong to a contact which no fluid opens, under a force F_N [N]."""
+    contact = solve(seal.model, seal.law, contact_force=force, loads=seal.at_rest, start=start)
+    return seal.path.found(contact.profile, fluid_pressure)
+
 
 # Shares of the closing force that the solid contact carries on the way to an open seal.
 _SHARES = (0.5, 0.1, 1e-2, 1e-3, 1e-4)

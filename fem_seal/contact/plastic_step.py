@@ -19,9 +19,8 @@ from fem_seal.arrays import FloatArray
 from fem_seal.bodies.condensed import BoundaryLoad, CondensedBody, condense_body
 from fem_seal.bodies.dissected_body import DissectedBody
 from fem_seal.bodies.elasticity import at_quadrature_points
-from fem_seal.bodies.elastoplastic import BodyState, ElastoplasticBody
+from fem_seal.bodies.elastoplastic import BodyState, ElastoplasticBody, Flow
 from fem_seal.bodies.held_body import HeldBody, LoadName
-from fem_seal.bodies.plastic_flow import Flow
 from fem_seal.contact.laws import Law
 from fem_seal.contact.model import ContactModel, line_compliance
 from fem_seal.contact.other_loads import NO_LOADS, FurtherLoads
