@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -9,14 +10,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem_seal.arrays import FloatArray
+from leak.numerics.roots import root_of_rising
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from leak.flow.contact_profile import ContactProfile
-
-# Of Newton's method, with halving where it leaves the interval.
-_ROOT_STEPS = 60
 
 
 @dataclass(frozen=True)
@@ -156,8 +155,7 @@ class PressureProfile:
         part of it; they are left out.
         """
         inner = self.pressure > 0.4 * self.peak_pressure
-        fitted = np.polynomial.Polynomial.fit(self.x[inner], height[inner], min(4, int(inner.sum()) - 1))
-        curve = _Curve(fitted.coef.tolist(), *(float(number) for number in fitted.mapparms()))
+        curve = np.polynomial.Polynomial.fit(self.x[inner], height[inner], min(4, int(inner.sum()) - 1))
         edges = self.x[np.flatnonzero(self.pressure)[[0, -1]]].tolist()
         if curve(self.centroid) > 0 > max(map(curve, edges)):
             return _root(curve, self.centroid, edges[1]) - _root(curve, edges[0], self.centroid)
@@ -195,62 +193,26 @@ def remembered(pressure: FloatArray, largest: FloatArray) -> FloatArray:
     return np.minimum(largest, pressure * (largest.max() / pressure.max()))
 
 
-@dataclass(frozen=True)
-class _Curve:
-    """A polynomial in t = offset + scale x, its coefficients from the lowest power on."""
-
-    coefficients: list[float]
-    offset: float
-    scale: float
-
-    def __call__(self, x: float) -> float:
-        return self.at(self.offset + self.scale * x)[0]
-
-    def at(self, t: float) -> tuple[float, float]:
-        """Value and slope."""
-        value = slope = 0.0
-        for c in reversed(self.coefficients):
-            value, slope = c + t * value, value + t * slope
-        return value, slope
-
-
-def _through(x: list[float], y: list[float]) -> _Curve:
+def _through(x: list[float], y: list[float]) -> Callable[[float], float]:
     """The polynomial through a few points, by divided differences."""
-    scale = 2 / (x[-1] - x[0])
-    offset = -0.5 * (x[0] + x[-1]) * scale
-    t, d = [offset + scale * one for one in x], list(y)
-    for order in range(1, len(t)):
-        for n in range(len(t) - 1, order - 1, -1):
-            d[n] = (d[n] - d[n - 1]) / (t[n] - t[n - order])
-    powers = [d[-1]]
-    for n in range(len(t) - 2, -1, -1):
-        rest = [-t[n] * one for one in powers]
-        rest[0] += d[n]
-        powers = [one + other for one, other in zip([*rest, 0.0], [0.0, *powers], strict=True)]
-    return _Curve(powers, offset, scale)
+    d = list(y)
+    for order in range(1, len(x)):
+        for n in range(len(x) - 1, order - 1, -1):
+            d[n] = (d[n] - d[n - 1]) / (x[n] - x[n - order])
+
+    def curve(at: float) -> float:
+        value = 0.0
+        for place, difference in zip(reversed(x), reversed(d), strict=True):
+            value = difference + (at - place) * value
+        return value
+
+    return curve
 
 
-def _root(curve: _Curve, a: float, b: float) -> float:
-    """Real root between a and b, where the curve changes sign."""
-    offset, scale, at = curve.offset, curve.scale, curve.at
-    low, high = offset + scale * a, offset + scale * b
-    rises, falls = at(low)[0], at(high)[0]
-    if rises * falls < 0.0:
-        t = 0.5 * (low + high)
-        for _ in range(_ROOT_STEPS):
-            value, slope = at(t)
-            if (value < 0.0) == (rises < 0.0):
-                low = t
-            else:
-                high = t
-            newton = t - value / slope if slope else low
-            last, t = t, newton if low <= newton <= high else 0.5 * (low + high)
-            if abs(t - last) <= 1e-15 * (high - low + abs(t)):
-                break
-        return float((t - offset) / scale)
-    roots = (np.polynomial.polynomial.polyroots(curve.coefficients) - offset) / scale
-    outside = np.maximum(0, np.maximum(a - roots.real, roots.real - b)) + np.abs(roots.imag)
-    return float(roots.real[np.argmin(outside)])
+def _root(curve: Callable[[float], float], a: float, b: float) -> float:
+    """Root between a and b, where the curve changes sign."""
+    sign = math.copysign(1.0, curve(b) - curve(a))
+    return a + (b - a) * root_of_rising(lambda share: sign * curve(a + (b - a) * share), 0.0, 1.0, 0.5)
 
 
 def tightest(profiles: Sequence[PressureProfile]) -> PressureProfile:

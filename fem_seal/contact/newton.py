@@ -12,7 +12,7 @@ from scipy.linalg.lapack import dpotrf, dpotrs
 
 from fem_seal.arrays import FloatArray
 from fem_seal.contact.laws import HardContact, Law, ScaledLaw, shape_of
-from fem_seal.contact.model import ContactLine, ContactModel
+from fem_seal.contact.model import ContactModel
 from fem_seal.contact.other_loads import NO_LOADS, FurtherLoads
 from fem_seal.contact.solution import ContactSettings, ContactSolution
 from fem_seal.errors import ConvergenceError
@@ -444,11 +444,6 @@ def _step_of_row(
 _MAX_CHANGES = 100
 
 
-def hat_functions(line: ContactLine) -> FloatArray:
-    """Piecewise linear functions over the element ends, at the points of the line; shape (m, vertices)."""
-    return np.stack([np.interp(line.x, line.vertices, unit) for unit in np.eye(len(line.vertices))], axis=1)
-
-
 def solve_hard(
     model: ContactModel, contact_force: float, loads: FurtherLoads | None = None
 ) -> ContactSolution:
@@ -464,7 +459,8 @@ def solve_hard(
     """
     line, loads = model.line, loads or FurtherLoads()
     apart = line.initial_gap + loads.opening(model)
-    hats = hat_functions(line)
+    # piecewise linear between the element ends, one at its own
+    hats = np.stack([np.interp(line.x, line.vertices, unit) for unit in np.eye(len(line.vertices))], axis=1)
     weights = line.area_weight[:, None] * hats
     compliance = weights.T @ model.compliance @ weights
     gap0, axial = weights.T @ apart, weights.T @ line.normal[1]

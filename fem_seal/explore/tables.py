@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from fem_seal.seal.conductivity_tables import FamilyTable, family_table, family_tables
-from fem_seal.seal.leak_model import MARGIN, Conductivity, Flow
-from leak import RoughContact, gas_conductivity_table
+from fem_seal.seal.leak_model import MARGIN, Conductivity, Flow, theory_table
+from leak import RoughContact
 
 # Decades below the peak pressure over which a table of one surface alone reaches.
 _DECADES = 9
@@ -51,9 +51,7 @@ class OwnTable:
     def made(self) -> Conductivity:
         """The table."""
         low, high = 10.0**self.low, 10.0**self.high
-        if self.gas:
-            return gas_conductivity_table(self.surface, low, high, method=self.method)
-        return self.surface.conductivity_table(low, high, method=self.method)
+        return theory_table(self.surface, low, high, None, self.method, of_gas=self.gas)
 
 
 TableName: TypeAlias = FamilyTable | OwnTable

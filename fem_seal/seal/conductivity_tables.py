@@ -23,8 +23,8 @@ import numpy as np
 
 from fem_seal.arrays import FloatArray
 from fem_seal.contact.laws import InterfaceLaw, ScaledLaw
-from fem_seal.seal.leak_model import Conductivity, Flow
-from leak import GasConductivityTable, PowerSpectrum, RoughContact, gas_conductivity_table
+from fem_seal.seal.leak_model import Conductivity, Flow, theory_table
+from leak import GasConductivityTable, PowerSpectrum, RoughContact
 from leak.flow.conductivity import AlikeTables
 from leak.flow.memory import LoadMemory
 from leak.numerics.curves import lagrange
@@ -69,20 +69,19 @@ def family_table(
     if flow.simulated is not None:
         return None
     if tables is None:
-        return _table_from(surface, _kind_of(flow))
-    return _between(surface, tables)
+        return _table_from(surface, flow.conductivity, flow.gas is not None)
+    return _between(surface, tuple(tables))
 
 
 @lru_cache(maxsize=64)
-def _table_from(surface: RoughContact, kind: _Kind) -> Conductivity:
+def _table_from(surface: RoughContact, method: str, of_gas: bool) -> Conductivity:
     """The table of one surface, which the loads of a grid share."""
-    elastic, places = _places(_member(surface)[0])
-    return _between(surface, _tables_at(elastic, kind, places))
+    return _between(surface, _all_made(_names(_member(surface)[0], method, of_gas)))
 
 
-def _between(surface: RoughContact, tables: Sequence[Conductivity]) -> Conductivity:
+def _between(surface: RoughContact, tables: tuple[Conductivity, ...]) -> Conductivity:
     member, height, pressure = _member(surface)
-    table = tables[0] if len(tables) == 1 else _interpolated(tuple(tables), _on_lattice(member)[1])
+    table = tables[0] if len(tables) == 1 else _interpolated(tables, _on_lattice(member)[1])
     acting = None if member.stand_in is None else partial(_acting, member, math.log(pressure))
     return _scaled_table(table, height, pressure, LoadMemory(surface), acting)
 
@@ -95,8 +94,7 @@ def family_tables(flow: Flow, surface: RoughContact) -> tuple[FamilyTable, ...]:
     flow, surface
         See `family_table`.
     """
-    elastic, places = _places(_member(surface)[0])
-    return _names_at(elastic, _kind_of(flow), places)
+    return _names(_member(surface)[0], flow.conductivity, flow.gas is not None)
 
 
 def _acting(member: RoughContact, log_ratio: float, log_pressure: FloatArray) -> FloatArray:
@@ -104,30 +102,18 @@ def _acting(member: RoughContact, log_ratio: float, log_pressure: FloatArray) ->
     return member.log_acting_pressure(log_pressure - log_ratio) + log_ratio
 
 
-def _kind_of(flow: Flow) -> _Kind:
-    return _Kind(flow.conductivity, flow.gas is not None)
-
-
-def _places(member: RoughContact) -> tuple[RoughContact, tuple[int | None, ...]]:
-    """The surface whose tables are asked, and where on the lattice those are from which a member's own follows."""
-    if member.stand_in is not None:
-        return member.stand_in, (None,)
-    if member.hardness is None:
-        return member, (None,)
+def _names(member: RoughContact, method: str, of_gas: bool) -> tuple[FamilyTable, ...]:
+    """Of the member's own table, or of the four of the lattice between which it lies."""
+    if member.stand_in is not None or member.hardness is None:
+        return (FamilyTable(member.stand_in or member, method, of_gas),)
     first = _on_lattice(member)[0]
-    return member.elastic, (first, first + 1, first + 2, first + 3)
-
-
-def _names_at(elastic: RoughContact, kind: _Kind, places: tuple[int | None, ...]) -> tuple[FamilyTable, ...]:
-    return tuple(FamilyTable(elastic, kind, place) for place in places)
+    return tuple(FamilyTable(member.elastic, method, of_gas, place) for place in range(first, first + 4))
 
 
 # Of neighbouring surfaces, mostly the same: to look for each table by itself takes longer than to read it.
 @lru_cache(maxsize=64)
-def _tables_at(
-    elastic: RoughContact, kind: _Kind, places: tuple[int | None, ...]
-) -> tuple[Conductivity, ...]:
-    return tuple(name.made() for name in _names_at(elastic, kind, places))
+def _all_made(names: tuple[FamilyTable, ...]) -> tuple[Conductivity, ...]:
+    return tuple(name.made() for name in names)
 
 
 def _on_lattice(member: RoughContact) -> tuple[int, float]:
@@ -139,39 +125,36 @@ def _on_lattice(member: RoughContact) -> tuple[int, float]:
 
 
 @dataclass(frozen=True)
-class _Kind:
-    """What is tabulated."""
-
-    method: str
-    of_gas: bool
-
-    def table(self, surface: RoughContact, p_min: float, p_max: float, num: int | None) -> Conductivity:
-        if self.of_gas:
-            return gas_conductivity_table(surface, p_min, p_max, num, self.method)
-        return surface.conductivity_table(p_min, p_max, num, method=self.method)
-
-
-@dataclass(frozen=True)
 class FamilyTable:
     """Name of a table of a member of a family, by which it can be kept and made elsewhere.
 
     Parameters
     ----------
     surface : RoughContact
-    kind : _Kind
+    method : str
+    of_gas : bool
     place : int or None
         Of the lattice; None for elastic asperities.
     """
 
     surface: RoughContact
-    kind: _Kind
-    place: int | None
+    method: str
+    of_gas: bool
+    place: int | None = None
 
     def made(self) -> Conductivity:
         """The table."""
-        if self.place is None:
-            return _elastic_table(self.surface, self.kind)
-        return _lattice_table(self.surface, self.place, self.kind)
+        return _made(self)
+
+
+@lru_cache(maxsize=_REMEMBERED)
+def _made(name: FamilyTable) -> Conductivity:
+    """Table over all pressures up to sealing, of a point of the lattice at fixed fractions of it."""
+    surface, num = name.surface, None
+    if name.place is not None:
+        surface, num = replace(surface, hardness=_MODULUS * math.exp(_SPACING * name.place)), _NODES
+    sealing = surface.sealing_pressure_by(name.method)
+    return theory_table(surface, _RANGE * sealing, sealing, num, name.method, of_gas=name.of_gas)
 
 
 def _scaled_table(
@@ -221,13 +204,6 @@ def _law(surface: RoughContact) -> InterfaceLaw:
     return surface.interface_law()
 
 
-@lru_cache(maxsize=_REMEMBERED)
-def _elastic_table(surface: RoughContact, kind: _Kind) -> Conductivity:
-    """Table of elastic asperities over all pressures up to sealing."""
-    sealing = surface.sealing_pressure_by(kind.method)
-    return kind.table(surface, _RANGE * sealing, sealing, None)
-
-
 def _interpolated(found: tuple[Conductivity, ...], t: float) -> Conductivity:
     """Table between four neighbours on the lattice, at `t` steps from the first one."""
     weights = lagrange(t)
@@ -244,11 +220,3 @@ def _interpolated(found: tuple[Conductivity, ...], t: float) -> Conductivity:
 @lru_cache(maxsize=64)
 def _alike(found: tuple[Conductivity, ...]) -> AlikeTables:
     return AlikeTables.of([one.liquid if isinstance(one, GasConductivityTable) else one for one in found])
-
-
-@lru_cache(maxsize=_REMEMBERED)
-def _lattice_table(surface: RoughContact, place: int, kind: _Kind) -> Conductivity:
-    """Table of a surface with the hardness of one lattice point, at fixed fractions of its sealing pressure."""
-    plastic = replace(surface, hardness=_MODULUS * math.exp(_SPACING * place))
-    sealing = plastic.sealing_pressure_by(kind.method)
-    return kind.table(plastic, _RANGE * sealing, sealing, _NODES)

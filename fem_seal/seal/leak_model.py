@@ -159,9 +159,8 @@ class Flow:
         """
         if self.simulated is not None:
             return self.simulated.table(surface).conductivity_table(p_min, p_max, num, self.end)
-        if self.gas is not None:
-            return leak.gas_conductivity_table(surface, p_min, p_max, num, self.conductivity)
-        return surface.conductivity_table(p_min, p_max, num, method=self.conductivity)
+        of_gas = self.gas is not None
+        return theory_table(surface, p_min, p_max, num, self.conductivity, of_gas=of_gas)
 
     def table_around(
         self, surface: RoughContact, log_peaks: Sequence[float], num: int | None = None
@@ -352,6 +351,22 @@ class Flow:
         permeant, sigma = self.permeant(table, fluid_pressure), self._sigma(table, log_pressure)
         found = leak.AroundFlow(*flow_round(profile.x, profile.radius, sigma, permeant, self.pressure_side))
         return found.leak_rate / found.radial_leak_rate - 1.0
+
+
+def theory_table(
+    surface: RoughContact, p_min: float, p_max: float, num: int | None, method: str, *, of_gas: bool
+) -> Conductivity:
+    """Flow conductivity of a surface over a range of contact pressures, see `Flow.table`.
+
+    Parameters
+    ----------
+    method : str
+        Other than "direct".
+    of_gas : bool
+    """
+    if of_gas:
+        return leak.gas_conductivity_table(surface, p_min, p_max, num, method)
+    return surface.conductivity_table(p_min, p_max, num, method=method)
 
 
 def as_first_loaded(table: Conductivity, profile: PressureProfile) -> PressureProfile:

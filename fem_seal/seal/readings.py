@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import tomllib
 from dataclasses import dataclass
+from importlib.resources import files
 
 from leak.theory.reading import READINGS, Reading
 
@@ -65,25 +67,5 @@ class ReadingWords:
     title: str = ""
 
 
-WORDS = {
-    Reading.CONSERVED: ReadingWords(
-        "asperities that conserve their volume everywhere",
-        "asperities yield, C_pl",
-        "C_pl",
-        "if yielding asperities conserve their volume everywhere (C_pl)",
-        "the volume of yielding asperities conserved everywhere (C_pl)",
-        "if their volume is conserved everywhere, valleys included (C_pl)",
-        "volume conserved",
-    ),
-    Reading.CAPPED: ReadingWords(
-        "asperities that change only where they touch",
-        "changed only where they touch",
-        "only where they touch",
-        "if the surface changes only where it touches",
-        "yielding asperities that change the surface only where it touches",
-        "of the same contact if the surface changes only where it touches, under a pressure that the hardness limits",
-        "changed only where it touches",
-    ),
-    Reading.VON_MISES: ReadingWords("asperities that flow by von Mises", "asperities yield"),
-    Reading.ELASTIC: ReadingWords("elastic asperities", "elastic asperities"),
-}
+_TEXT = files("fem_seal").joinpath("templates", "readings.toml").read_text(encoding="utf-8")
+WORDS = {Reading(name): ReadingWords(**words) for name, words in tomllib.loads(_TEXT).items()}
