@@ -28,7 +28,7 @@ import leak
 import meshes
 from fem_seal.contact.load_path import ElastoplasticContact, load_path
 from fem_seal.contact.model import condense
-from fem_seal.contact.path_loads import FluidLoad
+from fem_seal.contact.path_loads import PathLoad
 from fem_seal.contact.penetration import FlowThrough
 from fem_seal.contact.plastic_step import PlasticSettings
 from fem_seal.contact.sizing import element_sizes, for_yielding
@@ -130,7 +130,10 @@ def ours(valve: Valve, mesh: SealMesh) -> tuple[ElastoplasticContact, ...]:
     """Contacts under the spring alone, and with the fluid."""
     model = condense(mesh, valve.materials)
     fluid = flowing()
-    loads = [FluidLoad(valve.spring, 0.0, fluid), FluidLoad(valve.spring, valve.fluid_pressure, fluid)]
+    loads = [
+        PathLoad(valve.spring, path=fluid, fluid_pressure=pressure)
+        for pressure in (0.0, valve.fluid_pressure)
+    ]
     return load_path(model, valve.law, loads, settings=PlasticSettings(steps=STEPS), unload=False).contacts
 
 

@@ -22,7 +22,7 @@ from fem_seal.contact.load_path import ElastoplasticContact, LoadPath, load_path
 from fem_seal.contact.model import ContactModel
 from fem_seal.contact.newton import solve
 from fem_seal.contact.other_loads import FurtherLoads
-from fem_seal.contact.path_loads import FluidLoad, PathLoad
+from fem_seal.contact.path_loads import PathLoad
 from fem_seal.contact.penetration import (
     FlowThrough,
     FluidAndContact,
@@ -78,7 +78,7 @@ def relief(steps: int = SPRING_FIRST) -> LoadPath:
     model, spring = soft()
     fluid = flowing("inner")
     pressures = (0.0, 200e5, 500e5, 200e5, 800e5, 100e5)
-    loads = [FluidLoad(spring, pressure, fluid) for pressure in pressures]
+    loads = [PathLoad(spring, path=fluid, fluid_pressure=pressure) for pressure in pressures]
     return load_path(model, LAW, loads, settings=PlasticSettings(steps=steps), unload=False)
 
 
@@ -108,7 +108,7 @@ def test_bodies_that_never_yield_are_elastic_ones(law: Law, path: FluidPath) -> 
     whole = load_path(
         model,
         law,
-        [FluidLoad(spring, pressure, path, FIT)],
+        [PathLoad(spring, FIT, path=path, fluid_pressure=pressure)],
         at_rest=FIT,
         settings=PlasticSettings(steps=1),
     )
@@ -129,7 +129,7 @@ def test_a_fluid_of_next_to_no_pressure_changes_nothing() -> None:
     few = PlasticSettings(steps=4)
     (dry,) = load_path(model, LAW, [PathLoad(spring)], settings=few, unload=False).contacts
     (wet,) = load_path(
-        model, LAW, [FluidLoad(spring, 1.0, flowing("inner"))], settings=few, unload=False
+        model, LAW, [PathLoad(spring, path=flowing("inner"), fluid_pressure=1.0)], settings=few, unload=False
     ).contacts
     assert wet.pressure == pytest.approx(dry.pressure, rel=1e-6)
     assert dry.states["seat"].plastic.accumulated.max() > 1e-3
@@ -143,7 +143,11 @@ def test_given_loads_are_those_that_the_fluid_was_found_with() -> None:
     model, spring = soft()
     one = PlasticSettings(steps=1)
     (found,) = load_path(
-        model, LAW, [FluidLoad(spring, 100e5, flowing("inner"))], settings=one, unload=False
+        model,
+        LAW,
+        [PathLoad(spring, path=flowing("inner"), fluid_pressure=100e5)],
+        settings=one,
+        unload=False,
     ).contacts
     (given,) = load_path(
         model, LAW, [PathLoad(found.contact_force, found.loads)], settings=one, unload=False
@@ -229,7 +233,7 @@ def test_a_spring_that_closes_first_leaves_another_seat_than_one_that_comes_with
     together = load_path(
         model,
         LAW,
-        [FluidLoad(spring, 500e5, flowing("inner"))],
+        [PathLoad(spring, path=flowing("inner"), fluid_pressure=500e5)],
         settings=PlasticSettings(steps=SPRING_FIRST),
         unload=False,
     ).contacts[0]
@@ -266,12 +270,18 @@ def test_blow_off_of_a_coined_seat_is_where_its_path_ends(fluid: FluidPath) -> N
     """Foretold from the unloading of the coined bodies, and met by the path."""
     model, spring = soft()
     few = PlasticSettings(steps=4)
-    coined = load_path(model, LAW, [FluidLoad(spring, 0.0, fluid)], settings=few, unload=False).contacts[0]
+    coined = load_path(
+        model, LAW, [PathLoad(spring, path=fluid, fluid_pressure=0.0)], settings=few, unload=False
+    ).contacts[0]
     assert isinstance(coined, ElastoplasticContact)
     opens = blow_off_pressure(FluidAndContact(coined.unloading, LAW, fluid), applied_force=spring)
     pressures = (0.0, 0.995 * opens, 1.005 * opens)
     path = load_path(
-        model, LAW, [FluidLoad(spring, one, fluid) for one in pressures], settings=few, unload=False
+        model,
+        LAW,
+        [PathLoad(spring, path=fluid, fluid_pressure=one) for one in pressures],
+        settings=few,
+        unload=False,
     )
     assert list(path.opened) == [2]
     closed = path.contacts[1]

@@ -6,7 +6,6 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from functools import cached_property
-from typing import TypeVar
 
 import numpy as np
 
@@ -16,7 +15,7 @@ from fem_seal.bodies.fields import BodyField, elastoplastic_field
 from fem_seal.contact.laws import Law
 from fem_seal.contact.model import ContactModel
 from fem_seal.contact.other_loads import NO_LOADS, FurtherLoads
-from fem_seal.contact.path_loads import LoadOnPath, PathLoad
+from fem_seal.contact.path_loads import PathLoad
 from fem_seal.contact.plastic_step import Equilibrium, PlasticSettings, YieldingBody, press, unloading_model
 from fem_seal.contact.solution import ContactSolution, body_fields, fields_at_rest
 from fem_seal.errors import ConvergenceError, OpenSealError
@@ -172,13 +171,10 @@ class PlaceOnPath:
     step: float
 
 
-L = TypeVar("L", bound=LoadOnPath)
-
-
 def load_path(
     model: ContactModel,
     law: Law,
-    loads: Sequence[L],
+    loads: Sequence[PathLoad],
     *,
     at_rest: FurtherLoads | None = None,
     settings: PlasticSettings | None = None,
@@ -193,7 +189,7 @@ def load_path(
     model : ContactModel
         The material of "closure", "seat" or both has a hardening curve; they yield.
     law : InterfaceLaw or HardContact
-    loads : sequence of PathLoad or FluidLoad
+    loads : sequence of PathLoad
         In the order in which they act; between them everything rises or falls evenly, and at every step on the way
         fluid and contact belong to each other.
     at_rest : FurtherLoads, optional
@@ -222,23 +218,22 @@ def load_path(
     if not bodies:
         raise ValueError("no material has a hardening curve; solve the contact with fem_seal.contact.solve")
     for load in loads:
-        if isinstance(load, PathLoad) and not (math.isfinite(load.contact_force) and load.contact_force > 0):
-            raise ValueError(f"contact_force = {load.contact_force!r} N: must be positive and finite")
-    tell = progress or (lambda place: None)
-    walk = _Walk(model, bodies, law, settings or PlasticSettings())
+        if load.path is None and not (math.isfinite(load.force) and load.force > 0):
+            raise ValueError(f"contact_force = {load.force!r} N: must be positive and finite")
+    walk = _Walk(model, bodies, law, settings or PlasticSettings(), progress or (lambda place: None))
     rest, nothing = (loads[0].rest(further) for further in (at_rest or NO_LOADS, NO_LOADS))
     contacts: list[ElastoplasticContact] = []
     opened: dict[int, OpenLoad] = {}
     here = Equilibrium({name: body.solid.virgin for name, body in bodies.items()}, None, ())
     stopped = None
     try:
-        if rest.apart != NO_LOADS:
+        if rest.further != NO_LOADS:
             here, _ = walk.to(rest, nothing, here)
         virgin, last = here.states, rest
         try:
             for number, load in enumerate(loads):
                 try:
-                    reached, steps = walk.to(load.after(contacts), last, here, _telling(tell, number))
+                    reached, steps = walk.to(load.after(contacts), last, here, number)
                 except _Opened as found:
                     opened[number] = found.load
                     continue
@@ -251,23 +246,12 @@ def load_path(
             stopped = error
         if not unload:
             return LoadPath(tuple(contacts), None, stopped, opened)
-        here = walk.unloaded(rest.after(contacts), last, here, _telling(tell, len(loads)))
+        here = walk.unloaded(rest.after(contacts), last, here, len(loads))
     except ConvergenceError as error:
         path = LoadPath(tuple(contacts), None, stopped or error, opened)
         raise ConvergenceError(str(error), partial=path) from error
-    unloaded = Unloaded(model, rest.apart, bodies, virgin, here.states)
+    unloaded = Unloaded(model, rest.further, bodies, virgin, here.states)
     return LoadPath(tuple(contacts), unloaded, stopped, opened)
-
-
-Telling = Callable[[float, int, float], None]
-
-
-def _telling(tell: Callable[[PlaceOnPath], None], number: int) -> Telling:
-    return lambda way, steps, step: tell(PlaceOnPath(number, way, steps, step))
-
-
-def _quiet(way: float, steps: int, step: float) -> None:
-    """Tell nobody."""
 
 
 def _with_bodies(
@@ -295,11 +279,14 @@ class _Walk:
     bodies: Mapping[str, YieldingBody]
     law: Law
     settings: PlasticSettings
+    tell: Callable[[PlaceOnPath], None]
 
     def to(
-        self, end: LoadOnPath, begin: LoadOnPath, here: Equilibrium, told: Telling = _quiet
+        self, end: PathLoad, begin: PathLoad, here: Equilibrium, number: int | None = None
     ) -> tuple[Equilibrium, int]:
-        """Walk from one load to another in steps, halved where they do not converge; also their number.
+        """Walk from one load to another in steps, halved where they do not converge; also how many.
+
+        Told is how far it is, if the load has a number.
 
         While nothing flows, steps become longer: elastic bodies forget how they came. That takes that nothing flows at
         the end of one, nor where it would end if all went on as before; else it is taken back. A step under which the
@@ -311,7 +298,8 @@ class _Walk:
         way, steps = 0.0, 0
         earlier, taken = None, 1.0
         while way < 1:
-            told(way, steps, step)
+            if number is not None:
+                self.tell(PlaceOnPath(number, way, steps, step))
             aim = way + step if way + 1.5 * step < 1 else 1.0
             load = begin.between(end, aim)
             guess = None if earlier is None else here.ahead(earlier, (aim - way) / taken)
@@ -335,15 +323,15 @@ class _Walk:
             here, way, steps = reached, aim, steps + 1
         return here, steps
 
-    def unloaded(self, rest: LoadOnPath, last: LoadOnPath, here: Equilibrium, told: Telling) -> Equilibrium:
+    def unloaded(self, rest: PathLoad, last: PathLoad, here: Equilibrium, number: int) -> Equilibrium:
         """Walk from the last load to where the bodies are apart; at once from where a fluid parts them on the way."""
         try:
-            return self.to(rest, last, here, told)[0]
+            return self.to(rest, last, here, number)[0]
         except _Opened as opened:
             return self.to(rest, rest, opened.reached)[0]
 
     def _pressed(
-        self, load: LoadOnPath, here: Equilibrium, guess: Mapping[str, FloatArray] | None, *, elastic: bool
+        self, load: PathLoad, here: Equilibrium, guess: Mapping[str, FloatArray] | None, *, elastic: bool
     ) -> Equilibrium:
         with np.errstate(over="raise", invalid="raise", divide="raise", under="ignore"):
             return press(
@@ -358,9 +346,9 @@ class _Walk:
                 elastic=elastic,
             )
 
-    def _open(self, load: LoadOnPath, reached: Equilibrium, error: OpenSealError) -> OpenLoad:
+    def _open(self, load: PathLoad, reached: Equilibrium, error: OpenSealError) -> OpenLoad:
         """What is said of a load by the bodies as they last touched; what was said on the way if they are closed."""
-        model = unloading_model(self.model, self.bodies, reached.states, load.apart)
+        model = unloading_model(self.model, self.bodies, reached.states, load.further)
         try:
             load.contact(model, self.law, reached.contact)
         except OpenSealError as of_load:
@@ -379,7 +367,7 @@ class _Opened(Exception):
         self.reached = reached
 
 
-def _gave_up(reached: LoadOnPath, aim: LoadOnPath, error: Exception) -> str:
+def _gave_up(reached: PathLoad, aim: PathLoad, error: Exception) -> str:
     return (
         f"elastoplastic contact: the load step from {reached} to {aim} does not converge: {error}. The body may be "
         "near its limit load: lower the load, give a stress_strain table that hardens, or take a thicker body; else "

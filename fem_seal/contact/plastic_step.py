@@ -24,7 +24,7 @@ from fem_seal.bodies.held_body import HeldBody, LoadName
 from fem_seal.contact.laws import Law
 from fem_seal.contact.model import ContactModel, line_compliance
 from fem_seal.contact.other_loads import NO_LOADS, FurtherLoads
-from fem_seal.contact.path_loads import LoadOnPath
+from fem_seal.contact.path_loads import PathLoad
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError
 
@@ -68,7 +68,7 @@ def press(
     model: ContactModel,
     bodies: Mapping[str, YieldingBody],
     law: Law,
-    load: LoadOnPath,
+    load: PathLoad,
     before: Mapping[str, BodyState],
     *,
     settings: PlasticSettings | None = None,
@@ -85,7 +85,7 @@ def press(
     bodies : mapping
         Those that yield, by name.
     law : InterfaceLaw or HardContact
-    load : LoadOnPath
+    load : PathLoad
         What acts at the end of the step.
     before : mapping
         States of the yielding bodies at the beginning of the step.
@@ -105,16 +105,16 @@ def press(
     ConvergenceError
         If the iteration does not reach the tolerance, or something flows that should not.
     """
-    settings, step = settings or PlasticSettings(), _Step(model, bodies, before, load.apart)
+    settings, step = settings or PlasticSettings(), _Step(model, bodies, before, load.further)
     guess = guess or {name: state.displacement for name, state in before.items()}
-    at = step.at(guess, load.apart, None)
+    at = step.at(guess, load.further, None)
     contact, allowed, residuals = start, np.inf, list[float]()
     for _ in range(settings.max_iterations):
         if elastic and at.flowing:
             raise ConvergenceError("something flows")
         linear, at_rest = step.linear(at)
         contact = _solve_from(linear, law, load, contact)
-        loads = load.apart if contact is None else contact.loads
+        loads = load.further if contact is None else contact.loads
         whole = step.at(step.moved(linear, at_rest, loads, contact), loads, contact)
         residuals.append(whole.imbalance)
         if whole.imbalance < settings.tolerance:
@@ -317,7 +317,7 @@ def _heat(held: HeldBody, magnitudes: Mapping[LoadName, float]) -> dict[str, flo
 
 
 def _solve_from(
-    model: ContactModel, law: Law, load: LoadOnPath, start: ContactSolution | None
+    model: ContactModel, law: Law, load: PathLoad, start: ContactSolution | None
 ) -> ContactSolution | None:
     """Start from a neighbouring contact; if it lies too far away, from scratch."""
     try:

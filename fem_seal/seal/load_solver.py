@@ -23,7 +23,7 @@ from fem_seal.contact.load_path import (
     yielding_bodies,
 )
 from fem_seal.contact.newton import Pressing, solve
-from fem_seal.contact.path_loads import FluidLoad, PathLoad
+from fem_seal.contact.path_loads import PathLoad
 from fem_seal.contact.penetration import (
     FlowThrough,
     FluidAndContact,
@@ -280,13 +280,15 @@ class LoadSolver:
         )
         return InputError(problem, file=self.problem.file)
 
-    def on_path(self, fluid_pressure: float, applied_force: float) -> PathLoad | FluidLoad:
+    def on_path(self, fluid_pressure: float, applied_force: float) -> PathLoad:
         """A load of the problem as one on the path of bodies that yield, by its way of closing."""
         at_rest = self.problem.at_rest(self.model)
         if self._on_sealed_area:
             return PathLoad(applied_force + self._closes(fluid_pressure), at_rest)
         remembers = self._path_after if self.asperities_remember else None
-        return FluidLoad(applied_force, fluid_pressure, self._path, at_rest, remembers)
+        return PathLoad(
+            applied_force, at_rest, path=self._path, fluid_pressure=fluid_pressure, remembers=remembers
+        )
 
     def at_contact_force(
         self,
