@@ -184,7 +184,7 @@ def test_the_other_interface_law_is_that_of_the_same_form_error():
 def other_contact(result):
     """The round contact of the highest load with the other interface law."""
     problem, load = result.problem, result.loads[-1]
-    law = replace(problem, interface=replace(problem.interface, plastic=True)).law
+    law = replace(problem, interface=problem.interface.model_copy(update={"plastic": True})).law
     return solve(result.model, law, contact_force=load.contact_force, loads=load.contact.loads)
 
 

@@ -87,10 +87,10 @@ def test_rows_are_means_of_the_samples():
         simulate(
             simulation.map(sample),
             simulation.patch.size,
-            simulation.pressures,
+            simulation.settings.pressures,
             effective_modulus=simulation.surface.effective_modulus,
             hardness=simulation.surface.hardness,
-            unload=simulation.unload,
+            unload=simulation.settings.unload,
         )
         for sample in range(2)
     ]
@@ -405,8 +405,8 @@ def test_the_softer_body_yields():
             seat={"shape": "cone", "angle": "45 deg", "material": seat},
         )
         simulation = direct_settings(given).of(rough_contact(given))
-        assert simulation.poissons_ratio == 0.34
-        assert simulation.yield_stress == pytest.approx(1e9 / 2.9)
+        assert simulation.settings.poissons_ratio == 0.34
+        assert simulation.settings.yield_stress == pytest.approx(1e9 / 2.9)
         both = 1.0 / ((1.0 - 0.2**2) / 400e9 + (1.0 - 0.34**2) / 120e9)
         assert simulation.body.effective_modulus == pytest.approx(both)
 
@@ -461,7 +461,7 @@ def test_another_surface_is_another_piece():
 
 def test_usual_pressures_span_the_contact_areas():
     simulation = DirectSettings(points=64).of(rough_contact(case()))
-    areas = [float(simulation.held.contact_area(p)) for p in simulation.pressures]
+    areas = [float(simulation.held.contact_area(p)) for p in simulation.settings.pressures]
     assert len(areas) == 8
     assert areas[0] == pytest.approx(0.003, rel=0.01)
     assert areas[-1] == pytest.approx(0.3, rel=0.01)

@@ -60,11 +60,14 @@ def test_a_variant_of_a_problem_leaks_as_a_case_that_asks_for_it():
 
 def test_the_law_is_that_of_the_variant():
     problem = rough_result().problem
-    plastic = replace(problem, interface=replace(problem.interface, plastic=True))
+    plastic = replace(problem, interface=problem.interface.model_copy(update={"plastic": True}))
     pressure = np.log(np.array([1e6, 1e8]))
     assert plastic.law is not problem.law
     assert np.all(plastic.law.decay_length(pressure) < problem.law.decay_length(pressure))
-    assert replace(problem, interface=replace(problem.interface, law="smooth")).law == HardContact()
+    assert (
+        replace(problem, interface=problem.interface.model_copy(update={"law": "smooth"})).law
+        == HardContact()
+    )
 
 
 def test_the_seat_of_a_case_and_its_larger_housing():

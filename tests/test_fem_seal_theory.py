@@ -197,7 +197,7 @@ def test_the_papers_seat_has_the_contact_and_the_leak_that_were_found_without_th
     """
     problem = SealProblem.of(example("ball_cone", load__fluid_pressure=["1 bar", "20 bar"], **CORRECTED))
     # p(u) of asperities that flow, which a case does not ask for: it makes 1.5 % of the leak rate
-    flows = replace(problem, interface=replace(problem.interface, plastic=True))
+    flows = replace(problem, interface=problem.interface.model_copy(update={"plastic": True}))
     (first, last), (_, usual) = evaluate(flows).loads, evaluate(problem).loads
     assert usual.leak.leak_rate == pytest.approx(last.leak.leak_rate, rel=0.02)
     assert last.contact.profile.peak_pressure == pytest.approx(61.6e6, rel=5e-3)

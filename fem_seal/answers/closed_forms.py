@@ -14,7 +14,7 @@ from fem_seal.contact.laws import HardContact, InterfaceLaw
 from fem_seal.errors import InputError
 from fem_seal.former_names import former_attribute
 from fem_seal.loads import blow_off_of_sealed_area, contact_force, expected_force, line_load
-from fem_seal.seal.problem import LARGEST_TURNING, TURNED, SealProblem
+from fem_seal.seal.problem import LARGEST_TURNING, TURNED, SealProblem, exponential_law
 from fem_seal.validity.words import sentence
 from leak import (
     CrossoverLine,
@@ -143,7 +143,7 @@ def derive(case: CaseSource) -> Derived:
         _derive_load(problem, *point, profiles=number not in problem.loads.refused)
         for number, point in enumerate(problem.loads.points)
     )
-    decay_length, law_pressure = problem.interface.exponential(surface)
+    decay_length, law_pressure = exponential_law(problem.interface, surface)
     closed = [load.crossover for load in loads if load.crossover is not None]
     law = _stiffening_law(problem)
     if decay_length is None and law is not None and closed:
@@ -260,7 +260,7 @@ def _derive_load(
 
 def _decay_length(problem: SealProblem, line_load: float) -> float | None:
     """u0 of the exponential that stands for the law; of the corrected theory the one at the peak that it gives."""
-    u0, law = problem.interface.exponential(problem.surface)[0], _stiffening_law(problem)
+    u0, law = exponential_law(problem.interface, problem.surface)[0], _stiffening_law(problem)
     if u0 is not None or law is None:
         return u0
     assert problem.surface is not None  # of law spectrum

@@ -33,7 +33,7 @@ from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.leak_model import log_peaks, range_around
 from fem_seal.seal.load_result import LoadResult, leak_rates
 from fem_seal.seal.load_solver import LoadSolver, linearised_again, path_again, solved_again
-from fem_seal.seal.problem import condensed
+from fem_seal.seal.problem import condensed, interface_law
 from fem_seal.seal.solved_seal import SolvedSeal
 
 if TYPE_CHECKING:
@@ -677,10 +677,10 @@ class _Study:
         known, problem = self.result.surface, self.result.problem
         assert known is not None  # of the checks
         if problem.interface.law != "spectrum" or problem.interface.plastic:
-            return problem.interface.of_surface(surface)
+            return interface_law(problem.interface, surface)
         height = height_ratio(surface.elastic, known.elastic)
         if height is None:
-            return problem.interface.of_surface(surface)
+            return interface_law(problem.interface, surface)
         pressure = height * surface.effective_modulus / known.effective_modulus
         if height == 1.0 and pressure == 1.0:
             return problem.law

@@ -103,7 +103,7 @@ def _ways(surface: RoughContact) -> list[tuple[_Conductivity, _Width, float]]:
 
 
 def _with_law(problem: SealProblem, plastic: bool) -> SealProblem:
-    return replace(problem, interface=replace(problem.interface, plastic=plastic))
+    return replace(problem, interface=problem.interface.model_copy(update={"plastic": plastic}))
 
 
 def _loads(result: SolvedSeal, problem: SealProblem) -> Sequence[LoadResult]:

@@ -110,10 +110,10 @@ def direct_numbers(table: DirectTable) -> dict[str, Any]:
         "points": patch.points,
         "size_m": patch.size,
         "shortest_wavelength_m": patch.shortest_wavelength,
-        "samples": simulation.samples,
-        "seed": None if measured else simulation.seed,
+        "samples": simulation.settings.samples,
+        "seed": None if measured else simulation.settings.seed,
         "measured_map": measured,
-        "direction": simulation.direction,
+        "direction": simulation.settings.direction,
         "rms_height_m": simulation.rms_height,
         "rms_height_of_surface_m": simulation.surface.spectrum.rms_height,
         "height_variance_cut": None if measured else patch.height_cut,
@@ -121,8 +121,10 @@ def direct_numbers(table: DirectTable) -> dict[str, Any]:
         "effective_modulus_Pa": simulation.surface.effective_modulus,
         "hardness_Pa": simulation.surface.hardness,
         "asperities": simulation.asperities,
-        "yield_stress_Pa": simulation.yield_stress,
-        "poissons_ratio": None if simulation.yield_stress is None else simulation.poissons_ratio,
+        "yield_stress_Pa": simulation.settings.yield_stress,
+        "poissons_ratio": None
+        if simulation.settings.yield_stress is None
+        else simulation.settings.poissons_ratio,
         "load_step_Pa": simulation.load_step,
     }
 
@@ -135,7 +137,7 @@ def direct_lines(table: DirectTable) -> list[str]:
     table : DirectTable
     """
     simulation = table.simulation
-    patches = "1 patch" if simulation.samples == 1 else f"{simulation.samples} patches"
+    patches = "1 patch" if simulation.settings.samples == 1 else f"{simulation.settings.samples} patches"
     if simulation.heights is not None:
         return [said("direct.patch", "map", simulation=simulation), _asperities(simulation)]
     lines = [

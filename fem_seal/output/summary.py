@@ -98,7 +98,9 @@ def resolved_input(result: SealSolution) -> dict[str, Any]:
         tables[name] |= chosen_dimensions(case, name)
     tables["mesh"]["contact_size"] = result.seal_mesh.sizing.contact_size
     if case.interface.law == "exponential":
-        tables["interface"]["u0"], tables["interface"]["p_c"] = exponential_law(case, result.surface)
+        tables["interface"]["u0"], tables["interface"]["p_c"] = exponential_law(
+            case.interface, result.surface
+        )
     return tables
 
 

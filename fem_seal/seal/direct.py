@@ -135,26 +135,20 @@ class DirectSettings:
             )
         except DirectError as error:
             raise InputError(Problem("direct", str(error))) from None
-        found = DirectSimulation(
-            surface.elastic if self.asperities == "elastic" else surface,
-            patch,
-            self.pressures,
-            self.unload,
+        settings = replace(
+            self,
             samples=self.samples if heights is None else 1,
-            seed=self.seed,
-            amplitudes=self.amplitudes,
             direction=self.direction or ("both" if surface.peklenik == 1.0 else "x"),
-            heights=heights,
-            folder=self.folder,
             yield_stress=self.yield_stress_of(surface) if self.asperities == "von-mises" else None,
-            poissons_ratio=self.poissons_ratio,
         )
+        surface = surface.elastic if self.asperities == "elastic" else surface
+        found = DirectSimulation(surface, patch, settings, heights)
         if self.pressures:
             return found
         held = found.held
-        if found.yield_stress is not None and held.hardness is None:
-            held = replace(held, hardness=HARDNESS_OVER_YIELD_STRESS * found.yield_stress)
-        return replace(found, pressures=usual_pressures(held))
+        if settings.yield_stress is not None and held.hardness is None:
+            held = replace(held, hardness=HARDNESS_OVER_YIELD_STRESS * settings.yield_stress)
+        return replace(found, settings=replace(settings, pressures=usual_pressures(held)))
 
     def yield_stress_of(self, surface: RoughContact) -> float | None:
         """Of metal that flows [Pa]; None where no hardness says it.
@@ -200,39 +194,22 @@ class DirectSimulation:
         The whole surface, as the theory takes it.
     patch : Patch
         The piece of it; of a measured map its grid and side.
-    pressures, unload : tuple of float
-        Of loading, and after the largest of them [Pa].
-    samples, seed : int
-    amplitudes : {"exact", "gaussian"}
-    direction : {"both", "x", "y"}
-        Of the flow.
+    settings : DirectSettings
+        With the pressures and the direction of the flow; the yield stress of metal that flows by von Mises, None where
+        the pressure is capped at the surface's hardness, if any.
     heights : ndarray or None
         A measured map, periodic, shape (n, n) [m]; None for random patches.
-    folder : Path or None
-        Where finished pieces are kept.
-    yield_stress : float or None
-        Of metal that flows by von Mises [Pa]; None where the pressure is capped at the surface's hardness, if any.
-    poissons_ratio : float
-        Of that metal [-].
     """
 
     surface: RoughContact
     patch: Patch
-    pressures: tuple[float, ...]
-    unload: tuple[float, ...] = ()
-    samples: int = 3
-    seed: int = 1
-    amplitudes: Literal["exact", "gaussian"] = "exact"
-    direction: Literal["both", "x", "y"] = "both"
+    settings: DirectSettings
     heights: FloatArray | None = None
-    folder: Path | None = None
-    yield_stress: float | None = None
-    poissons_ratio: float = 0.3
 
     @property
     def asperities(self) -> Asperities:
         """What yields."""
-        if self.yield_stress is not None:
+        if self.settings.yield_stress is not None:
             return "von-mises"
         return "elastic" if self.surface.hardness is None else "capped"
 
@@ -240,7 +217,9 @@ class DirectSimulation:
     def load_step(self) -> float | None:
         """Longest of metal that flows [Pa]; None where every pressure is pressed by itself."""
         return (
-            None if self.yield_stress is None else LOAD_STEP * HARDNESS_OVER_YIELD_STRESS * self.yield_stress
+            None
+            if self.settings.yield_stress is None
+            else LOAD_STEP * HARDNESS_OVER_YIELD_STRESS * self.settings.yield_stress
         )
 
     @property
@@ -253,7 +232,7 @@ class DirectSimulation:
         return (
             self.heights
             if self.heights is not None
-            else self.patch.heights(self.seed + sample, self.amplitudes)
+            else self.patch.heights(self.settings.seed + sample, self.settings.amplitudes)
         )
 
     @cached_property
@@ -272,34 +251,42 @@ class DirectSimulation:
         The first sample is also pressed without its shorter half of the waves, to see what the cutoff does. Metal that
         flows remembers its path, which is then one piece.
         """
-        if self.yield_stress is not None:
-            path, back = sorted(set(self.pressures)), sorted(set(self.unload), reverse=True)
-            whole = [Piece(sample, "load", tuple(path), tuple(back)) for sample in range(self.samples)]
+        if self.settings.yield_stress is not None:
+            path, back = sorted(set(self.settings.pressures)), sorted(set(self.settings.unload), reverse=True)
+            whole = [
+                Piece(sample, "load", tuple(path), tuple(back)) for sample in range(self.settings.samples)
+            ]
             return [*whole, Piece(0, "cutoff", tuple(path))]
-        found = [Piece(sample, "load", (p,)) for p in self.pressures for sample in range(self.samples)]
-        found += [Piece(0, "cutoff", (p,)) for p in self.pressures]
-        if self.unload:
-            found += [Piece(sample, "unload", self.unload) for sample in range(self.samples)]
+        found = [
+            Piece(sample, "load", (p,))
+            for p in self.settings.pressures
+            for sample in range(self.settings.samples)
+        ]
+        found += [Piece(0, "cutoff", (p,)) for p in self.settings.pressures]
+        if self.settings.unload:
+            found += [
+                Piece(sample, "unload", self.settings.unload) for sample in range(self.settings.samples)
+            ]
         return found
 
     def key(self, piece: Piece) -> str:
         """Hash of everything that a piece depends on."""
         surface, spectrum = self.surface, self.patch.held
-        flow = self.yield_stress, self.poissons_ratio, LOAD_STEP, piece.unload
-        yields = surface.hardness if self.yield_stress is None else flow
+        flow = self.settings.yield_stress, self.settings.poissons_ratio, LOAD_STEP, piece.unload
+        yields = surface.hardness if self.settings.yield_stress is None else flow
         about = [
             _VERSION, surface.effective_modulus, yields, self.patch.points, self.patch.size,
             self.patch.peklenik, self.gap_edges[-1], piece.branch, piece.pressures,
         ]  # fmt: skip
         if piece.branch == "unload":
-            about.append(max(self.pressures))
+            about.append(max(self.settings.pressures))
         if piece.branch == "cutoff":
             about.append(self.second_cutoff)
         digest = hashlib.sha256(repr(about).encode())
         if self.heights is not None:
             digest.update(self.heights.tobytes())
         else:
-            digest.update(repr((self.seed + piece.sample, self.amplitudes)).encode())
+            digest.update(repr((self.settings.seed + piece.sample, self.settings.amplitudes)).encode())
             digest.update(spectrum.wavenumber.tobytes() + spectrum.density.tobytes())
         return digest.hexdigest()[:20]
 
@@ -315,7 +302,7 @@ class DirectSimulation:
     @property
     def takes_minutes(self) -> bool:
         """Whether a piece does: a path of metal that flows."""
-        return self.yield_stress is not None
+        return self.settings.yield_stress is not None
 
     def record(self, values: Mapping[str, Any]) -> PieceRecord:
         """A record as it stands in a file.
@@ -337,11 +324,11 @@ class DirectSimulation:
         H, heights, start = self.surface.hardness, self.map(piece.sample), None
         if piece.branch == "cutoff":
             heights = smoothed(heights, self.patch.size, self.second_cutoff)
-        if self.yield_stress is not None:
+        if self.settings.yield_stress is not None:
             yield from _path(self, piece, heights)
             return
         if piece.branch == "unload":
-            state = press(self.body, heights, max(self.pressures), hardness=H)
+            state = press(self.body, heights, max(self.settings.pressures), hardness=H)
             heights, start = heights - state.overlap, state.pressure
         for p in piece.pressures:
             state = press(self.body, heights, p, hardness=H, start=start)
@@ -361,7 +348,7 @@ class DirectSimulation:
     def cubed(self, record: PieceRecord) -> float:
         """u_eff^3 in the direction of the flow [m^3]."""
         x, y = record.gap_cubed_along, record.gap_cubed_across
-        return {"both": 0.5 * (x + y), "x": x, "y": y}[self.direction]
+        return {"both": 0.5 * (x + y), "x": x, "y": y}[self.settings.direction]
 
 
 class Piece(NamedTuple):
@@ -623,7 +610,7 @@ class DirectTable:
         if theory is not None and (cut := theory.cut(Reading.CAPPED)) > 0.0:
             changes.append(math.log(cut))
         low, high = scatter - min(changes) + math.log(row.samples / row.open_samples), scatter + max(changes)
-        if self.simulation.yield_stress is not None:
+        if self.simulation.settings.yield_stress is not None:
             high += LOAD_STEP_ERROR
         before = [one for one in self.loading if one.pressure < row.pressure]
         if before:
@@ -660,7 +647,7 @@ class DirectTable:
         if row.open_samples < 1:
             return 0.0
         if row.samples == 1:
-            ratio = abs(row.log_directions) if self.simulation.direction == "both" else 0.0
+            ratio = abs(row.log_directions) if self.simulation.settings.direction == "both" else 0.0
             return _SIGMAS * 0.5 * ratio if math.isfinite(ratio) else math.log(_UNKNOWN)
         found = row.log_scatter
         if row.open_samples == 1:
@@ -726,12 +713,15 @@ def simulate_surface(
     LeakError
         A pressure reaches the hardness, or a contact does not converge.
     """
-    return _together(simulation, work(simulation, simulation.pieces(), jobs=jobs, progress=progress))
+    return _together(
+        simulation,
+        work(simulation, simulation.pieces(), simulation.settings.folder, jobs=jobs, progress=progress),
+    )
 
 
 def _path(simulation: DirectSimulation, piece: Piece, heights: FloatArray) -> Iterator[PieceRecord]:
     """Of metal that flows, in load steps of equal length from one pressure to the next."""
-    assert simulation.yield_stress is not None
+    assert simulation.settings.yield_stress is not None
     assert simulation.load_step is not None
     state: ElastoplasticState | None = None
     before = 0.0
@@ -743,8 +733,8 @@ def _path(simulation: DirectSimulation, piece: Piece, heights: FloatArray) -> It
                 simulation.body,
                 heights,
                 [step],
-                yield_stress=simulation.yield_stress,
-                poissons_ratio=simulation.poissons_ratio,
+                yield_stress=simulation.settings.yield_stress,
+                poissons_ratio=simulation.settings.poissons_ratio,
                 start=state,
             )
         before = p
@@ -768,11 +758,11 @@ def _together(simulation: DirectSimulation, known: dict[Piece, list[PieceRecord]
         for piece, records in known.items()
         for state, record in zip(piece.states, records, strict=True)
     }
-    loads: list[tuple[Branch, float]] = [("load", p) for p in sorted(simulation.pressures)]
-    loads += [("unload", p) for p in sorted(simulation.unload, reverse=True)]
+    loads: list[tuple[Branch, float]] = [("load", p) for p in sorted(simulation.settings.pressures)]
+    loads += [("unload", p) for p in sorted(simulation.settings.unload, reverse=True)]
     rows, densities = [], []
     for branch, p in loads:
-        records = [found[branch, sample, p] for sample in range(simulation.samples)]
+        records = [found[branch, sample, p] for sample in range(simulation.settings.samples)]
         cutoff = found["cutoff", 0, p] if branch == "load" else None
         rows.append(_row(simulation, branch, p, records, cutoff))
         counts = np.sum([one.gap_counts for one in records], axis=0)
@@ -796,7 +786,7 @@ def _row(
     return DirectRow(
         branch=branch,
         pressure=pressure,
-        largest_pressure=max(simulation.pressures) if cutoff is None else pressure,
+        largest_pressure=max(simulation.settings.pressures) if cutoff is None else pressure,
         contact_area=float(area.mean()),
         contact_area_scatter=float(area.std(ddof=1)) if several else math.nan,
         yielded_area=float(np.mean([one.yielded_area for one in records])),

@@ -12,7 +12,6 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -112,22 +111,14 @@ class SealSimulation:
     surface : RoughContact
     places : tuple of SealPlace
     asperities : tuple of {"elastic", "capped", "von-mises"}
-    samples, seed : int
-    yield_stress : float or None
-        Of metal that flows [Pa].
-    poissons_ratio : float
-    folder : Path or None
-        Where finished pieces are kept.
+    settings : DirectSettings
+        With the yield stress of metal that flows.
     """
 
     surface: RoughContact
     places: tuple[SealPlace, ...]
     asperities: tuple[Asperities, ...]
-    samples: int
-    seed: int
-    yield_stress: float | None
-    poissons_ratio: float
-    folder: Path | None = None
+    settings: DirectSettings
 
     @property
     def takes_minutes(self) -> bool:
@@ -139,7 +130,7 @@ class SealSimulation:
         return [
             StripPiece(place, asperities, sample)
             for asperities in self.asperities
-            for sample in range(self.samples)
+            for sample in range(self.settings.samples)
             for place in range(len(self.places))
         ]
 
@@ -150,12 +141,12 @@ class SealSimulation:
         yields = {
             "elastic": None,
             "capped": self.surface.hardness,
-            "von-mises": (self.yield_stress, self.poissons_ratio, LOAD_STEP),
+            "von-mises": (self.settings.yield_stress, self.settings.poissons_ratio, LOAD_STEP),
         }[piece.asperities]
         # the chain's last digits are those of its solver
         about = [
             _VERSION, self.surface.effective_modulus, yields, strip.points, strip.points_per_wave, strip.peklenik,
-            f"{strip.width:.9g} {place.line_load:.9g} {place.flight}", self.seed + piece.sample,
+            f"{strip.width:.9g} {place.line_load:.9g} {place.flight}", self.settings.seed + piece.sample,
         ]  # fmt: skip
         digest = hashlib.sha256(repr(about).encode())
         digest.update(np.round(strip.macroscopic_gap / self.surface.spectrum.rms_height, 6).tobytes())
@@ -170,17 +161,17 @@ class SealSimulation:
         """Press a strip."""
         place, steps = self.places[piece.place], 1
         if piece.asperities == "von-mises":
-            assert self.yield_stress is not None
-            longest = LOAD_STEP * HARDNESS_OVER_YIELD_STRESS * self.yield_stress
+            assert self.settings.yield_stress is not None
+            longest = LOAD_STEP * HARDNESS_OVER_YIELD_STRESS * self.settings.yield_stress
             steps = max(_LEAST_STEPS, math.ceil(place.profile.peak_pressure / longest))
         state = place.strip.pressed(
             place.line_load,
             effective_modulus=self.surface.effective_modulus,
-            seed=self.seed + piece.sample,
+            seed=self.settings.seed + piece.sample,
             asperities=piece.asperities,
             hardness=self.surface.hardness,
-            yield_stress=self.yield_stress,
-            poissons_ratio=self.poissons_ratio,
+            yield_stress=self.settings.yield_stress,
+            poissons_ratio=self.settings.poissons_ratio,
             load_steps=steps,
             flight=place.flight,
         )
@@ -280,17 +271,9 @@ def simulate_seal(
     assert surface is not None
     assert flow is not None
     places = tuple(place for load in loads for place in _places(load, surface, flow, settings))
-    simulation = SealSimulation(
-        surface,
-        places,
-        asperities,
-        settings.samples,
-        settings.seed,
-        settings.yield_stress_of(surface) if "von-mises" in asperities else None,
-        settings.poissons_ratio,
-        settings.folder,
-    )
-    found = work(simulation, simulation.pieces(), jobs=jobs, progress=progress)
+    yield_stress = settings.yield_stress_of(surface) if "von-mises" in asperities else None
+    simulation = SealSimulation(surface, places, asperities, replace(settings, yield_stress=yield_stress))
+    found = work(simulation, simulation.pieces(), settings.folder, jobs=jobs, progress=progress)
     rows = []
     for number, place in enumerate(places):
         for kind in asperities:

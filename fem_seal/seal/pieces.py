@@ -31,10 +31,6 @@ class Simulation(Protocol[Asked, Kept]):
     """What is cut into pieces; it goes to other processes."""
 
     @property
-    def folder(self) -> Path | None:
-        """Where finished pieces are kept."""
-
-    @property
     def takes_minutes(self) -> bool:
         """Whether one piece does, so that an interruption does not wait for it."""
 
@@ -51,6 +47,7 @@ class Simulation(Protocol[Asked, Kept]):
 def work(
     simulation: Simulation[Piece, Found],
     pieces: Sequence[Piece],
+    folder: Path | None,
     *,
     jobs: int = 1,
     progress: Callable[[str], None] = lambda text: None,
@@ -61,6 +58,8 @@ def work(
     ----------
     simulation : Simulation
     pieces : sequence
+    folder : Path or None
+        Where finished pieces are kept.
     jobs : int
         Processes; 1 calculates in this one.
     progress : callable
@@ -71,7 +70,7 @@ def work(
     LeakError
         Of the first piece that fails; what was finished is kept.
     """
-    known = {piece: found for piece in pieces if (found := _read(simulation, piece)) is not None}
+    known = {piece: found for piece in pieces if (found := _read(simulation, piece, folder)) is not None}
     missing = [piece for piece in pieces if piece not in known]
     if known and missing:
         progress(f"{len(known)} of {len(pieces)} pieces are there already")
@@ -80,14 +79,14 @@ def work(
         with closing(_calculated(simulation, missing, jobs)) as calculated:
             for piece, records, error in calculated:
                 # of a piece that failed there are fewer records
-                for path, record in zip(_files(simulation, piece), records, strict=False):
+                for path, record in zip(_files(simulation, piece, folder), records, strict=False):
                     write_text(path, as_json([record._asdict()]))
                 failed = failed or error
                 if error is None:
                     known[piece] = records
                     progress(f"direct simulation: {len(known)} of {len(pieces)} pieces")
     except KeyboardInterrupt:
-        if simulation.folder is not None:
+        if folder is not None:
             progress("interrupted; finished pieces are kept, and the same command goes on from there")
         raise
     if failed is not None:
@@ -142,14 +141,13 @@ def _attempt(simulation: Simulation[Piece, Found], piece: Piece) -> tuple[list[F
     return records, None
 
 
-def _files(simulation: Simulation[Piece, Found], piece: Piece) -> list[Path]:
-    folder = simulation.folder
+def _files(simulation: Simulation[Piece, Found], piece: Piece, folder: Path | None) -> list[Path]:
     return [] if folder is None else [folder / "pieces" / f"{key}.json" for key in simulation.keys(piece)]
 
 
-def _read(simulation: Simulation[Piece, Found], piece: Piece) -> list[Found] | None:
+def _read(simulation: Simulation[Piece, Found], piece: Piece, folder: Path | None) -> list[Found] | None:
     """None if it is not there, or is no whole piece."""
-    paths = _files(simulation, piece)
+    paths = _files(simulation, piece, folder)
     if not paths or not all(path.is_file() for path in paths):
         return None
     with suppress(ValueError, TypeError, KeyError):

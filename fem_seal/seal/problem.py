@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from fem_seal.arrays import FloatArray
     from fem_seal.bodies.held_body import LoadName
     from fem_seal.case.direct import Direct
-    from fem_seal.case.tables import CaseTables
+    from fem_seal.case.tables import CaseTables, Interface
     from fem_seal.contact.laws import Law
     from fem_seal.contact.model import ContactModel
     from fem_seal.contact.other_loads import FurtherLoads
@@ -44,66 +44,46 @@ if TYPE_CHECKING:
 DEFAULT_GAMMA = 0.4
 
 
-@dataclass(frozen=True)
-class Interface:
-    """Which law between contact pressure and gap carries the macroscopic contact.
+def interface_law(interface: Interface, surface: RoughContact | None) -> Law:
+    """The law of a rough contact; of "smooth", and of "exponential" with its own numbers, without one.
 
     Parameters
     ----------
-    law : {"spectrum", "exponential", "smooth"}
-    plastic : bool
-        With "spectrum": p(u) of asperities that yield instead of elastic ones.
-    gamma : float or None
-        With "exponential": decay length over rms height, unless `u0` is given.
-    u0 : float or None
-        With "exponential": decay length [m].
-    p_c : float or None
-        With "exponential": pressure at zero gap [Pa]; that of the spectrum unless given.
+    interface : Interface
+    surface : RoughContact or None
     """
+    from leak import ExponentialLaw
 
-    law: Literal["spectrum", "exponential", "smooth"]
-    plastic: bool = False
-    gamma: float | None = None
-    u0: float | None = None
-    p_c: float | None = None
+    if interface.law == "smooth":
+        return HardContact()
+    if interface.law == "spectrum":
+        assert surface is not None  # the case's own checks demand a roughness
+        return surface.interface_law(plastic=interface.plastic)
+    u0, p_c = exponential_law(interface, surface)
+    assert u0 is not None and p_c is not None
+    return ExponentialLaw(p_c=p_c, u0=u0)
 
-    def of_surface(self, surface: RoughContact | None) -> Law:
-        """The law of a rough contact; of "smooth", and of "exponential" with its own numbers, without one.
 
-        Parameters
-        ----------
-        surface : RoughContact or None
-        """
-        from leak import ExponentialLaw
+def exponential_law(interface: Interface, surface: RoughContact | None) -> tuple[float | None, float | None]:
+    """Decay length u0 [m] and pressure p_c [Pa] of p = p_c exp(-u/u0); None, None for a smooth interface.
 
-        if self.law == "smooth":
-            return HardContact()
-        if self.law == "spectrum":
-            assert surface is not None  # the case's own checks demand a roughness
-            return surface.interface_law(plastic=self.plastic)
-        u0, p_c = self.exponential(surface)
-        assert u0 is not None and p_c is not None
-        return ExponentialLaw(p_c=p_c, u0=u0)
+    With law "exponential" as given, or gamma times rms height and p_c of the spectrum; with law "spectrum" the elastic
+    spectrum's at low pressure, which the corrected theory has none of: None, None.
 
-    def exponential(self, surface: RoughContact | None) -> tuple[float | None, float | None]:
-        """Decay length u0 [m] and pressure p_c [Pa] of p = p_c exp(-u/u0); None, None for a smooth interface.
-
-        With law "exponential" as given, or gamma times rms height and p_c of the spectrum; with law "spectrum" the
-        elastic spectrum's at low pressure, which the corrected theory has none of: None, None.
-
-        Parameters
-        ----------
-        surface : RoughContact or None
-        """
-        corrected = surface is not None and surface.theory == "corrected"
-        if self.law == "smooth" or (self.law == "spectrum" and corrected):
-            return None, None
-        if surface is None:
-            return self.u0, self.p_c
-        if self.law == "spectrum":
-            return surface.u0, surface.p_c
-        gamma = DEFAULT_GAMMA if self.gamma is None else self.gamma
-        return self.u0 or gamma * surface.spectrum.rms_height, self.p_c or surface.p_c
+    Parameters
+    ----------
+    interface : Interface
+    surface : RoughContact or None
+    """
+    corrected = surface is not None and surface.theory == "corrected"
+    if interface.law == "smooth" or (interface.law == "spectrum" and corrected):
+        return None, None
+    if surface is None:
+        return interface.u0, interface.p_c
+    if interface.law == "spectrum":
+        return surface.u0, surface.p_c
+    gamma = DEFAULT_GAMMA if interface.gamma is None else interface.gamma
+    return interface.u0 or gamma * surface.spectrum.rms_height, interface.p_c or surface.p_c
 
 
 @dataclass(frozen=True)
@@ -261,7 +241,7 @@ class SealProblem:
         return cls(
             contact=case.contact,
             materials={"closure": case.closure.material, "seat": case.seat.material},
-            interface=_interface(case),
+            interface=case.interface,
             loads=Loads.of(case),
             surface=rough_contact(case),
             flow=flow_of(case),
@@ -286,7 +266,7 @@ class SealProblem:
     @cached_property
     def law(self) -> Law:
         """The law between contact pressure and gap, made when it is asked for."""
-        return self.given_law or self.interface.of_surface(self.surface)
+        return self.given_law or interface_law(self.interface, self.surface)
 
     @property
     def other_theories(self) -> tuple[str, ...]:
@@ -312,7 +292,7 @@ class SealProblem:
         return replace(
             self,
             surface=replace(surface, theory=theory, yielding="", percolation_threshold=threshold),
-            interface=replace(self.interface, plastic=False),
+            interface=self.interface.model_copy(update={"plastic": False}),
             flow=replace(flow, conductivity="bruggeman"),
             given_law=None,
         )
@@ -391,11 +371,6 @@ class SealProblem:
     def leaks(self) -> bool:
         """Whether there is a leak rate: it takes roughness and fluid."""
         return self.surface is not None and self.flow is not None
-
-
-def _interface(case: CaseTables) -> Interface:
-    given = case.interface
-    return Interface(given.law, given.plastic, given.gamma, given.u0, given.p_c)
 
 
 def rough_contact(case: CaseTables) -> RoughContact | None:
@@ -501,18 +476,6 @@ def _larger_housing(case: CaseTables) -> ContactGeometry | None:
         return None
     larger = replace(seat, **{name: _LARGER * getattr(seat, name) for name in _LENGTHS})
     return ContactGeometry.of(closure.outline, larger.outline)
-
-
-def exponential_law(case: CaseTables, surface: RoughContact | None) -> tuple[float | None, float | None]:
-    """`Interface.exponential` of a case.
-
-    Parameters
-    ----------
-    case : CaseTables
-    surface : RoughContact or None
-        The case's rough contact.
-    """
-    return _interface(case).exponential(surface)
 
 
 def build_mesh(problem: SealProblem) -> SealMesh:

@@ -49,7 +49,7 @@ def simulation_pictures(result: SealSolution) -> tuple[Picture, ...]:
         return ()
     table = flow.simulated.table(surface)
     peak = result.highest.peak_pressure
-    nearest = min(table.simulation.pressures, key=lambda pressure: abs(np.log(pressure / peak)))
+    nearest = min(table.simulation.settings.pressures, key=lambda pressure: abs(np.log(pressure / peak)))
     return curves_picture(table), map_picture(table, nearest)
 
 
@@ -135,7 +135,7 @@ def map_picture(table: DirectTable, pressure: float) -> Picture:
 
     simulation = table.simulation
     pressed = table.pressed(pressure)
-    if simulation.direction == "y":
+    if simulation.settings.direction == "y":
         pressed = PressedMap(pressed.gap.T.copy(), pressed.touches.T, pressed.yielded.T)
     gap, touches, yielded = pressed
     flow, found = pressed.flow()

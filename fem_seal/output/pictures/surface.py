@@ -282,7 +282,7 @@ def law_picture(result: SealSolution) -> Picture | None:
 def _exponential_gap(result: SealSolution, p: FloatArray) -> FloatArray:
     from fem_seal.seal.problem import exponential_law
 
-    u0, p_c = exponential_law(result.case, result.surface)
+    u0, p_c = exponential_law(result.case.interface, result.surface)
     assert u0 is not None and p_c is not None
     return u0 * np.log(p_c / p)
 

@@ -151,7 +151,7 @@ def _of_case(result: SealSolution) -> dict[str, Any]:
     drawn = {name: section(case, name) for name in BODIES}
     heating = problem.heating
     field = None if heating is None else heating.field(result.seal_mesh, problem.materials)
-    decay_length, law_pressure = exponential_law(case, result.surface)
+    decay_length, law_pressure = exponential_law(case.interface, result.surface)
     at_peak = None
     if case.interface.law == "spectrum" and decay_length is None and not isinstance(problem.law, HardContact):
         peak = max(load.peak_pressure for load in result.loads)
