@@ -62,7 +62,7 @@ def test_a_contact_that_has_no_solution_leaves_the_others_theirs(model, laws):
     needed = max(solve(model, law, contact_force=1257.0).iterations for law in laws[1:3])
     settings = fem_seal.ContactSettings(max_iterations=needed + 1)
     first, never, last = solve_together(
-        [Pressing(model, law, 1257.0) for law in (laws[2], stiff, laws[1])], settings
+        [Pressing(model, law, 1257.0, settings=settings) for law in (laws[2], stiff, laws[1])]
     )
     assert isinstance(never, ConvergenceError)
     assert f"did not converge in {needed + 1} iterations" in str(never)

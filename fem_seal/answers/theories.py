@@ -55,7 +55,7 @@ def _loads(seal: SolvedSeal, problem: SealProblem) -> list[LoadResult | None]:
             found[number] = LoadResult(*seal.loads[number].point, contact)
     else:
         solver = LoadSolver(problem, seal.model)
-        asked = solver.pressings
+        asked = solver.pressings()
         solved = solve_loads(solver, pressed=dict(zip(asked, solve_together([*asked.values()]), strict=True)))
         closed = [number for number in range(len(seal.loads)) if number not in solved.failures]
         for number, contact, around in zip(closed, solved.contacts, solved.around, strict=True):

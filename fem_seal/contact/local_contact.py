@@ -17,7 +17,7 @@ import numpy as np
 
 from fem_seal.contact.laws import HardContact, Law
 from fem_seal.contact.newton import Pressing, solve, solve_together
-from fem_seal.contact.solution import ContactSettings, ContactSolution
+from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError
 
 if TYPE_CHECKING:
@@ -45,7 +45,6 @@ _POLISH = 4
 _EVEN = 1e-12
 # Part of the relative curvature by which a gap is bent to see what that does to the peak.
 _BEND = 0.005
-_SETTINGS = ContactSettings(gap_tolerance=1e-10)
 
 
 @dataclass(eq=False)
@@ -322,11 +321,9 @@ class LocalContact:
         new = [k for k in rungs if k not in self._rungs]
         if not new:
             return
-        model, loads = self.mean.model, self.mean.loads
+        model, loads, force = self.mean.model, self.mean.loads, self.mean.contact_force
         found = solve_together(
-            [Pressing(model, self.law, self.mean.contact_force * math.exp(_STEP * k), loads) for k in new],
-            _SETTINGS,
-            [self._ahead(k) for k in new],
+            [Pressing(model, self.law, force * math.exp(_STEP * k), loads, start=self._ahead(k)) for k in new]
         )
         for k, contact in zip(new, found, strict=True):
             if isinstance(contact, ConvergenceError):
@@ -364,7 +361,6 @@ class LocalContact:
             self.law,
             contact_force=contact_force,
             loads=near.loads,
-            settings=_SETTINGS,
             start=near,
         )
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -14,7 +14,7 @@ from fem_seal.arrays import FloatArray
 from fem_seal.contact.laws import HardContact, Law, ScaledLaw, shape_of
 from fem_seal.contact.model import ContactModel
 from fem_seal.contact.other_loads import NO_LOADS, FurtherLoads
-from fem_seal.contact.solution import ContactSettings, ContactSolution
+from fem_seal.contact.solution import DEFAULT_SETTINGS, ContactSettings, ContactSolution
 from fem_seal.errors import ConvergenceError
 from fem_seal.former_names import formerly
 from fem_seal.processes import single_threaded
@@ -83,8 +83,9 @@ def solve(
     >>> print(f"{contact.profile.peak_pressure / 1e6:.0f} MPa over {contact.profile.fwhm * 1e3:.3f} mm")
     195 MPa over 0.106 mm
     """
-    starts = None if start is None else [start]
-    (found,) = solve_together([Pressing(model, law, contact_force, loads)], settings, starts)
+    (found,) = solve_together(
+        [Pressing(model, law, contact_force, loads, settings or DEFAULT_SETTINGS, start)]
+    )
     if isinstance(found, ConvergenceError):
         raise found
     return found
@@ -101,12 +102,17 @@ class Pressing:
     contact_force : float
         [N]
     loads : FurtherLoads or None
+    settings : ContactSettings
+    start : ContactSolution or None
+        Solution of a neighbouring load to start from.
     """
 
     model: ContactModel
     law: Law
     contact_force: float
     loads: FurtherLoads | None = None
+    settings: ContactSettings = DEFAULT_SETTINGS
+    start: ContactSolution | None = None
 
     def __post_init__(self) -> None:
         force = self.contact_force
@@ -115,42 +121,31 @@ class Pressing:
 
 
 @single_threaded
-def solve_together(
-    pressings: Sequence[Pressing],
-    settings: ContactSettings | None = None,
-    starts: Sequence[ContactSolution] | None = None,
-) -> list[ContactSolution | ConvergenceError]:
+def solve_together(pressings: Sequence[Pressing]) -> list[ContactSolution | ConvergenceError]:
     """`solve` of several: the same to the last digit, in less time where bodies and the shape of the law are the same.
 
     Parameters
     ----------
     pressings : sequence of Pressing
-    settings : ContactSettings, optional
-    starts : sequence of ContactSolution, optional
-        For each the solution of a neighbouring load to start from.
 
     Returns
     -------
     list
         Of each its solution, or why there is none.
     """
-    alike: dict[tuple[int, ...], list[int]] = {}
+    alike: dict[Hashable, list[int]] = {}
     for number, one in enumerate(pressings):
         law = None if isinstance(one.law, HardContact) else shape_of(one.law)
-        kind = (number,) if law is None else (id(one.model), id(law))
+        kind = number if law is None else (id(one.model), id(law), one.settings, one.start is None)
         alike.setdefault(kind, []).append(number)
     found: dict[int, ContactSolution | ConvergenceError] = {}
     for numbers in alike.values():
-        some = [pressings[number] for number in numbers]
-        near = None if starts is None else [starts[number] for number in numbers]
-        found.update(zip(numbers, _solve_alike(some, settings or ContactSettings(), near), strict=True))
+        found.update(zip(numbers, _solve_alike([pressings[n] for n in numbers]), strict=True))
     return [found[number] for number in range(len(pressings))]
 
 
-def _solve_alike(
-    pressings: Sequence[Pressing], settings: ContactSettings, starts: Sequence[ContactSolution] | None
-) -> list[ContactSolution | ConvergenceError]:
-    """Of one model, and, if they are several, of laws of one shape."""
+def _solve_alike(pressings: Sequence[Pressing]) -> list[ContactSolution | ConvergenceError]:
+    """Of one model; if they are several of laws of one shape, with equal settings, and all with a start or none."""
     first = pressings[0]
     if isinstance(first.law, HardContact):
         try:
@@ -158,18 +153,17 @@ def _solve_alike(
         except ConvergenceError as error:
             return [error]
     rows = _Rows.of(pressings)
-    guesses = None if starts is None else [(one.log_pressure, one.approach) for one in starts]
+    starts = [one.start for one in pressings if one.start is not None]
     try:
-        found = _newton(rows, _FLOOR, settings, guesses)
+        found = _newton(rows, _FLOOR, first.settings, [(one.log_pressure, one.approach) for one in starts])
     except FloatingPointError:
         # of one of them, whose own affair it is
         if len(pressings) > 1:
-            alone = [(n, None if starts is None else [starts[n]]) for n in range(len(pressings))]
-            return [own for n, near in alone for own in _solve_alike([pressings[n]], settings, near)]
+            return [own for one in pressings for own in _solve_alike([one])]
         found = [(None, [np.inf])]
     gaps = iter(_gaps(rows, [state for state, _ in found]))
     return [
-        _softened_first(one, settings) if state is None else _solution(one, state, residuals, next(gaps))
+        _softened_first(one) if state is None else _solution(one, state, residuals, next(gaps))
         for n, (one, (state, residuals)) in enumerate(zip(pressings, found, strict=True))
     ]
 
@@ -181,22 +175,22 @@ def _gaps(rows: _Rows, states: Sequence[State | None]) -> FloatArray:
     return rows.law.rows(there).gap(np.stack(v)) if v else np.empty((0, 0))
 
 
-def _softened_first(one: Pressing, settings: ContactSettings) -> ContactSolution | ConvergenceError:
+def _softened_first(one: Pressing) -> ContactSolution | ConvergenceError:
     """What does not come straight at the law: from a soft interface to the law in steps.
 
     It begins anew: where it was looked for before may be too far away even for a soft interface.
     """
     rows, residuals = _Rows.of([one]), [np.inf]
-    states: list[State] | None = None
+    states: list[State] = []
     for floor in (1.0, 0.1, 1e-2, 1e-3, 1e-4, 1e-5, _FLOOR):
         try:
-            ((state, residuals),) = _newton(rows, floor, settings, states)
+            ((state, residuals),) = _newton(rows, floor, one.settings, states)
         except FloatingPointError:
             state, residuals = None, [np.inf]
         if state is None:
             return ConvergenceError(
                 f"contact at axial force {one.contact_force:.6g} N (line load "
-                f"{one.model.line_load(one.contact_force):.6g} N/m) did not converge in {settings.max_iterations} "
+                f"{one.model.line_load(one.contact_force):.6g} N/m) did not converge in {one.settings.max_iterations} "
                 f"iterations; last residual {residuals[-1]:.2g} decay lengths, refine [mesh] contact_size or soften "
                 "the interface law"
             )
@@ -280,7 +274,7 @@ class _Rows:
 
 
 def _newton(
-    rows: _Rows, floor: float, settings: ContactSettings, states: Sequence[State] | None
+    rows: _Rows, floor: float, settings: ContactSettings, states: Sequence[State]
 ) -> list[tuple[State | None, list[float]]]:
     """Iterate each row to the tolerances: its state, None if that fails, and the residual before every step.
 
@@ -294,10 +288,10 @@ def _newton(
         Of one of the rows.
     """
     with np.errstate(over="raise", invalid="raise", under="ignore"):
-        if states is None:
-            v, d = _first_guess(rows, floor)
-        else:
+        if states:
             v, d = np.stack([one for one, _ in states]), np.array([[one] for _, one in states])
+        else:
+            v, d = _first_guess(rows, floor)
         residuals: list[list[float]] = [[] for _ in v]
         solved, left = np.zeros(len(v), dtype=bool), np.arange(len(v))
         for _ in range(settings.max_iterations):

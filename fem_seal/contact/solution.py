@@ -43,6 +43,9 @@ class ContactSettings:
     max_iterations: int = 60
 
 
+DEFAULT_SETTINGS = ContactSettings()
+
+
 @dataclass(frozen=True)
 class ContactSolution:
     """State of the contact line under one axial force.

@@ -15,7 +15,7 @@ from fem_seal.contact.model import ContactModel
 from fem_seal.contact.newton import Pressing, solve_together
 from fem_seal.contact.refit import MeshFit
 from fem_seal.contact.sizing import widths_together
-from fem_seal.contact.solution import ContactSettings, ContactSolution
+from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError, LoadProblem, NoLoadLeftError
 from fem_seal.seal.batch import Batch
 from fem_seal.seal.leak_model import RoughFlow
@@ -199,7 +199,7 @@ def evaluate_many(
         on_bodies = batch.each(left, with_bodies)
         solvers = {n: made[0] for n, made in on_bodies.items() if not isinstance(made, MeshingError)}
         with clock.step("contact", _solving(solvers.values())):
-            pressed = _pressed({n: one.pressings for n, one in solvers.items()}, sources, batch)
+            pressed = _pressed({n: one.pressings(sources[n].settings) for n, one in solvers.items()}, batch)
             fits = {n: fit for n, fit in fits.items() if fit.sizing is None} | batch.each(
                 on_bodies, looked_at
             )
@@ -215,26 +215,18 @@ def _solving(solvers: Collection[LoadSolver]) -> str:
 Pressed = Mapping[int, ContactSolution | Exception]
 
 
-def _pressed(
-    asked: Mapping[int, Mapping[int, Pressing]], sources: Mapping[int, Source], batch: Batch
-) -> dict[int, Pressed]:
+def _pressed(asked: Mapping[int, Mapping[int, Pressing]], batch: Batch) -> dict[int, Pressed]:
     """Contacts of loads that are questions of their own, by problem and load: all at once, in half the time."""
-    found: dict[int, Pressed] = {}
-    for settings in dict.fromkeys(sources[number].settings for number, loads in asked.items() if loads):
-        alike = {n: loads for n, loads in asked.items() if loads and sources[n].settings == settings}
+    asked = {number: loads for number, loads in asked.items() if loads}
 
-        def together(
-            several: Sequence[Mapping[int, Pressing]], settings: ContactSettings = settings
-        ) -> list[Pressed]:
-            every = iter(solve_together([one for loads in several for one in loads.values()], settings))
-            return [{number: next(every) for number in loads} for loads in several]
+    def together(several: Sequence[Mapping[int, Pressing]]) -> list[Pressed]:
+        every = iter(solve_together([one for loads in several for one in loads.values()]))
+        return [{number: next(every) for number in loads} for loads in several]
 
-        answers = batch.at_once(alike, together)
-        found |= {
-            n: dict.fromkeys(alike[n], one) if isinstance(one, Exception) else one
-            for n, one in answers.items()
-        }
-    return found
+    return {
+        number: dict.fromkeys(asked[number], one) if isinstance(one, Exception) else one
+        for number, one in batch.at_once(asked, together).items()
+    }
 
 
 def _solved_part(problem: SealProblem, solved: SolvedLoads) -> SealProblem:

@@ -36,6 +36,7 @@ from fem_seal.contact.penetration import (
 )
 from fem_seal.contact.plastic_step import PlasticSettings
 from fem_seal.contact.sizing import Opening, contact_widths
+from fem_seal.contact.solution import DEFAULT_SETTINGS
 from fem_seal.errors import (
     ConvergenceError,
     InputError,
@@ -55,7 +56,7 @@ if TYPE_CHECKING:
     from fem_seal.arrays import FloatArray
     from fem_seal.contact.laws import Law
     from fem_seal.contact.model import ContactModel
-    from fem_seal.contact.solution import ContactSolution
+    from fem_seal.contact.solution import ContactSettings, ContactSolution
     from fem_seal.seal.circumference import Around
     from fem_seal.seal.problem import SealProblem
     from leak import LeakResult, RoughContact
@@ -201,8 +202,7 @@ class LoadSolver:
             return self._sealed_area(force, start).after(self.earlier)
         return self._penetrated(self.seal, fluid_pressure, applied_force, start).after(self.earlier)
 
-    @property
-    def pressings(self) -> dict[int, Pressing]:
+    def pressings(self, settings: ContactSettings = DEFAULT_SETTINGS) -> dict[int, Pressing]:
         """What is to be pressed of each load, where each is a question of its own: no path, no way of the fluid."""
         if self.yields or not self._on_sealed_area:
             return {}
@@ -210,7 +210,7 @@ class LoadSolver:
         forces = [applied + self._closes(pressure) for pressure, applied in self.problem.loads.points]
         # what is no force says so where its load is solved
         return {
-            number: Pressing(self.model, self.problem.law, force, at_rest)
+            number: Pressing(self.model, self.problem.law, force, at_rest, settings)
             for number, force in enumerate(forces)
             if 0 < force < math.inf
         }

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 from fem_seal.bodies.supports import Supports
 from fem_seal.contact.model import ContactModel, condense, screened
-from fem_seal.contact.solution import ContactSettings
+from fem_seal.contact.solution import DEFAULT_SETTINGS, ContactSettings
 from fem_seal.materials import Material
 from fem_seal.seal.conductivity_tables import family_law, family_table
 from fem_seal.seal.leak_model import Conductivity, Flow
@@ -44,7 +44,7 @@ _TOLERANCE = 1e-6
 class Source:
     """Bodies on a mesh of the problem's own, and tables over the pressures of its contacts: those of a run."""
 
-    settings = ContactSettings()
+    settings = DEFAULT_SETTINGS
 
     def suited(self, problem: SealProblem) -> Source:
         """The source for a problem: itself, or that of a run where there is nothing to share."""
