@@ -19,14 +19,13 @@ from test_fem_seal_shapes import tables
 
 import meshes
 from fem_seal import Case
-from fem_seal.contact.around import line_load_around
+from fem_seal.contact.around import Stiffening, line_load_around
 from fem_seal.contact.laws import HardContact, Law
 from fem_seal.contact.local_contact import LocalContact
 from fem_seal.contact.model import condense
 from fem_seal.contact.newton import solve
 from fem_seal.contact.other_loads import FurtherLoads
 from fem_seal.contact.sizing import element_sizes
-from fem_seal.contact.waves import Stiffening
 from fem_seal.errors import ConvergenceError
 from fem_seal.form import FormError, Wave, rigid_wave
 from fem_seal.materials import effective_modulus

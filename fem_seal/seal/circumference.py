@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.polynomial import Chebyshev
 
-from fem_seal.contact.around import line_load_around
-from fem_seal.contact.waves import Stiffening
+from fem_seal.contact.around import Stiffening, line_load_around
 from fem_seal.errors import OpenSealError
 from fem_seal.profile import PressureProfile, remembered
 from fem_seal.units import share_text
