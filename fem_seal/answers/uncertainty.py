@@ -722,7 +722,7 @@ def stiffer(model: ContactModel, factor: float) -> ContactModel:
             name: load if name in _IMPOSED else replace(load, opening=load.opening / factor)
             for name, load in one.loads.items()
         }
-        return replace(one, held=replace(one.held, material=material), loads=loads)
+        return replace(one.with_loads(loads), held=replace(one.held, material=material))
 
     return replace(
         model,

@@ -46,38 +46,6 @@ class BoundaryLoad:
     free_strain: FloatArray | float = 0.0
 
 
-@dataclass(frozen=True, eq=False)
-class BoundaryLoads(Mapping[LoadName, BoundaryLoad]):
-    """Answers of a body to its loads, found when the first of them is asked for: many contacts ask for none.
-
-    Parameters
-    ----------
-    names : tuple of str or int
-    find : callable
-        Gives all of them.
-    """
-
-    names: tuple[LoadName, ...]
-    find: Callable[[], Mapping[LoadName, BoundaryLoad]]
-
-    def __getitem__(self, name: LoadName) -> BoundaryLoad:
-        return self._found[name]
-
-    def __iter__(self) -> Iterator[LoadName]:
-        return iter(self.names)
-
-    def __len__(self) -> int:
-        return len(self.names)
-
-    @cached_property
-    def _found(self) -> dict[LoadName, BoundaryLoad]:
-        return dict(self.find())
-
-    def __reduce__(self) -> tuple[object, ...]:
-        """For pickle, which knows no factorisation."""
-        return dict, (self._found,)
-
-
 @dataclass(frozen=True)
 class CondensedBody:
     """One elastic body seen from its contact line.
@@ -88,27 +56,38 @@ class CondensedBody:
         The body with its contact line and supports.
     compliance : ndarray, shape (n, n)
         Normal displacement of the trace nodes under unit forces at them along the normal [m/N].
-    loads : mapping of BoundaryLoad
-        0, 1: a fluid pressure of 1 Pa on the wetted surface inside and outside the contact line, the top of the
-        closure being outside; of a seat with fixed wall also "wall": the wall moved inwards by 1 m; of the
-        closure also "expansion": all of it grown by a strain of 1 beyond that of the seat.
+    find_loads : callable or None
+        Gives `loads`, found when the first of them is asked for: many contacts ask for none. 0, 1: a fluid pressure of
+        1 Pa on the wetted surface inside and outside the contact line, the top of the closure being outside; of a seat
+        with fixed wall also "wall": the wall moved inwards by 1 m; of the closure also "expansion": all of it grown by
+        a strain of 1 beyond that of the seat. None of a body that was pickled, with which its loads went.
     solve : callable or None
         From nodal forces (dofs,) [N] to displacements [m]; None where only the contact line matters.
     """
 
     held: HeldBody
     compliance: FloatArray
-    loads: Mapping[LoadName, BoundaryLoad]
+    find_loads: Callable[[], Mapping[LoadName, BoundaryLoad]] | None
     solve: Callable[[FloatArray], FloatArray] | None
 
     def __getstate__(self) -> dict[str, object]:
         """For pickle, which knows no factorisation: what is known goes with it, the way to more does not."""
-        return {**vars(self), "solve": None}
+        return {**vars(self), "loads": self.loads, "find_loads": None, "solve": None}
+
+    @cached_property
+    def loads(self) -> Mapping[LoadName, BoundaryLoad]:
+        """Answers to unit loads by their names."""
+        assert self.find_loads is not None  # of a body that was not pickled
+        return self.find_loads()
+
+    def with_loads(self, loads: Mapping[LoadName, BoundaryLoad]) -> CondensedBody:
+        """The same body with other answers to its loads."""
+        return replace(self, find_loads=lambda: loads)
 
     @property
     def line_alone(self) -> CondensedBody:
         """The same body without a way to displacements inside it, which takes most of the memory."""
-        return replace(self, loads=dict(self.loads), solve=None)
+        return replace(self.with_loads(self.loads), solve=None)
 
     @property
     def material(self) -> Material:
@@ -176,7 +155,7 @@ def condense_body(
 
     if held.balance.any():
         compliance = held.floating(compliance, solve(held.balance))
-    return CondensedBody(held, compliance, BoundaryLoads(tuple(named), lambda: dict(answers())), solve)
+    return CondensedBody(held, compliance, lambda: dict(answers()), solve)
 
 
 def with_wall_held(body: CondensedBody) -> CondensedBody:
@@ -214,6 +193,5 @@ def with_wall_held(body: CondensedBody) -> CondensedBody:
         inwards[held.wall] = -1.0
         yield "wall", BoundaryLoad(0.0, held.trace @ held.retreat(inwards), inwards)
 
-    loads = BoundaryLoads((*body.loads, "wall"), lambda: dict(answers()))
     compliance = body.compliance - retreat @ stiffness @ retreat.T
-    return CondensedBody(held, compliance, loads, lambda nodal: brought_back(solve(nodal)))
+    return CondensedBody(held, compliance, lambda: dict(answers()), lambda nodal: brought_back(solve(nodal)))

@@ -22,7 +22,6 @@ import numpy as np
 from fem_seal.arrays import FloatArray
 from fem_seal.bodies.condensed import (
     BoundaryLoad,
-    BoundaryLoads,
     CondensedBody,
     condense_body,
     with_wall_held,
@@ -328,8 +327,7 @@ def _condense_body(held: HeldBody) -> CondensedBody:
         outwards[held.wall] = 1.0
         forces["wall"] = np.asarray(stiffness_matrix(held.mesh, held.material) @ outwards)
     body = condense_body(held, DissectedBody(held).elastic(), forces)
-    loads = BoundaryLoads((*body.loads, *held.free_strain), lambda: {**body.loads, **dict(_heated(body))})
-    return replace(body, loads=loads)
+    return replace(body, find_loads=lambda: {**body.loads, **dict(_heated(body))})
 
 
 def _heated(body: CondensedBody) -> Iterator[tuple[LoadName, BoundaryLoad]]:

@@ -405,7 +405,7 @@ class YieldingBody:
         body = condense_body(self.held, self._dissected.condensed(flow), forces)
         # how it got where it is with its heat stands in its displacement, from which this way is not counted back
         unmoved = BoundaryLoad(0.0, np.zeros(self.held.trace.shape[0]), np.zeros(self.held.size))
-        return replace(body, loads={**body.loads, **dict.fromkeys(self.held.free_strain, unmoved)})
+        return body.with_loads({**body.loads, **dict.fromkeys(self.held.free_strain, unmoved)})
 
     @cached_property
     def _dissected(self) -> DissectedBody:

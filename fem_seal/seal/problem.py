@@ -501,7 +501,9 @@ def expected_contacts(problem: SealProblem, law: Law, forces: Sequence[float] | 
         See `sizing`.
     """
     contact = problem.contact
-    forces = [*(expected_forces(problem) if forces is None else forces), *_expected_earlier(problem)]
+    forces = [*(expected_forces(problem) if forces is None else forces)]
+    if problem.loads.earlier is not None:
+        forces.append(_expected_force(problem, *problem.loads.earlier))
     line_loads = tuple(line_load(force, contact.touch_radius, contact.angle) for force in forces)
     return Expected(law, line_loads, Opening.of(contact), problem.effective_modulus)
 
@@ -574,10 +576,6 @@ def expected_forces(problem: SealProblem) -> list[float]:
         for number, point in enumerate(loads.points)
         if number not in loads.refused
     ]
-
-
-def _expected_earlier(problem: SealProblem) -> list[float]:
-    return [] if problem.loads.earlier is None else [_expected_force(problem, *problem.loads.earlier)]
 
 
 def _expected_force(problem: SealProblem, fluid_pressure: float, applied_force: float) -> float:
