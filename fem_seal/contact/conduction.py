@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.sparse import bmat, coo_matrix, csc_matrix, csr_matrix
+from scipy.sparse import block_diag, bmat, coo_matrix, csc_matrix, csr_matrix
 
 from fem_seal.arrays import FloatArray
 from fem_seal.bodies.elasticity import (
@@ -38,14 +38,6 @@ if TYPE_CHECKING:
     from meshes import SealMesh
 
 BODIES = ("closure", "seat")
-# Which boundaries of the meshes a face of the seal is.
-FACES = {
-    "inner": ("closure_inner", "seat_inner"),
-    "outer": ("closure_outer", "seat_outer"),
-    "top": ("closure_top",),
-    "bottom": ("seat_bottom",),
-    "wall": ("seat_wall",),
-}
 # Conductance of a perfect contact in conductivities over the size of its elements: what is left of a step in
 # temperature is that share of the change over an element.
 _PERFECT = 1e3
@@ -77,7 +69,7 @@ class Surroundings:
     Parameters
     ----------
     faces : mapping of Face
-        By the names of `FACES`; those that are missing are insulated. At least one.
+        "inner", "outer", "top", "bottom", "wall": those that are missing are insulated. At least one.
     conductance : float or None
         Of the contact [W/(m^2 K)]; None where it is perfect, both faces having the same temperature.
     touching : tuple of float
@@ -146,9 +138,9 @@ class _Body:
         local = np.einsum("eq,eqid,eqjd->eij", weight, slopes, slopes, optimize=True)
         return assembled(local, quadratic_nodes(self.mesh)[1], self.size)
 
-    def film(self, boundary: str) -> csr_matrix:
-        """int 2 pi r T v over a face [m^2]; zero where the mesh has no such face."""
-        facets = (self.mesh.boundaries or {}).get(boundary, np.zeros(0, dtype=np.int64))
+    def film(self, face: str) -> csr_matrix:
+        """int 2 pi r T v over a face [m^2]; zero where the body has no such face."""
+        facets = (self.mesh.boundaries or {}).get(f"{self.name}_{face}", np.zeros(0, dtype=np.int64))
         (start, end), p = self.mesh.facets[:, facets], self.mesh.p
         along, weights = 0.5 + 0.5 * _GAUSS[0], 0.5 * _GAUSS[1]
         shapes = edge_shapes(along)
@@ -157,11 +149,10 @@ class _Body:
         local = np.einsum("eq,iq,jq->eij", area, shapes, shapes)
         return assembled(local, np.stack([start, end, self.mesh.nvertices + facets], axis=1), self.size)
 
-    def nodes(self, boundary: str) -> NDArray[np.int64]:
-        """Of a face."""
-        if boundary not in (self.mesh.boundaries or {}):
-            return np.zeros(0, dtype=np.int64)
-        return boundary_nodes(self.mesh, boundary)
+    def nodes(self, face: str) -> NDArray[np.int64]:
+        """Of a face, if the body has it."""
+        known = f"{self.name}_{face}" in (self.mesh.boundaries or {})
+        return boundary_nodes(self.mesh, f"{self.name}_{face}") if known else np.zeros(0, dtype=np.int64)
 
 
 @single_threaded
@@ -255,7 +246,7 @@ class _System:
 
     def conduction(self, temperature: FloatArray) -> csc_matrix:
         parts = [body.conduction(T) for body, T in zip(self.bodies, self.split(temperature), strict=True)]
-        return csc_matrix(csc_matrix(bmat([[parts[0], None], [None, parts[1]]])) + self.contact)
+        return csc_matrix(block_diag(parts) + self.contact)
 
     def entering(self, name: str, temperature: FloatArray) -> FloatArray:
         """Heat that enters each node through a face with a heat transfer coefficient [W]."""
@@ -294,7 +285,7 @@ class _System:
         share = self.touching / self.touching.sum()
         across = float(self.split(self.contact @ temperature)[0].sum())
         return TemperatureField(
-            {name: T for name, T in zip(BODIES, parts, strict=True)},
+            dict(zip(BODIES, parts, strict=True)),
             {
                 name: float(share @ (body.trace @ T))
                 for name, body, T in zip(BODIES, self.bodies, parts, strict=True)
@@ -304,32 +295,21 @@ class _System:
         )
 
 
-def _film(bodies: tuple[_Body, _Body], name: str, beside: FloatArray | None) -> csc_matrix:
+def _film(bodies: tuple[_Body, _Body], face: str, beside: FloatArray | None) -> csc_matrix:
     """int 2 pi r T v over a face of both bodies and the part of the contact line beside it, areas (m,) [m^2]."""
-    parts = []
-    for of, body in zip(BODIES, bodies, strict=True):
-        part = csr_matrix((body.size,) * 2)
-        for boundary in FACES[name]:
-            if boundary.startswith(of):
-                part = part + body.film(boundary)
-        if beside is not None:
-            part = part + body.trace.T @ body.trace.multiply(beside[:, None])
-        parts.append(part)
-    return csc_matrix(bmat([[parts[0], None], [None, parts[1]]]))
+    parts = [body.film(face) for body in bodies]
+    if beside is not None:
+        lines = [body.trace.T @ body.trace.multiply(beside[:, None]) for body in bodies]
+        parts = [part + line for part, line in zip(parts, lines, strict=True)]
+    return csc_matrix(block_diag(parts))
 
 
 def _held(bodies: tuple[_Body, _Body], surroundings: Surroundings) -> dict[str, NDArray[np.int64]]:
     """Nodes of each face that has a temperature itself; a corner between two such faces is one of the first."""
     held: dict[str, NDArray[np.int64]] = {}
-    starts = dict(zip(BODIES, (0, bodies[0].size), strict=True))
+    closure, seat = bodies
     for name, face in surroundings.faces.items():
         if face.heat_transfer is None:
-            dofs = [
-                start + body.nodes(boundary)
-                for boundary in FACES[name]
-                for (of, start), body in zip(starts.items(), bodies, strict=True)
-                if boundary.startswith(of)
-            ]
-            taken = [*held.values(), np.zeros(0, dtype=np.int64)]
-            held[name] = np.setdiff1d(np.concatenate(dofs), np.concatenate(taken))
+            nodes = np.concatenate([closure.nodes(name), closure.size + seat.nodes(name)])
+            held[name] = np.setdiff1d(nodes, [one for taken in held.values() for one in taken])
     return held
