@@ -152,7 +152,7 @@ def evaluate_many(
     """
     sources = {number: sources[number].suited(problem) for number, problem in problems.items()}
     problems = batch.each(problems, lambda n: sources[n].problem(problems[n]))
-    asked = batch.each(problems, lambda n: expected_contacts(problems[n], problems[n].law))
+    asked = batch.each(problems, lambda n: expected_contacts(problems[n]))
     widths = batch.at_once(asked, widths_together)
 
     def begun(number: int) -> MeshFit:

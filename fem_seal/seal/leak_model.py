@@ -162,9 +162,7 @@ class Flow:
         of_gas = self.gas is not None
         return theory_table(surface, p_min, p_max, num, self.conductivity, of_gas=of_gas)
 
-    def table_around(
-        self, surface: RoughContact, log_peaks: Sequence[float], num: int | None = None
-    ) -> Conductivity:
+    def table_around(self, surface: RoughContact, log_peaks: Sequence[float]) -> Conductivity:
         """Flow conductivity of a surface over all pressures that occur in contacts with some peak pressures.
 
         The range reaches six decades below the smallest peak, where the table goes on by the low-pressure law. It is
@@ -175,10 +173,8 @@ class Flow:
         surface : RoughContact
         log_peaks : sequence of float
             Decimal logarithms of the peak pressures [Pa].
-        num : int, optional
-            Number of pressures; by default as many as the error asks for.
         """
-        return self.table(surface, *range_around(log_peaks), num)
+        return self.table(surface, *range_around(log_peaks))
 
     def permeant(self, table: Conductivity, fluid_pressure: float) -> Permeant:
         """What flows at a pressure difference.

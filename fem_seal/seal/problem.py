@@ -492,12 +492,12 @@ def build_mesh(problem: SealProblem) -> SealMesh:
     return build_contact(problem.contact, sizing(problem))
 
 
-def expected_contacts(problem: SealProblem, law: Law, forces: Sequence[float] | None = None) -> Expected:
+def expected_contacts(problem: SealProblem, forces: Sequence[float] | None = None) -> Expected:
     """The contacts whose widths `sizing` needs.
 
     Parameters
     ----------
-    problem, law, forces
+    problem, forces
         See `sizing`.
     """
     contact = problem.contact
@@ -505,12 +505,11 @@ def expected_contacts(problem: SealProblem, law: Law, forces: Sequence[float] | 
     if problem.loads.earlier is not None:
         forces.append(_expected_force(problem, *problem.loads.earlier))
     line_loads = tuple(line_load(force, contact.touch_radius, contact.angle) for force in forces)
-    return Expected(law, line_loads, Opening.of(contact), problem.effective_modulus)
+    return Expected(problem.law, line_loads, Opening.of(contact), problem.effective_modulus)
 
 
 def sizing(
     problem: SealProblem,
-    law: Law | None = None,
     forces: Sequence[float] | None = None,
     widths: Sequence[ContactWidth] | None = None,
 ) -> Sizing:
@@ -519,8 +518,6 @@ def sizing(
     Parameters
     ----------
     problem : SealProblem
-    law : Law, optional
-        Instead of the problem's own.
     forces : sequence of float, optional
         Forces F_N of the contact [N] instead of those of the loads.
     widths : sequence of ContactWidth, optional
@@ -531,7 +528,7 @@ def sizing(
     InputError
         If [mesh] contact_size is out of range for this contact.
     """
-    asked = expected_contacts(problem, problem.law if law is None else law, forces)
+    asked = expected_contacts(problem, forces)
     contact, size = problem.contact, problem.contact_size
     widths = asked.widths if widths is None else widths
     try:
