@@ -212,7 +212,8 @@ def _through(x: list[float], y: list[float]) -> Callable[[float], float]:
 def _root(curve: Callable[[float], float], a: float, b: float) -> float:
     """Root between a and b, where the curve changes sign."""
     sign = math.copysign(1.0, curve(b) - curve(a))
-    return a + (b - a) * root_of_rising(lambda share: sign * curve(a + (b - a) * share), 0.0, 1.0, 0.5)
+    share = root_of_rising(lambda share: sign * curve(a + (b - a) * share), 0.0, 1.0, 0.5)
+    return float(a + (b - a) * share)
 
 
 def tightest(profiles: Sequence[PressureProfile]) -> PressureProfile:
