@@ -98,7 +98,7 @@ def test_a_load_that_does_not_converge_is_tried_on_a_finer_mesh_and_then_left_ou
         return solve(self, fluid_pressure, applied_force, start)
 
     monkeypatch.setattr(LoadSolver, "solve", failing)
-    monkeypatch.setattr(LoadSolver, "pressings", {})
+    monkeypatch.setattr(LoadSolver, "pressings", lambda self, settings=None: {})
     mesh = {} if size is None else {"mesh": {"contact_size": size}}
     result = fem_seal.run(case(**mesh))
     assert result.table.fluid_pressure_Pa.tolist() == [2e5, 20e5]
@@ -110,7 +110,7 @@ def test_a_load_that_does_not_converge_is_tried_on_a_finer_mesh_and_then_left_ou
 
 def test_if_no_load_converges_it_is_an_error(monkeypatch):
     monkeypatch.setattr(LoadSolver, "solve", Mock(side_effect=ConvergenceError("residual 1e-3")))
-    monkeypatch.setattr(LoadSolver, "pressings", {})
+    monkeypatch.setattr(LoadSolver, "pressings", lambda self, settings=None: {})
     with pytest.raises(ConvergenceError, match="residual 1e-3"):
         fem_seal.run(case())
 
