@@ -253,7 +253,7 @@ def node_dofs(mesh: MeshTri) -> NDArray[np.int64]:
 def element_dofs(mesh: MeshTri) -> NDArray[np.int64]:
     """Dofs of the shapes of every triangle, radial and axial by turns; shape (elements, 12)."""
     _, triangles = quadratic_nodes(mesh)
-    return (2 * triangles[..., None] + [0, 1]).reshape(len(triangles), 12)
+    return np.stack([2 * triangles, 2 * triangles + 1], axis=-1).reshape(len(triangles), 12)
 
 
 def boundary_dofs(mesh: MeshTri, boundary: str, component: int) -> NDArray[np.int64]:
