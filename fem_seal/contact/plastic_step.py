@@ -253,7 +253,8 @@ class _Step:
         linear = replace(
             model,
             lines=(replace(model.line, initial_gap=gap),),
-            **bodies,
+            closure=bodies["closure"],
+            seat=bodies["seat"],
             compliance=line_compliance(**bodies),
         )
         return linear, at_rest

@@ -348,7 +348,7 @@ class DirectSimulation:
     def cubed(self, record: PieceRecord) -> float:
         """u_eff^3 in the direction of the flow [m^3]."""
         x, y = record.gap_cubed_along, record.gap_cubed_across
-        return {"both": 0.5 * (x + y), "x": x, "y": y}[self.settings.direction]
+        return {"both": 0.5 * (x + y), "x": x, "y": y}[self.settings.direction or "both"]
 
 
 class Piece(NamedTuple):
