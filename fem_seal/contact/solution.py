@@ -167,7 +167,7 @@ class ContactSolution:
         over a curved face turns nothing.
         """
         line = self.model.line
-        slope = np.gradient(self.gap - line.initial_gap, line.x)
+        slope = line.slope(self.gap - line.initial_gap)
         weight = line.arc_weight * self.pressure
         return float(2 * np.sqrt(weight @ slope**2 / weight.sum()))
 
