@@ -314,7 +314,8 @@ def test_metal_that_flows_is_loaded_step_by_step():
 def test_interval_holds_what_load_steps_miss():
     found = metal()
     row = found.rows[0]
-    capped = replace(found, simulation=replace(found.simulation, yield_stress=None))
+    settings = replace(found.simulation.settings, yield_stress=None)
+    capped = replace(found, simulation=replace(found.simulation, settings=settings))
     assert found.log_error(row)[1] == pytest.approx(capped.log_error(row)[1] + 0.09)
     assert found.log_error(row)[0] == capped.log_error(row)[0]
 
@@ -589,7 +590,7 @@ def test_what_does_not_go_with_it():
     assert "needs a hardness or direct.yield_stress" in wrong(direct={"asperities": "von-mises"}, **bodies)
     assert "needs a hardness, and there is none" in wrong(direct={"asperities": "capped"}, **bodies)
     given = case(direct={"asperities": "von-mises", "yield_stress": "1 GPa"}, **bodies)
-    assert direct_settings(given).of(rough_contact(given)).yield_stress == 1e9
+    assert direct_settings(given).of(rough_contact(given)).settings.yield_stress == 1e9
     assert "remove size" in wrong(direct={"file": "map.x3p", "size": "1 mm"})
 
 
