@@ -20,8 +20,8 @@ from fem_seal.explore.figures import leak_figure
 from fem_seal.explore.live import Session
 from fem_seal.explore.screen import SHOWN, Screen
 from fem_seal.explore.tables import Missing, OwnTable, conductivity
-from fem_seal.explore.words import numbers_of, validity_words
-from fem_seal.explore.worker import Answers, Ask, Lost, Worker, Written, complete_screen, run_of
+from fem_seal.explore.words import Shown, numbers_of, validity_words
+from fem_seal.explore.worker import Answers, Ask, Lost, Worker, Written, complete_screen
 from fem_seal.output.report.words import headline
 
 EXAMPLES = Path(__file__).parent.parent / "examples"
@@ -88,7 +88,7 @@ def columns(result, load):
 
 
 def test_a_complete_screen_has_the_numbers_of_the_written_file(session, run):
-    screen = complete_screen(session.design(DESIGN), run_of(session, DESIGN, lambda text: None))
+    screen = complete_screen(session.design(DESIGN), fem_seal.run(session.case(DESIGN)))
     assert len(screen.loads) == len(run.loads) == 2
     for number, load in enumerate(screen.loads):
         expected = columns(run, number)
@@ -204,14 +204,14 @@ def test_nothing_is_claimed_of_a_seal_before_all_of_it_is_known():
     assert validity.endswith(words)
     assert any(
         note["text"] == words
-        for note in leak_figure([(screen, "#123456", "now")], False).layout["annotations"]
+        for note in leak_figure([Shown(screen, "now", "#123456")], False).layout["annotations"]
     )
 
 
 def test_the_interval_of_a_finish_is_that_of_a_run_in_the_end(tmp_path):
     case = case_with(roughness={"Ra": "0.4 um", "process": "lapped"}, load={"fluid_pressure": "20 bar"})
     session = Session(case)
-    screen = complete_screen(session.design({}), run := run_of(session, {}, lambda text: None))
+    screen = complete_screen(session.design({}), run := fem_seal.run(session.case({})))
     row = run.table.iloc[-1]
     low, high = (screen.load.values[f"leak_rate_{end}_m3_per_s"] for end in ("low", "high"))
     assert (low, high) == (row["leak_rate_low_m3_per_s"], row["leak_rate_high_m3_per_s"])
@@ -229,7 +229,7 @@ def test_the_curve_shows_the_whole_interval_of_the_load_that_is_shown():
     """A single load makes no band; a bar holds its interval."""
     screen = Session(case_with(load={"fluid_pressure": "20 bar"})).answer({})
     rate, low, high = (screen.load.values[f"leak_rate_{end}m3_per_s"] for end in ("", "low_", "high_"))
-    (bar,) = (one for one in leak_figure([(screen, "#123456", "now")], False).data if one.get("error_y"))
+    (bar,) = (one for one in leak_figure([Shown(screen, "now", "#123456")], False).data if one.get("error_y"))
     ends = bar["y"][0] - bar["error_y"]["arrayminus"][0], bar["y"][0] + bar["error_y"]["array"][0]
     assert [end / bar["y"][0] for end in ends] == pytest.approx([low / rate, high / rate], rel=1e-9)
     assert low < high
@@ -530,7 +530,7 @@ def test_missing_packages_are_named_in_one_sentence(session, monkeypatch):
     from fem_seal.explore.server import serve
 
     monkeypatch.setitem(sys.modules, "dash", None)
-    for name in ("page", "gate", "pieces"):
+    for name in ("page", "gate", "elements"):
         monkeypatch.delitem(sys.modules, f"fem_seal.explore.{name}", raising=False)
     with pytest.raises(
         InputError, match=r"needs dash, which is not installed; install it with: .*\[explore\]"
@@ -675,9 +675,9 @@ def test_what_was_given_up_is_refused_and_not_begun_again(session):
 
 def test_pictures_hold_what_is_on_the_screen_and_are_figures_of_plotly(session, live):
     graph_objects = pytest.importorskip("plotly.graph_objects")
-    from fem_seal.explore.figures import figures
+    from fem_seal.explore.figures import designs_shown, figures
 
-    drawn = figures(live, [session.answer({})], dark=True)
+    drawn = figures(designs_shown(live, [session.answer({})]), dark=True)
     assert set(drawn) == {"section", "leak", "profile", "gap"}
     for figure in drawn.values():
         graph_objects.Figure(figure.plain())  # which checks every entry

@@ -26,7 +26,6 @@ _STOPS = 80
 _WIDE, _NARROW = 5.0, 1.5
 # Keys of the bodies that are no dimensions to try out.
 _LEFT_ALONE = ("interference", "tolerance", "thickness")
-_UNITS = {"length": {"µm": "um"}, "force": {}, "fluid pressure": {}, "contact pressure": {}}
 
 
 @dataclass(frozen=True)
@@ -138,6 +137,11 @@ class Factors:
         own = {one.key: one.given for one in self.sliders}
         return own | ({"fluid": self.fluids[0]} if self.fluids else {})
 
+    @property
+    def labels(self) -> dict[str, str]:
+        """What all parts of a design are called, by their keys."""
+        return {one.key: one.label for one in self.sliders} | ({"fluid": "fluid"} if self.fluids else {})
+
     def named(self, entry: str) -> str:
         """Key of the factor that sets an entry of a case, by its path or its label; empty if none does."""
         for one in self.sliders:
@@ -190,7 +194,7 @@ class Factors:
                         case, required, found["load.fluid_pressure"]
                     )
             elif one.key == "force":
-                found["load.applied_force"] = _forces(case, one, text)
+                found["load.applied_force"] = _scaled(case.load.applied_force, one, text)
             else:
                 found |= dict.fromkeys(one.paths, one.words.format(text))
         fluid = design.get("fluid", self.fluids[0] if self.fluids else "")
@@ -224,15 +228,12 @@ Found = Sequence[Factor | str]
 
 
 def _pressure(case: Case) -> Found:
-    highest = max(case.load.fluid_pressure)
-    several = len(set(case.load.fluid_pressure)) > 1
     label, note = "fluid pressure", ""
-    if several:
+    if len(set(case.load.fluid_pressure)) > 1:
         label, note = "highest fluid pressure", "the other pressures of the case keep their share of it"
-    text, paths = case.written["load"].get("fluid_pressure"), ("load.fluid_pressure",)
-    return [
-        _log_factor("fluid_pressure", label, "load", highest, "pressure", text=text, paths=paths, note=note)
-    ]
+    path, highest = "load.fluid_pressure", max(case.load.fluid_pressure)
+    written = case.written["load"].get("fluid_pressure")
+    return [_factor("fluid_pressure", label, "load", (path,), "pressure", highest, written, note=note)]
 
 
 def _force(case: Case) -> Found:
@@ -245,12 +246,13 @@ def _force(case: Case) -> Found:
     label, note = "force", "of spring or actuator"
     if largest != min(forces):
         label, note = "largest force", "the other forces of the case keep their share of it"
-    text, paths = case.written["load"].get("applied_force"), ("load.applied_force",)
-    if largest > 0:
-        return [_log_factor("force", label, "load", largest, "force", text=text, paths=paths, note=note)]
-    # of the size of what the fluid does
-    reach = math.pi * case.touch_radius**2 * max(case.load.fluid_pressure)
-    return [_linear_factor("force", label, "load", 0.0, "force", 0.0, 2 * reach, paths=paths, note=note)]
+    written, values = case.written["load"].get("applied_force"), None
+    if largest == 0:
+        # to the size of what the fluid does
+        reach = 2 * math.pi * case.touch_radius**2 * max(case.load.fluid_pressure)
+        written, values = None, _even(0.0, reach)
+    path = "load.applied_force"
+    return [_factor("force", label, "load", (path,), "force", largest, written, values, note)]
 
 
 # What the height of a face is called in its table, the first that is there.
@@ -276,10 +278,15 @@ def _finishes(case: Case) -> Found:
         # a finish in words, "lapped Ra 0.2 um"
         match = _WORDS.search(words) if key in names and isinstance(words, str) else None
         if match is not None:
-            given: dict[str, Any] = {"text": match[2], "paths": (f"roughness.{key}",)}
-            given["words"] = words[: match.start(2)] + "{}" + words[match.end(2) :]
-            label, value = f"{match[1]}, {names[key]}", parse_quantity(match[2], "length")
-            found.append(_log_factor(f"finish_{key}", label, "surface", value, "length", **given))
+            found.append(
+                _finish(
+                    key,
+                    f"{match[1]}, {names[key]}",
+                    f"roughness.{key}",
+                    match[2],
+                    words[: match.start(2)] + "{}" + words[match.end(2) :],
+                )
+            )
     for key, table in faces.items():
         which = next((name for name in _HEIGHTS if name in table), None)
         if which is None:
@@ -287,11 +294,15 @@ def _finishes(case: Case) -> Found:
                 f"The roughness of the {names[key]} is measured: its height is not offered as a slider."
             )
             continue
-        given = {"text": table[which], "paths": (".".join(filter(None, ["roughness", key, which])),)}
-        label = f"{'rms height' if which == 'rms_height' else which}, {names.get(key, 'both faces')}"
-        value = _number("length", table[which])
-        found.append(_log_factor(f"finish_{key or 'all'}", label, "surface", value, "length", **given))
+        label = f"{which.replace('_', ' ')}, {names.get(key, 'both faces')}"
+        path = ".".join(filter(None, ["roughness", key, which]))
+        found.append(_finish(key or "all", label, path, table[which]))
     return found
+
+
+def _finish(key: str, label: str, path: str, written: object, words: str = "{}") -> Factor:
+    value = _number("length", written)
+    return _factor(f"finish_{key}", label, "surface", (path,), "length", value, written, words=words)
 
 
 def _hardness(case: Case) -> Found:
@@ -305,8 +316,9 @@ def _hardness(case: Case) -> Found:
         key=lambda body: getattr(case, body).material.hardness,
     )
     note = "of the softer body; beyond that of the other one it changes nothing"
-    given: dict[str, Any] = {"paths": (f"{body}.material.hardness",), "note": note}
-    return [_log_factor("hardness", f"hardness, {body}", "surface", hardness, "pressure", width=3.0, **given)]
+    label, paths = f"hardness, {body}", (f"{body}.material.hardness",)
+    values = _geometric(hardness, 3.0)
+    return [_factor("hardness", label, "surface", paths, "pressure", hardness, values=values, note=note)]
 
 
 def _dimensions(case: Case) -> Found:
@@ -335,8 +347,7 @@ def _dimensions(case: Case) -> Found:
                 continue
             paths, face = tuple(f"{body}.{key}" for body, key, *_ in angles), "both faces"
         label = f"{key.replace('_', ' ')}, {face}"
-        made = _of_dimension(dimension, f"{body}_{key}", label, written, paths)
-        found += [] if made is None else [made]
+        found += _of_dimension(dimension, f"{body}_{key}", label, written, paths)
     drawn = [body for body in ("closure", "seat") if getattr(case, body).shape == "profile"]
     found += [f"The {body} comes from a drawing: its dimensions are not offered." for body in drawn]
     return sorted(found, key=lambda one: isinstance(one, Factor) and "angle" not in one.key)
@@ -347,58 +358,44 @@ def _number(dimension: str, written: object) -> float:
     return parse_quantity(written, dimension) if isinstance(written, str) else float(str(written))
 
 
-def _of_dimension(
-    dimension: str, key: str, label: str, written: object, paths: tuple[str, ...]
-) -> Factor | None:
+def _of_dimension(dimension: str, key: str, label: str, written: object, paths: tuple[str, ...]) -> Found:
+    """The factor of an angle or a length; none where there is no room to move it."""
     value = _number(dimension, written)
-    if dimension == "angle":
+    if dimension == "length":
+        values, room = _geometric(value, _NARROW), value > 0
+    else:
         degrees = math.degrees(value)
         full = 180.0 if key.endswith("included_angle") else 90.0
         low, high = max(0.02 * full, degrees - full / 6), min(0.97 * full, degrees + full / 6)
-        if not low < degrees < high:
-            return None
-        return _linear_factor(
-            key, label, "dimension", value, "angle", math.radians(low), math.radians(high), paths=paths
-        )
-    if value <= 0:
-        return None
-    return _log_factor(key, label, "dimension", value, "length", width=_NARROW, text=written, paths=paths)
+        values, room = [*_even(math.radians(low), math.radians(high)), value], low < degrees < high
+        written = None
+    return [_factor(key, label, "dimension", paths, dimension, value, written, values)] if room else []
 
 
-def _log_factor(
-    key: str,
-    label: str,
-    group: Group,
-    value: float,
-    dimension: str,
-    *,
-    width: float = _WIDE,
-    text: object = None,
-    **more: Any,
-) -> Factor:
-    """Stops that grow by the same share, with three significant digits."""
+def _geometric(value: float, width: float) -> list[float]:
+    """Values that grow by the same share, as far to both sides of one."""
     ratio = 2 * math.log(width) / _STOPS
-    values = [value * math.exp(ratio * n) for n in range(-_STOPS // 2, _STOPS // 2 + 1)]
-    return _factor(key, label, group, values, value, dimension, text, **more)
+    return [value * math.exp(ratio * n) for n in range(-_STOPS // 2, _STOPS // 2 + 1)]
 
 
-def _linear_factor(
-    key: str, label: str, group: Group, value: float, dimension: str, low: float, high: float, **more: Any
-) -> Factor:
-    values = [low + (high - low) * n / _STOPS for n in range(_STOPS + 1)]
-    return _factor(key, label, group, [*values, value], value, dimension, None, **more)
+def _even(low: float, high: float) -> list[float]:
+    return [low + (high - low) * n / _STOPS for n in range(_STOPS + 1)]
 
 
 def _factor(
     key: str,
     label: str,
     group: Group,
-    values: list[float],
-    value: float,
+    paths: tuple[str, ...],
     dimension: str,
-    text: object,
-    **more: Any,
+    value: float,
+    text: object = None,
+    values: list[float] | None = None,
+    note: str = "",
+    words: str = "{}",
 ) -> Factor:
+    """A factor whose stops have three significant digits, but for its own value, which is as the case has it."""
+    values = _geometric(value, _WIDE) if values is None else values
     unit, size = _unit(dimension, value or max(values), text)
     texts = {}
     for one in sorted(values):
@@ -409,9 +406,7 @@ def _factor(
     texts = {number: shown for number, shown in texts.items() if abs(number - own) > 1e-6 * abs(own or 1.0)}
     texts[own] = re.sub(r"\.0 ", " ", given)
     stops = tuple(texts[number] for number in sorted(texts))
-    return Factor(
-        key=key, label=label, group=group, stops=stops, given=texts[own], dimension=dimension, **more
-    )
+    return Factor(key, label, group, paths, stops, texts[own], dimension, note, words)
 
 
 def _unit(dimension: str, value: float, text: object) -> tuple[str, float]:
@@ -422,19 +417,17 @@ def _unit(dimension: str, value: float, text: object) -> tuple[str, float]:
             return match[1], parse_quantity(f"1 {match[1]}", dimension)
     if dimension == "angle":
         return "deg", math.radians(1.0)
-    kind = {"length": "length", "force": "force"}.get(dimension)
     if dimension == "pressure":
-        kind = "contact pressure" if value >= 5e8 else "fluid pressure"
-    unit = unit_for(kind or dimension, value)
-    name = unit.name.replace("µ", "u")
-    return name, unit.size
+        dimension = "contact pressure" if value >= 5e8 else "fluid pressure"
+    unit = unit_for(dimension, value)
+    return unit.name.replace("µ", "u"), unit.size
 
 
-def _scaled(values: Sequence[float], factor: Factor, text: str) -> str | list[str]:
-    """Values of a list in their old proportions, the largest as it stands in a text."""
-    largest, share = max(values), factor.value(text) / factor.value(factor.given)
-    if len(values) == 1:
+def _scaled(values: float | Sequence[float], factor: Factor, text: str) -> str | list[str]:
+    """Values of a list in their old proportions, the largest as it stands in a text; the text for one alone."""
+    if isinstance(values, float) or len(values) == 1:
         return text
+    largest, share = max(values), factor.value(text) / factor.value(factor.given)
     unit = DIMENSIONS[factor.dimension].si_unit
     return [text if one == largest else f"{float(f'{one * share:.6g}')!r} {unit}" for one in values]
 
@@ -447,11 +440,6 @@ def _at_loads(case: Case, required: Sequence[float], moved: str | list[str]) -> 
     return [text for one in required for known, text in loads if math.isclose(one, known, rel_tol=1e-9)][
         : len(loads)
     ]
-
-
-def _forces(case: Case, factor: Factor, text: str) -> str | list[str]:
-    forces = case.load.applied_force
-    return _scaled(forces, factor, text) if isinstance(forces, tuple) else text
 
 
 def _fluids(case: Case) -> tuple[str, ...]:

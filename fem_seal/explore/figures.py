@@ -3,24 +3,29 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from fem_seal.explore.words import preliminary_words
+from fem_seal.explore.screen import LEAK
+from fem_seal.explore.words import Shown, preliminary_words
 from fem_seal.units import Unit, unit_for
 
 if TYPE_CHECKING:
     from fem_seal.explore.screen import Screen, Section, ShownLoad, ShownProfile
 
-# Of the design on the screen and of those pinned, fit for light and dark, told apart by the colour-blind, too.
-LIVE, PINS = "#2f7fd6", ("#e07b39", "#2f9e6e", "#b264c8", "#c9a227")
-_FILLS = {False: ("#dfe8f2", "#ece7dd"), True: ("#31445c", "#4a4336")}
-_INK = {False: "#1c2430", True: "#e3e8ef"}
-_GRID = {False: "#e4e8ee", True: "#39424f"}
-# Width of the section around the contact over that of the contact zone.
-_NEAR = 1.25
+Values = Sequence[float | None]
 # Of a picture [px].
 HEIGHT = 280
+_STRAIGHT: Mapping[str, Any] = {}
+_CURVED = {"shape": "spline", "smoothing": 0.8}
+# Of the design on the screen and of those pinned, fit for light and dark, told apart by the colour-blind, too.
+LIVE, PINS = "#2f7fd6", ("#e07b39", "#2f9e6e", "#b264c8", "#c9a227")
+_FILLS = {False: ("#ece7dd", "#dfe8f2"), True: ("#4a4336", "#31445c")}
+_INK = {False: "#1c2430", True: "#e3e8ef"}
+_GRID = {False: "#e4e8ee", True: "#39424f"}
+_GREY, _LIMIT = "#7b838f", "#c8443b"
+# What an annotation gives its place in: the whole picture.
+_PAPER = {"xref": "paper", "yref": "paper"}
 
 
 class Figure:
@@ -28,20 +33,58 @@ class Figure:
 
     Parameters
     ----------
-    layout
-        As in plotly.
+    dark : bool
+        For a dark page.
     """
 
-    def __init__(self, **layout: Any) -> None:
+    def __init__(self, dark: bool) -> None:
         self.data: list[dict[str, Any]] = []
-        self.layout: dict[str, Any] = layout
+        self.ink = _INK[dark]
+        grid = _GRID[dark]
+        axis = {
+            "gridcolor": grid,
+            "zeroline": False,
+            "linecolor": grid,
+            "ticks": "outside",
+            "tickcolor": grid,
+            "automargin": True,
+            "title": {"standoff": 8},
+        }
+        self.layout: dict[str, Any] = {
+            "height": HEIGHT,
+            "margin": {"l": 8, "r": 8, "t": 8, "b": 8},
+            "paper_bgcolor": "rgba(0,0,0,0)",
+            "plot_bgcolor": "rgba(0,0,0,0)",
+            "font": {
+                "color": self.ink,
+                "size": 12,
+                "family": "system-ui, 'Segoe UI', 'DejaVu Sans', sans-serif",
+            },
+            "xaxis": axis,
+            "yaxis": axis,
+            "showlegend": False,
+            "uirevision": "kept",
+            "hoverlabel": {"namelength": -1},
+        }
 
-    def add_scatter(self, **trace: Any) -> None:
-        """A line or points."""
-        self.data.append({"type": "scatter", **trace})
+    def add_line(
+        self,
+        x: Values,
+        y: Values,
+        colour: str,
+        width: float,
+        *,
+        style: Mapping[str, Any] = _STRAIGHT,
+        **more: Any,
+    ) -> None:
+        """A line, with further entries of its trace and, as its style, of the line itself."""
+        line = {"color": colour, "width": width, **style}
+        self.data.append({"type": "scatter", "mode": "lines", "x": x, "y": y, "line": line, **more})
 
-    def add_annotation(self, **note: Any) -> None:
+    def add_note(self, x: float, y: float, text: str, colour: str, size: int = 12, **more: Any) -> None:
         """A text."""
+        font = {"color": colour, "size": size}
+        note = {"x": x, "y": y, "text": text, "showarrow": False, "font": font, **more}
         self.layout.setdefault("annotations", []).append(note)
 
     def add_level(self, y: float, text: str, colour: str) -> None:
@@ -49,64 +92,52 @@ class Figure:
         across = {"xref": "paper", "x0": 0, "x1": 1, "y0": y, "y1": y}
         line = {"dash": "dash", "width": 1.4, "color": colour}
         self.layout.setdefault("shapes", []).append({"type": "line", **across, "line": line})
-        place = {"xref": "paper", "x": 0, "y": math.log10(y), "xanchor": "left", "yanchor": "bottom"}
-        self.add_annotation(**place, text=text, showarrow=False, font={"color": colour, "size": 11})
+        self.add_note(0, math.log10(y), text, colour, 11, xref="paper", xanchor="left", yanchor="bottom")
 
     def update(self, axis: str, title: str = "", **entries: Any) -> None:
         """Entries of "xaxis" or "yaxis"."""
         if title:
-            entries["title"] = {**self.layout[axis].get("title", {}), "text": title}
+            entries["title"] = {**self.layout[axis]["title"], "text": title}
         self.layout[axis] = {**self.layout[axis], **entries}
+
+    def say_alone(self, text: str) -> None:
+        """A text in place of the axes."""
+        self.add_note(0.5, 0.5, text, self.ink, 14, **_PAPER)
+        self.update("xaxis", visible=False)
+        self.update("yaxis", visible=False)
 
     def plain(self) -> dict[str, Any]:
         """As it goes to the page."""
         return {"data": self.data, "layout": self.layout}
 
 
-def figures(screen: Screen, pins: Sequence[Screen], dark: bool) -> dict[str, Figure]:
-    """All pictures, "section", "leak", "profile" and "gap".
+def designs_shown(screen: Screen, pins: Sequence[Screen]) -> list[Shown]:
+    """The design on the screen and those pinned, with their names and colours.
 
     Parameters
     ----------
     screen : Screen
     pins : sequence of Screen
+    """
+    return [Shown(screen, "now", LIVE), *map(Shown, pins, "ABCD", PINS)]
+
+
+def figures(shown: Sequence[Shown], dark: bool) -> dict[str, Figure]:
+    """All pictures, "section", "leak", "profile" and "gap".
+
+    Parameters
+    ----------
+    shown : sequence of Shown
+        That of the sliders first.
     dark : bool
         For a dark page.
     """
-    shown = [(screen, LIVE, "now"), *((pin, PINS[n], chr(ord("A") + n)) for n, pin in enumerate(pins))]
     return {
-        "section": section_figure(screen.section, dark),
+        "section": section_figure(shown[0].screen.section, dark),
         "leak": leak_figure(shown, dark),
         "profile": _over_x(shown, dark, "pressure"),
         "gap": _over_x(shown, dark, "gap"),
     }
-
-
-Shown = Sequence[tuple["Screen", str, str]]
-
-
-def _empty(dark: bool) -> Figure:
-    axis = {
-        "gridcolor": _GRID[dark],
-        "zeroline": False,
-        "linecolor": _GRID[dark],
-        "ticks": "outside",
-        "tickcolor": _GRID[dark],
-        "automargin": True,
-        "title": {"standoff": 8},
-    }
-    return Figure(
-        height=HEIGHT,
-        margin={"l": 8, "r": 8, "t": 8, "b": 8},
-        paper_bgcolor="rgba(0,0,0,0)",
-        plot_bgcolor="rgba(0,0,0,0)",
-        font={"color": _INK[dark], "size": 12, "family": "system-ui, 'Segoe UI', 'DejaVu Sans', sans-serif"},
-        xaxis=axis,
-        yaxis=dict(axis),
-        showlegend=False,
-        uirevision="kept",
-        hoverlabel={"namelength": -1},
-    )
 
 
 def section_figure(section: Section | None, dark: bool) -> Figure:
@@ -117,178 +148,123 @@ def section_figure(section: Section | None, dark: bool) -> Figure:
     section : Section or None
     dark : bool
     """
-    figure = _empty(dark)
+    figure = Figure(dark)
     figure.update("xaxis", visible=False, scaleanchor="y", constrain="domain")
     figure.update("yaxis", visible=False)
     if section is None:
         return figure
-    closure, seat = _FILLS[dark]
-    for name, corners, fill in (("seat", section.seat, seat), ("closure", section.closure, closure)):
+    for name, fill in zip(("seat", "closure"), _FILLS[dark], strict=True):
+        corners = getattr(section, name)
+        ring = [*corners, corners[0]]
         for side in (1, -1):
-            ring = [*corners, corners[0]]
-            figure.add_scatter(
-                x=[1e3 * side * r for r, _ in ring],
-                y=[1e3 * z for _, z in ring],
-                mode="lines",
-                fill="toself",
-                fillcolor=fill,
-                line={"width": 0.8, "color": _INK[dark]},
-                name=name,
-                hoverinfo="name",
-            )
+            x, y = [1e3 * side * r for r, _ in ring], [1e3 * z for _, z in ring]
+            figure.add_line(x, y, figure.ink, 0.8, fill="toself", fillcolor=fill, name=name, hoverinfo="name")
     low = 1e3 * min(z for _, z in section.seat)
     high = 1e3 * max(z for _, z in section.closure)
-    figure.add_scatter(
-        x=[0, 0],
-        y=[low, high],
-        mode="lines",
-        line={"dash": "longdashdot", "width": 1, "color": "#7b838f"},
-        hoverinfo="skip",
-    )
+    figure.add_line([0, 0], [low, high], _GREY, 1, style={"dash": "longdashdot"}, hoverinfo="skip")
     r0 = 1e3 * section.touch_radius
-    figure.add_scatter(
-        x=[-r0, r0],
-        y=[0, 0],
+    figure.add_line(
+        [-r0, r0],
+        [0, 0],
+        PINS[0],
+        1,
+        style={"dash": "dot"},
         mode="lines+markers",
-        line={"dash": "dot", "width": 1, "color": PINS[0]},
         marker={"size": 7, "color": PINS[0]},
         hovertemplate=f"circle of first touch, radius {r0:.4g} mm<extra></extra>",
     )
     outer = 1e3 * max(r for r, _ in section.seat)
-    above = section.pressure_side == "outer"
-    for text, y in (("high pressure", high if above else low), ("low pressure", low if above else high)):
-        at_top = y == high
-        figure.add_annotation(
-            x=outer if at_top else 0,
-            y=y,
-            text=text,
-            showarrow=False,
-            font={"color": LIVE if text.startswith("high") else "#7b838f", "size": 12},
-            xanchor="right" if at_top else "center",
-            yanchor="top" if at_top else "bottom",
-        )
-    figure.add_annotation(
-        x=0,
-        y=0,
-        text=f"r₀ = {r0:.4g} mm, contact angle {math.degrees(section.angle):.4g}°",
-        showarrow=False,
-        yshift=10,
-        font={"color": PINS[0], "size": 12},
-    )
+    above, below = {"text": "high pressure", "colour": LIVE}, {"text": "low pressure", "colour": _GREY}
+    if section.pressure_side != "outer":
+        above, below = below, above
+    figure.add_note(outer, high, **above, xanchor="right", yanchor="top")
+    figure.add_note(0, low, **below, xanchor="center", yanchor="bottom")
+    touch = f"r₀ = {r0:.4g} mm, contact angle {math.degrees(section.angle):.4g}°"
+    figure.add_note(0, 0, touch, PINS[0], yshift=10)
     return figure
 
 
-def over_force(screen: Screen) -> bool:
+def _over_force(screen: Screen) -> bool:
     """Whether the loads differ in force rather than in fluid pressure."""
     pressures = {load.values["fluid_pressure_Pa"] for load in screen.loads}
     forces = {load.applied_force for load in screen.loads}
     return len(pressures) == 1 and len(forces) > 1
 
 
-def leak_figure(shown: Shown, dark: bool) -> Figure:
+def leak_figure(shown: Sequence[Shown], dark: bool) -> Figure:
     """Leak rate over the load, with the interval of each design, on a logarithmic axis.
 
     Parameters
     ----------
-    shown : sequence of tuple
-        Screens with colour and name, that of the sliders first.
+    shown : sequence of Shown
+        That of the sliders first.
     dark : bool
     """
-    figure = _empty(dark)
+    figure, now = Figure(dark), shown[0].screen
     rates = [
         load.values[name]
-        for screen, _, _ in shown
-        for load in (*screen.loads, *screen.between)
+        for one in shown
+        for load in (*one.screen.loads, *one.screen.between)
         for name in ("leak_rate_m3_per_s", "leak_rate_high_m3_per_s")
     ]
     rates = [rate for rate in rates if math.isfinite(rate) and rate > 0]
     unit = unit_for("flow", math.exp(sum(map(math.log, rates)) / len(rates)) if rates else 1e-8)
-    force = over_force(shown[0][0])
-    axis, load_unit = _load_axis(shown[0][0], force)
-    for screen, colour, name in reversed(shown):
-        _add_leak(figure, screen, colour, name, unit, load_unit, force)
-    for name, allowed in shown[0][0].limits:
+    force = _over_force(now)
+    axis = "force" if force else "fluid pressure"
+    load_unit = unit_for(axis, max((_place(load, force) for load in now.loads), default=1e5))
+    for one in reversed(shown):
+        _add_leak(figure, one, unit, load_unit, force)
+    for name, allowed in now.limits:
         if allowed > 0:
-            figure.add_level(unit.of(allowed), f"allowed: {name}", "#c8443b")
-    figure.update(
-        "yaxis",
-        type="log",
-        title=f"leak rate [{shown[0][0].volume.named(unit).name}]",
-        exponentformat="power",
-        dtick=1,
-    )
-    if rates and max(rates) < 100 * min(rates):
-        figure.update("yaxis", dtick="D2")
-    if rates and max(rates) < 3 * min(rates):
-        figure.update("yaxis", dtick=None, nticks=6)
-    figure.update("xaxis", title=f"{axis} [{load_unit.name}]", rangemode="tozero")
-    preliminary = preliminary_words(shown[0][0])
-    if rates and preliminary:
-        place = {"xref": "paper", "x": 1, "yref": "paper", "y": 0, "xanchor": "right", "yanchor": "bottom"}
-        figure.add_annotation(
-            **place, text=preliminary, showarrow=False, font={"color": _INK[dark], "size": 11}
-        )
+            figure.add_level(unit.of(allowed), f"allowed: {name}", _LIMIT)
+    spread = max(rates) / min(rates) if rates else math.inf
+    ticks = {"dtick": None, "nticks": 6} if spread < 3 else {"dtick": "D2" if spread < 100 else 1}
+    title = f"leak rate [{now.volume.named(unit).name}]"
+    figure.update("yaxis", title, type="log", exponentformat="power", **ticks)
+    figure.update("xaxis", f"{axis} [{load_unit.name}]", rangemode="tozero")
     if not rates:
-        _say(figure, (shown[0][0].waiting and "calculating ...") or "no leak rate", dark)
+        figure.say_alone((now.waiting and "calculating ...") or "no leak rate")
+    elif preliminary := preliminary_words(now):
+        figure.add_note(1, 0, preliminary, figure.ink, 11, **_PAPER, xanchor="right", yanchor="bottom")
     return figure
-
-
-def _load_axis(screen: Screen, force: bool) -> tuple[str, Unit]:
-    kind = "force" if force else "fluid pressure"
-    largest = max((_place(load, force) for load in screen.loads), default=1e5)
-    return kind, unit_for(kind, largest)
 
 
 def _place(load: ShownLoad, force: bool) -> float:
     return load.applied_force if force else load.values["fluid_pressure_Pa"]
 
 
-def _add_leak(
-    figure: Figure, screen: Screen, colour: str, name: str, unit: Unit, load_unit: Unit, force: bool
-) -> None:
-    chosen = screen.load
+def _add_leak(figure: Figure, one: Shown, unit: Unit, load_unit: Unit, force: bool) -> None:
+    screen, chosen, colour = one.screen, one.screen.load, one.colour
     if chosen is None:
         return
     # up and down again is no curve, but several points
     curve = sorted((*screen.loads, *screen.between), key=lambda load: _place(load, force))
     x = [load_unit.of(_place(load, force)) for load in curve]
-    ends = [
-        [_positive(unit.of(load.values[f"leak_rate_{end}_m3_per_s"])) for load in curve]
-        for end in ("low", "high")
-    ]
-    if any(one is not None for one in ends[0]):
-        kept = [n for n in range(len(x)) if ends[0][n] is not None and ends[1][n] is not None]
-        for which, fill in ((0, "none"), (1, "tonexty")):
-            figure.add_scatter(
-                x=[x[n] for n in kept],
-                y=[ends[which][n] for n in kept],
-                mode="lines",
-                fill=fill,
-                fillcolor=_faint(colour),
-                line={"width": 0.6, "color": colour, "shape": "spline", "smoothing": 0.8},
-                hoverinfo="skip",
-            )
-    figure.add_scatter(
-        x=x,
-        y=[_positive(unit.of(load.values["leak_rate_m3_per_s"])) for load in curve],
-        mode="lines",
-        name=name,
-        line={"color": colour, "width": 2, "shape": "spline", "smoothing": 0.8},
-        hovertemplate=f"{name}: %{{y:.3g}} {unit.name} at %{{x:.4g}} {load_unit.name}<extra></extra>",
-    )
-    figure.add_scatter(
-        x=[load_unit.of(_place(chosen, force))],
-        y=[_positive(unit.of(chosen.values["leak_rate_m3_per_s"]))],
-        mode="markers",
-        marker={"color": colour, "size": 9},
-        error_y=_bar(chosen, unit, colour),
-        hoverinfo="skip",
+    rate, *ends = ([_positive(unit.of(load.values[column])) for load in curve] for column in LEAK)
+    band = [(at, low, high) for at, low, high in zip(x, *ends, strict=True) if low and high]
+    for which, fill in ((1, "none"), (2, "tonexty")) if any(ends[0]) else ():
+        edge = [point[0] for point in band], [point[which] for point in band]
+        figure.add_line(
+            *edge, colour, 0.6, style=_CURVED, fill=fill, fillcolor=_faint(colour), hoverinfo="skip"
+        )
+    hover = f"{one.name}: %{{y:.3g}} {unit.name} at %{{x:.4g}} {load_unit.name}<extra></extra>"
+    figure.add_line(x, rate, colour, 2, style=_CURVED, name=one.name, hovertemplate=hover)
+    figure.data.append(
+        {
+            "type": "scatter",
+            "x": [load_unit.of(_place(chosen, force))],
+            "y": [_positive(unit.of(chosen.values["leak_rate_m3_per_s"]))],
+            "mode": "markers",
+            "marker": {"color": colour, "size": 9},
+            "error_y": _bar(chosen, unit, colour),
+            "hoverinfo": "skip",
+        }
     )
 
 
 def _bar(load: ShownLoad, unit: Unit, colour: str) -> dict[str, Any] | None:
     """From end to end of the interval of one load: a band needs two."""
-    rate, low, high = (unit.of(load.values[f"leak_rate_{end}m3_per_s"]) for end in ("", "low_", "high_"))
+    rate, low, high = (unit.of(load.values[column]) for column in LEAK)
     if not all(map(math.isfinite, (rate, low, high))):
         return None
     bar = {"type": "data", "symmetric": False, "array": [high - rate], "arrayminus": [rate - low]}
@@ -300,46 +276,45 @@ def _positive(value: float) -> float | None:
     return value if math.isfinite(value) and value > 0 else None
 
 
-def _over_x(shown: Shown, dark: bool, what: str) -> Figure:
+def _over_x(shown: Sequence[Shown], dark: bool, what: str) -> Figure:
     """Contact pressure or gap across the contact."""
-    figure = _empty(dark)
-    profiles = [(one.profile, colour, name) for one, colour, name in shown if one.profile is not None]
+    figure = Figure(dark)
+    profiles = [(one.screen.profile, one) for one in shown if one.screen.profile is not None]
     if not profiles:
-        _say(figure, "nothing to show", dark)
+        figure.say_alone("nothing to show")
         return figure
-    reach = max(abs(x) for profile, _, _ in profiles for x in profile.x)
-    x_unit = unit_for("length", reach)
-    values = [[y for y in getattr(profile, what) if math.isfinite(y)] for profile, _, _ in profiles]
-    kind = "length" if what == "gap" else "contact pressure"
-    carried = max(_widest_carrying(profile) for profile, _, _ in profiles)
-    unit = unit_for(kind, carried if what == "gap" else max(max(one, default=0.0) for one in values))
-    for profile, colour, name in reversed(profiles):
-        own = name == "now"
-        figure.add_scatter(
-            x=[x_unit.of(x) for x in profile.x],
-            y=[unit.of(y) if math.isfinite(y) else None for y in getattr(profile, what)],
-            mode="lines",
-            name=name,
-            line={"color": colour, "width": 2},
-            fill="tozeroy" if own and what == "pressure" else None,
-            fillcolor=_faint(colour),
-            hovertemplate=f"{name}: %{{y:.4g}} {unit.name} at %{{x:.4g}} {x_unit.name}<extra></extra>",
-        )
-        if own and what == "pressure" and profile.fluid:
-            figure.add_scatter(
-                x=[x_unit.of(x) for x in profile.x],
-                y=[unit.of(y) if math.isfinite(y) else None for y in profile.fluid],
-                mode="lines",
-                name="fluid",
-                line={"color": colour, "width": 1.2, "dash": "dash"},
-                hovertemplate=f"fluid: %{{y:.4g}} {unit.name}<extra></extra>",
-            )
-    figure.update("xaxis", title=f"x across the seat [{x_unit.name}]")
+    x_unit = unit_for("length", max(abs(x) for profile, _ in profiles for x in profile.x))
     if what == "gap":
+        carried = max(_widest_carrying(profile) for profile, _ in profiles)
+        title, unit = "mean gap", unit_for("length", carried)
         # beside the contact the faces part soon, and far more than they do where they carry
         figure.update("yaxis", range=[0, unit.of(1.5 * carried)], autorange=False)
-    title = "mean gap" if what == "gap" else "contact pressure"
-    figure.update("yaxis", title=f"{title} [{unit.name}]", rangemode="tozero")
+    else:
+        peak = max((y for profile, _ in profiles for y in profile.pressure if math.isfinite(y)), default=0.0)
+        title, unit = "contact pressure", unit_for("contact pressure", peak)
+    figure.update("xaxis", f"x across the seat [{x_unit.name}]")
+    figure.update("yaxis", f"{title} [{unit.name}]", rangemode="tozero")
+
+    def add(
+        profile: ShownProfile, y: list[float], colour: str, width: float, name: str, at: str, **more: Any
+    ) -> None:
+        figure.add_line(
+            [x_unit.of(one) for one in profile.x],
+            [unit.of(one) if math.isfinite(one) else None for one in y],
+            colour,
+            width,
+            name=name,
+            hovertemplate=f"{name}: %{{y:.4g}} {unit.name}{at}<extra></extra>",
+            **more,
+        )
+
+    at = f" at %{{x:.4g}} {x_unit.name}"
+    for profile, one in reversed(profiles):
+        filled = one is shown[0] and what == "pressure"
+        fill = {"fill": "tozeroy" if filled else None, "fillcolor": _faint(one.colour)}
+        add(profile, getattr(profile, what), one.colour, 2, one.name, at, **fill)
+        if filled and profile.fluid:
+            add(profile, profile.fluid, one.colour, 1.2, "fluid", "", style={"dash": "dash"})
     return figure
 
 
@@ -348,20 +323,6 @@ def _widest_carrying(profile: ShownProfile) -> float:
     least = 1e-3 * max(profile.pressure)
     gaps = (gap for gap, pressure in zip(profile.gap, profile.pressure, strict=True) if pressure > least)
     return max((gap for gap in gaps if math.isfinite(gap)), default=1e-6)
-
-
-def _say(figure: Figure, text: str, dark: bool) -> None:
-    figure.add_annotation(
-        x=0.5,
-        y=0.5,
-        xref="paper",
-        yref="paper",
-        text=text,
-        showarrow=False,
-        font={"color": _INK[dark], "size": 14},
-    )
-    figure.update("xaxis", visible=False)
-    figure.update("yaxis", visible=False)
 
 
 def _faint(colour: str) -> str:

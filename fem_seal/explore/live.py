@@ -20,7 +20,7 @@ from fem_seal.answers.verdict import seal_judgement, with_judgements
 from fem_seal.case.load_limits import refused_loads
 from fem_seal.errors import InputError, SealError
 from fem_seal.explore.factors import Factors, factors_of, opened
-from fem_seal.explore.screen import Screen, profile_of, screen_of, section_of, shown_load, without_leak
+from fem_seal.explore.screen import Screen, profile_of, screen_of, section_of, shown_load
 from fem_seal.explore.tables import Missing, TableName, conductivity
 from fem_seal.explore.words import slow_words
 from fem_seal.seal.cost import load_seconds, seconds
@@ -163,7 +163,7 @@ class Session:
         except Missing:
             return Screen(
                 design,
-                tuple(without_leak(load) for load in found.loads[:own]),
+                tuple(shown_load(load) for load in found.loads[:own]),
                 number,
                 profile_of(found.loads[number]),
                 section_of(case),
@@ -171,7 +171,7 @@ class Session:
             )
         problem, required = found.problem, case.requirement
         loads = answered(found.seal(case), Inquiry(found.solver, SILENT), [OPENING]).loads
-        between = tuple(shown_load(case, load) for load in loads[own:])
+        between = tuple(shown_load(load, case) for load in loads[own:])
         judged = with_judgements(
             case,
             [

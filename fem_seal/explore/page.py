@@ -15,17 +15,17 @@ from dash import ALL, Dash, Input, Output, State, ctx, dcc, html, no_update
 from dash.exceptions import PreventUpdate
 
 from fem_seal.errors import SealError
-from fem_seal.explore import pieces
 from fem_seal.explore.case_file import free_name, write_case
-from fem_seal.explore.figures import HEIGHT, PINS, figures
+from fem_seal.explore.elements import elements
+from fem_seal.explore.figures import HEIGHT, PINS, designs_shown, figures
 from fem_seal.explore.gate import answered
-from fem_seal.explore.questions import Asked, asked_of, designs_of, place_of, refuse, text_of, texts_of
+from fem_seal.explore.questions import Asked, Design, Entered, checked, place_of, refuse
 from fem_seal.explore.words import not_taken_words, preliminary_words, refused_words, slow_words, still_words
 
 if TYPE_CHECKING:
     from flask import Response
 
-    from fem_seal.explore.factors import Factor, Factors
+    from fem_seal.explore.factors import Factors
     from fem_seal.explore.screen import Screen
     from fem_seal.explore.worker import Answers
 
@@ -41,8 +41,6 @@ _PICTURES = {
 }
 # Elements whose contents follow the sliders.
 _FOLLOWS = ("verdict", "numbers", "warnings", "compare", "problem", "lost", "state")
-_GRAPH = {"displaylogo": False, "responsive": True, "displayModeBar": False}
-_TALL = {"height": f"{HEIGHT}px"}
 
 
 def page_of(answers: Answers, folder: Path, title: str) -> Dash:
@@ -84,146 +82,26 @@ def _in_head(title: str) -> str:
     return escape(title).replace("{", "&#123;")
 
 
-def _layout(answers: Answers, title: str, name: str) -> html.Div:
+def _layout(answers: Answers, title: str, name: str) -> Any:
     factors = answers.session.factors
-    meta = {
-        "keys": [one.key for one in factors.sliders],
-        "stops": {one.key: one.stops for one in factors.sliders},
-    }
-    return html.Div(
-        className="page",
-        children=[
-            dcc.Store(id="meta", data=meta),
-            dcc.Store(id="entered", data={}),
-            dcc.Store(id="typed", data={}),
-            dcc.Store(id="pins", data=[], storage_type="session"),
-            *map(dcc.Store, ("judged", "asked", "shown", "poke", "news", "dark", "report-folder")),
-            dcc.Interval(id="again", interval=_ASK_AGAIN),
-            dcc.Interval(id="report-again", interval=500, disabled=True),
-            html.Header([html.H1(title), html.Span("", id="state", className="state", role="status")]),
-            html.Div(
-                className="columns",
-                children=[
-                    html.Div(_controls(answers), className="card controls"),
-                    html.Div(_results(name), id="results", className="results"),
-                ],
-            ),
-        ],
-    )
-
-
-def _controls(answers: Answers) -> list[Any]:
-    factors, found = answers.session.factors, []
-    for group, heading in _GROUPS.items():
-        rows = [_row(one) for one in factors.sliders if one.group == group]
-        if group == "surface":
-            rows.append(_fluid(factors.fluids))
-        if rows:
-            found.append(html.Div([html.H2(heading), *rows], className="group"))
     slow = answers.session.slow(answers.session.base)
-    remarks = [*factors.left_out, *([slow_words(slow)] if slow else [])]
-    if remarks:
-        found.append(html.Div([html.Div(one, className="note") for one in remarks], className="group"))
-    return found
-
-
-def _row(factor: Factor) -> html.Div:
-    typed = dcc.Input(
-        id={"kind": "text", "key": factor.key},
-        type="text",
-        value=factor.given,
-        debounce=True,
-        size="12",
-        spellCheck="false",
-        autoComplete="off",
+    (layout,) = elements(
+        "page",
+        title=title,
+        name=name,
+        meta={
+            "keys": [one.key for one in factors.sliders],
+            "stops": {one.key: one.stops for one in factors.sliders},
+        },
+        factors=factors,
+        groups=_GROUPS,
+        remarks=[*factors.left_out, *([slow_words(slow)] if slow else [])],
+        pictures=_PICTURES,
+        height=HEIGHT,
+        # sliders of Dash 4 come with a field for their number, which here would be that of a stop
+        own_input="allow_direct_input" in dcc.Slider().available_properties,
     )
-    slider = dcc.Slider(
-        id={"kind": "slider", "key": factor.key},
-        min=0,
-        max=len(factor.stops) - 1,
-        step=1,
-        value=factor.place,
-        marks=None,
-        included=False,
-        updatemode="drag",
-        **_without_its_own_input(),
-    )
-    return html.Div(
-        [
-            html.Div([html.Label(factor.label, title=factor.note), typed], className="name"),
-            html.Div(id={"kind": "wrong", "key": factor.key}, className="wrong", role="alert"),
-            html.Div(slider, id=f"slider-{factor.key}"),
-        ],
-        id={"kind": "row", "key": factor.key},
-        className="row",
-    )
-
-
-def _without_its_own_input() -> dict[str, Any]:
-    """Sliders of Dash 4 come with a field for their number, which here would be that of a stop."""
-    return {"allow_direct_input": False} if "allow_direct_input" in dcc.Slider().available_properties else {}
-
-
-def _fluid(fluids: tuple[str, ...]) -> html.Div:
-    choice = dcc.Dropdown(
-        id="fluid",
-        options=list(fluids),
-        value=fluids[0] if fluids else None,
-        clearable=False,
-        searchable=False,
-    )
-    return html.Div([html.Label("fluid"), choice], className="row", hidden=not fluids)
-
-
-def _results(name: str) -> list[Any]:
-    headline = html.Div(
-        [
-            html.Div(id="problem", className="problem", role="alert"),
-            html.Div(id="lost", className="lost", role="status"),
-            html.Div(id="verdict"),
-            html.Div(id="numbers", className="numbers"),
-        ],
-        className="card headline",
-    )
-    plots = [
-        html.Div(
-            [html.H2(heading), dcc.Graph(id=f"graph-{key}", config=_GRAPH, style=_TALL)],
-            className="card",
-        )
-        for key, heading in _PICTURES.items()
-    ]
-    compare = html.Div(
-        [
-            html.H2("Compare"),
-            html.Div(
-                [
-                    html.Button("Pin this design", id="pin", className="main"),
-                    html.Button("Back to the case", id="reset"),
-                ],
-                className="buttons",
-            ),
-            html.Div(id="compare", className="compare"),
-        ],
-        className="card",
-    )
-    files = html.Div(
-        [
-            html.H2("What is on the screen, as a file"),
-            html.Div(
-                [
-                    dcc.Input(id="name", type="text", value=name, debounce=True, spellCheck="false"),
-                    html.Button("Write case file", id="write"),
-                    html.Button("Write report", id="report"),
-                ],
-                className="buttons",
-            ),
-            html.Div(id="said", className="said", role="status"),
-            html.Div(id="report-said", className="said", role="status"),
-        ],
-        className="card files",
-    )
-    warnings = html.Div(id="warnings", className="warnings")
-    return [headline, html.Div(plots, className="plots"), warnings, compare, files]
+    return layout
 
 
 def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
@@ -270,9 +148,10 @@ def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
     def follow(sent: Any, _: Any, pins: Any, dark: Any, shown: Any) -> Any:
         if not sent or dark is None:
             raise PreventUpdate
-        asked, factors = asked_of(sent), answers.session.factors
-        pinned_designs = designs_of(pins, len(PINS))
-        before = texts_of((shown or {}).get("design") or {}, "shown") if isinstance(shown or {}, dict) else {}
+        asked, factors = checked(Asked, sent, "asked"), answers.session.factors
+        pinned_designs = _pinned(pins)
+        shown = checked(dict[str, Any], shown or {}, "shown")
+        before = checked(Design, shown.get("design") or {}, "shown")
         screen = answers.answer(asked.design, asked.page, asked.number)
         if screen is None:
             raise PreventUpdate
@@ -281,14 +160,14 @@ def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
         kinds = [bool(screen.waiting), asked.wrong, lost, pins, dark, [one.complete for one in pinned]]
         signature = json.dumps([screen.design, state, *kinds])
         now = {"signature": signature, "number": asked.number, "design": before}
-        if shown and signature == shown.get("signature"):
-            found = _all(outputs, no_update, factors)
-            return {**found, "shown": now}
+        unchanged = _all(outputs, no_update, factors)
+        if signature == shown.get("signature"):
+            return {**unchanged, "shown": now}
         if not screen.complete and not screen.problem:
             _settle_later(answers, asked)
         wrong = {**refused_words(screen, before), **factors.wrong(asked.wrong)}
         found = {
-            **_all(outputs, no_update, factors),
+            **unchanged,
             "wrong": [wrong.get(one.key, "") for one in factors.sliders],
             "rows": ["row not-taken" if one.key in wrong else "row" for one in factors.sliders],
             "lost": lost,
@@ -309,14 +188,15 @@ def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
                 "warnings": [],
                 "shown": now,
             }
-        drawn = figures(screen, pinned, bool(dark))
+        designs = designs_shown(screen, pinned)
+        drawn = figures(designs, bool(dark))
         return {
             **found,
             "figures": [drawn[key].plain() for key in _PICTURES],
-            "verdict": pieces.verdict(screen),
-            "numbers": pieces.numbers(screen),
-            "warnings": pieces.warnings(screen),
-            "compare": pieces.compared(screen, pinned, factors),
+            **{name: elements(name, now=designs[0]) for name in ("verdict", "numbers", "warnings")},
+            "compare": elements(
+                "compare", now=designs[0], pinned=designs[1:], labels=factors.labels, most=len(PINS)
+            ),
             "problem": not_taken_words(factors, screen.design, asked.wrong),
             "results": "results",
             "shown": {**now, "design": screen.design},
@@ -375,22 +255,18 @@ def _type(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
     def judge(entered: Any) -> Any:
         if not entered:
             raise PreventUpdate
-        if not isinstance(entered, dict) or not isinstance(entered.get("fields"), dict):
-            refuse("entered")
+        entered = checked(dict[str, Any], entered, "entered")
+        fields = checked(dict[str, Entered], entered.get("fields"), "entered")
         typed: dict[str, Any] = {}
         for factor in factors.sliders:
-            one = entered["fields"].get(factor.key)
-            if one is None:
+            if (one := fields.get(factor.key)) is None:
                 continue
-            if not isinstance(one, dict):
-                refuse("entered")
-            text, before = (text_of(one.get(key), "entered") for key in ("text", "before"))
-            if factor.wrong(text):
+            if factor.wrong(one.text):
                 # it stays in its field, beside what is calculated with
-                place = place_of(one.get("at"), factor.stops, "entered")
-                typed[factor.key] = {"at": place, "text": before, "wrong": text}
+                place = place_of(one.at, factor.stops, "entered")
+                typed[factor.key] = {"at": place, "text": one.before, "wrong": one.text}
             else:
-                typed[factor.key] = {"at": factor.nearest(text), "text": text}
+                typed[factor.key] = {"at": factor.nearest(one.text), "text": one.text}
         return {"number": entered.get("number"), "typed": typed}
 
     app.clientside_callback(
@@ -416,17 +292,23 @@ def _type(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
     )
     @answered
     def take(_a: Any, _b: Any, pins: Any) -> Any:
-        who, pinned, design = _who(), designs_of(pins, len(PINS)), factors.given
+        who, pinned, design = _who(), _pinned(pins), factors.given
         if who != "reset":
             design |= pinned[_number_of(who, pinned)]
         if factors.wrong(design):
             refuse("pins")
         at = [one.nearest(design[one.key]) for one in factors.sliders]
-        own = {
-            one.key: {"at": place, "text": design[one.key]}
-            for one, place in zip(factors.sliders, at, strict=True)
-        }
+        keys = (one.key for one in factors.sliders)
+        own = {key: {"at": place, "text": design[key]} for key, place in zip(keys, at, strict=True)}
         return own, at, design.get("fluid", no_update), {}
+
+
+def _pinned(sent: Any) -> list[Design]:
+    """Designs that a page has pinned, no more than it can show."""
+    pinned = checked(list[Design], sent or [], "pins")
+    if len(pinned) > len(PINS):
+        refuse("pins")
+    return pinned
 
 
 def _who() -> Any:
@@ -457,9 +339,9 @@ def _pin(app: Dash, answers: Answers) -> None:
     )
     @answered
     def pin(_: Any, removes: Any, pins: Any, asked: Any) -> Any:
-        who, pins = _who(), designs_of(pins, len(PINS))
+        who, pins = _who(), _pinned(pins)
         if who == "pin":
-            design = answers.session.design(asked_of(asked).design)
+            design = answers.session.design(checked(Asked, asked, "asked").design)
             # the fifth takes the place of the first
             return pins if design in pins else [*pins, design][-len(PINS) :]
         gone = _number_of(who, pins)
@@ -478,7 +360,7 @@ def _files(app: Dash, answers: Answers, folder: Path) -> None:
     )
     @answered
     def write(_: Any, name: Any, sent: Any) -> str:
-        session, asked = answers.session, asked_of(sent)
+        session, asked = answers.session, checked(Asked, sent, "asked")
         try:
             source = session.given.file
             remark = f"Written by fem-seal explore from {source.name if source else 'a case'}."
@@ -499,7 +381,7 @@ def _files(app: Dash, answers: Answers, folder: Path) -> None:
     )
     @answered
     def report(_: Any, name: Any, sent: Any) -> Any:
-        session, asked = answers.session, asked_of(sent)
+        session, asked = answers.session, checked(Asked, sent, "asked")
         try:
             target = free_name(folder, str(name or ""), ".out")
             session.case(asked.design)
@@ -519,7 +401,7 @@ def _files(app: Dash, answers: Answers, folder: Path) -> None:
     )
     @answered
     def made(_: Any, target: Any) -> Any:
-        done = answers.written(Path(text_of(target, "report"))) if target else None
+        done = answers.written(Path(checked(str, target, "report"))) if target else None
         if done is None:
             raise PreventUpdate
         if done.problem:

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Any, NoReturn
+from collections.abc import Sequence
+from typing import Any, NoReturn, TypeVar
 
+from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError
 from werkzeug.exceptions import BadRequest
 
+T = TypeVar("T")
+# From keys of factors to texts.
+Design = dict[str, str]
 
-@dataclass(frozen=True)
-class Asked:
+
+class Asked(BaseModel):
     """A design that a page wants to see.
 
     Parameters
@@ -25,66 +28,53 @@ class Asked:
         From keys of factors to texts that stand in their fields and could not be taken.
     """
 
-    design: dict[str, str]
-    page: str = ""
-    number: int = 0
-    wrong: dict[str, str] = field(default_factory=dict)
+    model_config = ConfigDict(strict=True, frozen=True)
+
+    design: Design
+    page: str
+    number: int
+    wrong: Design = {}
 
 
-def asked_of(sent: Any) -> Asked:
-    """The question of a page.
+class Entered(BaseModel):
+    """A text that has been typed in.
 
-    Raises
-    ------
-    BadRequest
-        If it is none.
+    Parameters
+    ----------
+    text : str
+    before : str
+        What was calculated with until then.
+    at : int
+        Place of its slider.
     """
-    if not isinstance(sent, Mapping):
-        refuse("asked")
-    number = sent.get("number")
-    if not isinstance(number, int):
-        refuse("number")
-    wrong = texts_of(sent.get("wrong") or {}, "wrong")
-    return Asked(texts_of(sent.get("design"), "design"), text_of(sent.get("page"), "page"), number, wrong)
+
+    model_config = ConfigDict(strict=True, frozen=True)
+
+    text: str
+    before: str
+    at: int
 
 
-def designs_of(sent: Any, most: int) -> list[dict[str, str]]:
-    """Designs that a page has pinned.
+def checked(kind: type[T], sent: Any, what: str) -> T:
+    """A part of a question.
 
-    Raises
-    ------
-    BadRequest
-        If they are none, or more than a page can show.
-    """
-    if not isinstance(sent or [], list) or len(sent or []) > most:
-        refuse("pins")
-    return [texts_of(one, "pins") for one in sent or []]
-
-
-def texts_of(sent: Any, what: str) -> dict[str, str]:
-    """Texts with names.
-
-    Raises
-    ------
-    BadRequest
-        If it is something else.
-    """
-    if not isinstance(sent, Mapping):
-        refuse(what)
-    return {key: text_of(text, what) for key, text in sent.items()}
-
-
-def text_of(sent: Any, what: str) -> str:
-    """A text.
+    Parameters
+    ----------
+    kind : type
+        That it must be of.
+    sent : object
+    what : str
+        Its name.
 
     Raises
     ------
     BadRequest
         If it is something else.
     """
-    if not isinstance(sent, str):
-        refuse(what)
-    return sent
+    try:
+        return TypeAdapter(kind).validate_python(sent, strict=True)
+    except ValidationError as error:
+        refuse(next((str(part) for part in error.errors()[0]["loc"] if part in Asked.model_fields), what))
 
 
 def place_of(sent: Any, several: Sequence[Any], what: str) -> int:

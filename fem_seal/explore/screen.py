@@ -196,7 +196,7 @@ def screen_of(
     widens = not complete and interval_follows(case)
     return Screen(
         dict(design),
-        tuple(shown_load(case, load) for load in loads),
+        tuple(shown_load(load, case) for load in loads),
         number,
         profile_of(loads[number]),
         section_of(case),
@@ -237,17 +237,13 @@ class _Loads:
 
 
 def _judged(
-    case: Case,
-    loads: Sequence[LoadResult],
-    judgement: SealJudgement | None,
-    withheld: bool,
+    case: Case, loads: Sequence[LoadResult], judgement: SealJudgement | None, withheld: bool
 ) -> dict[str, Any]:
     found: Any = _Loads(case, loads, judgement)
     if withheld:
         return {}
     if judgement is None:
-        load = found.highest
-        told = "" if load.leak is None else next_class_in_words(case, load)
+        told = "" if found.highest.leak is None else next_class_in_words(case, found.highest)
         return {"told": (told,) if told else ()}
     return {
         "verdict": str(judgement.verdict),
@@ -256,22 +252,29 @@ def _judged(
     }
 
 
-def shown_load(case: Case, load: LoadResult) -> ShownLoad:
+def shown_load(load: LoadResult, case: Case | None = None) -> ShownLoad:
     """What is shown of one load.
 
     Parameters
     ----------
-    case : Case
     load : LoadResult
+    case : Case, optional
+        None while its leak rate, and with it validity and classes, is not there yet.
     """
     row = Row(load)
-    return ShownLoad(
-        {name: float(COLUMNS[name].number(row)) for name in SHOWN},
+    columns = [name for name in SHOWN if case or name not in LEAK]
+    found = ShownLoad(
+        dict.fromkeys(SHOWN, math.nan) | {name: COLUMNS[name].number(row) for name in columns},
         load.applied_force,
-        str(load.validity.level),
-        load.validity.reasons,
-        tuple(str(one) for one in leakage_classes(case, load)),
-        _digits(load),
+        digits={name: COLUMNS[name].digits(load) for name in SHOWN},
+    )
+    if case is None:
+        return found
+    return replace(
+        found,
+        level=str(load.validity.level),
+        reasons=load.validity.reasons,
+        classes=tuple(str(one) for one in leakage_classes(case, load)),
     )
 
 
@@ -283,23 +286,6 @@ def without_interval(load: ShownLoad) -> ShownLoad:
     load : ShownLoad
     """
     return replace(load, values={**load.values, **dict.fromkeys(LEAK[1:], math.nan)})
-
-
-def without_leak(load: LoadResult) -> ShownLoad:
-    """A load whose leak rate is not there yet.
-
-    Parameters
-    ----------
-    load : LoadResult
-        Without surface and fluid.
-    """
-    row = Row(load)
-    values = {name: math.nan if name in LEAK else float(COLUMNS[name].number(row)) for name in SHOWN}
-    return ShownLoad(values, load.applied_force, digits=_digits(load))
-
-
-def _digits(load: LoadResult) -> dict[str, int]:
-    return {name: COLUMNS[name].digits(load) for name in SHOWN}
 
 
 def profile_of(load: LoadResult) -> ShownProfile:
@@ -314,24 +300,19 @@ def profile_of(load: LoadResult) -> ShownProfile:
     carries = np.flatnonzero(line.pressure > 1e-3 * line.pressure.max())
     # as wide again to both sides: what the gap does there is what a drawing would show
     low, high = float(x[carries[0]]), float(x[carries[-1]])
-    span = slice(
-        int(np.searchsorted(x, low - 0.35 * (high - low))),
-        int(np.searchsorted(x, high + 0.35 * (high - low), side="right")),
-    )
-    step = max(1, (span.stop - span.start) // _POINTS)
+    start = int(np.searchsorted(x, low - 0.35 * (high - low)))
+    stop = int(np.searchsorted(x, high + 0.35 * (high - low), side="right"))
+    step = max(1, (stop - start) // _POINTS)
+
+    def thinned(values: FloatArray) -> list[float]:
+        found: list[float] = np.asarray(values, dtype=float)[start:stop:step].tolist()
+        return found
+
     fluid = vars(load).get("leak_round")
     pressure = None if fluid is None else fluid.fluid_pressure
     return ShownProfile(
-        _thinned(x, span, step),
-        _thinned(line.pressure, span, step),
-        _thinned(line.gap, span, step),
-        [] if pressure is None else _thinned(pressure, span, step),
+        thinned(x), thinned(line.pressure), thinned(line.gap), [] if pressure is None else thinned(pressure)
     )
-
-
-def _thinned(values: FloatArray, span: slice, step: int) -> list[float]:
-    found: list[float] = np.asarray(values, dtype=float)[span][::step].tolist()
-    return found
 
 
 def section_of(case: Case) -> Section:
@@ -355,13 +336,9 @@ def _corners(outline: Outline) -> list[tuple[float, float]]:
     """Corners of an outline, arcs in short chords."""
     found: list[tuple[float, float]] = []
     for segment in outline.segments:
-        found.append(segment.start)
-        if segment.centre is None:
-            continue
-        r, z = segment.centre
-        reach = math.dist(segment.start, segment.centre)
-        first = math.atan2(segment.start[1] - z, segment.start[0] - r)
-        for n in range(1, _ARC_STEPS):
-            at = first + segment.sweep * n / _ARC_STEPS
-            found.append((r + reach * math.cos(at), z + reach * math.sin(at)))
+        centre, steps = (segment.start, 1) if segment.centre is None else (segment.centre, _ARC_STEPS)
+        # r + i z, turned about the centre
+        turns = np.exp(1j * segment.sweep * np.arange(steps) / steps)
+        points = complex(*centre) + (complex(*segment.start) - complex(*centre)) * turns
+        found += zip(points.real.tolist(), points.imag.tolist(), strict=True)
     return found

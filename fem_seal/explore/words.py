@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 import signal
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
-from fem_seal.explore.screen import Screen, ShownLoad
+from fem_seal.explore.screen import LEAK, Screen, ShownLoad
 from fem_seal.output.report.words import state_in_words
 from fem_seal.seal.findings import Level
 from fem_seal.units import (
@@ -51,9 +52,36 @@ class Number:
     si: float | None = None
 
 
+@dataclass(frozen=True)
+class Shown:
+    """A design on the page, and what is said of it.
+
+    Parameters
+    ----------
+    screen : Screen
+    name : str
+    colour : str
+        Of its lines.
+    """
+
+    screen: Screen
+    name: str
+    colour: str
+
+    @cached_property
+    def numbers(self) -> dict[str, Number]:
+        """Its numbers by their names."""
+        return {one.name: one for one in numbers_of(self.screen)}
+
+    @property
+    def validity(self) -> tuple[str, str]:
+        """See `validity_words`; without a load there is none."""
+        return validity_words(self.screen) if self.screen.load else ("", "–")
+
+
 def leak_words(load: ShownLoad, volume: LeakVolume = LIQUID) -> str:
     """The leak rate of a load, an interval where there is one."""
-    rate, low, high = (load.values[f"leak_rate_{end}m3_per_s"] for end in ("", "low_", "high_"))
+    rate, low, high = (load.values[name] for name in LEAK)
     if not math.isfinite(rate) and not math.isfinite(low):
         return "–"
     digits, claimed = load.digits["leak_rate_m3_per_s"], load.level != str(Level.OUTSIDE)
@@ -80,14 +108,16 @@ def numbers_of(screen: Screen) -> list[Number]:
         )
 
     at = f"at {given('fluid pressure', values['fluid_pressure_Pa'])}"
-    more = [at, state_in_words(screen.volume), preliminary_words(screen)]
-    leak = (
-        leak_words(load, screen.volume)
-        if math.isfinite(values["leak_rate_m3_per_s"]) or not screen.waiting
-        else "calculating ..."
-    )
+    more = "; ".join(filter(None, [at, state_in_words(screen.volume), preliminary_words(screen)]))
+    leak, rate = leak_words(load, screen.volume), values["leak_rate_m3_per_s"]
     found = [
-        Number("leak", "leak rate", leak, "; ".join(filter(None, more)), values["leak_rate_m3_per_s"]),
+        Number(
+            "leak",
+            "leak rate",
+            "calculating ..." if screen.waiting and not math.isfinite(rate) else leak,
+            more,
+            rate,
+        ),
         number("peak", "peak contact pressure", "contact pressure", "peak_pressure_Pa"),
         number("width", "contact width (FWHM)", "length", "fwhm_m"),
         number("force", "force on the seat", "force", "contact_force_N", "of spring and fluid together"),
@@ -111,12 +141,6 @@ def preliminary_words(screen: Screen) -> str:
     return "preliminary, inputs at their nominal values" if screen.widens else ""
 
 
-def changed(factors: Factors, design: dict[str, str], others: Sequence[dict[str, str]]) -> list[str]:
-    """Keys of factors in which some designs differ."""
-    keys = [*(one.key for one in factors.sliders), "fluid"]
-    return [key for key in keys if len({one.get(key) for one in (design, *others)}) > 1]
-
-
 def validity_words(screen: Screen) -> tuple[str, str]:
     """How far the shown load can be trusted: the class of its colour, and the words.
 
@@ -129,13 +153,10 @@ def validity_words(screen: Screen) -> tuple[str, str]:
     """
     assert screen.load is not None
     colour = {str(Level.VALID): "good", str(Level.DOUBTFUL): "warn"}.get(screen.load.level, "bad")
-    words, preliminary = (
-        {"good": "within the theory"}.get(colour, screen.load.level),
-        preliminary_words(screen),
-    )
-    if not preliminary:
-        return colour, words
-    return "" if colour == "good" else colour, f"{words}; {preliminary}"
+    words = "within the theory" if colour == "good" else screen.load.level
+    if preliminary := preliminary_words(screen):
+        return "" if colour == "good" else colour, f"{words}; {preliminary}"
+    return colour, words
 
 
 def slow_words(seconds: float) -> str:
@@ -183,7 +204,7 @@ def not_taken_words(factors: Factors, design: Mapping[str, str], wrong: Mapping[
     wrong : mapping
         From keys of factors to the texts that stand in their fields.
     """
-    labels = {one.key: one.label for one in factors.sliders if one.key in wrong}
+    labels = {key: label for key, label in factors.labels.items() if key in wrong}
     if not labels:
         return ""
     refused = "; ".join(f'{label} = "{wrong[key]}"' for key, label in labels.items())
@@ -220,8 +241,9 @@ def still_words(factors: Factors, design: Mapping[str, str], shown: Mapping[str,
     shown : mapping
         That is still shown.
     """
-    labels = {one.key: one.label for one in factors.sliders} | {"fluid": "fluid"}
-    other = {key: label for key, label in labels.items() if key in shown and shown[key] != design.get(key)}
+    other = {
+        key: label for key, label in factors.labels.items() if key in shown and shown[key] != design.get(key)
+    }
     if not other:
         return ""
     return f"The faded numbers and pictures still belong to {_inputs(other, shown)}."

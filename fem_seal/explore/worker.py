@@ -9,8 +9,9 @@ from __future__ import annotations
 
 import signal
 import time
-from collections.abc import Callable, Hashable, Iterator, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, replace
+from itertools import chain
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
@@ -198,11 +199,6 @@ def _answers(got: object, ask: Ask) -> bool:
     return isinstance(got, Screen) and not ask.folder and got.design == ask.design
 
 
-def _of_the_page() -> None:
-    """Ctrl-C is for the page, which ends its workers."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-
-
 def _next(conn: Connection, waiting: list[Ask]) -> Ask:
     """What is to be done next of what waits and what was asked since: reports in their order, then the newest design.
 
@@ -222,12 +218,13 @@ def make_ahead(conn: Connection, case: Case) -> None:
     conn : Connection
     case : Case
     """
-    _of_the_page()
+    # Ctrl-C is for the page, which ends its workers
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     session = Session(case)
     try:
         while True:
             ask = _next(conn, [])
-            for name in _wanted(session, ask.design):
+            for name in chain.from_iterable(map(session.needs, session.neighbours(ask.design))):
                 if conn.poll():
                     break
                 try:
@@ -240,11 +237,6 @@ def make_ahead(conn: Connection, case: Case) -> None:
         return
 
 
-def _wanted(session: Session, design: Mapping[str, str]) -> Iterator[Hashable]:
-    for other in session.neighbours(design):
-        yield from session.needs(other)
-
-
 def run_to_the_end(conn: Connection, case: Case) -> None:
     """Run the newest design as `fem-seal run` does, and write its report where one is asked for.
 
@@ -253,7 +245,10 @@ def run_to_the_end(conn: Connection, case: Case) -> None:
     conn : Connection
     case : Case
     """
-    _of_the_page()
+    from fem_seal.result import run
+
+    # Ctrl-C is for the page, which ends its workers
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     session = Session(case)
     last: tuple[dict[str, str], SealResult] | None = None
     waiting: list[Ask] = []
@@ -268,7 +263,7 @@ def run_to_the_end(conn: Connection, case: Case) -> None:
             try:
                 if last is None or last[0] != ask.design:
                     last = None
-                    last = ask.design, run_of(session, ask.design, aside)
+                    last = ask.design, run(session.case(ask.design), aside)
                 conn.send(complete_screen(ask.design, last[1]))
                 if ask.folder:
                     last[1].write(ask.folder)
@@ -282,21 +277,6 @@ def run_to_the_end(conn: Connection, case: Case) -> None:
             waiting.remove(ask)
     except (EOFError, OSError, KeyboardInterrupt):
         return
-
-
-def run_of(session: Session, design: Mapping[str, str], progress: Callable[[str], None]) -> SealResult:
-    """What `fem-seal run` gives of a design.
-
-    Parameters
-    ----------
-    session : Session
-    design : mapping
-    progress : callable
-        Told in words what is being done.
-    """
-    from fem_seal import result
-
-    return result.run(session.case(design), progress)
 
 
 def complete_screen(design: Mapping[str, str], result: SealResult) -> Screen:
@@ -336,7 +316,6 @@ class Answers:
         self._news, self._waits = 0, False
         # until then the page makes what the case itself needs
         self._warm = False
-        self._asked_ahead: dict[str, str] = {}
         session.waits = alone
         # designs whose runs ended their process, and why; what the page says of it, and when it happened
         self._given_up: dict[tuple[tuple[str, str], ...], str] = {}
@@ -380,8 +359,7 @@ class Answers:
 
     def _make_ahead(self, design: dict[str, str]) -> None:
         self._warm = True
-        if self._ahead is not None and design != self._asked_ahead:
-            self._asked_ahead = design
+        if self._ahead is not None:
             self._ahead.ask(Ask(design))
 
     @property
@@ -486,8 +464,6 @@ class Answers:
                 self.session.keep(got.name, got.what)
             elif isinstance(got, Lost):
                 self._say_lost(got)
-                if got.left:
-                    self._asked_ahead = {}
 
     def _say_lost(self, lost: Lost) -> None:
         self._lost = lost_words(lost.code, bool(lost.again), bool(lost.left))
