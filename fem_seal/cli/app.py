@@ -19,11 +19,11 @@ from typer.core import TyperCommand
 from fem_seal.cli.explore import explore
 from fem_seal.cli.library import fluids, materials
 from fem_seal.cli.new import new
-from fem_seal.cli.options import CaseFile, Debug, Json, Quiet, ResultsFolder, output_option
+from fem_seal.cli.options import CaseFile, Debug, Json, Quiet, ResultsFolder, argument, option, output_option
 from fem_seal.cli.pdf import pdf
 from fem_seal.cli.study import app as study_app
 from fem_seal.cli.table import table
-from fem_seal.cli.terminal import cell, complain, note, say, say_json, show, warn
+from fem_seal.cli.terminal import cell, complain, note, numbers_table, say, say_json, show, warn
 from fem_seal.errors import ConvergenceError, InputError, NoLoadLeftError, Problem, SealError, unexpected
 from fem_seal.former_names import said_to
 from fem_seal.units import DIGITS, LIQUID, LeakVolume, Unit, fixed_unit, rounded
@@ -31,10 +31,9 @@ from fem_seal.version import __version__
 from leak.standards import STANDARD_PRESSURE
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
     from fem_seal.answers.solution import SealSolution
     from fem_seal.case.case import Case
+    from fem_seal.output.columns import Shown
     from fem_seal.seal.load_result import LoadResult
 
 DONE, OTHER_FAILURE, WRONG_INPUT, NO_RESULT, INTERRUPTED = 0, 1, 2, 3, 130
@@ -54,8 +53,8 @@ for _command in (new, materials, fluids, table, pdf, explore):
 
 @app.callback(invoke_without_command=True)
 def _version(
-    version: Annotated[bool, typer.Option("--version", help="Print the version and exit.")] = False,
-    cite: Annotated[bool, typer.Option("--cite", help="Print how to cite the program, and exit.")] = False,
+    version: Annotated[bool, option("common", "version")] = False,
+    cite: Annotated[bool, option("common", "cite")] = False,
 ) -> None:
     if cite:
         from fem_seal.output.citation import citation
@@ -71,17 +70,8 @@ def _version(
 def run(
     case_file: CaseFile,
     output: Annotated[Path | None, output_option("[output] folder of the case, CASE.out")] = None,
-    variants: Annotated[
-        bool, typer.Option("--variants", help="Also calculate the leak rate with each reading of the theory.")
-    ] = False,
-    levers: Annotated[
-        bool | None,
-        typer.Option(
-            "--levers/--no-levers",
-            show_default="with a [requirement], of elastic bodies",
-            help="Also find which changes of the design change the leak rate most.",
-        ),
-    ] = None,
+    variants: Annotated[bool, option("run", "variants")] = False,
+    levers: Annotated[bool | None, option("run", "levers")] = None,
     quiet: Quiet = False,
     json: Json = False,
     debug: Debug = False,
@@ -131,14 +121,7 @@ class _PictureNamedOrNot(TyperCommand):
 @app.command(cls=_PictureNamedOrNot)
 def check(
     case_file: CaseFile,
-    picture: Annotated[
-        str | None,
-        typer.Option(
-            metavar="[FILE]",
-            show_default=False,
-            help="Draw the section with its dimensions into a .png, .svg or .pdf; CASE.png unless named.",
-        ),
-    ] = None,
+    picture: Annotated[str | None, option("check", "picture")] = None,
     quiet: Quiet = False,
     json: Json = False,
     debug: Debug = False,
@@ -215,12 +198,7 @@ def mesh(
 
 @app.command()
 def leak(
-    profile_file: Annotated[
-        Path,
-        typer.Argument(
-            metavar="PROFILE.csv", show_default=False, help="Contact pressure against arc length."
-        ),
-    ],
+    profile_file: Annotated[Path, argument("leak", "profile_file")],
     case_file: CaseFile,
     output: Annotated[Path | None, output_option("PROFILE.leak")] = None,
     quiet: Quiet = False,
@@ -256,13 +234,8 @@ def leak(
 def direct(
     case_file: CaseFile,
     output: Annotated[Path | None, output_option("[direct] folder of the case, CASE.direct")] = None,
-    jobs: Annotated[
-        int | None,
-        typer.Option("--jobs", min=1, show_default="one per core", help="Processes that calculate."),
-    ] = None,
-    seal: Annotated[
-        bool, typer.Option("--seal", help="Strips of the seal's contact instead of patches of its surface.")
-    ] = False,
+    jobs: Annotated[int | None, option("direct", "jobs")] = None,
+    seal: Annotated[bool, option("direct", "seal")] = False,
     quiet: Quiet = False,
     json: Json = False,
     debug: Debug = False,
@@ -277,74 +250,53 @@ def direct(
     given = None if case.direct is None else case.direct.folder
     folder = _made(output or (Path(given) if given else case_file.with_suffix(".direct")))
     processes = jobs or os.cpu_count() or 1
-    if seal:
-        with alone(folder), _progress(quiet) as progress:
+    with alone(folder), _progress(quiet) as progress:
+        if seal:
             strips = seal_result.direct_seal(case, folder=folder, jobs=processes, progress=progress)
             progress("drawing")
             samples.write_direct_seal(strips, folder)
-        if json:
-            say_json({"folder": str(folder), "strips": samples.seal_rows(strips)})
-        elif not quiet:
-            for line in samples.seal_lines(strips):
-                say(line)
-            show_table(f"Simulated seal: {case.title}", *samples.shown_seal_rows(strips), keys=4)
-            _list_files(folder)
-        return
-    viscosity = None if case.fluid is None or case.fluid.gas is not None else case.fluid.viscosity
-    with alone(folder), _progress(quiet) as progress:
-        table = seal_result.direct(case, folder=folder, jobs=processes, progress=progress)
-        progress("drawing")
-        samples.write_direct(table, folder, viscosity)
-    rows = samples.direct_rows(table, viscosity)
+            numbers: dict[str, Any] = {"strips": samples.seal_rows(strips)}
+            title, lines, shown, keys = (
+                "Simulated seal",
+                samples.seal_lines(strips),
+                samples.shown_seal_rows(strips),
+                4,
+            )
+        else:
+            viscosity = None if case.fluid is None or case.fluid.gas is not None else case.fluid.viscosity
+            table = seal_result.direct(case, folder=folder, jobs=processes, progress=progress)
+            progress("drawing")
+            samples.write_direct(table, folder, viscosity)
+            rows = samples.direct_rows(table, viscosity)
+            numbers = {**samples.direct_numbers(table), "pressures": rows}
+            title, lines, shown, keys = (
+                "Direct simulation",
+                samples.direct_lines(table),
+                samples.shown_rows(rows),
+                2,
+            )
     if json:
-        say_json({"folder": str(folder), **samples.direct_numbers(table), "pressures": rows})
+        say_json({"folder": str(folder), **numbers})
     elif not quiet:
-        for line in samples.direct_lines(table):
+        for line in lines:
             say(line)
-        show_table(f"Direct simulation: {case.title}", *samples.shown_rows(rows), keys=2)
+        show_table(f"{title}: {case.title}", *shown, keys=keys)
         _list_files(folder)
 
 
 @app.command()
 def surface(
-    files: Annotated[
-        list[Path],
-        typer.Argument(metavar="FILE...", show_default=False, help="Scans or maps of one surface."),
-    ],
+    files: Annotated[list[Path], argument("surface", "files")],
     output: Annotated[Path | None, output_option("FILE.surface")] = None,
-    unit: Annotated[
-        str | None,
-        typer.Option(metavar="UNIT", help='If the file states none: "um", or "mm,um" for x and height.'),
-    ] = None,
-    detrend: Annotated[
-        str, typer.Option(metavar="FORM", help='Form to remove: "tilt", "mean" or "curvature".')
-    ] = "tilt",
-    window: Annotated[
-        str, typer.Option(metavar="WINDOW", help='Window of the Fourier transform: "hann" or "none".')
-    ] = "hann",
-    tip_radius: Annotated[
-        str | None, typer.Option(metavar="LENGTH", help='Radius of the stylus tip, such as "2 um".')
-    ] = None,
-    shortest_wavelength: Annotated[
-        str | None, typer.Option(metavar="LENGTH", help='Resolution of the instrument, such as "2.5 um".')
-    ] = None,
-    outliers: Annotated[
-        str, typer.Option(metavar="WHAT", help='Isolated points: "keep" or "remove".')
-    ] = "keep",
-    hurst: Annotated[
-        float | None,
-        typer.Option(
-            metavar="H", help="Hurst exponent to continue the spectrum with, to --q-low and --q-high."
-        ),
-    ] = None,
-    q_low: Annotated[
-        str | None,
-        typer.Option(metavar="WAVENUMBER", help='Lower end of the continued spectrum, such as "1e2 1/m".'),
-    ] = None,
-    q_high: Annotated[
-        str | None,
-        typer.Option(metavar="WAVENUMBER", help='Upper end of the continued spectrum, such as "1e8 1/m".'),
-    ] = None,
+    unit: Annotated[str | None, option("surface", "unit")] = None,
+    detrend: Annotated[str, option("surface", "detrend")] = "tilt",
+    window: Annotated[str, option("surface", "window")] = "hann",
+    tip_radius: Annotated[str | None, option("surface", "tip_radius")] = None,
+    shortest_wavelength: Annotated[str | None, option("surface", "shortest_wavelength")] = None,
+    outliers: Annotated[str, option("surface", "outliers")] = "keep",
+    hurst: Annotated[float | None, option("surface", "hurst")] = None,
+    q_low: Annotated[str | None, option("surface", "q_low")] = None,
+    q_high: Annotated[str | None, option("surface", "q_high")] = None,
     quiet: Quiet = False,
     json: Json = False,
     debug: Debug = False,
@@ -382,14 +334,8 @@ def surface(
 @app.command()
 def view(
     folder: ResultsFolder,
-    png: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE", help="Draw into a PNG file instead of a window; needs no display."),
-    ] = None,
-    load: Annotated[
-        int | None,
-        typer.Option(metavar="N", show_default="the last", help="Number of the load, from 1."),
-    ] = None,
+    png: Annotated[Path | None, option("view", "png")] = None,
+    load: Annotated[int | None, option("view", "load")] = None,
     quiet: Quiet = False,
     debug: Debug = False,
 ) -> None:
@@ -404,7 +350,7 @@ def view(
 
 @app.command()
 def schema(
-    study: Annotated[bool, typer.Option("--study", help="That of the study file.")] = False,
+    study: Annotated[bool, option("schema", "study")] = False,
 ) -> None:
     """Print the JSON Schema of the case file, for completion and checks in an editor."""
     if study:
@@ -586,35 +532,29 @@ def show_leak_table(
         for column in LEAK_ON_TERMINAL
         if column.name not in twice and any(_filled(row.get(column.name)) for row in rows)
     ]
-    cells = [
-        [_cell(row.get(column.name), column.unit, COLUMNS[column.name].digits(load)) for column in columns]
-        for row, load in zip(rows, loads, strict=True)
+    table = [
+        (
+            f"{column.heading}\n{column.unit.name}",
+            [
+                _leak_cell(row.get(column.name), column, load, volume)
+                for row, load in zip(rows, loads, strict=True)
+            ],
+        )
+        for column in columns
     ]
-    unmeasured = False
-    for line, row in zip(cells, rows, strict=True):
-        for n, column in enumerate(columns):
-            if _not_measurable(row.get(column.name), COLUMNS[column.name].kind, volume):
-                line[n] = "<"
-                unmeasured = True
-            elif column.name == "margin":
-                line[n] = _margin(row.get("margin"), line[n])
     flows = [column.unit.name for column in columns if COLUMNS[column.name].kind == "flow"]
-    headings = [f"{column.heading}\n{column.unit.name}" for column in columns]
+    unmeasured = any("<" in texts for _, texts in table)
     levels = [Level(row["validity"]) for row in rows]
     # what tells the rows apart stays beside every part of a table that is too wide
     several_forces = len({row["fluid_pressure_Pa"] for row in rows}) < len(rows)
     keys = 2 if several_forces and columns[1].name == "contact_force_N" else 1
     if any(level.mark for level in levels):
-        headings.insert(keys, "")
-        for line, level in zip(cells, levels, strict=True):
-            line.insert(keys, level.mark)
+        table.insert(keys, ("", [level.mark for level in levels]))
         keys += 1
-    verdicts = [row.get("verdict") for row in rows]
-    if any(verdicts):
-        headings.append("verdict\n")
-        for line, verdict in zip(cells, verdicts, strict=True):
-            line.append(verdict or "-")
-    show_table(title, headings, cells, keys)
+    if any(row.get("verdict") for row in rows):
+        table.append(("verdict\n", [row.get("verdict") or "-" for row in rows]))
+    headings, texts = zip(*table, strict=True)
+    show_table(title, headings, list(zip(*texts, strict=True)), keys)
     for level in Level:
         if level.mark and level in levels:
             what = "nothing may be claimed" if level is Level.OUTSIDE else "uncertain"
@@ -623,19 +563,19 @@ def show_leak_table(
         say(f"  {told}")
 
 
-def _not_measurable(value: float | None, kind: str, volume: LeakVolume) -> bool:
-    """Whether a leak rate is less than anybody could measure; a throughput is its volume times 101325 Pa."""
-    if value is None or kind not in ("flow", "throughput"):
-        return False
-    rate = value / STANDARD_PRESSURE if kind == "throughput" else value
-    return rate > 0 and not volume.measurable(rate)
+def _leak_cell(value: float | None, shown: Shown, load: LoadResult, volume: LeakVolume) -> str:
+    """A cell of a load: "<" for less than anybody could measure, and a margin that is read, none above a million."""
+    from fem_seal.output.columns import COLUMNS
 
-
-def _margin(value: float | None, shown: str) -> str:
-    """A margin that is read: none above a million."""
-    if value is None or not value > 1e6:
-        return shown
-    return "sealed" if math.isinf(value) else ">1e6"
+    column = COLUMNS[shown.name]
+    if value is not None and column.kind in ("flow", "throughput"):
+        # a throughput is its volume times 101325 Pa
+        rate = value / STANDARD_PRESSURE if column.kind == "throughput" else value
+        if rate > 0 and not volume.measurable(rate):
+            return "<"
+    if value is not None and shown.name == "margin" and value > 1e6:
+        return "sealed" if math.isinf(value) else ">1e6"
+    return _cell(value, shown.unit, column.digits(load))
 
 
 def show_leakage(case: Case, loads: Sequence[LoadResult]) -> None:
@@ -693,19 +633,7 @@ def show_table(title: str, headings: Sequence[str], rows: Sequence[Sequence[str]
         for heading, *column in zip(headings, *rows, strict=True)
     ]
     for part in _parts(widths, keys):
-        show(_table([headings[n] for n in part], [[row[n] for n in part] for row in rows]), console)
-
-
-def _table(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> Table:
-    from rich import box
-    from rich.table import Table
-
-    table = Table(box=box.SIMPLE_HEAD)
-    for heading in headings:
-        table.add_column(cell(heading), justify="right", no_wrap=True)
-    for row in rows:
-        table.add_row(*map(cell, row))
-    return table
+        show(numbers_table([headings[n] for n in part], [[row[n] for n in part] for row in rows]), console)
 
 
 def _parts(widths: Sequence[int], keys: int) -> Iterator[list[int]]:

@@ -6,19 +6,15 @@ import traceback
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
-from fem_seal.cli.options import CaseFile, Debug, Quiet, output_option
+from fem_seal.cli.options import CaseFile, Debug, Quiet, option, output_option
 from fem_seal.cli.terminal import complain, say
 from fem_seal.errors import InputError, unexpected
 
 
 def explore(
     case_file: CaseFile,
-    port: Annotated[
-        int, typer.Option("--port", min=0, max=65535, help="Of the page; 0 for any that is free.")
-    ] = 8050,
-    no_browser: Annotated[bool, typer.Option("--no-browser", help="Do not open a browser.")] = False,
+    port: Annotated[int, option("explore", "port")] = 8050,
+    no_browser: Annotated[bool, option("explore", "no_browser")] = False,
     output: Annotated[
         Path | None,
         output_option(

@@ -5,27 +5,23 @@ from __future__ import annotations
 import csv
 import sys
 from collections.abc import Iterable, Sequence
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
+from fem_seal.cli.options import Debug, argument, json_option, option
+from fem_seal.cli.terminal import cell, numbers_table, say, say_json, show
 
-from fem_seal.cli.options import Debug, json_option
-from fem_seal.cli.terminal import cell, say, say_json, show
+if TYPE_CHECKING:
+    from rich.console import Console
 
 Json = Annotated[bool, json_option("the entries")]
-Csv = Annotated[bool, typer.Option("--csv", help="Print the entries as CSV, in SI units.")]
-Temperature = Annotated[
-    str, typer.Option("--temperature", "-t", metavar="TEMPERATURE", help='Such as "60 degC".')
-]
+Csv = Annotated[bool, option("library", "csv")]
+Temperature = Annotated[str, option("library", "temperature")]
 # So wide a terminal has room for a column of words beside the numbers.
 _WIDE = 120
 
 
 def materials(
-    name: Annotated[
-        str | None,
-        typer.Argument(metavar="[NAME]", show_default=False, help="One of them, with source and condition."),
-    ] = None,
+    name: Annotated[str | None, argument("library", "material")] = None,
     temperature: Temperature = "20 degC",
     json: Json = False,
     csv: Csv = False,
@@ -60,9 +56,7 @@ def materials(
 
 
 def fluids(
-    name: Annotated[
-        str | None, typer.Argument(metavar="[NAME]", show_default=False, help="One of them, with its source.")
-    ] = None,
+    name: Annotated[str | None, argument("library", "fluid")] = None,
     temperature: Temperature = "20 degC",
     json: Json = False,
     csv: Csv = False,
@@ -100,35 +94,28 @@ def _print_rows(rows: Sequence[dict[str, Any]], single: bool, as_json_text: bool
 
 
 def _print_lines(lines: Iterable[tuple[str, str]]) -> None:
-    from rich.console import Console
     from rich.table import Table
 
     table = Table.grid(padding=(0, 2))
     for word, text in lines:
         table.add_row(word, cell(text))
-    show(table, _console(Console))
+    show(table, _console())
 
 
 def _print_table(
     headings: Sequence[str], cells: Sequence[Sequence[str]], more: str, words: Sequence[str]
 ) -> None:
     """Print numbers beside the names, and where the terminal is wide or the output no terminal, words beside them."""
-    from rich import box
-    from rich.console import Console
-    from rich.table import Table
-
-    console = _console(Console)
+    console = _console()
     wide = console.width >= _WIDE
-    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0))
-    for number, heading in enumerate(headings):
-        table.add_column(cell(heading), justify="left" if number == 0 else "right", no_wrap=True)
     if wide:
-        table.add_column(f"{more}\n", justify="left", overflow="fold")
-    for line, text in zip(cells, words, strict=True):
-        table.add_row(*(cell(one) for one in line), *([cell(text)] if wide else []))
-    show(table, console)
+        headings = [*headings, f"{more}\n"]
+        cells = [[*line, text] for line, text in zip(cells, words, strict=True)]
+    show(numbers_table(headings, cells, narrow=True, names=True, words=wide), console)
 
 
-def _console(make: Any) -> Any:
+def _console() -> Console:
+    from rich.console import Console
+
     # what is no terminal has no width
-    return make(highlight=False, **({} if sys.stdout.isatty() else {"width": 10_000}))
+    return Console(highlight=False, width=None if sys.stdout.isatty() else 10_000)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fem_seal.cli.options import Debug, output_option
+from fem_seal.cli.options import Debug, option, output_option
 from fem_seal.cli.terminal import complain, prompt, say
 from fem_seal.errors import InputError, NoLoadLeftError
 from fem_seal.former_names import say_once
@@ -27,10 +27,7 @@ def _option(words: str, example: str) -> Any:
 
 
 def new(
-    name: Annotated[
-        str | None,
-        typer.Option("--template", "-t", metavar="NAME", show_default=False, help=f"{NAMES}; asks nothing."),
-    ] = None,
+    name: Annotated[str | None, option("new", "template", names=NAMES)] = None,
     output: Annotated[Path | None, output_option("NAME.toml", "Case file to write.", "FILE")] = None,
     title: Annotated[str | None, _option("Title of the report", "Valve 7")] = None,
     diameter: Annotated[str | None, _option("Diameter of the closure", "40 mm")] = None,
@@ -45,25 +42,9 @@ def new(
     applied_force: Annotated[str | None, _option("Closing force of spring or actuator", "300 N")] = None,
     axial_force: Annotated[str | None, typer.Option(hidden=True)] = None,
     leak_rate: Annotated[str | None, _option("Largest allowed leak rate", "0.1 ml/min")] = None,
-    leakage_class: Annotated[
-        str | None,
-        typer.Option(
-            "--class",
-            metavar="VALUE",
-            show_default=False,
-            help=f'Required leakage class, such as "B" or "FCI 70-2 V"; there are {CLASSES}.',
-        ),
-    ] = None,
-    entries: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--set",
-            metavar="KEY=VALUE",
-            show_default=False,
-            help='Any other entry, such as seat.land_width="1 mm"; may be repeated.',
-        ),
-    ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace the file if there is one.")] = False,
+    leakage_class: Annotated[str | None, option("new", "class", classes=CLASSES)] = None,
+    entries: Annotated[list[str] | None, option("new", "set")] = None,
+    force: Annotated[bool, option("new", "force")] = False,
     debug: Debug = False,
 ) -> None:
     """Write a commented case that runs: asks a handful of questions, or none with --template."""

@@ -1,11 +1,40 @@
-"""Arguments and options that several commands have."""
+"""Arguments and options of the commands; what is said of them stands in `templates/options.toml`."""
 
 from __future__ import annotations
 
+import tomllib
+from functools import cache
+from importlib.resources import files
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+
+
+@cache
+def _described() -> dict[str, dict[str, dict[str, Any]]]:
+    text = files("fem_seal").joinpath("templates", "options.toml").read_text(encoding="utf-8")
+    return tomllib.loads(text)
+
+
+def option(command: str, name: str, **words: str) -> Any:
+    """An option of a command.
+
+    Parameters
+    ----------
+    command, name : str
+        Its table and key in the file.
+    words
+        What stands between the braces of its help.
+    """
+    described = dict(_described()[command][name])
+    described["help"] = described["help"].format(**words)
+    return typer.Option(*described.pop("flags", ()), **described)
+
+
+def argument(command: str, name: str) -> Any:
+    """An argument of a command, see `option`."""
+    return typer.Argument(**_described()[command][name])
 
 
 def output_option(default: str | bool, what: str = "Folder for the results.", metavar: str = "DIR") -> Any:
@@ -18,10 +47,8 @@ def json_option(what: str = "the result") -> Any:
     return typer.Option("--json", help=f"Print {what} as JSON, in SI units.")
 
 
-CaseFile = Annotated[Path, typer.Argument(metavar="CASE.toml", show_default=False, help="Case file.")]
-ResultsFolder = Annotated[
-    Path, typer.Argument(metavar="DIR", show_default=False, help="Results folder of `fem-seal run`.")
-]
-Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print warnings and errors only.")]
+CaseFile = Annotated[Path, argument("common", "case_file")]
+ResultsFolder = Annotated[Path, argument("common", "results_folder")]
+Quiet = Annotated[bool, option("common", "quiet")]
 Json = Annotated[bool, json_option()]
-Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an error.")]
+Debug = Annotated[bool, option("common", "debug")]

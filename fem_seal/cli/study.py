@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from fem_seal.cli.options import Debug, Quiet, output_option
+from fem_seal.cli.options import Debug, Quiet, argument, option, output_option
 from fem_seal.cli.terminal import say, say_json, warn
 from fem_seal.errors import NoLoadLeftError, Problem
 
@@ -39,37 +39,18 @@ app = typer.Typer(
     help="Calculate many designs of one case: fem-seal study STUDY.toml, fem-seal study report DIR.",
 )
 
-StudyFolder = Annotated[Path, typer.Argument(metavar="DIR", show_default=False, help="Folder of a study.")]
-Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
+StudyFolder = Annotated[Path, argument("study", "folder")]
+Json = Annotated[bool, option("study", "json")]
 
 
 @app.command()
 def run(
-    study_file: Annotated[Path, typer.Argument(metavar="STUDY.toml", show_default=False, help="Study file.")],
+    study_file: Annotated[Path, argument("study", "file")],
     output: Annotated[Path | None, output_option("STUDY.study", "Folder for the study.")] = None,
-    workers: Annotated[
-        int | None,
-        typer.Option(
-            "--workers",
-            min=0,
-            show_default="one per core",
-            help="Worker processes; 0 calculates in this process.",
-        ),
-    ] = None,
-    scheduler: Annotated[
-        str | None,
-        typer.Option(
-            "--scheduler",
-            metavar="ADDRESS",
-            help="Address of a running dask scheduler, such as tcp://host:8786.",
-        ),
-    ] = None,
-    resume: Annotated[
-        bool, typer.Option("--resume", help="Continue with the designs that are missing.")
-    ] = False,
-    retry_failed: Annotated[
-        bool, typer.Option("--retry-failed", help="With --resume: recalculate the designs that failed.")
-    ] = False,
+    workers: Annotated[int | None, option("study", "workers")] = None,
+    scheduler: Annotated[str | None, option("study", "scheduler")] = None,
+    resume: Annotated[bool, option("study", "resume")] = False,
+    retry_failed: Annotated[bool, option("study", "retry_failed")] = False,
     quiet: Quiet = False,
     json: Json = False,
     debug: Debug = False,
@@ -121,12 +102,7 @@ def report(
 @app.command()
 def export(
     folder: StudyFolder,
-    path: Annotated[
-        Path,
-        typer.Argument(
-            metavar="FILE", show_default=False, help="File to write: .csv, .parquet or .nc (netCDF)."
-        ),
-    ],
+    path: Annotated[Path, argument("study", "export")],
     quiet: Quiet = False,
     debug: Debug = False,
 ) -> None:

@@ -5,10 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
-from fem_seal.cli.options import CaseFile, Debug, Quiet, json_option, output_option
-from fem_seal.cli.terminal import say, say_json, show, warn
+from fem_seal.cli.options import CaseFile, Debug, Quiet, json_option, option, output_option
+from fem_seal.cli.terminal import numbers_table, say, say_json, show, warn
 
 if TYPE_CHECKING:
     from fem_seal.answers.leak_map import LeakMap
@@ -19,16 +17,8 @@ _FORM = '"1 bar, 5 bar, 20 bar", or from, to and number of values: "1 bar : 20 b
 def table(
     case_file: CaseFile,
     output: Annotated[Path | None, output_option("CASE.table", "Folder for the tables.")] = None,
-    pressure: Annotated[
-        str | None,
-        typer.Option(
-            metavar="PRESSURES", show_default="those of the case, at least eight", help=f"Such as {_FORM}."
-        ),
-    ] = None,
-    force: Annotated[
-        str | None,
-        typer.Option(metavar="FORCES", show_default="those of the case", help='Such as "0 N : 2 kN : 5".'),
-    ] = None,
+    pressure: Annotated[str | None, option("table", "pressure", form=_FORM)] = None,
+    force: Annotated[str | None, option("table", "force")] = None,
     quiet: Quiet = False,
     json: Annotated[bool, json_option("the points")] = False,
     debug: Debug = False,
@@ -93,30 +83,25 @@ def grid(text: str, dimension: str) -> list[float]:
 
 def _show(found: LeakMap) -> None:
     """Print the leak rates, one line per pressure, with a mark where they are not valid."""
-    from rich import box
-    from rich.table import Table
-
     from fem_seal.output.report.words import volumes_of_gas
     from fem_seal.seal.findings import Level
     from fem_seal.units import digits_within, rounded
 
     # a volume too small to be seen in ml is read in its power of ten
-    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0))
-    table.add_column("p fluid\nbar", justify="right", no_wrap=True)
-    for force in found.applied_force.tolist():
-        table.add_column(f"{force:.4g} N\nml/min", justify="right", no_wrap=True)
+    headings = ["p fluid\nbar", *(f"{force:.4g} N\nml/min" for force in found.applied_force.tolist())]
+    rows = []
     for m, pressure in enumerate(found.fluid_pressure.tolist()):
-        cells = []
+        rows.append([f"{pressure / 1e5:.4g}"])
         for n, one in enumerate(found.validity[m]):
             if one is None:
-                cells.append("-")
+                rows[m].append("-")
                 continue
             # as in the tables of a run: no more digits than the theory leaves
             digits = min(3, digits_within(one.leak_error))
-            cells.append(f"{rounded(float(found.leak_rate[m, n]) * 6e7, digits):.3g}{Level(one.level).mark}")
-        table.add_row(f"{pressure / 1e5:.4g}", *cells)
+            rate = rounded(float(found.leak_rate[m, n]) * 6e7, digits)
+            rows[m].append(f"{rate:.3g}{Level(one.level).mark}")
     say(f"Leak rate of {found.fluid}{volumes_of_gas(found.is_gas)}: {found.title}")
-    show(table)
+    show(numbers_table(headings, rows, narrow=True))
 
 
 def _left_out(found: LeakMap, whole: LeakMap) -> list[str]:

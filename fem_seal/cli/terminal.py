@@ -10,7 +10,7 @@ from fem_seal.files import as_json
 from fem_seal.printable import printable
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Sequence
 
     from rich.console import Console
     from rich.table import Table
@@ -53,6 +53,42 @@ def cell(text: str) -> str:
     from rich.markup import escape
 
     return escape("\n".join(map(printable, text.split("\n"))))
+
+
+def numbers_table(
+    headings: Sequence[str],
+    rows: Sequence[Sequence[str]],
+    *,
+    narrow: bool = False,
+    names: bool = False,
+    words: bool = False,
+) -> Table:
+    """A table of numbers, to the right and none of them cut.
+
+    Parameters
+    ----------
+    headings : sequence of str
+    rows : sequence of sequence of str
+    narrow : bool
+        One blank between the columns.
+    names, words : bool
+        Whether the first column holds names, the last one words that may be broken.
+    """
+    from rich import box
+    from rich.table import Table
+
+    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0) if narrow else (0, 1))
+    last = len(headings) - 1
+    for number, heading in enumerate(headings):
+        if words and number == last:
+            table.add_column(cell(heading), overflow="fold")
+        else:
+            table.add_column(
+                cell(heading), justify="left" if names and number == 0 else "right", no_wrap=True
+            )
+    for row in rows:
+        table.add_row(*map(cell, row))
+    return table
 
 
 def show(table: Table, console: Console | None = None) -> None:
