@@ -668,22 +668,6 @@ def _cell(value: float | None, unit: Unit, digits: int = DIGITS) -> str:
     return f"{shown:#.{digits}g}".removesuffix(".")
 
 
-# What `fem-seal check` says of the case as a whole: name in its JSON, words, unit.
-_CHECK_LINES = (
-    ("touch_radius_m", "radius of first touch r0", "mm"),
-    ("contact_angle_rad", "angle of the contact normal", "deg"),
-    ("relative_radius_m", "radius of relative curvature", "mm"),
-    ("effective_modulus_Pa", "effective modulus E*", "GPa"),
-    ("hardness_Pa", "hardness", "GPa"),
-    ("rms_height_m", "rms height", "um"),
-    ("rms_slope", "rms slope", ""),
-    ("decay_length_m", "decay length u0", "um"),
-    ("law_pressure_Pa", "p_c", "GPa"),
-    ("viscosity_Pa_s", "viscosity", "mPa s"),
-    ("contact_size_m", "element size in the contact", "um"),
-)
-
-
 def _dimension(key: str, value: float) -> str:
     return f"{math.degrees(value):.4g} deg" if key.endswith("angle") else f"{1e3 * value:.4g} mm"
 
@@ -691,14 +675,14 @@ def _dimension(key: str, value: float) -> str:
 def show_derived(numbers: Mapping[str, Any]) -> None:
     """Print the derived numbers of a case."""
     from fem_seal.output.case_words import section_text
-    from fem_seal.output.columns import CHECK_ON_TERMINAL
+    from fem_seal.output.columns import CHECK_OF_CASE, CHECK_ON_TERMINAL
 
     for body, lengths in numbers["dimensions"].items():
         shown = [f"{key} {_dimension(key, value)}" for key, value in lengths.items()]
         if body in numbers["sections"]:
             shown += section_text(numbers["sections"][body]).values()
         say(f"  {body:10}" + ", ".join(shown))
-    for name, words, unit in _CHECK_LINES:
+    for name, (words, unit) in CHECK_OF_CASE.items():
         value = numbers[name]
         if value is not None and math.isfinite(value):
             say(f"  {words:30}{_cell(value, fixed_unit(unit))} {unit}".rstrip())

@@ -2,19 +2,12 @@
 
 from __future__ import annotations
 
-import tomllib
-from functools import cache
-from importlib.resources import files
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-
-@cache
-def _described() -> dict[str, dict[str, dict[str, Any]]]:
-    text = files("fem_seal").joinpath("templates", "options.toml").read_text(encoding="utf-8")
-    return tomllib.loads(text)
+from fem_seal.files import own_tables
 
 
 def option(command: str, name: str, **words: str) -> Any:
@@ -27,14 +20,14 @@ def option(command: str, name: str, **words: str) -> Any:
     words
         What stands between the braces of its help.
     """
-    described = dict(_described()[command][name])
+    described = dict(own_tables("options.toml")[command][name])
     described["help"] = described["help"].format(**words)
     return typer.Option(*described.pop("flags", ()), **described)
 
 
 def argument(command: str, name: str) -> Any:
     """An argument of a command, see `option`."""
-    return typer.Argument(**_described()[command][name])
+    return typer.Argument(**own_tables("options.toml")[command][name])
 
 
 def output_option(default: str | bool, what: str = "Folder for the results.", metavar: str = "DIR") -> Any:

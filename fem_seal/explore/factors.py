@@ -73,32 +73,17 @@ class Factor:
         value = self.value(text)
         return min(range(len(self.stops)), key=lambda n: abs(self.value(self.stops[n]) - value))
 
-    def check(self, text: str) -> None:
-        """Whether a text may stand here.
-
-        Raises
-        ------
-        InputError
-            If it is no such quantity, or beyond the ends of the slider.
-        """
+    def wrong(self, text: str) -> str:
+        """What is wrong with a text: no such quantity, or beyond the ends of the slider; empty if it may stand here."""
         try:
             value = self.value(text)
         except ValueError as error:
-            raise InputError.at(self.label, str(error), f'"{text}"') from None
+            return str(error)
         low, high = (self.value(self.stops[n]) for n in (0, -1))
-        if not low * (1 - 1e-9) <= value <= high * (1 + 1e-9):
-            reach = f"{self.stops[0]} to {self.stops[-1]}"
-            raise InputError.at(
-                self.label, f"the slider goes from {reach}; further away start from another case", f'"{text}"'
-            )
-
-    def wrong(self, text: str) -> str:
-        """What is wrong with a text; empty if it may stand here."""
-        try:
-            self.check(text)
-        except InputError as error:
-            return error.message
-        return ""
+        if low * (1 - 1e-9) <= value <= high * (1 + 1e-9):
+            return ""
+        reach = f"{self.stops[0]} to {self.stops[-1]}"
+        return f"the slider goes from {reach}; further away start from another case"
 
     def value(self, text: str) -> float:
         """A value in SI.
@@ -127,9 +112,6 @@ class Factors:
     sliders: tuple[Factor, ...]
     fluids: tuple[str, ...]
     left_out: tuple[str, ...]
-
-    def __getitem__(self, key: str) -> Factor:
-        return next(one for one in self.sliders if one.key == key)
 
     @property
     def given(self) -> dict[str, str]:
@@ -180,15 +162,11 @@ class Factors:
             text = design.get(one.key, one.given)
             if text == one.given:
                 continue
-            try:
-                one.check(text)
-            except InputError as error:
-                problems += error.problems
-                continue
-            if one.key == "fluid_pressure":
+            if message := one.wrong(text):
+                problems.append(Problem(one.label, message, f'"{text}"'))
+            elif one.key == "fluid_pressure":
                 found["load.fluid_pressure"] = _scaled(case.load.fluid_pressure, one, text)
-                required = () if case.requirement is None else case.requirement.pressures
-                if required:
+                if case.requirement and (required := case.requirement.pressures):
                     # what is required at a load is required where it goes
                     found["requirement.fluid_pressure"] = _at_loads(
                         case, required, found["load.fluid_pressure"]
@@ -452,12 +430,10 @@ def _fluids(case: Case) -> tuple[str, ...]:
 
 def _other_fluid(case: Case, name: str) -> dict[str, Any]:
     """Entries of another fluid of the library in place of the case's own, at its temperature."""
-    table = {"name": name}
-    kept = case.written.get("fluid", {})
-    table |= {key: kept[key] for key in ("temperature", "particles") if key in kept}
     from leak import is_gas
 
-    if is_gas(name) and "outlet_pressure" in kept:
-        table["outlet_pressure"] = kept["outlet_pressure"]
+    kept = case.written.get("fluid", {})
+    stays = ("temperature", "particles", *(("outlet_pressure",) if is_gas(name) else ()))
+    table = {"name": name} | {key: kept[key] for key in stays if key in kept}
     removed = dict.fromkeys(set(kept) - set(table))
     return {f"fluid.{key}": value for key, value in {**removed, **table}.items()}

@@ -51,7 +51,7 @@ _MODELS, _TABLES = 96, 2048
 _AHEAD = 4
 # A design that takes longer is calculated when the sliders rest: people lose the thread of what they do after a second
 # (R. B. Miller, Response time in man-computer conversational transactions, 1968).
-FOLLOWS = 1.0
+_FOLLOWS = 1.0
 # What can go wrong with a design: it is said on the page, which goes on.
 WRONG = (SealError, LeakError, MeshesError, ValueError, RuntimeError, ArithmeticError)
 
@@ -64,8 +64,6 @@ class Session:
     case : Case
     waits : bool
         Whether a table that is missing is made at once, instead of leaving the leak rate open.
-    patience : float
-        Estimated processor time of a design up to which it is answered [s].
 
     Examples
     --------
@@ -82,10 +80,10 @@ class Session:
     271
     """
 
-    def __init__(self, case: Case, *, waits: bool = True, patience: float = FOLLOWS) -> None:
+    def __init__(self, case: Case, *, waits: bool = True) -> None:
         self.given = case
         self.base = opened(case)
-        self.waits, self.patience = waits, patience
+        self.waits = waits
         self.bodies, self.tables = Kept(_MODELS), Kept(_TABLES)
         # contacts of the last design, for when a table that it waits for is there
         self._last: tuple[dict[str, str], Evaluation, int] | None = None
@@ -98,7 +96,7 @@ class Session:
     def slow(self, case: Case) -> float:
         """Estimated processor time of a design [s] where it is too long to follow the sliders; zero where it is not."""
         found = seconds(case)
-        return found if found > self.patience else 0.0
+        return found if found > _FOLLOWS else 0.0
 
     @property
     def one_shape(self) -> bool:

@@ -32,7 +32,6 @@ if TYPE_CHECKING:
 # Rest of the sliders after which the complete run begins [s]; how often the page asks for what is missing, and whether
 # anything has happened where nothing is [ms].
 _REST, _ASK_AGAIN, _ASK_AT_REST = 0.4, 300, 2000
-_GROUPS = {"load": "Load", "surface": "Surfaces and fluid", "dimension": "Geometry"}
 _PICTURES = {
     "section": "Section",
     "leak": "Leak rate",
@@ -55,7 +54,8 @@ def page_of(answers: Answers, folder: Path, title: str) -> Dash:
     """
     app = Dash(
         "fem_seal.explore",
-        title=_in_head(f"{title} - fem-seal"),
+        # dash puts it into the head as it is, and fills in what stands between braces
+        title=escape(f"{title} - fem-seal").replace("{", "&#123;"),
         update_title="",
         serve_locally=True,
         suppress_callback_exceptions=True,
@@ -77,11 +77,6 @@ def _template(name: str) -> str:
     return resources.files("fem_seal").joinpath("templates", name).read_text(encoding="utf-8")
 
 
-def _in_head(title: str) -> str:
-    """A title as it may stand in the head, into which dash puts it as it is; it fills in what stands between braces."""
-    return escape(title).replace("{", "&#123;")
-
-
 def _layout(answers: Answers, title: str, name: str) -> Any:
     factors = answers.session.factors
     slow = answers.session.slow(answers.session.base)
@@ -94,7 +89,6 @@ def _layout(answers: Answers, title: str, name: str) -> Any:
             "stops": {one.key: one.stops for one in factors.sliders},
         },
         factors=factors,
-        groups=_GROUPS,
         remarks=[*factors.left_out, *([slow_words(slow)] if slow else [])],
         pictures=_PICTURES,
         height=HEIGHT,

@@ -14,7 +14,6 @@ from fem_seal.explore.screen import LEAK, Screen, ShownLoad
 from fem_seal.output.report.words import state_in_words
 from fem_seal.seal.findings import Level
 from fem_seal.units import (
-    LIQUID,
     LeakVolume,
     duration,
     given,
@@ -79,7 +78,7 @@ class Shown:
         return validity_words(self.screen) if self.screen.load else ("", "–")
 
 
-def leak_words(load: ShownLoad, volume: LeakVolume = LIQUID) -> str:
+def leak_words(load: ShownLoad, volume: LeakVolume) -> str:
     """The leak rate of a load, an interval where there is one."""
     rate, low, high = (load.values[name] for name in LEAK)
     if not math.isfinite(rate) and not math.isfinite(low):

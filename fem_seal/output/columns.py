@@ -364,7 +364,9 @@ LEAK_COLUMNS = tuple(COLUMNS)
 PROFILE_LEAK_COLUMNS = (*_SAID["of_profiles"], *map(leak_rate_column, (OWN, *FURTHER, *THEORIES)))
 # What the terminal shows of the loads, where a row fills it.
 LEAK_ON_TERMINAL = tuple(COLUMNS[name].on_terminal for name in _SAID["on_terminal"])
-# What `fem-seal check` shows of the loads: what is known of the columns before a solve, and the closed forms.
+# What `fem-seal check` says of the case as a whole, words and unit by the name in its JSON.
+CHECK_OF_CASE: dict[str, tuple[str, str]] = _SAID["of_the_case"]
+# What it shows of the loads: what is known of the columns before a solve, and the closed forms.
 CHECK_ON_TERMINAL = (
     *(COLUMNS[name].on_terminal for name in ("fluid_pressure_Pa", "contact_force_N", "line_load_N_per_m")),
     *(Shown(name, heading, fixed_unit(unit)) for name, (heading, unit) in _SAID["closed_forms"].items()),
