@@ -48,7 +48,7 @@ def new(
     debug: Debug = False,
 ) -> None:
     """Write a commented case that runs: asks a handful of questions, or none with --template."""
-    from fem_seal.case.new_case import template
+    from fem_seal.case.new_case import read_text_case, template
 
     if axial_force is not None:
         say_once("--axial-force", "--applied-force")
@@ -79,7 +79,10 @@ def new(
     }
     given = {key: value for key, value in answers.items() if value is not None}
     text = _with_options(text, name, given, entries or [])
-    text = _with_answers(text, given) if asks else _checked(text)
+    if asks:
+        text = _with_answers(text, given)
+    else:
+        read_text_case(text)
     _write(text, path)
     say(f"{path} is written; next:")
     say(f"  fem-seal check {_quoted(path)} --picture   (its section as a drawing)")
@@ -150,13 +153,6 @@ def _with_options(text: str, name: str, given: Mapping[str, str], entries: list[
         text = with_entries(text, required_class(text, given["class"]))
         if "leak-rate" not in given:
             text = without_entry(text, "requirement.leak_rate")
-    return text
-
-
-def _checked(text: str) -> str:
-    from fem_seal.case.new_case import read_text_case
-
-    read_text_case(text)
     return text
 
 

@@ -15,7 +15,8 @@ from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dash.exceptions import PreventUpdate
+from dash.exceptions import DependencyException, InvalidResourceError, PreventUpdate
+from flask import Response, abort, request
 from werkzeug.exceptions import HTTPException
 
 from fem_seal.errors import unexpected
@@ -23,7 +24,6 @@ from fem_seal.printable import printable
 
 if TYPE_CHECKING:
     from dash import Dash
-    from flask import Response
 
 HOST = "127.0.0.1"
 # Largest question [bytes]: those of the page take a few thousand.
@@ -61,8 +61,6 @@ def guard(page: Dash, port: int, token: str, failed: Callable[[BaseException], N
 
 
 def _answer_those_who_know(page: Dash, port: int, token: str) -> None:
-    from flask import abort, request
-
     page.server.config["MAX_CONTENT_LENGTH"] = _LARGEST
     names = {f"{host}:{port}" for host in (HOST, "localhost")}
     # another secret than the token: that can be seen among the arguments of a browser that is being opened
@@ -158,9 +156,6 @@ def answered(callback: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def _refuse_in_one_line(page: Dash, failed: Callable[[BaseException], None]) -> None:
-    from dash.exceptions import DependencyException, InvalidResourceError
-    from flask import Response, request
-
     def line(code: int, text: str) -> Response:
         return Response(f"{printable(text)}\n", code, mimetype="text/plain")
 

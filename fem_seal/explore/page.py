@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from dash import ALL, Dash, Input, Output, State, ctx, dcc, html, no_update
 from dash.exceptions import PreventUpdate
+from flask import Response, abort, send_file
 
 from fem_seal.errors import SealError
 from fem_seal.explore.case_file import free_name, write_case
@@ -23,8 +24,6 @@ from fem_seal.explore.questions import Asked, Design, Entered, checked, place_of
 from fem_seal.explore.words import not_taken_words, preliminary_words, refused_words, slow_words, still_words
 
 if TYPE_CHECKING:
-    from flask import Response
-
     from fem_seal.explore.factors import Factors
     from fem_seal.explore.screen import Screen
     from fem_seal.explore.worker import Answers
@@ -411,8 +410,6 @@ def _files(app: Dash, answers: Answers, folder: Path) -> None:
 
     @app.server.route("/report/<int:number>")
     def show_report(number: int) -> Response:
-        from flask import abort, send_file
-
         if number >= len(reports):
             abort(404, "the page has no such report")
         path = reports[number].absolute() / "report.html"

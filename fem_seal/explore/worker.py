@@ -10,6 +10,7 @@ from __future__ import annotations
 import signal
 import time
 from collections.abc import Callable, Hashable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import chain
 from multiprocessing import get_context
@@ -103,10 +104,7 @@ class Worker:
     """
 
     def __init__(
-        self,
-        case: Case,
-        work: Callable[[Connection, Case], None],
-        told: Callable[[Any], None],
+        self, case: Case, work: Callable[[Connection, Case], None], told: Callable[[Any], None]
     ) -> None:
         self._case, self._work, self._told = case, work, told
         self._lock = RLock()
@@ -120,9 +118,7 @@ class Worker:
     def ask(self, ask: Ask) -> None:
         """Work for a design from now on; the first time the process is started."""
         with self._lock:
-            if self._closed:
-                return
-            if any(one == ask for one, _ in self._open):
+            if self._closed or any(one == ask for one, _ in self._open):
                 return
             # of designs the newest is left, of reports all
             self._open = [one for one in self._open if ask.folder or one[0].folder] + [(ask, 0)]
@@ -145,11 +141,9 @@ class Worker:
 
     def _send(self, ask: Ask) -> None:
         assert self._mine is not None
-        try:
+        # where it has ended just now, who listens to it gives the work to another one
+        with suppress(OSError, ValueError):
             self._mine.send(ask)
-        except (OSError, ValueError):
-            # it has ended just now; who listens to it gives the work to another one
-            return
 
     def close(self) -> None:
         """End the process."""
@@ -288,12 +282,7 @@ def complete_screen(design: Mapping[str, str], result: SealResult) -> Screen:
     result : SealResult
     """
     return screen_of(
-        result.case,
-        design,
-        result.loads,
-        result.judgement,
-        complete=True,
-        warnings=result.warnings,
+        result.case, design, result.loads, result.judgement, complete=True, warnings=result.warnings
     )
 
 
@@ -320,8 +309,11 @@ class Answers:
         # designs whose runs ended their process, and why; what the page says of it, and when it happened
         self._given_up: dict[tuple[tuple[str, str], ...], str] = {}
         self._lost, self._lost_at = "", 0.0
-        self._ahead = None if alone else Worker(session.given, make_ahead, self._told_ahead)
-        self._runner = None if alone else Worker(session.given, run_to_the_end, self._told)
+        self._alone = alone
+        self._ahead = Worker(session.given, make_ahead, self._told_ahead)
+        self._runner = Worker(session.given, run_to_the_end, self._told)
+        if alone:
+            self.close()
 
     def answer(self, design: Mapping[str, str], page: str = "", number: int = 0) -> Screen | None:
         """What is shown of a design; None if the page has asked for a newer one.
@@ -359,8 +351,7 @@ class Answers:
 
     def _make_ahead(self, design: dict[str, str]) -> None:
         self._warm = True
-        if self._ahead is not None:
-            self._ahead.ask(Ask(design))
+        self._ahead.ask(Ask(design))
 
     @property
     def news(self) -> int:
@@ -374,7 +365,7 @@ class Answers:
 
     def follows(self, design: Mapping[str, str]) -> bool:
         """Whether a complete run of a design can follow."""
-        return self._runner is not None and not self.given_up(design)
+        return not self._alone and not self.given_up(design)
 
     def given_up(self, design: Mapping[str, str]) -> str:
         """Why no complete run of a design follows; empty if one may."""
@@ -406,7 +397,7 @@ class Answers:
     def settle(self, design: Mapping[str, str]) -> None:
         """Begin with the complete run of a design."""
         design = self.session.design(design)
-        if self._runner is not None and self.complete(design) is None and self.follows(design):
+        if self.complete(design) is None and self.follows(design):
             self._runner.ask(Ask(design))
 
     def complete(self, design: Mapping[str, str]) -> Screen | None:
@@ -416,9 +407,8 @@ class Answers:
 
     def report(self, design: Mapping[str, str], folder: Path) -> None:
         """Begin with the report of a design."""
-        if self._runner is not None:
-            self._runner.ask(Ask(self.session.design(design), str(folder)))
-        else:
+        self._runner.ask(Ask(self.session.design(design), str(folder)))
+        if self._alone:
             self._written[str(folder)] = Written(str(folder), "there are no complete runs here")
 
     def written(self, folder: Path) -> Written | None:
@@ -428,9 +418,8 @@ class Answers:
 
     def close(self) -> None:
         """End the processes."""
-        for worker in (self._ahead, self._runner):
-            if worker is not None:
-                worker.close()
+        self._ahead.close()
+        self._runner.close()
 
     def _with_run(self, live: Screen) -> Screen:
         complete = self.complete(live.design)
