@@ -8,21 +8,17 @@ from typing import TYPE_CHECKING, Any
 
 from fem_seal.explore.screen import LEAK
 from fem_seal.explore.words import Shown, preliminary_words
+from fem_seal.files import own_tables
 from fem_seal.units import Unit, unit_for
 
 if TYPE_CHECKING:
     from fem_seal.explore.screen import Screen, Section, ShownLoad, ShownProfile
 
 Values = Sequence[float | None]
-# Of a picture [px].
-HEIGHT = 280
 _STRAIGHT: Mapping[str, Any] = {}
 _CURVED = {"shape": "spline", "smoothing": 0.8}
 # Of the design on the screen and of those pinned, fit for light and dark, told apart by the colour-blind, too.
 LIVE, PINS = "#2f7fd6", ("#e07b39", "#2f9e6e", "#b264c8", "#c9a227")
-_FILLS = {False: ("#ece7dd", "#dfe8f2"), True: ("#4a4336", "#31445c")}
-_INK = {False: "#1c2430", True: "#e3e8ef"}
-_GRID = {False: "#e4e8ee", True: "#39424f"}
 _GREY, _LIMIT = "#7b838f", "#c8443b"
 # What an annotation gives its place in: the whole picture.
 _PAPER = {"xref": "paper", "yref": "paper"}
@@ -39,33 +35,12 @@ class Figure:
 
     def __init__(self, dark: bool) -> None:
         self.data: list[dict[str, Any]] = []
-        self.ink = _INK[dark]
-        grid = _GRID[dark]
-        axis = {
-            "gridcolor": grid,
-            "zeroline": False,
-            "linecolor": grid,
-            "ticks": "outside",
-            "tickcolor": grid,
-            "automargin": True,
-            "title": {"standoff": 8},
-        }
-        self.layout: dict[str, Any] = {
-            "height": HEIGHT,
-            "margin": {"l": 8, "r": 8, "t": 8, "b": 8},
-            "paper_bgcolor": "rgba(0,0,0,0)",
-            "plot_bgcolor": "rgba(0,0,0,0)",
-            "font": {
-                "color": self.ink,
-                "size": 12,
-                "family": "system-ui, 'Segoe UI', 'DejaVu Sans', sans-serif",
-            },
-            "xaxis": axis,
-            "yaxis": axis,
-            "showlegend": False,
-            "uirevision": "kept",
-            "hoverlabel": {"namelength": -1},
-        }
+        look = own_tables("explore.toml")
+        self.colours: dict[str, str] = look["dark" if dark else "light"]
+        self.ink, grid = self.colours["ink"], self.colours["grid"]
+        axis = {**look["axis"], "gridcolor": grid, "linecolor": grid, "tickcolor": grid}
+        font = {**look["layout"]["font"], "color": self.ink}
+        self.layout: dict[str, Any] = {**look["layout"], "font": font, "xaxis": axis, "yaxis": axis}
 
     def add_line(
         self,
@@ -153,8 +128,8 @@ def section_figure(section: Section | None, dark: bool) -> Figure:
     figure.update("yaxis", visible=False)
     if section is None:
         return figure
-    for name, fill in zip(("seat", "closure"), _FILLS[dark], strict=True):
-        corners = getattr(section, name)
+    for name, corners in (("seat", section.seat), ("closure", section.closure)):
+        fill = figure.colours[name]
         ring = [*corners, corners[0]]
         for side in (1, -1):
             x, y = [1e3 * side * r for r, _ in ring], [1e3 * z for _, z in ring]
@@ -174,11 +149,11 @@ def section_figure(section: Section | None, dark: bool) -> Figure:
         hovertemplate=f"circle of first touch, radius {r0:.4g} mm<extra></extra>",
     )
     outer = 1e3 * max(r for r, _ in section.seat)
-    above, below = {"text": "high pressure", "colour": LIVE}, {"text": "low pressure", "colour": _GREY}
+    above, below = ("high pressure", LIVE), ("low pressure", _GREY)
     if section.pressure_side != "outer":
         above, below = below, above
-    figure.add_note(outer, high, **above, xanchor="right", yanchor="top")
-    figure.add_note(0, low, **below, xanchor="center", yanchor="bottom")
+    figure.add_note(outer, high, *above, xanchor="right", yanchor="top")
+    figure.add_note(0, low, *below, xanchor="center", yanchor="bottom")
     touch = f"r₀ = {r0:.4g} mm, contact angle {math.degrees(section.angle):.4g}°"
     figure.add_note(0, 0, touch, PINS[0], yshift=10)
     return figure

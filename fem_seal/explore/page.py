@@ -18,10 +18,11 @@ from flask import Response, abort, send_file
 from fem_seal.errors import SealError
 from fem_seal.explore.case_file import free_name, write_case
 from fem_seal.explore.elements import elements
-from fem_seal.explore.figures import HEIGHT, PINS, designs_shown, figures
+from fem_seal.explore.figures import PINS, designs_shown, figures
 from fem_seal.explore.gate import answered
 from fem_seal.explore.questions import Asked, Design, Entered, checked, place_of, refuse
 from fem_seal.explore.words import not_taken_words, preliminary_words, refused_words, slow_words, still_words
+from fem_seal.files import own_tables
 
 if TYPE_CHECKING:
     from fem_seal.explore.factors import Factors
@@ -90,7 +91,7 @@ def _layout(answers: Answers, title: str, name: str) -> Any:
         factors=factors,
         remarks=[*factors.left_out, *([slow_words(slow)] if slow else [])],
         pictures=_PICTURES,
-        height=HEIGHT,
+        height=own_tables("explore.toml")["layout"]["height"],
         # sliders of Dash 4 come with a field for their number, which here would be that of a stop
         own_input="allow_direct_input" in dcc.Slider().available_properties,
     )
