@@ -381,6 +381,20 @@ def test_a_hostile_title_is_text_in_the_head(session):
     assert text.count("_dash-config") == 1
 
 
+@pytest.mark.parametrize("text", [HOSTILE, "12", "null", '{"kind": "pin"}', "a & b", "one\x1btwo\x00\ud800"])
+def test_texts_of_a_case_are_texts_in_its_elements(session, text):
+    pytest.importorskip("dash")
+    from fem_seal.explore.elements import elements
+
+    said = {"factors": session.factors, "remarks": [text], "meta": {}, "pictures": {}, "height": 1}
+    (page,) = elements("page", title=text, name=text, own_input=False, **said)
+    shown = text.translate(dict.fromkeys([0x1B, 0x00, 0xD800]))
+    assert page["name"].value == text
+    texts = [one.children for one in page._traverse() if getattr(one, "className", "") == "note"]
+    titles = [one.children for one in page._traverse() if type(one).__name__ == "H1"]
+    assert (texts, titles) == ([[shown]], [[shown]])
+
+
 def test_the_page_says_what_may_run_in_it_and_is_never_in_a_frame(session):
     import base64
     import hashlib

@@ -124,7 +124,7 @@ print(json.dumps({
 
 
 def test_a_command_is_spared_what_no_command_uses_and_draws_the_same():
-    """Docstrings and modules that cost a twelfth of a run; whoever uses fem_seal as a library has them all."""
+    """Modules that cost a twelfth of a run; whoever uses fem_seal as a library has them all."""
     command, library = (
         json.loads(
             subprocess.run(
@@ -138,8 +138,8 @@ def test_a_command_is_spared_what_no_command_uses_and_draws_the_same():
         for whose in ("command", "library")
     )
     assert (command.pop("waiting"), library.pop("waiting")) == (sorted(POSTPONED), [])
-    assert (command.pop("explained"), library.pop("explained")) == ([False, False], [True, True])
     assert command == library
+    assert command["explained"] == [True, True]
     assert "no_such_property" in command["refused"]
     assert len(command["properties"]) > 30
 
