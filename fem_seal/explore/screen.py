@@ -192,15 +192,16 @@ def screen_of(
         Further fields of the screen.
     """
     number = highest_load(loads)
-    complete = bool(more.get("complete"))
-    widens = not complete and interval_follows(case)
+    # what is not known of a case widens the interval of a complete run, so that no verdict comes before it
+    unknown = case.uncertainty is not None or bool(case.roughness and case.roughness.finishes)
+    widens = unknown and not more.get("complete")
     return Screen(
         dict(design),
         tuple(shown_load(load, case) for load in loads),
         number,
         profile_of(loads[number]),
         section_of(case),
-        **_judged(case, loads, judgement, widens),
+        **({} if widens else _judged(case, loads, judgement)),
         widens=widens,
         limits=tuple(
             (one.name, one.leak_rate / one.ratio[1])
@@ -209,16 +210,6 @@ def screen_of(
         volume=volume_of(case),
         **more,
     )
-
-
-def interval_follows(case: Case) -> bool:
-    """Whether what is not known of a case widens the interval of a complete run, so that no verdict comes before it.
-
-    Parameters
-    ----------
-    case : Case
-    """
-    return case.uncertainty is not None or bool(case.roughness and case.roughness.finishes)
 
 
 @dataclass(frozen=True)
@@ -236,12 +227,8 @@ class _Loads:
         return self.loads[highest_load(self.loads)]
 
 
-def _judged(
-    case: Case, loads: Sequence[LoadResult], judgement: SealJudgement | None, withheld: bool
-) -> dict[str, Any]:
+def _judged(case: Case, loads: Sequence[LoadResult], judgement: SealJudgement | None) -> dict[str, Any]:
     found: Any = _Loads(case, loads, judgement)
-    if withheld:
-        return {}
     if judgement is None:
         told = "" if found.highest.leak is None else next_class_in_words(case, found.highest)
         return {"told": (told,) if told else ()}
