@@ -12,6 +12,7 @@ import re
 import stat
 import tomllib
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
@@ -58,21 +59,15 @@ def write_bytes(path: str | os.PathLike[str], chunks: bytes | Iterable[bytes]) -
         reason = (error.strerror or str(error)).lower()
         raise OutputError(f"{path}: cannot be written ({reason})") from error
     finally:
-        _remove(draft)
+        # an error that is already on its way says what is wrong with this folder
+        with suppress(OSError):
+            draft.unlink(missing_ok=True)
     return path
 
 
 def write_text(path: str | os.PathLike[str], text: str) -> Path:
     """Write a text file (UTF-8, lines ending with a line feed) in one step; see `write_bytes`."""
     return write_bytes(path, text.encode("utf-8"))
-
-
-def _remove(draft: Path) -> None:
-    try:
-        draft.unlink(missing_ok=True)
-    except OSError:
-        # The error that is already on its way says what is wrong with this folder.
-        return
 
 
 def read_toml(path: Path, kind: str) -> dict[str, Any]:
@@ -93,9 +88,7 @@ def read_toml(path: Path, kind: str) -> dict[str, Any]:
         return parse_toml(read_text(path, _MOST_BYTES_OF_TOML))
     except UnicodeDecodeError:
         message = f"is not a text file; a {kind} file in TOML is needed"
-    except TomlError as error:
-        message = str(error)
-    except UnreadableFileError as error:
+    except (TomlError, UnreadableFileError) as error:
         message = str(error)
     raise InputError.at("", message, file=path)
 

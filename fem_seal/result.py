@@ -17,7 +17,7 @@ from fem_seal.answers.chain import solve
 from fem_seal.answers.solution import SealSolution
 from fem_seal.arrays import FloatArray
 from fem_seal.case.case import CaseSource, case_of
-from fem_seal.errors import InputError, Problem
+from fem_seal.errors import InputError
 from fem_seal.processes import given_back
 from fem_seal.seal.problem import SealProblem
 
@@ -377,9 +377,7 @@ def direct(
     case = case_of(case)
     surface = rough_contact(case)
     if surface is None:
-        raise InputError(
-            Problem("roughness", "there is no surface to simulate; add the table"), file=case.file
-        )
+        raise InputError.at("roughness", "there is no surface to simulate; add the table", file=case.file)
     settings = direct_settings(case) or DirectSettings()
     if folder is not None:
         settings = replace(settings, folder=Path(folder))
@@ -441,16 +439,12 @@ def direct_seal(
     case = case_of(case)
     for key, there in (("roughness", case.roughness), ("fluid", case.fluid)):
         if there is None:
-            raise InputError(
-                Problem(key, "is missing, and a simulated seal has both roughness and fluid; add the table"),
-                file=case.file,
-            )
+            message = "is missing, and a simulated seal has both roughness and fluid; add the table"
+            raise InputError.at(key, message, file=case.file)
     given = direct_settings(case) or DirectSettings()
     if given.map is not None:
-        raise InputError(
-            Problem("direct.file", "is a map of a patch; strips of a seal have random roughness: remove it"),
-            file=case.file,
-        )
+        message = "is a map of a patch; strips of a seal have random roughness: remove it"
+        raise InputError.at("direct.file", message, file=case.file)
     settings = replace(given, folder=given.folder if folder is None else Path(folder))
     tell = progress or (lambda text: None)
     result = run(case, tell, levers=False, verdict_force=False)

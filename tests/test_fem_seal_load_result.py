@@ -11,7 +11,7 @@ from sample_results import case, rough_result, single_case, single_result, smoot
 
 import fem_seal
 from fem_seal.answers.accuracy import Comparison
-from fem_seal.output.columns import COLUMNS, LEAK_COLUMNS, Row
+from fem_seal.output.columns import COLUMNS, LEAK_COLUMNS
 from fem_seal.output.tables import leak_rows
 from fem_seal.seal.findings import VALID
 from fem_seal.seal.leak_model import Flow, RoughFlow
@@ -29,7 +29,7 @@ def untouched(load: LoadResult) -> LoadResult:
 
 
 def numbers(load: LoadResult) -> list[float]:
-    return [COLUMNS[name].number(Row(load)) for name in LEAK_COLUMNS]
+    return [COLUMNS[name].number(load) for name in LEAK_COLUMNS]
 
 
 def test_nothing_is_worked_out_before_it_is_asked_for_and_nothing_twice(monkeypatch):

@@ -20,7 +20,7 @@ from fem_seal.answers.profile_leak import leak_of_profiles
 from fem_seal.answers.target import contacts_at_target
 from fem_seal.contact.load_path import ElastoplasticContact
 from fem_seal.errors import InputError
-from fem_seal.output.pictures.memory import memory_picture
+from fem_seal.output.pictures.leak import memory_picture
 from fem_seal.output.pictures.style import style
 from fem_seal.output.report import words
 from fem_seal.output.report.page import report

@@ -11,7 +11,7 @@ import numpy as np
 
 from fem_seal.answers.leakage_class import leakage_classes, limits, volume_of
 from fem_seal.output.answers.verdict import next_class_in_words, verdict_facts, verdict_sentences
-from fem_seal.output.columns import COLUMNS, Row
+from fem_seal.output.columns import COLUMNS
 from fem_seal.seal.findings import Level
 from fem_seal.seal.load_result import highest_load
 from fem_seal.units import LIQUID, LeakVolume
@@ -248,10 +248,9 @@ def shown_load(load: LoadResult, case: Case | None = None) -> ShownLoad:
     case : Case, optional
         None while its leak rate, and with it validity and classes, is not there yet.
     """
-    row = Row(load)
     columns = [name for name in SHOWN if case or name not in LEAK]
     found = ShownLoad(
-        dict.fromkeys(SHOWN, math.nan) | {name: COLUMNS[name].number(row) for name in columns},
+        dict.fromkeys(SHOWN, math.nan) | {name: COLUMNS[name].number(load) for name in columns},
         load.applied_force,
         digits={name: COLUMNS[name].digits(load) for name in SHOWN},
     )

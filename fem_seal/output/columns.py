@@ -6,15 +6,14 @@ leak.csv, the terminal, the report, studies and the manual choose from this list
 from __future__ import annotations
 
 import math
-import tomllib
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from importlib.resources import files
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fem_seal.answers.judgement import JudgedLoad
+from fem_seal.files import own_tables
 from fem_seal.seal.readings import FURTHER, OWN, THEORIES, WORDS, force_column, leak_rate_column
 from fem_seal.units import DIGITS, Unit, fixed_unit, quantity_worth, split_unit
 from leak import Reading
@@ -22,33 +21,6 @@ from leak import Reading
 if TYPE_CHECKING:
     from fem_seal.seal.load_result import LoadResult
     from leak import CoupledLeakResult, LeakResult
-
-
-@dataclass(frozen=True, eq=False)
-class Row:
-    """One load with what a table says of it and no `LoadResult` knows: the row that columns are cells of.
-
-    Parameters
-    ----------
-    load : LoadResult
-    """
-
-    load: LoadResult
-
-    def end(self, which: int) -> float | None:
-        """Lower (0) or upper (1) end of the leak rate's interval [m^3/s]; None where nothing makes one."""
-        ends = self.load.leak_interval
-        return ends[which] if ends is not None and self.load.has_interval else None
-
-    @property
-    def margin(self) -> float | None:
-        """Of a load that is judged."""
-        return self.load.margin if isinstance(self.load, JudgedLoad) else None
-
-    @property
-    def force_for_verdict(self) -> float | None:
-        """Of a load that is judged [N]."""
-        return self.load.force_for_verdict if isinstance(self.load, JudgedLoad) else None
 
 
 @dataclass(frozen=True)
@@ -81,7 +53,7 @@ class Column:
     meaning : str
         For the reference of the columns.
     of : callable
-        The number of a `Row` in SI, None where nothing was calculated.
+        The number of a `LoadResult` in SI, None where nothing was calculated.
     heading : str
         In the report, without a unit.
     title : str
@@ -104,7 +76,7 @@ class Column:
     name: str
     kind: str
     meaning: str
-    of: Callable[[Row], float | None]
+    of: Callable[[LoadResult], float | None]
     heading: str = ""
     title: str = ""
     short: str = ""
@@ -130,9 +102,9 @@ class Column:
         """How the terminal shows it."""
         return Shown(self.name, self.short, fixed_unit(self.shown_in))
 
-    def number(self, row: Row) -> float:
-        """Its cell in a row of numbers, NaN where nothing was calculated."""
-        value = self.of(row)
+    def number(self, load: LoadResult) -> float:
+        """Its cell in a row of numbers of a load, NaN where nothing was calculated."""
+        value = self.of(load)
         return math.nan if value is None else float(value)
 
     def digits(self, load: LoadResult) -> int:
@@ -146,8 +118,8 @@ def _leak_rate_read(reading: Reading) -> Column:
     """Leak rate in one reading of yielding asperities."""
     further = reading != OWN
 
-    def of(row: Row) -> float | None:
-        return _rate(row.load.readings[reading].leak) if row.load.yields else None
+    def of(load: LoadResult) -> float | None:
+        return _rate(load.readings[reading].leak) if load.yields else None
 
     return Column(
         leak_rate_column(reading),
@@ -166,8 +138,8 @@ def _leak_rate_read(reading: Reading) -> Column:
 def _force_read(reading: Reading) -> Column:
     """Force for the target in another reading of yielding asperities."""
 
-    def of(row: Row) -> float | None:
-        return row.load.others[reading].force_for_target if reading in row.load.others else None
+    def of(load: LoadResult) -> float | None:
+        return load.others[reading].force_for_target if reading in load.others else None
 
     return Column(
         force_column(reading),
@@ -186,9 +158,9 @@ def _force_read(reading: Reading) -> Column:
 def _leak_rate_by(theory: str) -> Column:
     """Leak rate by a theory of the rough contact."""
 
-    def of(row: Row) -> float | None:
-        load = row.load.in_theory(theory)
-        return None if load is None else _rate(load.leak)
+    def of(load: LoadResult) -> float | None:
+        read = load.in_theory(theory)
+        return None if read is None else _rate(read.leak)
 
     return Column(
         leak_rate_column(theory),
@@ -210,37 +182,37 @@ def _rate(leak: LeakResult | None) -> float | None:
     return None if leak is None else leak.leak_rate
 
 
-def _contact_radius(row: Row) -> float:
-    profile = row.load.tightest
+def _contact_radius(load: LoadResult) -> float:
+    profile = load.tightest
     return float(np.interp(profile.centroid, profile.x, profile.radius))
 
 
-def _knudsen_number(row: Row) -> float | None:
-    number = None if row.load.leak is None else row.load.leak.knudsen_number
+def _knudsen_number(load: LoadResult) -> float | None:
+    number = None if load.leak is None else load.leak.knudsen_number
     return number if number is not None and math.isfinite(number) else None
 
 
-def _coupled(row: Row) -> CoupledLeakResult | None:
+def _coupled(load: LoadResult) -> CoupledLeakResult | None:
     from leak import CoupledLeakResult
 
-    return row.load.leak if isinstance(row.load.leak, CoupledLeakResult) else None
+    return load.leak if isinstance(load.leak, CoupledLeakResult) else None
 
 
-def _lift_off_x(row: Row) -> float | None:
-    coupled = _coupled(row)
+def _lift_off_x(load: LoadResult) -> float | None:
+    coupled = _coupled(load)
     return None if coupled is None else coupled.lift_off_x
 
 
-def _blow_off_pressure(row: Row) -> float | None:
-    coupled = _coupled(row)
-    return row.load.blow_off_pressure if coupled is None else coupled.blow_off_pressure
+def _blow_off_pressure(load: LoadResult) -> float | None:
+    coupled = _coupled(load)
+    return load.blow_off_pressure if coupled is None else coupled.blow_off_pressure
 
 
-def _plastic_strain(row: Row) -> float | None:
+def _plastic_strain(load: LoadResult) -> float | None:
     from fem_seal.bodies.fields import ElastoplasticField
     from fem_seal.contact.load_path import ElastoplasticContact
 
-    contact = row.load.contact
+    contact = load.contact
     if not isinstance(contact, ElastoplasticContact):
         return None
     return max(
@@ -250,73 +222,70 @@ def _plastic_strain(row: Row) -> float | None:
     )
 
 
-def _load_steps(row: Row) -> float | None:
+def _load_steps(load: LoadResult) -> float | None:
     from fem_seal.contact.load_path import ElastoplasticContact
 
-    contact = row.load.contact
+    contact = load.contact
     return float(contact.load_steps) if isinstance(contact, ElastoplasticContact) else None
 
 
-def _of_scratches(row: Row, which: int) -> float | None:
-    around = row.load.around
+def _interval_end(load: LoadResult, which: int) -> float | None:
+    """Lower (0) or upper (1) end of the leak rate's interval [m^3/s]; None where nothing makes one."""
+    ends = load.leak_interval
+    return ends[which] if ends is not None and load.has_interval else None
+
+
+def _of_scratches(load: LoadResult, which: int) -> float | None:
+    around = load.around
     return None if around is None or around.scratches is None else around.scratches[which]
 
 
 _FLOW = ("roughness", "fluid")
 
 
-def _said() -> dict[str, Any]:
-    """What is said of the columns of all tables."""
-    text = files("fem_seal").joinpath("templates", "columns.toml").read_text(encoding="utf-8")
-    return tomllib.loads(text)
-
-
-_SAID = _said()
+# What is said of the columns of all tables.
+_SAID = own_tables("columns.toml")
 # The number of each column, in the order of leak.csv.
-_OF: dict[str, Callable[[Row], float | None]] = {
-    "fluid_pressure_Pa": lambda row: row.load.fluid_pressure,
-    "contact_force_N": lambda row: row.load.contact_force,
-    "line_load_N_per_m": lambda row: row.load.line_load,
-    "peak_pressure_Pa": lambda row: row.load.peak_pressure,
+_OF: dict[str, Callable[[LoadResult], float | None]] = {
+    "fluid_pressure_Pa": lambda load: load.fluid_pressure,
+    "contact_force_N": lambda load: load.contact_force,
+    "line_load_N_per_m": lambda load: load.line_load,
+    "peak_pressure_Pa": lambda load: load.peak_pressure,
     "contact_radius_m": _contact_radius,
-    "fwhm_m": lambda row: row.load.fwhm,
-    "std_m": lambda row: row.load.std,
-    "leak_rate_m3_per_s": lambda row: _rate(row.load.leak),
-    "leak_rate_elastic_m3_per_s": lambda row: _rate(row.load.reading(Reading.ELASTIC).leak),
-    "critical_separation_m": lambda row: row.load.critical_separation,
-    "critical_separation_elastic_m": lambda row: row.load.reading(Reading.ELASTIC).critical_separation,
-    "max_von_mises_Pa": lambda row: row.load.max_von_mises,
-    "leak_rate_low_m3_per_s": lambda row: row.end(0),
-    "leak_rate_high_m3_per_s": lambda row: row.end(1),
-    "leak_rate_kg_per_s": lambda row: None if row.load.leak is None else row.load.leak.mass_flow,
-    "leak_rate_Pa_m3_per_s": lambda row: None if row.load.leak is None else row.load.leak.throughput,
-    "leak_rate_standard_m3_per_s": lambda row: (
-        None if row.load.leak is None else row.load.leak.standard_leak_rate
-    ),
+    "fwhm_m": lambda load: load.fwhm,
+    "std_m": lambda load: load.std,
+    "leak_rate_m3_per_s": lambda load: _rate(load.leak),
+    "leak_rate_elastic_m3_per_s": lambda load: _rate(load.reading(Reading.ELASTIC).leak),
+    "critical_separation_m": lambda load: load.critical_separation,
+    "critical_separation_elastic_m": lambda load: load.reading(Reading.ELASTIC).critical_separation,
+    "max_von_mises_Pa": lambda load: load.max_von_mises,
+    "leak_rate_low_m3_per_s": lambda load: _interval_end(load, 0),
+    "leak_rate_high_m3_per_s": lambda load: _interval_end(load, 1),
+    "leak_rate_kg_per_s": lambda load: None if load.leak is None else load.leak.mass_flow,
+    "leak_rate_Pa_m3_per_s": lambda load: None if load.leak is None else load.leak.throughput,
+    "leak_rate_standard_m3_per_s": lambda load: None if load.leak is None else load.leak.standard_leak_rate,
     "knudsen_number": _knudsen_number,
     "lift_off_x_m": _lift_off_x,
     "blow_off_pressure_Pa": _blow_off_pressure,
-    "applied_force_N": lambda row: row.load.applied_force,
-    "effective_seal_radius_m": lambda row: row.load.effective_radius,
-    "force_for_target_leak_N": lambda row: row.load.force_for_target,
+    "applied_force_N": lambda load: load.applied_force,
+    "effective_seal_radius_m": lambda load: load.effective_radius,
+    "force_for_target_leak_N": lambda load: load.force_for_target,
     "max_accumulated_plastic_strain": _plastic_strain,
     "load_steps": _load_steps,
-    "opening_margin_N": lambda row: None if row.load.opening is None else row.load.opening.force,
-    "opening_margin_Pa": lambda row: None if row.load.opening is None else row.load.opening.pressure,
-    "opening_margin": lambda row: None if row.load.opening is None else row.load.opening.share,
-    "peak_pressure_max_Pa": lambda row: (
-        None if row.load.formed is None else float(row.load.formed.peak_pressure.max())
+    "opening_margin_N": lambda load: None if load.opening is None else load.opening.force,
+    "opening_margin_Pa": lambda load: None if load.opening is None else load.opening.pressure,
+    "opening_margin": lambda load: None if load.opening is None else load.opening.share,
+    "peak_pressure_max_Pa": lambda load: (
+        None if load.formed is None else float(load.formed.peak_pressure.max())
     ),
-    "line_load_min_over_mean": lambda row: (
-        None if row.load.formed is None else row.load.formed.least_over_mean
-    ),
-    "leak_rate_round_m3_per_s": lambda row: None if row.load.formed is None else _rate(row.load.leak_round),
-    "leak_rate_scratches_low_m3_per_s": lambda row: _of_scratches(row, 0),
-    "leak_rate_scratches_high_m3_per_s": lambda row: _of_scratches(row, 1),
-    "force_for_verdict_N": lambda row: row.force_for_verdict,
-    "contact_temperature_K": lambda row: row.load.contact_temperature,
-    "effective_viscosity_Pa_s": lambda row: row.load.effective_viscosity,
-    "margin": lambda row: row.margin,
+    "line_load_min_over_mean": lambda load: None if load.formed is None else load.formed.least_over_mean,
+    "leak_rate_round_m3_per_s": lambda load: None if load.formed is None else _rate(load.leak_round),
+    "leak_rate_scratches_low_m3_per_s": lambda load: _of_scratches(load, 0),
+    "leak_rate_scratches_high_m3_per_s": lambda load: _of_scratches(load, 1),
+    "force_for_verdict_N": lambda load: load.force_for_verdict if isinstance(load, JudgedLoad) else None,
+    "contact_temperature_K": lambda load: load.contact_temperature,
+    "effective_viscosity_Pa_s": lambda load: load.effective_viscosity,
+    "margin": lambda load: load.margin if isinstance(load, JudgedLoad) else None,
 }
 
 
@@ -356,7 +325,7 @@ def in_words(load: LoadResult, name: str) -> str:
         Of a column that is a quantity.
     """
     column = COLUMNS[name]
-    return quantity_worth(column.kind, column.number(Row(load)), column.digits(load))
+    return quantity_worth(column.kind, column.number(load), column.digits(load))
 
 
 LEAK_COLUMNS = tuple(COLUMNS)
@@ -374,8 +343,8 @@ CHECK_ON_TERMINAL = (
 )
 
 # Names of the columns of the other tables and what they mean; "words" are those of leak.csv after its numbers.
-MEANINGS: dict[str, dict[str, str]] = _SAID["meanings"]
-MEANINGS["around"] |= {
+MEANINGS: dict[str, dict[str, str]] = dict(_SAID["meanings"])
+MEANINGS["around"] = MEANINGS["around"] | {
     f"leak_rate_{one}_m3_per_s_per_rad": f"the same with {WORDS[one].taken}; empty where none yields"
     for one in FURTHER
 }

@@ -293,7 +293,7 @@ def write_direct_seal(rows: Sequence[SealRow], folder: Path) -> None:
     rows : sequence of SealRow
     folder : Path
     """
-    from fem_seal.output.pictures.direct_seal import seal_picture
+    from fem_seal.output.pictures.direct import seal_picture
     from fem_seal.output.pictures.style import style
 
     _write(folder / SEAL_TABLE, seal_rows(rows))

@@ -62,15 +62,14 @@ def result_html(result: SealSolution) -> str:
 
 def _readable(table: ReadableTable) -> str:
     """A table in units for people; of a long one the first and last rows."""
-    rows = [[f"<td>{escape(cell)}</td>" for cell in row] for row in table.rows]
-    if len(rows) > _ROWS:
-        rows = [*rows[: _ROWS // 2], ["<td>...</td>"] * len(table.headings), *rows[-(_ROWS // 2) :]]
-    head = "".join(f"<th>{escape(heading)}</th>" for heading in table.headings)
-    body = "".join(f"<tr>{''.join(row)}</tr>" for row in rows)
-    return (
-        '<div style="overflow-x: auto"><table>'
-        f"<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>"
-    )
+    import pandas as pd
+
+    frame = pd.DataFrame(table.rows, columns=list(table.headings))
+    return _scrolling(frame.to_html(max_rows=_ROWS, index=False, border=0))
+
+
+def _scrolling(table: str) -> str:
+    return f'<div style="overflow-x: auto">{table}</div>'
 
 
 def table_html(table: pd.DataFrame) -> str:
@@ -81,8 +80,7 @@ def table_html(table: pd.DataFrame) -> str:
     table : pandas.DataFrame
     """
     filled = table.dropna(axis="columns", how="all")
-    inner = filled.to_html(max_rows=_ROWS, float_format="{:.4g}".format, border=0)
-    return f'<div style="overflow-x: auto">{inner}</div>'
+    return _scrolling(filled.to_html(max_rows=_ROWS, float_format="{:.4g}".format, border=0))
 
 
 def _counted(number: int, name: str) -> str:

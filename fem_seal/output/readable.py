@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.output.columns import COLUMNS, Column
 from fem_seal.output.prose import filled, prose
-from fem_seal.output.tables import rows_of
 from fem_seal.units import LIQUID, LeakVolume, Unit, trimmed, unit_for, worth
 
 if TYPE_CHECKING:
@@ -91,7 +90,7 @@ def filled_column(name: str, result: SealSolution) -> Filled:
     column = COLUMNS[name]
     return Filled(
         column,
-        [column.of(row) for row in rows_of(result)],
+        [column.of(load) for load in result.loads],
         [column.digits(load) for load in result.loads],
         volume_of(result.case),
     )

@@ -20,7 +20,6 @@ from fem_seal.output.columns import (
     PROFILE_COLUMNS,
     PROFILE_LEAK_COLUMNS,
     TEXT_COLUMNS,
-    Row,
 )
 from fem_seal.seal.findings import VALIDITY_COLUMNS, validity_entries
 from leak.standards import STANDARDS, Standard
@@ -30,7 +29,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from fem_seal.answers.solution import SealSolution
-    from fem_seal.seal.load_result import GivenLoad
+    from fem_seal.seal.load_result import GivenLoad, LoadResult
 
 
 # Headings and rows of a CSV file; without rows there is no file.
@@ -39,16 +38,6 @@ CsvTable = tuple[Sequence[str], Sequence[Sequence[float | str]]]
 _NUMBER = ".10g"
 # What summary.json says of a leak rate in the units of leak testing.
 _LEAKAGE = ("leak_rate", "mass_flow", "throughput", "standard_leak_rate")
-
-
-def rows_of(result: SealSolution) -> list[Row]:
-    """What the columns of a result are read from, one row per load.
-
-    Parameters
-    ----------
-    result : SealSolution
-    """
-    return [Row(load) for load in result.loads]
 
 
 def leak_rows(result: SealSolution) -> list[dict[str, Any]]:
@@ -61,10 +50,10 @@ def leak_rows(result: SealSolution) -> list[dict[str, Any]]:
     result : SealSolution
     """
     return [
-        _cells(LEAK_COLUMNS, row)
+        _cells(LEAK_COLUMNS, load)
         | {"verdict": None if load.verdict is None else str(load.verdict)}
         | validity_entries(load.validity)
-        for row, load in zip(rows_of(result), result.loads, strict=True)
+        for load in result.loads
     ]
 
 
@@ -78,13 +67,13 @@ def profile_leak_rows(loads: Sequence[GivenLoad]) -> list[dict[str, Any]]:
     """
     return [
         # these columns ask nothing that a profile without its bodies does not know
-        _cells(PROFILE_LEAK_COLUMNS, Row(load)) | validity_entries(load.validity)
+        _cells(PROFILE_LEAK_COLUMNS, load) | validity_entries(load.validity)
         for load in loads
     ]
 
 
-def _cells(names: Sequence[str], row: Row) -> dict[str, Any]:
-    return {name: COLUMNS[name].number(row) for name in names}
+def _cells(names: Sequence[str], load: LoadResult) -> dict[str, Any]:
+    return {name: COLUMNS[name].number(load) for name in names}
 
 
 def leak_table(result: SealSolution) -> pd.DataFrame:
@@ -157,13 +146,7 @@ def imprint_rows(result: SealSolution) -> CsvTable:
 
 def write_profile_csv(result: SealSolution, path: Path) -> Path:
     """Write profile.csv, atomically."""
-    return _write_csv(path, PROFILE_COLUMNS, profile_array(result).tolist())
-
-
-def _write_csv(path: Path, columns: Sequence[str], rows: Sequence[Sequence[float]]) -> Path:
-    line = ",".join([f"%{_NUMBER}"] * len(columns)) + "\n"
-    text = ",".join(columns) + "\n" + "".join(line % tuple(row) for row in rows)
-    return write_bytes(path, text.encode("ascii"))
+    return write_rows_csv(path, PROFILE_COLUMNS, profile_array(result).tolist())
 
 
 def leakage_table(result: SealSolution) -> list[dict[str, Any]]:

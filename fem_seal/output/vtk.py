@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_seal.bodies.fields import BodyField, ElastoplasticField
-from fem_seal.output.vtk_xml import QUADRATIC_TRIANGLE, write_grid, write_lines, write_series, write_surface
+from fem_seal.output.vtk_xml import write_cells, write_series
 
 if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
@@ -40,14 +40,11 @@ def write_contact(result: SealSolution, folder: Path) -> list[Path]:
     list of pathlib.Path
         The files written, contact.pvd first.
     """
-    files = _names("contact", "vtu", len(result.loads))
-    written = [
-        _write_bodies(load.contact.fields, load.contact.approach, _load_data(load), folder / file)
-        for load, file in zip(result.loads, files, strict=True)
-    ]
-    series = write_series(folder / "contact.pvd", files, _times(result.loads))
-    _remove_stale(folder, "contact", "vtu", files)
-    return [series, *written]
+
+    def write_load(load: LoadResult, path: Path) -> Path:
+        return _write_bodies(load.contact.fields, load.contact.approach, _load_data(load), path)
+
+    return _write_loads(result, folder, "contact", "vtu", write_load)
 
 
 def write_contact_line(result: SealSolution, folder: Path) -> list[Path]:
@@ -61,27 +58,28 @@ def write_contact_line(result: SealSolution, folder: Path) -> list[Path]:
     list of pathlib.Path
         The files written, contact_line.pvd first.
     """
-    files = _names("contact_line", "vtp", len(result.loads))
     height = result.seal_mesh.contact.height
-    written = []
-    for load, file in zip(result.loads, files, strict=True):
+
+    def write_load(load: LoadResult, path: Path) -> Path:
+        profiles = load.profiles
         x, radius, pressure, gap = (
-            np.concatenate(one)
-            for one in zip(
-                *((one.x, one.radius, one.pressure, one.gap) for one in load.profiles), strict=True
-            )
+            np.concatenate([getattr(one, name) for one in profiles])
+            for name in ("x", "radius", "pressure", "gap")
         )
-        points = _in_space(np.column_stack([radius, height(x)]))
         data = {"x_m": x, "contact_pressure_Pa": pressure, "gap_m": gap}
         if load.gap_pressure is not None:
             data["fluid_pressure_in_gap_Pa"] = load.gap_pressure
-        parts = [len(one.x) for one in load.profiles]
-        written.append(
-            write_lines(folder / file, points, parts, point_data=data, field_data=_load_data(load))
+        return write_cells(
+            path,
+            "Lines",
+            _in_space(np.column_stack([radius, height(x)])),
+            np.arange(len(x)),
+            np.cumsum([len(one.x) for one in profiles]),
+            point_data=data,
+            field_data=_load_data(load),
         )
-    series = write_series(folder / "contact_line.pvd", files, _times(result.loads))
-    _remove_stale(folder, "contact_line", "vtp", files)
-    return [series, *written]
+
+    return _write_loads(result, folder, "contact_line", "vtp", write_load)
 
 
 def write_around(result: SealSolution, folder: Path) -> list[Path]:
@@ -100,22 +98,48 @@ def write_around(result: SealSolution, folder: Path) -> list[Path]:
         The files written, around.pvd first; none, and those of an earlier run are removed, for a round seal.
     """
     height = result.seal_mesh.contact.height
-    files, times, written = [], [], []
-    names = _names("around", "vtp", len(result.loads))
-    for load, file, time in zip(result.loads, names, _times(result.loads), strict=True):
+
+    def write_load(load: LoadResult, path: Path) -> Path | None:
         if load.around is None:
-            continue
-        files.append(file)
-        times.append(time)
+            return None
         points, quads, data = _around_the_axis(load, load.around, height)
-        written.append(
-            write_surface(folder / file, points, quads, point_data=data, field_data=_load_data(load))
+        ends = 4 * np.arange(1, len(quads) + 1)
+        return write_cells(
+            path, "Polys", points, quads.ravel(), ends, point_data=data, field_data=_load_data(load)
         )
-    _remove_stale(folder, "around", "vtp", files)
-    if not files:
-        (folder / "around.pvd").unlink(missing_ok=True)
+
+    return _write_loads(result, folder, "around", "vtp", write_load)
+
+
+def _write_loads(
+    result: SealSolution,
+    folder: Path,
+    stem: str,
+    suffix: str,
+    write_load: Callable[[LoadResult, Path], Path | None],
+) -> list[Path]:
+    """Write a file for each load that has one, and their series; no file of an earlier run stays among them.
+
+    A viewer would mix two runs. The time is the fluid pressure [Pa], or the number of the load where pressure does not
+    rise throughout.
+    """
+    loads = result.loads
+    pressures = [load.fluid_pressure for load in loads]
+    rising = all(a < b for a, b in pairwise(pressures))
+    digits = max(3, len(str(len(loads) - 1)))
+    written: dict[Path, float] = {}
+    for number, load in enumerate(loads):
+        path = write_load(load, folder / f"{stem}_{number:0{digits}}.{suffix}")
+        if path is not None:
+            written[path] = load.fluid_pressure if rising else float(number)
+    for path in folder.iterdir():
+        if re.fullmatch(rf"{stem}_\d{{3,}}\.{suffix}", path.name) and path not in written:
+            path.unlink()
+    series = folder / f"{stem}.pvd"
+    if not written:
+        series.unlink(missing_ok=True)
         return []
-    return [write_series(folder / "around.pvd", files, times), *written]
+    return [write_series(series, [path.name for path in written], list(written.values())), *written]
 
 
 def _around_the_axis(
@@ -170,11 +194,13 @@ def _write_bodies(
 ) -> Path:
     bodies = [fields[name] for name in BODIES]
     starts = np.cumsum([0, *(len(body.points) for body in bodies)])
-    return write_grid(
+    cells = np.concatenate([body.triangles6 + start for body, start in zip(bodies, starts, strict=False)])
+    return write_cells(
         path,
+        "Cells",
         _in_space(np.concatenate([body.points for body in bodies])),
-        np.concatenate([body.triangles6 + start for body, start in zip(bodies, starts, strict=False)]),
-        QUADRATIC_TRIANGLE,
+        cells.ravel(),
+        6 * np.arange(1, len(cells) + 1),
         point_data={
             "displacement_m": _in_space(np.concatenate([_displacement(body, approach) for body in bodies])),
             "stress_Pa": _symmetric_tensor(np.concatenate([body.stress for body in bodies])),
@@ -239,22 +265,3 @@ def _load_data(load: LoadResult) -> dict[str, NDArray[np.generic]]:
         "contact_force_N": np.array([load.contact_force]),
         "line_load_N_per_m": np.array([load.line_load]),
     }
-
-
-def _names(stem: str, suffix: str, count: int) -> list[str]:
-    digits = max(3, len(str(count - 1)))
-    return [f"{stem}_{number:0{digits}}.{suffix}" for number in range(count)]
-
-
-def _times(loads: Sequence[LoadResult]) -> list[float]:
-    """The fluid pressures [Pa] as time, or the numbers of the loads where pressure does not rise throughout."""
-    pressures = [load.fluid_pressure for load in loads]
-    rising = all(a < b for a, b in pairwise(pressures))
-    return pressures if rising else [float(number) for number in range(len(loads))]
-
-
-def _remove_stale(folder: Path, stem: str, suffix: str, written: Sequence[str]) -> None:
-    """Remove what an earlier run with more loads left, so that no viewer mixes two runs."""
-    for path in folder.iterdir():
-        if re.fullmatch(rf"{stem}_\d{{3,}}\.{suffix}", path.name) and path.name not in written:
-            path.unlink()

@@ -25,8 +25,7 @@ from fem_seal.answers.uncertainty import UNCERTAINTY
 from fem_seal.answers.verdict import VERDICT, judged
 from fem_seal.answers.verdict_force import VERDICT_FORCE
 from fem_seal.case.case import Case
-from fem_seal.output.columns import COLUMNS, Row
-from fem_seal.output.tables import rows_of
+from fem_seal.output.columns import COLUMNS
 from fem_seal.seal.batch import Batch
 from fem_seal.seal.evaluate import SILENT, Evaluation, evaluate_many
 from fem_seal.seal.findings import Validity
@@ -131,7 +130,7 @@ def evaluate_designs(
         loads,
         lambda n: _checked(solved[n], loads[n], cases[n], columns, leaks=leaks, interpolated=interpolate),
     )
-    return batch.each(told, lambda number: _result(Row(told[number]), told[number], columns))
+    return batch.each(told, lambda number: _result(told[number], columns))
 
 
 def _source(case: Case, columns: Sequence[str], interpolate: bool) -> Source:
@@ -200,8 +199,8 @@ def _leaks(*, other: bool) -> Iterator[Callable[[LoadResult], object]]:
     yield lambda load: [one.leak for one in readings(load)]
 
 
-def _result(row: Row, load: JudgedLoad, columns: Sequence[str]) -> DesignResult:
-    found = {column: COLUMNS[column].number(row) for column in columns}
+def _result(load: JudgedLoad, columns: Sequence[str]) -> DesignResult:
+    found = {column: COLUMNS[column].number(load) for column in columns}
     if "margin" in found:
         found["margin"] = min(found["margin"], LARGEST_MARGIN)
     return DesignResult(found, _validity(load, columns), load.verdict)
@@ -211,5 +210,4 @@ def _with_verdict_force(case: Case, columns: Sequence[str]) -> DesignResult:
     """Of the force with which the verdict passes every force that is tried takes a run of its own."""
     answers = _FOR_VERDICT if _THEORIES.isdisjoint(columns) else (THEORIES, *_FOR_VERDICT)
     result = solve(case, wanted=Wanted(verdict_force=True), answers=answers)
-    (row, *_), (load, *_) = rows_of(result), result.loads
-    return _result(row, load, columns)
+    return _result(result.loads[0], columns)

@@ -11,22 +11,22 @@ import numpy as np
 
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.arrays import FloatArray
-from fem_seal.output.pictures.fields import SCALE_ROOM, scale_of_colours
+from fem_seal.output.pictures.fields import SCALE_ROOM, even_levels, scale_of_colours
 from fem_seal.output.pictures.style import (
     GREY,
     INK,
     ORANGE,
     WIDTH,
     Picture,
+    captioned,
     few,
     label,
     load_colours,
     logarithmic,
     panels,
+    positive,
     spans_decades,
-    svg,
 )
-from fem_seal.output.prose import said
 from fem_seal.seal.circumference import Around
 from fem_seal.seal.load_names import different, load_axis, load_name
 from fem_seal.units import unit_for
@@ -38,7 +38,6 @@ if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
     from fem_seal.seal.load_result import LoadResult
 
-_BANDS = 12
 # Pressures below this share of the largest stay white.
 _FAINT = 0.02
 # Most angles of a map, and how far it reaches to both sides of the contact in standard deviations.
@@ -55,8 +54,6 @@ def unrolled_picture(result: SealSolution) -> Picture | None:
     ----------
     result : SealSolution
     """
-    from matplotlib.ticker import MaxNLocator
-
     load = result.highest
     if load.around is None or not load.around.form.felt:
         return None
@@ -69,13 +66,12 @@ def unrolled_picture(result: SealSolution) -> Picture | None:
     length, unit = unit_for("length", reach), unit_for("contact pressure", float(pressure.max()))
     figure, (axes,) = panels(1, height=3.5, side=SCALE_ROOM)
     largest = unit.of(float(pressure.max()))
-    ticks = MaxNLocator(_BANDS, steps=[1, 2, 2.5, 5, 10]).tick_values(0.0, largest)
     whole_turn = np.append(angle, 2 * math.pi) / _DEGREE
     bands = axes.contourf(
         whole_turn,
         profile.x / length.size,
         unit.of(1.0) * np.vstack([pressure, pressure[:1]]).T,
-        levels=[_FAINT * largest, *ticks[1:]],
+        levels=[_FAINT * largest, *even_levels(0.0, largest)[1:]],
         cmap="YlOrRd",
     )
     # a profile without pressure has no peak
@@ -87,12 +83,7 @@ def unrolled_picture(result: SealSolution) -> Picture | None:
     _turn(axes)
     scale_of_colours([axes], bands, f"contact pressure  [{unit.name}]", lowest="0")
     parted = bool(np.isnan(peaks).any())
-    return Picture(
-        "unrolled",
-        svg(figure),
-        said("captions.unrolled", "alt", load=name),
-        said("captions.unrolled", "map", "parted" if parted else "", load=name),
-    )
+    return captioned(figure, "unrolled", "map", "parted" if parted else "", load=name)
 
 
 def line_load_picture(result: SealSolution) -> Picture | None:
@@ -118,19 +109,13 @@ def line_load_picture(result: SealSolution) -> Picture | None:
     _round_label(loads, "Line load over its mean")
     loads.legend(
         title=over.name,
-        title_fontsize=8.5,
         loc="center left",
         bbox_to_anchor=(1.14, 0.5),
         handlelength=1.4,
     )
     around = shown[-1][1]
     _form_error(form, around, circle)
-    return Picture(
-        "line_load_around",
-        svg(figure),
-        said("captions.line_load_around", "alt"),
-        said("captions.line_load_around", "both", "" if around.form.guided else "free"),
-    )
+    return captioned(figure, "line_load_around", "both", "" if around.form.guided else "free")
 
 
 def _form_error(axes: Axes, around: Around, circle: FloatArray) -> None:
@@ -180,11 +165,11 @@ def leak_around_picture(result: SealSolution) -> Picture | None:
     unit = volume_of(result.case).named(unit_for("flow", float(rates.max())))
     for n, (load, angle, rate) in enumerate(shown):
         turn, values = _closed(angle / _DEGREE, rate / unit.size, 360.0)
-        values = np.where(values > 0, values, np.nan)
+        values = positive(values)
         axes.plot(turn, values, color=colour(n), label=over.names[result.loads.index(load)])
         for other in _in_others(load):
             _, values = _closed(angle / _DEGREE, other * _DEGREE / unit.size, 360.0)
-            axes.plot(turn, np.where(values > 0, values, np.nan), "--", color=colour(n), linewidth=1.0)
+            axes.plot(turn, positive(values), "--", color=colour(n), linewidth=1.0)
             rates = np.concatenate([rates, other * _DEGREE])
     if spans_decades(rates):
         logarithmic(axes, "y")
@@ -192,20 +177,16 @@ def leak_around_picture(result: SealSolution) -> Picture | None:
         axes.set_ylim(0.0, 1.12 * float(rates.max()) / unit.size)
     sealed = bool((rates == 0).any())
     scratched = any(around.scratches is not None for _, around in _shown(result))
-    axes.legend(title=over.name, title_fontsize=8.5, loc="best", handlelength=1.4)
+    axes.legend(title=over.name, loc="best", handlelength=1.4)
     label(axes, "Leak around the axis", "angle around the axis  [°]", f"leak rate per degree  [{unit.name}]")
     _turn(axes)
-    return Picture(
+    return captioned(
+        figure,
         "leak_around",
-        svg(figure),
-        said("captions.leak_around", "alt"),
-        said(
-            "captions.leak_around",
-            "lines",
-            "readings" if any(_in_others(load) for load, _, _ in shown) else "",
-            "sealed" if sealed else "",
-            "scratches" if scratched else "",
-        ),
+        "lines",
+        "readings" if any(_in_others(load) for load, _, _ in shown) else "",
+        "sealed" if sealed else "",
+        "scratches" if scratched else "",
     )
 
 

@@ -16,6 +16,7 @@ from fem_seal.output.pictures.style import (
     ORANGE,
     WIDTH,
     Picture,
+    captioned,
     few,
     label,
     load_colours,
@@ -123,7 +124,7 @@ def all_profiles(
     reach = _reach(loads) / length
     axes.set_xlim(-reach, reach)
     axes.set_ylim(0.0)
-    axes.legend(title=over.name, title_fontsize=8.5, loc="upper right", handlelength=1.2, borderpad=0.1)
+    axes.legend(title=over.name, loc="upper right", handlelength=1.2, borderpad=0.1)
     title = (
         f"All {len(loads)} loads" if len(order) <= _DRAWN_LOADS else f"{_DRAWN_LOADS} of {len(order)} loads"
     )
@@ -183,11 +184,8 @@ def size_picture(result: SealSolution, sizes: Mapping[str, Sizes]) -> Picture | 
     peak, width = (axis.get_ylabel() for axis in axes)
     label(axes[0], "Peak contact pressure", over.label, f"peak pressure  [{peak}]")
     label(axes[1], "Width of the contact", over.label, f"full width at half maximum  [{width}]")
-    return Picture(
-        "sizes",
-        svg(figure),
-        said("captions.sizes", "alt", over=over.name),
-        said("captions.sizes", "all", "gaussian" if "gaussian" in sizes else "", over.order),
+    return captioned(
+        figure, "sizes", "all", "gaussian" if "gaussian" in sizes else "", over.order, over=over.name
     )
 
 
@@ -248,7 +246,7 @@ def gap_picture(result: SealSolution) -> Picture:
         label(axes[1], "Fluid pressure in the gap", f"x  [{length.name}]", "share of the pressure drop  [%]")
     for view in axes:
         view.set_xlim(-reach, reach)
-        view.legend(title=over.name, title_fontsize=8.5, loc="best", handlelength=1.4)
+        view.legend(title=over.name, loc="best", handlelength=1.4)
     smooth = "smooth" if result.case.interface.law == "smooth" else ""
     left, right = ("left", "right") if flowing else ("alone", "")
     alt = said("captions.gap", "alt_flow" if flowing else "alt")

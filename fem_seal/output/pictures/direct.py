@@ -1,7 +1,8 @@
-"""Pictures of a direct simulation: curves over the pressure beside the theory, and maps of contact and flow."""
+"""Pictures of a direct simulation beside the theory: curves over the pressure, maps of contact and flow, the seal."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,12 +18,12 @@ from fem_seal.output.pictures.style import (
     ORANGE,
     PURPLE,
     Picture,
+    captioned,
     label,
     logarithmic,
     panels,
-    svg,
+    positive,
 )
-from fem_seal.output.prose import said
 from fem_seal.seal.direct import DirectTable, PressedMap
 from fem_seal.units import quantity, unit_for
 from leak.theory.reading import READINGS, Reading
@@ -30,6 +31,8 @@ from leak.theory.reading import READINGS, Reading
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.image import AxesImage
+
+    from fem_seal.seal.direct_seal import SealRow
 
 # A drawing shows no more cells along a side.
 _MOST_CELLS = 512
@@ -103,11 +106,9 @@ def curves_picture(table: DirectTable) -> Picture:
         shown = np.array([one.gap[reading] for one in theory]) / length.size
         name = f"theory, {reading}" if len(readings) > 1 else "theory"
         colour = PURPLE if reading is Reading.CONSERVED else ORANGE
-        flow.plot(p, np.where(shown > 0.0, shown, np.nan), "-", color=colour, label=name)
+        flow.plot(p, positive(shown), "-", color=colour, label=name)
     after = np.array([row.effective_gap for row in back]) / length.size
-    flow.plot(
-        q, np.where(after > 0.0, after, np.nan), "v", color=GREEN, ms=4.2, label="unloading" if back else None
-    )
+    flow.plot(q, positive(after), "v", color=GREEN, ms=4.2, label="unloading" if back else None)
     if np.any(flow.dataLim.intervaly > 0.0) and np.isfinite(flow.dataLim.intervaly).all():
         logarithmic(flow, "x", "y")
     else:
@@ -117,7 +118,7 @@ def curves_picture(table: DirectTable) -> Picture:
     label(flow, "Effective gap", f"pressure  [{pressure.name}]", f"u_eff  [{length.name}]")
     areas.legend(loc="best")
     flow.legend(loc="best")
-    return Picture("direct", svg(figure), said("captions.direct", "alt"), said("captions.direct", "curves"))
+    return captioned(figure, "direct", "curves")
 
 
 def map_picture(table: DirectTable, pressure: float) -> Picture:
@@ -171,9 +172,82 @@ def map_picture(table: DirectTable, pressure: float) -> Picture:
     label(left, f"Contact and gap at {at}", f"along the flow  [{size.name}]", f"across  [{size.name}]")
     label(right, "Flow" if flow.gap_cubed > 0.0 else "Tight", f"along the flow  [{size.name}]", "")
     spans = "open" if flow.gap_cubed > 0.0 else "tight"
-    return Picture(
+    return captioned(
+        figure,
         "direct_map",
-        svg(figure),
-        said("captions.direct", "alt_map", pressure=at),
-        said("captions.direct", "map", simulation.asperities, spans, pressure=at),
+        "map",
+        simulation.asperities,
+        spans,
+        alt=("alt_map",),
+        group="direct",
+        pressure=at,
     )
+
+
+_COLOURS = {"elastic": BLUE, "capped": ORANGE, "von-mises": GREEN}
+
+
+def seal_picture(rows: Sequence[SealRow]) -> Picture:
+    """Pressure across the contact of the highest load, and leak rates over the fluid pressure.
+
+    Parameters
+    ----------
+    rows : sequence of SealRow
+    """
+    highest = max(row.place.fluid_pressure for row in rows)
+    shown = [row for row in rows if row.place.fluid_pressure == highest]
+    place = shown[0].place
+    shown = [row for row in shown if row.place is place]
+    figure, (pressures, leaks) = panels(2, height=3.8)
+    length, stress = unit_for("length", place.strip.width), unit_for("contact pressure", shown[0].measures[0])
+    n = place.strip.points[0]
+    x = ((np.arange(n) + 0.5) / n - 0.5) * place.strip.width
+    for row in shown:
+        pressures.plot(
+            x / length.size,
+            row.profile / stress.size,
+            color=_COLOURS[row.asperities],
+            lw=0.8,
+            label=row.asperities,
+        )
+    profile = place.profile
+    pressures.plot(
+        (profile.x - profile.centroid) / length.size, profile.pressure / stress.size, color=INK, label="chain"
+    )
+    pressures.set_xlim(x[0] / length.size, x[-1] / length.size)
+    at = quantity("fluid pressure", highest)
+    label(
+        pressures,
+        f"Contact pressure at {at}, {place.name}",
+        f"x  [{length.name}]",
+        f"pressure  [{stress.name}]",
+    )
+    pressures.legend(loc="best")
+    fluid, flow = unit_for("fluid pressure", highest), unit_for("flow", max(row.leak_rate for row in rows))
+    for name in dict.fromkeys(row.place.name for row in rows):
+        for kind, colour in _COLOURS.items():
+            own = [row for row in rows if row.asperities == kind and row.place.name == name]
+            if own:
+                p = np.array([row.place.fluid_pressure for row in own]) / fluid.size
+                rates = np.array([row.leak_rate for row in own]) / flow.size
+                error = [
+                    2.0 * np.nan_to_num(row.deviation) / len(row.leak_rates) ** 0.5 / flow.size for row in own
+                ]
+                what = kind if name == "round" else f"{kind}, {name}"
+                mark = "s" if name == "most loaded" else "o"
+                leaks.errorbar(p, rates, error, fmt=mark, color=colour, ms=3.8, capsize=2, label=what)
+    first = [
+        row for row in rows if row.asperities == rows[0].asperities and row.place.name == rows[0].place.name
+    ]
+    p = np.array([row.place.fluid_pressure for row in first]) / fluid.size
+    leaks.plot(
+        p, np.array([row.chain_held for row in first]) / flow.size, color=INK, label="chain, same waves"
+    )
+    ends = [row.place.interval for row in first]
+    if all(ends):
+        low, high = np.array([one for one in ends if one is not None]).T / flow.size
+        leaks.fill_between(p, low, high, color=FILL, lw=0, label="chain, interval")
+    logarithmic(leaks, "y")
+    label(leaks, "Leak rate", f"fluid pressure  [{fluid.name}]", f"leak rate  [{flow.name}]")
+    leaks.legend(loc="best")
+    return captioned(figure, "direct_seal", "caption")

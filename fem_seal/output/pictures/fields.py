@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from fem_seal.bodies.fields import ElastoplasticField
+from fem_seal.bodies.fields import BodyField, ElastoplasticField
 from fem_seal.contact.yielding import plastic_zone
 from fem_seal.output.columns import in_words
-from fem_seal.output.pictures.style import BLUE, INK, ORANGE, Picture, label, panels, svg
+from fem_seal.output.pictures.style import BLUE, INK, ORANGE, Picture, captioned, label, panels
 from fem_seal.output.prose import said
 from fem_seal.seal.load_names import load_name
 from fem_seal.units import percent, quantity, quantity_worth, unit_for
@@ -65,19 +66,15 @@ def mesh_picture(result: SealSolution, load: LoadResult) -> Picture:
     whole.plot(1e3 * contact.touch_radius, 0.0, "o", mfc="none", mec=ORANGE, ms=9, mew=1.6)
     frame_zone(zone, half / unit.size, unit.name, "Contact zone, turned so that the contact lies flat")
     smallest = min(float(np.diff(line.vertices).min()) for line in result.model.lines)
-    return Picture(
+    return captioned(
+        figure,
         "mesh",
-        svg(figure),
-        said("captions.mesh", "alt", elements=quality.elements),
-        said(
-            "captions.mesh",
-            "all",
-            elements=quality.elements,
-            unknowns=_unknowns(result),
-            size=quantity("length", smallest),
-            worst=f"{quality.smallest:.2f}",
-            mean=f"{quality.mean:.2f}",
-        ),
+        "all",
+        elements=quality.elements,
+        unknowns=_unknowns(result),
+        size=quantity("length", smallest),
+        worst=f"{quality.smallest:.2f}",
+        mean=f"{quality.mean:.2f}",
     )
 
 
@@ -90,14 +87,11 @@ def stress_picture(result: SealSolution, load: LoadResult) -> Picture:
     load : LoadResult
         The load to show.
     """
-    from matplotlib.ticker import MaxNLocator
-    from matplotlib.tri import Triangulation
-
     figure, axes = panels(2, height=4.3, side=SCALE_ROOM)
     fields = load.contact.fields
     unit = unit_for("contact pressure", load.max_von_mises)
     half = half_width(load)
-    levels = MaxNLocator(_BANDS, steps=[1, 2, 2.5, 5, 10]).tick_values(0.0, unit.of(load.max_von_mises))
+    levels = even_levels(0.0, unit.of(load.max_von_mises))
     bands = None
     for view, reach, title in (
         (axes[0], 4.0 * half, "Around the contact"),
@@ -105,12 +99,10 @@ def stress_picture(result: SealSolution, load: LoadResult) -> Picture:
     ):
         length = unit_for("length", 2 * reach)
         for field in fields.values():
-            place = turned(result.seal_mesh, field.points)
-            triangles = near(place, field.triangles6[:, QUARTERS].reshape(-1, 3), reach)
-            grid = Triangulation(place[:, 0] / length.size, place[:, 1] / length.size, triangles)
-            bands = view.tricontourf(grid, unit.of(1.0) * field.von_mises, levels=levels, cmap="YlOrRd")
-            line = place[field.contact_nodes] / length.size
-            view.plot(*line.T, color=INK, linewidth=0.8)
+            place = turned(result.seal_mesh, field.points) / length.size
+            stress = unit.of(1.0) * field.von_mises
+            bands = _fill_bands(view, place, field, stress, levels, reach=reach / length.size)
+            _draw_contact_line(view, place, field)
         frame_zone(view, reach / length.size, length.name, title)
     if bands is not None:
         scale_of_colours(axes, bands, f"von Mises stress  [{unit.name}]")
@@ -118,19 +110,15 @@ def stress_picture(result: SealSolution, load: LoadResult) -> Picture:
     body, r, z = load.max_von_mises_at
     depth = float(turned(result.seal_mesh, np.array([[r, z]]))[0, 1])
     largest = in_words(load, "max_von_mises_Pa")
-    return Picture(
+    return captioned(
+        figure,
         "stress",
-        svg(figure),
-        said("captions.stress", "alt", largest=largest, body=body),
-        said(
-            "captions.stress",
-            "all",
-            load=load_name(load, result.loads),
-            largest=largest,
-            body=body,
-            depth=quantity_worth("length", abs(depth), load.digits_of("fwhm")),
-            side="below" if depth < 0 else "above",
-        ),
+        "all",
+        largest=largest,
+        body=body,
+        load=load_name(load, result.loads),
+        depth=quantity_worth("length", abs(depth), load.digits_of("fwhm")),
+        side="below" if depth < 0 else "above",
     )
 
 
@@ -143,27 +131,21 @@ def temperature_picture(result: SealSolution, load: LoadResult) -> Picture | Non
     load : LoadResult
         Its width sets how much of the contact zone is shown.
     """
-    from matplotlib.ticker import MaxNLocator
-    from matplotlib.tri import Triangulation
-
     fields = load.contact.fields
     degrees = {name: f.temperature - 273.15 for name, f in fields.items() if f.temperature is not None}
     if result.problem.heating is None or len(degrees) < len(fields):
         return None
     low, high = (end(float(end(values)) for values in degrees.values()) for end in (min, max))
     # a seal of one temperature all over has one colour
-    levels = MaxNLocator(_BANDS, steps=[1, 2, 2.5, 5, 10]).tick_values(low, max(high, low + 1e-3))
+    levels = even_levels(low, max(high, low + 1e-3))
     figure, axes = panels(2, height=4.4, side=SCALE_ROOM)
     reach, bands = 8.0 * half_width(load), None
     length = unit_for("length", 2 * reach)
     for name, field in fields.items():
-        triangles = field.triangles6[:, QUARTERS].reshape(-1, 3)
-        whole = Triangulation(1e3 * field.points[:, 0], 1e3 * field.points[:, 1], triangles)
         place = turned(result.seal_mesh, field.points) / length.size
-        zone = Triangulation(place[:, 0], place[:, 1], near(place, triangles, reach / length.size))
-        for view, grid in ((axes[0], whole), (axes[1], zone)):
-            bands = view.tricontourf(grid, degrees[name], levels=levels, cmap="inferno")
-        axes[1].plot(*place[field.contact_nodes].T, color=INK, linewidth=0.8)
+        _fill_bands(axes[0], 1e3 * field.points, field, degrees[name], levels, "inferno")
+        bands = _fill_bands(axes[1], place, field, degrees[name], levels, "inferno", reach / length.size)
+        _draw_contact_line(axes[1], place, field)
     axes[0].set_aspect("equal")
     label(axes[0], "Both bodies", "r  [mm]", "z  [mm]")
     frame_zone(axes[1], reach / length.size, length.name, "Around the contact")
@@ -174,12 +156,7 @@ def temperature_picture(result: SealSolution, load: LoadResult) -> Picture | Non
     words = {
         name: quantity("temperature", value + 273.15, 4) for name, value in (("low", low), ("high", high))
     }
-    return Picture(
-        "temperature",
-        svg(figure),
-        said("captions.temperature", "alt", **words),
-        said("captions.temperature", "all", contact=quantity("temperature", contact, 4), **words),
-    )
+    return captioned(figure, "temperature", "all", **words, contact=quantity("temperature", contact, 4))
 
 
 def _mark_largest(axes: Axes, result: SealSolution, load: LoadResult) -> None:
@@ -210,6 +187,33 @@ def near(place: FloatArray, triangles: IntArray, reach: float) -> IntArray:
     low, high = corners.min(axis=1), corners.max(axis=1)
     inside = (low < reach) & (high > -reach)
     return np.asarray(triangles[inside.all(axis=0)])
+
+
+def even_levels(low: float, high: float, count: int = _BANDS) -> FloatArray:
+    """Ends of about so many bands of colours at round numbers, from `low` to beyond `high`."""
+    from matplotlib.ticker import MaxNLocator
+
+    return np.asarray(MaxNLocator(count, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high))
+
+
+def _fill_bands(
+    axes: Axes,
+    place: FloatArray,
+    field: BodyField,
+    values: FloatArray,
+    levels: ArrayLike,
+    colours: str = "YlOrRd",
+    reach: float = math.inf,
+) -> ContourSet:
+    """Values in the points of a body as bands of colours, where it lies within `reach` of first touch."""
+    from matplotlib.tri import Triangulation
+
+    triangles = near(place, field.triangles6[:, QUARTERS].reshape(-1, 3), reach)
+    return axes.tricontourf(Triangulation(*place.T, triangles), values, levels=levels, cmap=colours)
+
+
+def _draw_contact_line(axes: Axes, place: FloatArray, field: BodyField) -> None:
+    axes.plot(*place[field.contact_nodes].T, color=INK, linewidth=0.8)
 
 
 def scale_of_colours(axes: Sequence[Axes], bands: ContourSet, text: str, *, lowest: str = "") -> None:
@@ -286,12 +290,7 @@ def imprint_picture(result: SealSolution) -> Picture | None:
         )
         for name, imprint in unloaded.imprints.items()
     )
-    return Picture(
-        "imprint",
-        svg(figure),
-        said("captions.imprint", "alt"),
-        said("captions.imprint", "all", imprints=imprints, strains=strains),
-    )
+    return captioned(figure, "imprint", "all", imprints=imprints, strains=strains)
 
 
 def _imprints(axes: Axes, unloaded: Unloaded) -> None:
@@ -310,9 +309,6 @@ def _imprints(axes: Axes, unloaded: Unloaded) -> None:
 
 def _strains(axes: Axes, result: SealSolution, unloaded: Unloaded) -> str:
     """Plastic strain of all bodies that yield; says how far it reaches."""
-    from matplotlib.ticker import MaxNLocator
-    from matplotlib.tri import Triangulation
-
     fields = {n: field for n, field in unloaded.fields.items() if isinstance(field, ElastoplasticField)}
     materials = {"closure": result.case.closure.material, "seat": result.case.seat.material}
     found = {name: plastic_zone(field, materials[name]) for name, field in fields.items()}
@@ -324,17 +320,17 @@ def _strains(axes: Axes, result: SealSolution, unloaded: Unloaded) -> str:
     # few digits, so that the numbers of the scale find room
     size, unit = (1e-2, "%") if largest > 1e-3 else (1e-6, "10⁻⁶")
     largest /= size
-    ticks = MaxNLocator(_STRAIN_BANDS, steps=[1, 2, 2.5, 5, 10]).tick_values(0.0, largest)
-    levels = [largest / 100, *ticks[1:]]  # what has not yielded stays white
+    levels = [
+        largest / 100,
+        *even_levels(0.0, largest, _STRAIN_BANDS)[1:],
+    ]  # what has not yielded stays white
     bands = None
     for name, field in unloaded.fields.items():
-        place = turned(result.seal_mesh, field.points)
+        place = turned(result.seal_mesh, field.points) / length.size
         if name in fields:
-            triangles = near(place, field.triangles6[:, QUARTERS].reshape(-1, 3), reach)
-            grid = Triangulation(place[:, 0] / length.size, place[:, 1] / length.size, triangles)
             values = fields[name].accumulated_plastic_strain / size
-            bands = axes.tricontourf(grid, values, levels=levels, cmap="YlOrRd")
-        axes.plot(*(place[field.contact_nodes] / length.size).T, color=INK, linewidth=0.8)
+            bands = _fill_bands(axes, place, field, values, levels, reach=reach / length.size)
+        _draw_contact_line(axes, place, field)
     frame_zone(axes, reach / length.size, length.name, "Plastic strain")
     if bands is not None:
         scale_of_colours([axes], bands, f"accumulated plastic strain  [{unit}]", lowest="0")

@@ -11,7 +11,17 @@ from matplotlib.figure import Figure
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.answers.solution import SealSolution
 from fem_seal.output.pictures.contact import all_profiles
-from fem_seal.output.pictures.style import BLUE, ORANGE, label, logarithmic, panels, spans_decades, style
+from fem_seal.output.pictures.leak import leak_rates, leaking_loads
+from fem_seal.output.pictures.style import (
+    BLUE,
+    ORANGE,
+    label,
+    logarithmic,
+    panels,
+    positive,
+    spans_decades,
+    style,
+)
 from fem_seal.seal.load_names import different, load_axis
 from fem_seal.units import percent, unit_for
 
@@ -53,7 +63,7 @@ def result_figure(result: SealSolution, figure: Figure | None = None) -> Figure:
         for one in axes:
             one.grid(True)
         if leaks:
-            leak_rates(axes[0], result)
+            _draw_leak_rates(axes[0], result)
         loads = result.loads
         length = unit_for("length", max(float(np.ptp(one.x)) for load in loads for one in load.profiles) / 4)
         all_profiles(axes[-1], loads, different(loads), length.size, length.name)
@@ -61,34 +71,20 @@ def result_figure(result: SealSolution, figure: Figure | None = None) -> Figure:
     return figure
 
 
-def leak_rates(axes: Axes, result: SealSolution) -> None:
-    """Leak rate over the loads with its interval; loads at which nothing leaks are named in the title.
-
-    Parameters
-    ----------
-    axes : Axes
-    result : SealSolution
-    """
-    pairs = [
-        (load, ends)
-        for load, ends in zip(result.loads, result.leak_ranges, strict=True)
-        if load.leak and np.isfinite(load.leak.leak_rate)
-    ]
-    if not result.unloaded:
-        pairs.sort(key=lambda pair: pair[0].point)
-    loads = [load for load, _ in pairs]
-    over = load_axis(loads)
-    rates = np.array([load.leak.leak_rate if load.leak else np.nan for load in loads])
-    low, high = np.array([ends or (np.nan, np.nan) for _, ends in pairs]).T
+def _draw_leak_rates(axes: Axes, result: SealSolution) -> None:
+    """Leak rate over the loads with its interval; loads at which nothing leaks are named in the title."""
+    loads, ends = leaking_loads(result)
+    over, rates = load_axis(loads), leak_rates(loads)
+    low, high = ends.T
     shown = np.concatenate([rates, low, high])
     unit = volume_of(result.case).named(unit_for("flow", float(np.nanmax(shown))))
-    positive = np.where(rates > 0, rates, np.nan) / unit.size
-    axes.plot(over.shown, positive, "o-", color=BLUE, ms=4, label=_result_name(result))
+    shown_rates = positive(rates) / unit.size
+    axes.plot(over.shown, shown_rates, "o-", color=BLUE, ms=4, label=_result_name(result))
     outside = np.array([load.validity.outside for load in loads])
     if outside.any():
         axes.plot(
             over.shown[outside],
-            positive[outside],
+            shown_rates[outside],
             "x",
             color=ORANGE,
             ms=9,
@@ -103,9 +99,9 @@ def leak_rates(axes: Axes, result: SealSolution) -> None:
                 over.shown, low / unit.size, high / unit.size, color=BLUE, alpha=0.18, linewidth=0, label=name
             )
         else:
-            ends = np.array([[rates[0] - low[0]], [high[0] - rates[0]]]) / unit.size
+            reach = np.array([[rates[0] - low[0]], [high[0] - rates[0]]]) / unit.size
             axes.errorbar(
-                over.shown, positive, yerr=ends, color=BLUE, capsize=5, linestyle="none", label=name
+                over.shown, shown_rates, yerr=reach, color=BLUE, capsize=5, linestyle="none", label=name
             )
     required = result.case.requirement
     if required is not None and required.leak_rate is not None:

@@ -1,4 +1,4 @@
-"""Picture of what leaks."""
+"""Pictures of what leaks: the leak rate over the loads, and the loop of first loading and unloading."""
 
 from __future__ import annotations
 
@@ -9,16 +9,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_seal.answers.leakage_class import volume_of
+from fem_seal.output.case_words import earlier_load
 from fem_seal.output.pictures.style import (
     BLUE,
     GREEN,
     INK,
     ORANGE,
     Picture,
+    captioned,
     label,
     logarithmic,
     number_dots,
     panels,
+    positive,
+    scale_over_loads,
     spans_decades,
     svg,
 )
@@ -29,10 +33,7 @@ from fem_seal.units import LeakVolume, Unit, percent, unit_for, worth
 from leak import Reading
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
     from fem_seal.answers.solution import SealSolution
     from fem_seal.arrays import FloatArray
@@ -46,21 +47,20 @@ def leak_picture(result: SealSolution) -> Picture | None:
     ----------
     result : SealSolution
     """
-    # where the fluid has blown the seal open there is no finite rate to draw
-    flowing = [load for load in result.loads if load.leak and np.isfinite(load.leak.leak_rate)]
-    # along their path where a body yields: the same pressure leaks differently before and after a higher one
-    loads = flowing if result.unloaded else sorted(flowing, key=lambda load: load.point)
+    loads, known = leaking_loads(result)
     if not loads:
         return None
     over = load_axis(loads)
     outside = np.array([load.validity.outside for load in loads])
-    rates = _rates(loads)
-    elastic = _rates([load.reading(Reading.ELASTIC) for load in loads])
+    rates = leak_rates(loads)
+    elastic = leak_rates([load.reading(Reading.ELASTIC) for load in loads])
     plastic = result.surface is not None and result.surface.hardness is not None
     two = any(load.yields for load in loads)
     yielded = f"{WORDS[OWN].curve if two else 'asperities yield'} (result)"
     series = [(yielded if plastic else "elastic asperities (result)", rates, BLUE, 2.2)]
-    others = [(WORDS[one], _rates([load.reading(one) for load in loads])) for one in (FURTHER if two else ())]
+    others = [
+        (WORDS[one], leak_rates([load.reading(one) for load in loads])) for one in (FURTHER if two else ())
+    ]
     others = [(words, values) for words, values in others if np.isfinite(values).any()]
     series += [(words.curve, values, GREEN, 1.5) for words, values in others]
     if plastic and np.isfinite(elastic).any():
@@ -77,25 +77,22 @@ def leak_picture(result: SealSolution) -> Picture | None:
             "zero" if outside[0] else "sealed",
         )
     both = plastic and bool(((rates > 0) & (elastic > 0)).any())
-    figure, axes, factor = _leak_panels(2 if both else 1)
+    figure, (axes, *reduction) = (
+        panels(2, height=3.5, ratios=(1.5, 1.0)) if both else panels(1, height=3.5, width=6.4)
+    )
     for name, values, colour, width in series:
-        positive = np.where(values > 0, values, np.nan) / unit.size
         thin = 0.8 if over.ordered else width
-        axes.plot(over.shown, positive, "o-", color=colour, linewidth=thin, ms=3.8, label=name)
-    _mark_outside(axes, over.shown, np.where(rates > 0, rates, np.nan) / unit.size, outside)
-    ends = dict(zip(map(id, result.loads), result.leak_ranges, strict=True))
-    known = np.array([ends[id(load)] or (np.nan, np.nan) for load in loads])
+        axes.plot(
+            over.shown, positive(values) / unit.size, "o-", color=colour, linewidth=thin, ms=3.8, label=name
+        )
+    _mark_outside(axes, over.shown, positive(rates) / unit.size, outside)
     if np.isfinite(known).any():
         sampled = result.uncertainty
         name = "interval" if sampled is None else f"{percent(sampled.confidence)} interval of the result"
         axes.fill_between(over.shown, *known.T / unit.size, color=BLUE, alpha=0.15, linewidth=0, label=name)
     _mark_sealed(axes, over.shown[(rates == 0) & ~outside])
-    scales = ["x"] if over.values.min() > 0 and spans_decades(over.values) else []
-    scales += ["y"] if spans_decades(shown) else []
-    if "y" not in scales:
-        axes.set_ylim(0.0, 1.08 * axes.get_ylim()[1])
-    logarithmic(axes, *scales)
-    if "y" in scales:
+    scale_over_loads(axes, over, shown)
+    if axes.get_yscale() == "log":
         # room for the legend above the curves
         low, high = axes.get_ylim()
         axes.set_ylim(low, high * (high / low) ** 0.3)
@@ -103,21 +100,33 @@ def leak_picture(result: SealSolution) -> Picture | None:
         number_dots(axes, over.shown, rates / unit.size, [result.loads.index(load) + 1 for load in loads])
     axes.legend(loc="best")
     label(axes, "Leak rate", over.label, f"leak rate  [{volume.named(unit).name}]")
-    if factor is not None:
+    for factor in reduction:
         readings = [(WORDS[OWN].short if two else "", rates, BLUE)]
         readings += [(words.short, values, GREEN) for words, values in others]
-        _reduction(factor, over.shown, elastic, readings, "x" in scales)
+        _reduction(factor, over.shown, elastic, readings, axes.get_xscale() == "log")
         label(factor, "Reduction by yielding asperities", over.label, "elastic over yielded")
     words = ("plastic_both" if two else "plastic", "plastic_elastic") if plastic else ()
-    return Picture(
-        "leak",
-        svg(figure),
-        said("captions.leak", "alt", over=over.name),
-        said("captions.leak", "all", over.order, *words, over=over.name),
-    )
+    return captioned(figure, "leak", "all", over.order, *words, over=over.name)
 
 
-def _rates(loads: Sequence[LoadResult]) -> FloatArray:
+def leaking_loads(result: SealSolution) -> tuple[list[LoadResult], FloatArray]:
+    """Loads in the order in which they are drawn, and both ends of their leak rates [m^3/s], NaN where none are known.
+
+    Where the fluid has blown the seal open there is no finite rate to draw.
+    """
+    pairs = [
+        (load, ends or (np.nan, np.nan))
+        for load, ends in zip(result.loads, result.leak_ranges, strict=True)
+        if load.leak and np.isfinite(load.leak.leak_rate)
+    ]
+    # along their path where a body yields: the same pressure leaks differently before and after a higher one
+    if not result.unloaded:
+        pairs.sort(key=lambda pair: pair[0].point)
+    return [load for load, _ in pairs], np.array([ends for _, ends in pairs])
+
+
+def leak_rates(loads: Sequence[LoadResult]) -> FloatArray:
+    """The leak rate of each load, NaN where none was calculated [m^3/s]."""
     return np.array([load.leak.leak_rate if load.leak else np.nan for load in loads])
 
 
@@ -148,15 +157,6 @@ def _single_leak(
         f"Leak rate at {load}: " + ", ".join(f"{name} {one}" for name, one in zip(names, told, strict=True)),
         said("captions.leak", "single"),
     )
-
-
-def _leak_panels(series: int) -> tuple[Figure, Axes, Axes | None]:
-    """Axes for the leak rates and, where there are two, for their ratio."""
-    if series == 1:
-        figure, (axes,) = panels(1, height=3.5, width=6.4)
-        return figure, axes, None
-    figure, (axes, ratio) = panels(2, height=3.5, ratios=(1.5, 1.0))
-    return figure, axes, ratio
 
 
 def _mark_sealed(axes: Axes, pressure: FloatArray) -> None:
@@ -207,3 +207,56 @@ def _reduction(
         axes.set_ylim(0.0, 1.12 * float(np.nanmax(shown)))
     if len(factors) > 1:
         axes.legend(loc="best")
+
+
+# How far below the smallest leak rate a band goes that reaches down to a sealed contact.
+_FOOT = 0.1
+
+
+def memory_picture(result: SealSolution) -> Picture | None:
+    """Leak rate of every load on first loading and after the loads before it; None where nothing is remembered.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    if result.surface is None or result.surface.hardness is None:
+        return None
+    loads = [load for load in result.loads if load.leak is not None]
+    if not loads or not (result.earlier or any(load.remembers for load in loads)):
+        return None
+    if result.unloaded is None:
+        loads.sort(key=lambda load: load.point)
+    over = load_axis(loads)
+    earlier = earlier_load(result.case.load) or "the loads before it"
+    first, after = _ends([load.first_loading for load in loads]), _ends(loads)
+    unit = volume_of(result.case).named(unit_for("flow", float(max(first.max(), after.max()))))
+    figure, (axes,) = panels(1, height=3.6, width=6.8)
+    for name, ends, colour in (("first loading", first, ORANGE), (f"after {earlier}", after, BLUE)):
+        _band(axes, over.shown, ends / unit.size, colour, name)
+    scale_over_loads(axes, over, np.concatenate([first, after]), 0.7)
+    if over.returns:
+        numbers = [result.loads.index(load) + 1 for load in loads]
+        number_dots(axes, over.shown, after[:, 1] / unit.size, numbers)
+    axes.legend(loc="best")
+    label(axes, "Leak rate on first loading and after a larger load", over.label, f"leak rate  [{unit.name}]")
+    words = ("rates_both", "back_both") if any(load.yields for load in loads) else ("rates", "back")
+    return captioned(
+        figure, "memory", *words, "bodies" if result.unloaded else "elastic", over=over.name, earlier=earlier
+    )
+
+
+def _ends(loads: Sequence[LoadResult]) -> FloatArray:
+    """Smaller and larger leak rate of the readings of yielding asperities, shape (loads, 2) [m^3/s]."""
+    return np.array([load.leak_range or (load.leak.leak_rate,) * 2 for load in loads if load.leak])
+
+
+def _band(axes: Axes, x: FloatArray, ends: FloatArray, colour: str, name: str) -> None:
+    """The interval of the readings at each load; down to the foot where one of them is sealed."""
+    leaks = ends[ends > 0]
+    foot = _FOOT * float(leaks.min()) if leaks.size else 0.0
+    low, high = np.where(ends > 0, ends, foot).T
+    axes.fill_between(x, low, high, color=colour, alpha=0.18, linewidth=0, label=name)
+    axes.vlines(x, low, high, color=colour, linewidth=1.0, alpha=0.6)
+    for values in ends.T:
+        axes.plot(x, positive(values), "o-", color=colour, linewidth=1.3, ms=3.4)

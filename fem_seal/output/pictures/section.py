@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fem_seal.errors import InputError, Problem
+from fem_seal.errors import InputError
 from fem_seal.output.case_words import chosen_dimensions, listed_dimensions, section, section_text
 from fem_seal.output.pictures.style import (
     BLUE,
@@ -24,11 +24,10 @@ from fem_seal.output.pictures.style import (
     INK,
     ORANGE,
     Picture,
+    captioned,
     outside_text,
     style,
-    svg,
 )
-from fem_seal.output.prose import said
 from fem_seal.units import number, quantity, rounded, trimmed
 from meshes.geometry.curve import Curve
 from meshes.geometry.segment import Point, Segment
@@ -75,7 +74,7 @@ def write_section(case: Case, path: Path) -> Path:
         If the name ends otherwise, or nothing can be written there.
     """
     if path.suffix.lower() not in FORMATS:
-        raise InputError(Problem("--picture", f"must end with {', '.join(FORMATS)}", str(path)))
+        raise InputError.at("--picture", f"must end with {', '.join(FORMATS)}", str(path))
     kept = {".pdf": {"CreationDate": None}, ".svg": {"Date": None}}.get(path.suffix.lower(), {})
     with style():
         figure = section_figure(case)
@@ -83,7 +82,7 @@ def write_section(case: Case, path: Path) -> Path:
             figure.savefig(path, dpi=150, metadata=kept)
         except OSError as error:
             reason = (error.strerror or str(error)).lower()
-            raise InputError(Problem("--picture", f"cannot be written ({reason})", str(path))) from None
+            raise InputError.at("--picture", f"cannot be written ({reason})", str(path)) from None
     return path
 
 
@@ -361,19 +360,15 @@ def sketch(result: SealSolution) -> Picture:
     _pressures(axes, case, (widest - 7 * scale, high - 2 * scale), (0.0, low + 4 * scale), _LARGE)
     _supports(axes, case, contact.seat, scale)
     _measures(axes, case, contact.seat, scale)
-    return Picture(
+    return captioned(
+        figure,
         "sketch",
-        svg(figure),
-        said(
-            "captions.sketch",
-            "alt",
-            closure=case.closure.shape,
-            seat=case.seat.shape,
-            angle=number(math.degrees(contact.angle)),
-            radius=quantity("length", contact.touch_radius),
-            side=case.load.pressure_side,
-        ),
-        said("captions.sketch", "all"),
+        "all",
+        closure=case.closure.shape,
+        seat=case.seat.shape,
+        angle=number(math.degrees(contact.angle)),
+        radius=quantity("length", contact.touch_radius),
+        side=case.load.pressure_side,
     )
 
 

@@ -15,12 +15,16 @@ from typing import TYPE_CHECKING, Any, Literal, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fem_seal.output.prose import said
 from fem_seal.printable import printable
 from fem_seal.units import superscript
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+    from fem_seal.arrays import FloatArray
+    from fem_seal.seal.load_names import LoadAxis
 
 BLUE, ORANGE, GREEN, PURPLE, GREY, INK = "#1f5a99", "#c8501e", "#2f7d5b", "#7a4fa3", "#7b838f", "#1c2430"
 FILL = "#dfe8f2"
@@ -63,6 +67,7 @@ _STYLE: dict[str, Any] = {
     "legend.edgecolor": "none",
     "legend.fancybox": False,
     "legend.fontsize": 8.5,
+    "legend.title_fontsize": 8.5,
     "legend.handlelength": 2.2,
     "figure.facecolor": "white",
     "savefig.facecolor": "white",
@@ -161,6 +166,29 @@ def svg(figure: Figure) -> bytes:
         if axes.axison and axes.name == "rectilinear" and axes.get_label() != "<colorbar>":
             _draw_ticks(axes)
     return _in_the_dark(_drawn(figure).replace(b"'DejaVu Sans'", _FONTS.encode()))
+
+
+def captioned(
+    figure: Figure, name: str, *parts: str, alt: Sequence[str] = ("alt",), group: str = "", **values: object
+) -> Picture:
+    """A finished figure with its words from templates/words.toml.
+
+    Parameters
+    ----------
+    figure : Figure
+    name : str
+        Of the picture.
+    *parts : str
+        Keys of the sentences of the caption; empty ones are passed over.
+    alt : sequence of str
+        Those of what it shows.
+    group : str
+        Table of the sentences below "captions"; the name unless given.
+    **values
+        What stands for {names} in them.
+    """
+    where = f"captions.{group or name}"
+    return Picture(name, svg(figure), said(where, *alt, **values), said(where, *parts, **values))
 
 
 def _drawn(figure: Figure) -> bytes:
@@ -327,6 +355,12 @@ def spans_decades(values: ArrayLike, decades: float = 1.2) -> bool:
     return bool(positive.size > 1 and math.log10(positive.max() / positive.min()) > decades)
 
 
+def positive(values: ArrayLike) -> FloatArray:
+    """What a logarithmic axis can show of values; NaN, a gap in the line, elsewhere."""
+    numbers = np.asarray(values, dtype=float)
+    return np.where(numbers > 0, numbers, np.nan)
+
+
 def logarithmic(axes: Axes, *which: str) -> None:
     """Make axes "x" or "y" logarithmic, with plain figures as labels."""
     from matplotlib.ticker import LogLocator, NullLocator
@@ -342,6 +376,16 @@ def logarithmic(axes: Axes, *which: str) -> None:
         axis.set_major_formatter(_plain_figures)
         # Every tick costs a millisecond, and minor ones say nothing that the grid does not.
         axis.set_minor_locator(NullLocator())
+
+
+def scale_over_loads(axes: Axes, over: LoadAxis, values: ArrayLike, decades: float = 1.2) -> None:
+    """Axes over loads whose values begin at zero, or are logarithmic where they span so many decades."""
+    scales = ["x"] if over.values.min() > 0 and spans_decades(over.values) else []
+    if spans_decades(values, decades):
+        scales.append("y")
+    else:
+        axes.set_ylim(0.0, 1.08 * axes.get_ylim()[1])
+    logarithmic(axes, *scales)
 
 
 def _plain_figures(value: float, _: object) -> str:

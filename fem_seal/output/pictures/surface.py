@@ -15,14 +15,14 @@ from fem_seal.output.pictures.style import (
     ORANGE,
     PURPLE,
     Picture,
+    captioned,
     draw_marks,
     inches,
     label,
     logarithmic,
     panels,
-    svg,
+    positive,
 )
-from fem_seal.output.prose import said
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.readings import FURTHER, OWN, WORDS
 from fem_seal.units import number, percent, unit_for
@@ -65,7 +65,7 @@ def separation_picture(result: SealSolution) -> Picture | None:
     unit = unit_for("length", float(max(u.max() for u in values)))
     figure, (axes, shares) = panels(2, height=3.5)
     for (name, reading, colour), u in zip(curves, values, strict=True):
-        axes.plot(p / pressure.size, np.where(u > 0, u, np.nan) / unit.size, color=colour, label=name)
+        axes.plot(p / pressure.size, positive(u) / unit.size, color=colour, label=name)
         dots = np.array([load.reading(reading).critical_separation for load in result.loads], dtype=float)
         dots[dots <= 0] = np.nan
         axes.plot(peaks / pressure.size, dots / unit.size, "o", color=colour, ms=3.8)
@@ -75,17 +75,13 @@ def separation_picture(result: SealSolution) -> Picture | None:
     label(axes, "Critical separation", f"contact pressure  [{pressure.name}]", f"u_c  [{unit.name}]")
     _total_areas(shares, surface, p, peaks, pressure.size)
     label(shares, "Area of real contact", f"contact pressure  [{pressure.name}]", "share of the nominal area")
-    return Picture(
+    return captioned(
+        figure,
         "separation",
-        svg(figure),
-        said("captions.separation", "alt"),
-        said(
-            "captions.separation",
-            "all",
-            "readings" if two else "",
-            "memory" if any(load.remembers for load in result.loads) else "",
-            threshold=percent(surface.percolation_threshold),
-        ),
+        "all",
+        "readings" if two else "",
+        "memory" if any(load.remembers for load in result.loads) else "",
+        threshold=percent(surface.percolation_threshold),
     )
 
 
@@ -127,19 +123,15 @@ def surface_picture(result: SealSolution, load: LoadResult) -> Picture | None:
     plastic = surface.hardness is not None
     share = float(surface.plastic_area(peak)) / float(surface.contact_area(peak)) if plastic else 0.0
     smoothed = plastic and surface.yielding == Reading.CONSERVED
-    return Picture(
+    return captioned(
+        figure,
         "surface",
-        svg(figure),
-        said("captions.surface", "alt"),
-        said(
-            "captions.surface",
-            "all",
-            "plastic" if plastic else "",
-            "smoothed" if smoothed else "same",
-            load=load_name(load, result.loads),
-            peak=in_words(load, "peak_pressure_Pa"),
-            share=_nearly_all(share),
-        ),
+        "all",
+        "plastic" if plastic else "",
+        "smoothed" if smoothed else "same",
+        load=load_name(load, result.loads),
+        peak=in_words(load, "peak_pressure_Pa"),
+        share=_nearly_all(share),
     )
 
 
@@ -271,12 +263,7 @@ def law_picture(result: SealSolution) -> Picture | None:
     axes.set_xlim(0.0)
     axes.legend(loc="upper right")
     label(axes, "Interface law", f"mean gap u  [{unit.name}]", f"contact pressure p  [{pressure.name}]")
-    return Picture(
-        "law",
-        svg(figure),
-        said("captions.law", "alt"),
-        said("captions.law", "all"),
-    )
+    return captioned(figure, "law", "all")
 
 
 def _exponential_gap(result: SealSolution, p: FloatArray) -> FloatArray:
@@ -310,17 +297,14 @@ def scan_picture(surface: MeasuredSurface) -> Picture:
     _spectrum(spectrum, surface)
     wavelength_axis(spectrum, 1.0)
     count = len(surface.scans)
-    return Picture(
+    return captioned(
+        figure,
         "surface",
-        svg(figure),
-        said("captions.scan", "alt"),
-        said(
-            "captions.scan",
-            "several" if count > 1 else "one",
-            "spectrum",
-            count=count,
-            form=surface.settings.detrend,
-        ),
+        "several" if count > 1 else "one",
+        "spectrum",
+        group="scan",
+        count=count,
+        form=surface.settings.detrend,
     )
 
 

@@ -22,12 +22,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_seal.arrays import FloatArray
-from fem_seal.errors import DrawingError, InputError, Problem
+from fem_seal.errors import DrawingError, InputError
 from fem_seal.files import write_bytes
 from fem_seal.former_names import former_column
 from fem_seal.output.pictures.fields import QUARTERS
-from fem_seal.output.pictures.style import Picture, svg
-from fem_seal.output.prose import said
+from fem_seal.output.pictures.style import Picture, captioned
 from fem_seal.output.vtk import write_around, write_contact, write_contact_line
 from fem_seal.seal.load_names import load_name
 from fem_seal.units import given, quantity, split_unit, unit_for
@@ -90,14 +89,14 @@ def loads_in(folder: Path) -> list[LoadFiles]:
     run = "give the results folder of `fem-seal run`"
     if not folder.is_dir():
         what = "is no folder" if folder.exists() else "no such folder"
-        raise InputError(Problem(str(folder), f"{what}; {run}"))
+        raise InputError.at(str(folder), f"{what}; {run}")
     series = folder / "contact.pvd"
     try:
         entries = ET.parse(series).getroot().findall("Collection/DataSet")
     except FileNotFoundError:
-        raise InputError(Problem(str(folder), f"holds no VTK files (contact.pvd); {run}")) from None
+        raise InputError.at(str(folder), f"holds no VTK files (contact.pvd); {run}") from None
     except (OSError, ET.ParseError) as error:
-        raise InputError(Problem(str(series), f"cannot be read ({error}); run the case again")) from None
+        raise InputError.at(str(series), f"cannot be read ({error}); run the case again") from None
     found = []
     for entry in entries:
         name = entry.get("file", "")
@@ -106,12 +105,10 @@ def loads_in(folder: Path) -> list[LoadFiles]:
         files = LoadFiles(folder / name, folder / f"contact_line_{number[1] if number else ''}.vtp", around)
         for path in (files.bodies, files.line):
             if number is None or not path.is_file():
-                raise InputError(
-                    Problem(str(series), f"names {path.name}, which is missing; run the case again")
-                )
+                raise InputError.at(str(series), f"names {path.name}, which is missing; run the case again")
         found.append(files if around.is_file() else replace(files, around=None))
     if not found:
-        raise InputError(Problem(str(series), f"names no load; {run}"))
+        raise InputError.at(str(series), f"names no load; {run}")
     return found
 
 
@@ -139,7 +136,7 @@ def view(folder: Path, png: Path | None = None, load: int | None = None) -> None
     number = len(files) if load is None else load
     if not 1 <= number <= len(files):
         only = "there is one load" if len(files) == 1 else f"the loads are numbered 1 to {len(files)}"
-        raise InputError(Problem("load", f"no such load; {only}", str(load)))
+        raise InputError.at("load", f"no such load; {only}", str(load))
     if png is not None:
         write_bytes(png, _apart(_SOON, _png, files[number - 1], True))
         return
@@ -220,12 +217,7 @@ def seal_picture(result: SealSolution, image: bytes | None) -> Picture | None:
     bar.set_label(f"contact pressure  [{unit.name}]")
     bar.outline.set_linewidth(0.5)
     name = load_name(load, result.loads)
-    return Picture(
-        "seal",
-        svg(figure),
-        said("captions.seal", "alt", load=name),
-        said("captions.seal", "scene", load=name),
-    )
+    return captioned(figure, "seal", "scene", load=name)
 
 
 def _without_margins(image: FloatArray) -> FloatArray:

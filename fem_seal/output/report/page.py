@@ -20,8 +20,7 @@ from fem_seal.output.case_words import BODIES, earlier_load, listed_dimensions, 
 from fem_seal.output.finish import finish_rows
 from fem_seal.output.pictures.contact import gap_picture, profile_picture, size_picture
 from fem_seal.output.pictures.fields import imprint_picture, mesh_picture, stress_picture, temperature_picture
-from fem_seal.output.pictures.leak import leak_picture
-from fem_seal.output.pictures.memory import memory_picture
+from fem_seal.output.pictures.leak import leak_picture, memory_picture
 from fem_seal.output.pictures.section import sketch
 from fem_seal.output.pictures.style import Picture, style
 from fem_seal.output.pictures.surface import law_picture, separation_picture, surface_picture
