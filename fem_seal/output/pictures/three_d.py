@@ -245,9 +245,7 @@ def _png(files: LoadFiles, scale: bool) -> bytes:
     import pyvista
 
     plotter = pyvista.Plotter(off_screen=True, window_size=list(_SIZE))
-    _light(plotter)
-    _draw(plotter, files, scale)
-    _look(plotter)
+    _set_scene(plotter, files, scale)
     out = BytesIO()
     plotter.screenshot(out)
     plotter.close()
@@ -268,9 +266,7 @@ def _window(files: Sequence[LoadFiles], number: int) -> bool:
 
 def _interactive(plotter: Any, files: Sequence[LoadFiles], number: int) -> None:
     """The scene of a load, and a slider for the others if there are any."""
-    _light(plotter)
-    _draw(plotter, files[number], True)
-    _look(plotter)
+    _set_scene(plotter, files[number], True)
     if len(files) > 1:
         plotter.add_slider_widget(
             lambda value: _draw(plotter, files[round(value) - 1], True),
@@ -286,12 +282,11 @@ def _interactive(plotter: Any, files: Sequence[LoadFiles], number: int) -> None:
         )
 
 
-def _light(plotter: Any) -> None:
+def _set_scene(plotter: Any, files: LoadFiles, scale: bool) -> None:
+    """Background, the scene of a load, and where it is looked at from."""
     plotter.set_background("white")
     plotter.enable_anti_aliasing("ssaa")
-
-
-def _look(plotter: Any) -> None:
+    _draw(plotter, files, scale)
     azimuth, elevation = (math.radians(angle) for angle in _FROM)
     way = (
         math.cos(elevation) * math.cos(azimuth),
@@ -312,24 +307,14 @@ def _draw(plotter: Any, files: LoadFiles, scale: bool) -> None:
     for number, (name, turn) in enumerate((("closure", _CLOSURE), ("seat", _SEAT))):
         face, cut = _COLOURS[name]
         section = _Section.of(grid, number)
-        plotter.add_mesh(
-            section.revolved(turn),
-            color=face,
-            smooth_shading=True,
-            ambient=0.25,
-            specular=0.15,
-            name=f"{name} face",
-            render=False,
-        )
-        plotter.add_mesh(section.cuts(turn), color=cut, name=f"{name} cut", lighting=False, render=False)
-        plotter.add_mesh(
-            section.edges(turn),
-            color=_INK,
-            line_width=1.6,
-            name=f"{name} edges",
-            lighting=False,
-            render=False,
-        )
+        shaded = {"smooth_shading": True, "ambient": 0.25, "specular": 0.15}
+        flat = {"lighting": False}
+        for what, mesh, colour, how in (
+            ("face", section.revolved(turn), face, shaded),
+            ("cut", section.cuts(turn), cut, flat),
+            ("edges", section.edges(turn), _INK, flat | {"line_width": 1.6}),
+        ):
+            plotter.add_mesh(mesh, color=colour, name=f"{name} {what}", render=False, **how)
     surface = _pressure(files, size)
     unit = unit_for("contact pressure", float(surface["pressure"].max()))
     surface["pressure"] = unit.of(1.0) * surface["pressure"]
