@@ -117,15 +117,11 @@ class Column:
 def _leak_rate_read(reading: Reading) -> Column:
     """Leak rate in one reading of yielding asperities."""
     further = reading != OWN
-
-    def of(load: LoadResult) -> float | None:
-        return _rate(load.readings[reading].leak) if load.yields else None
-
     return Column(
         leak_rate_column(reading),
         "flow",
         f'where asperities yield and leak.theory = "paper": leak rate {WORDS[reading].column}',
-        of,
+        lambda load: _rate(load.readings[reading].leak) if load.yields else None,
         heading=f"leak rate, {reading}" if further else "",
         title=f"leak rate, {WORDS[reading].title}",
         unit_like="leak_rate_m3_per_s" if further else "",
@@ -137,16 +133,12 @@ def _leak_rate_read(reading: Reading) -> Column:
 
 def _force_read(reading: Reading) -> Column:
     """Force for the target in another reading of yielding asperities."""
-
-    def of(load: LoadResult) -> float | None:
-        return load.others[reading].force_for_target if reading in load.others else None
-
     return Column(
         force_column(reading),
         "force",
         'where asperities yield and leak.theory = "paper": `force_for_target_leak_N` '
         + WORDS[reading].condition,
-        of,
+        lambda load: load.others[reading].force_for_target if reading in load.others else None,
         error_of="force_for_target",
         heading=f"for the target, {reading}",
         short=str(reading),

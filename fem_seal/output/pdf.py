@@ -6,7 +6,6 @@ import os
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -40,16 +39,9 @@ _PATIENCE = 120.0
 
 def find_browser() -> str | None:
     """A browser that prints without a window: that of FEM_SEAL_BROWSER, or Chromium, Chrome, Edge; None without one."""
-    return next(_browsers(), None)
-
-
-def _browsers() -> Iterator[str]:
-    named = os.environ.get(_NAMED)
-    if named:
-        yield named
-    yield from (found for name in _COMMANDS if (found := shutil.which(name)))
     places = [Path(os.environ[key]) / one for key in _BELOW if key in os.environ for one in _ON_WINDOWS]
-    yield from (str(place) for place in (*places, *map(Path, _ON_MAC)) if place.is_file())
+    found = [str(place) for place in (*places, *map(Path, _ON_MAC)) if place.is_file()]
+    return next(filter(None, (os.environ.get(_NAMED), *map(shutil.which, _COMMANDS), *found)), None)
 
 
 def print_pdf(page: Path, pdf: Path, browser: str | None = None) -> Path:

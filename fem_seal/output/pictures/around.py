@@ -96,7 +96,7 @@ def line_load_picture(result: SealSolution) -> Picture | None:
     shown = _shown(result)
     if not shown:
         return None
-    figure, (loads, form) = _round_panels(2)
+    figure, (loads, form) = _round_panels()
     over, colour = load_axis(result.loads), load_colours(len(shown))
     mean = np.ones(361)
     circle = np.linspace(0.0, 2 * math.pi, 361)
@@ -221,16 +221,15 @@ def _turn(axes: Axes) -> None:
     axes.xaxis.set_major_locator(FixedLocator(range(0, 361, 45)))
 
 
-def _round_panels(count: int) -> tuple[Figure, Sequence[Axes]]:
-    """Polar axes side by side, with room for a legend between them."""
+def _round_panels() -> tuple[Figure, Sequence[Axes]]:
+    """Two polar axes side by side, with room for a legend between them."""
     from matplotlib.figure import Figure
 
     height, width, size, right = 3.9, WIDTH, 2.85, 0.75
-    places = np.linspace(0.45, width - size - right, count)
     figure = Figure(figsize=(width, height))
     axes = [
         figure.add_axes((left / width, 0.38 / height, size / width, size / height), projection="polar")
-        for left in places.tolist()
+        for left in (0.45, width - size - right)
     ]
     return figure, axes
 

@@ -24,18 +24,15 @@ from fem_seal.output.pictures.style import (
     number_dots,
     panels,
     spans_decades,
-    svg,
 )
-from fem_seal.output.prose import said
 from fem_seal.seal.load_names import LoadAxis, different, load_axis, load_name
-from fem_seal.units import quantity, unit_for
+from fem_seal.units import Unit, quantity, unit_for
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from fem_seal.answers.closed_forms import Derived, DerivedLoad, Sizes
     from fem_seal.answers.solution import SealSolution
-    from fem_seal.arrays import FloatArray
     from fem_seal.seal.load_result import LoadResult
 
 # More lines than this get a scale of colours instead of names.
@@ -68,34 +65,23 @@ def profile_picture(result: SealSolution, derived: Derived) -> Picture:
     figure, axes = panels(len(shown) + together, height=3.7, width=WIDTH if closed else _NARROW)
     length = unit_for("length", _reach(loads))
     if together:
-        all_profiles(axes[0], loads, order, length.size, length.name)
+        all_profiles(axes[0], loads, order, length)
     for view, n in zip(axes[len(axes) - len(shown) :], shown, strict=True):
-        _against_closed_forms(
-            view, loads[n], load_name(loads[n], loads), derived.loads[n], length.size, length.name
-        )
-    return Picture(
-        "profiles",
-        svg(figure),
-        said("captions.profile", "alt", "alt_closed" if closed else ""),
-        _profile_caption(result),
-    )
-
-
-def _profile_caption(result: SealSolution) -> str:
+        _against_closed_forms(view, loads[n], load_name(loads[n], loads), derived.loads[n], length)
     law = law_word(result.case)
-    start = ("start", "mean" if result.highest.formed is not None else "")
-    if math.isinf(result.model.relative_radius):
-        return said("captions.profile", *start, "conforming")
     rough = law != "smooth"
-    if result.unloaded is not None:
-        closed_forms = ["hertz", *(["gaussian", "crossover"] if rough else [])]
-        return said("captions.profile", *start, *closed_forms, "yielding")
-    return said("captions.profile", *start, "hertz", "gaussian" if rough else "", law)
+    words = ["start", "mean" if result.highest.formed is not None else ""]
+    if not closed:
+        words += ["conforming"]
+    elif result.unloaded is not None:
+        words += ["hertz", *(["gaussian", "crossover"] if rough else []), "yielding"]
+    else:
+        words += ["hertz", "gaussian" if rough else "", law]
+    alt = ("alt", "alt_closed" if closed else "")
+    return captioned(figure, "profiles", *words, alt=alt, group="profile")
 
 
-def all_profiles(
-    axes: Axes, loads: Sequence[LoadResult], order: Sequence[int], length: float, unit: str
-) -> None:
+def all_profiles(axes: Axes, loads: Sequence[LoadResult], order: Sequence[int], length: Unit) -> None:
     """The pressure profiles of all different loads.
 
     Parameters
@@ -104,8 +90,8 @@ def all_profiles(
     loads : sequence of LoadResult
     order : sequence of int
         Numbers of those that are drawn, from `fem_seal.seal.load_names.different`.
-    length, unit : float, str
-        What x is divided by, and its name.
+    length : Unit
+        Of x.
     """
     pressure = unit_for("contact pressure", max(load.peak_pressure for load in loads))
     colour = load_colours(len(order))
@@ -115,13 +101,13 @@ def all_profiles(
     for n in drawn:
         for number, profile in enumerate(loads[order[n]].profiles):
             axes.plot(
-                profile.x / length,
+                profile.x / length.size,
                 profile.pressure / pressure.size,
                 color=colour(n),
                 linewidth=1.2,
                 label=over.names[order[n]] if n in named and not number else None,
             )
-    reach = _reach(loads) / length
+    reach = _reach(loads) / length.size
     axes.set_xlim(-reach, reach)
     axes.set_ylim(0.0)
     axes.legend(title=over.name, loc="upper right", handlelength=1.2, borderpad=0.1)
@@ -130,12 +116,10 @@ def all_profiles(
     )
     if len(order) == 1:
         title = load_name(loads[order[0]], loads)
-    label(axes, title, f"x  [{unit}]", f"contact pressure  [{pressure.name}]")
+    label(axes, title, f"x  [{length.name}]", f"contact pressure  [{pressure.name}]")
 
 
-def _against_closed_forms(
-    axes: Axes, load: LoadResult, name: str, closed: DerivedLoad, length: float, unit: str
-) -> None:
+def _against_closed_forms(axes: Axes, load: LoadResult, name: str, closed: DerivedLoad, length: Unit) -> None:
     reach = _reach([load])
     # Hertz may be many times higher; drawn in full it would flatten everything else.
     top = 1.75 * load.peak_pressure
@@ -150,20 +134,26 @@ def _against_closed_forms(
             cut = form.peak_pressure > top
             peak = f", peak {quantity('contact pressure', form.peak_pressure)}" if cut else ""
             axes.plot(
-                x / length, y, color=colour, linestyle=dashes, linewidth=1.4, label=form_name + peak, zorder=3
+                x / length.size,
+                y,
+                color=colour,
+                linestyle=dashes,
+                linewidth=1.4,
+                label=form_name + peak,
+                zorder=3,
             )
     for profile in load.profiles:
         axes.plot(
-            profile.x / length,
+            profile.x / length.size,
             profile.pressure / pressure.size,
             color=BLUE,
             linewidth=2.4,
             label="calculated",
         )
-    axes.set_xlim(-reach / length, reach / length)
+    axes.set_xlim(-reach / length.size, reach / length.size)
     axes.set_ylim(0.0, top / pressure.size)
     axes.legend(loc="upper right", handlelength=1.9, borderpad=0.1)
-    label(axes, f"{name}, closed forms", f"x  [{unit}]", f"contact pressure  [{pressure.name}]")
+    label(axes, f"{name}, closed forms", f"x  [{length.name}]", f"contact pressure  [{pressure.name}]")
 
 
 def size_picture(result: SealSolution, sizes: Mapping[str, Sizes]) -> Picture | None:
@@ -231,15 +221,17 @@ def gap_picture(result: SealSolution) -> Picture:
     length = unit_for("length", _reach(loads))
     reach = _reach(loads) / length.size
     inside = [one.gap[np.abs(one.x) <= _reach(loads)] for load in chosen for one in load.profiles]
-    gap = unit_for("length", max(float(part.max(initial=0.0)) for part in inside))
+    widest = max(float(part.max(initial=0.0)) for part in inside)
+    gap = unit_for("length", widest)
     for n, load in enumerate(chosen):
         name = over.names[drawn[n]]
         for profile in load.profiles:
             axes[0].plot(profile.x / length.size, profile.gap / gap.size, color=colour(n), label=name)
         if load in flowing and load.leak is not None:
-            x, share = _points(load), load.leak.fluid_pressure / load.fluid_pressure
+            x = np.concatenate([profile.x for profile in load.profiles])
+            share = load.leak.fluid_pressure / load.fluid_pressure
             axes[1].plot(x / length.size, 100 * share, color=colour(n), label=name)
-    axes[0].set_ylim(0.0, 1.08 * max(float(part.max(initial=0.0)) for part in inside) / gap.size or 1.0)
+    axes[0].set_ylim(0.0, 1.08 * widest / gap.size or 1.0)
     label(axes[0], "Mean gap between the surfaces", f"x  [{length.name}]", f"gap  [{gap.name}]")
     if flowing:
         axes[1].set_ylim(-3, 103)
@@ -249,13 +241,7 @@ def gap_picture(result: SealSolution) -> Picture:
         view.legend(title=over.name, loc="best", handlelength=1.4)
     smooth = "smooth" if result.case.interface.law == "smooth" else ""
     left, right = ("left", "right") if flowing else ("alone", "")
-    alt = said("captions.gap", "alt_flow" if flowing else "alt")
-    return Picture("gap", svg(figure), alt, said("captions.gap", left, smooth, right))
-
-
-def _points(load: LoadResult) -> FloatArray:
-    """x of all points of the contact lines [m]."""
-    return np.concatenate([profile.x for profile in load.profiles])
+    return captioned(figure, "gap", left, smooth, right, alt=("alt_flow" if flowing else "alt",))
 
 
 def _reach(loads: Sequence[LoadResult]) -> float:

@@ -71,27 +71,22 @@ def curves_picture(table: DirectTable) -> Picture:
     p, q = (np.array([row.pressure for row in rows]) / pressure.size for rows in (load, back))
     theory = [row.theory for row in load if row.theory is not None]
 
-    def error(axes: Axes, values: list[float], scatter: list[float], factor: float = 1.0) -> None:
-        spread = np.nan_to_num(np.array(scatter)) / factor
-        axes.errorbar(
-            p, np.array(values) / factor, spread, fmt="o", color=BLUE, ms=3.8, label="simulated", capsize=2
-        )
+    unloading: dict[str, Any] = {"color": GREEN, "ms": 4.2, "label": "unloading" if back else None}
 
-    error(areas, [row.contact_area for row in load], [row.contact_area_scatter for row in load])
-    areas.plot(p, [one.contact_area for one in theory], color=ORANGE, label="theory")
-    if any(row.yielded_area > 0.0 for row in load):
-        areas.plot(
-            p, [row.yielded_area for row in load], "s", mfc="none", color=PURPLE, ms=3.8, label="yielded"
+    for axes, name, size in ((areas, "contact_area", 1.0), (gaps, "mean_gap", length.size)):
+        mean, scatter, expected, after = (
+            np.array([getattr(row, key) for row in rows]) / size
+            for key, rows in ((name, load), (f"{name}_scatter", load), (name, theory), (name, back))
         )
-    areas.plot(
-        q, [row.contact_area for row in back], "v", color=GREEN, ms=4.2, label="unloading" if back else None
-    )
+        spread = np.nan_to_num(scatter)
+        axes.errorbar(p, mean, spread, fmt="o", color=BLUE, ms=3.8, label="simulated", capsize=2)
+        axes.plot(p, expected, color=ORANGE, label="theory")
+        if axes is areas and any(row.yielded_area > 0.0 for row in load):
+            yielded = [row.yielded_area for row in load]
+            axes.plot(p, yielded, "s", mfc="none", color=PURPLE, ms=3.8, label="yielded")
+        axes.plot(q, after, "v", **unloading)
     logarithmic(areas, "x", "y")
     label(areas, "Contact area", f"pressure  [{pressure.name}]", "share of the nominal area")
-
-    error(gaps, [row.mean_gap for row in load], [row.mean_gap_scatter for row in load], length.size)
-    gaps.plot(p, np.array([one.mean_gap for one in theory]) / length.size, color=ORANGE, label="theory")
-    gaps.plot(q, np.array([row.mean_gap for row in back]) / length.size, "v", color=GREEN, ms=4.2)
     logarithmic(gaps, "x")
     gaps.set_ylim(0.0)
     label(gaps, "Mean gap", f"pressure  [{pressure.name}]", f"gap  [{length.name}]")
@@ -108,7 +103,7 @@ def curves_picture(table: DirectTable) -> Picture:
         colour = PURPLE if reading is Reading.CONSERVED else ORANGE
         flow.plot(p, positive(shown), "-", color=colour, label=name)
     after = np.array([row.effective_gap for row in back]) / length.size
-    flow.plot(q, positive(after), "v", color=GREEN, ms=4.2, label="unloading" if back else None)
+    flow.plot(q, positive(after), "v", **unloading)
     if np.any(flow.dataLim.intervaly > 0.0) and np.isfinite(flow.dataLim.intervaly).all():
         logarithmic(flow, "x", "y")
     else:

@@ -71,7 +71,7 @@ def mesh_picture(result: SealSolution, load: LoadResult) -> Picture:
         "mesh",
         "all",
         elements=quality.elements,
-        unknowns=_unknowns(result),
+        unknowns=sum(body.held.size for body in result.model.bodies.values()),
         size=quantity("length", smallest),
         worst=f"{quality.smallest:.2f}",
         mean=f"{quality.mean:.2f}",
@@ -106,9 +106,11 @@ def stress_picture(result: SealSolution, load: LoadResult) -> Picture:
         frame_zone(view, reach / length.size, length.name, title)
     if bands is not None:
         scale_of_colours(axes, bands, f"von Mises stress  [{unit.name}]")
-    _mark_largest(axes[1], result, load)
     body, r, z = load.max_von_mises_at
-    depth = float(turned(result.seal_mesh, np.array([[r, z]]))[0, 1])
+    largest_at = turned(result.seal_mesh, np.array([[r, z]]))[0]
+    if np.all(np.abs(largest_at) < half):
+        axes[1].plot(*(largest_at / unit_for("length", 2 * half).size), "x", color=INK, ms=6, mew=1.2)
+    depth = float(largest_at[1])
     largest = in_words(load, "max_von_mises_Pa")
     return captioned(
         figure,
@@ -157,14 +159,6 @@ def temperature_picture(result: SealSolution, load: LoadResult) -> Picture | Non
         name: quantity("temperature", value + 273.15, 4) for name, value in (("low", low), ("high", high))
     }
     return captioned(figure, "temperature", "all", **words, contact=quantity("temperature", contact, 4))
-
-
-def _mark_largest(axes: Axes, result: SealSolution, load: LoadResult) -> None:
-    _, r, z = load.max_von_mises_at
-    half = half_width(load)
-    place = turned(result.seal_mesh, np.array([[r, z]]))[0]
-    if np.all(np.abs(place) < half):
-        axes.plot(*(place / unit_for("length", 2 * half).size), "x", color=INK, ms=6, mew=1.2)
 
 
 def half_width(load: LoadResult) -> float:
@@ -251,10 +245,6 @@ def _polyline(points: FloatArray, edges: IntArray) -> FloatArray:
     return np.concatenate([ends, gaps], axis=1).transpose(0, 2, 1).reshape(2, -1)
 
 
-def _unknowns(result: SealSolution) -> str:
-    return str(sum(body.held.size for body in result.model.bodies.values()))
-
-
 _COLOURS = {"seat": BLUE, "closure": ORANGE}
 # Widths of the imprint that are shown to each side, and depths of the yielded zone to above and below.
 _WIDTHS, _DEPTHS = 1.6, 1.5
@@ -274,19 +264,15 @@ def imprint_picture(result: SealSolution) -> Picture | None:
     figure, (depth, strain) = panels(2, height=4.0, side=SCALE_ROOM)
     _imprints(depth, unloaded)
     strains = _strains(strain, result, unloaded)
+    digits = result.strongest.digits_of("fwhm")
     imprints = "; ".join(
         said(
             "captions.imprint",
             "one",
             body=name,
-            **{
-                what: quantity_worth("length", value, result.strongest.digits_of("fwhm"))
-                for what, value in (
-                    ("depth", imprint.deepest),
-                    ("width", imprint.width),
-                    ("rim", imprint.rim),
-                )
-            },
+            depth=quantity_worth("length", imprint.deepest, digits),
+            width=quantity_worth("length", imprint.width, digits),
+            rim=quantity_worth("length", imprint.rim, digits),
         )
         for name, imprint in unloaded.imprints.items()
     )
@@ -334,16 +320,15 @@ def _strains(axes: Axes, result: SealSolution, unloaded: Unloaded) -> str:
     frame_zone(axes, reach / length.size, length.name, "Plastic strain")
     if bands is not None:
         scale_of_colours([axes], bands, f"accumulated plastic strain  [{unit}]", lowest="0")
+    digits = result.strongest.digits_of("fwhm")
     return " ".join(
         said(
             "captions.imprint",
             "zone",
             body=name,
             strain=percent(zone.strain),
-            **{
-                what: quantity_worth("length", value, result.strongest.digits_of("fwhm"))
-                for what, value in (("depth", zone.depth), ("deepest", zone.deepest))
-            },
+            depth=quantity_worth("length", zone.depth, digits),
+            deepest=quantity_worth("length", zone.deepest, digits),
         )
         for name, zone in zones.items()
     )

@@ -66,7 +66,7 @@ def result_figure(result: SealSolution, figure: Figure | None = None) -> Figure:
             _draw_leak_rates(axes[0], result)
         loads = result.loads
         length = unit_for("length", max(float(np.ptp(one.x)) for load in loads for one in load.profiles) / 4)
-        all_profiles(axes[-1], loads, different(loads), length.size, length.name)
+        all_profiles(axes[-1], loads, different(loads), length)
         axes[-1].set_title("Contact pressure", y=1.0, pad=72 * _ABOVE)
     return figure
 
