@@ -26,7 +26,7 @@ def test_a_page_becomes_pages(tmp_path):
 
 
 def test_without_a_browser_the_reader_is_told_what_to_do(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(pdf, "_browsers", lambda: iter(()))
+    monkeypatch.setattr(pdf, "find_browser", lambda: None)
     (tmp_path / "report.html").write_text("page")
     assert cli.main(["pdf", str(tmp_path)]) == cli.OTHER_FAILURE
     assert "open it in any browser and print it there" in capsys.readouterr().err
