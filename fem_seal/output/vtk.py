@@ -228,18 +228,16 @@ def _plastic(bodies: Sequence[BodyField]) -> dict[str, FloatArray]:
     """Plastic strain of both bodies; nothing if both are elastic."""
     if not any(isinstance(body, ElastoplasticField) for body in bodies):
         return {}
-    strain, accumulated = [], []
-    for body in bodies:
-        if isinstance(body, ElastoplasticField):
-            strain.append(body.plastic_strain)
-            accumulated.append(body.accumulated_plastic_strain)
-        else:
-            strain.append(np.zeros_like(body.stress))
-            accumulated.append(np.zeros(len(body.points)))
-    tensor = np.concatenate(strain) * [1.0, 1.0, 1.0, 0.5]
+    flows = [
+        (body.plastic_strain, body.accumulated_plastic_strain)
+        if isinstance(body, ElastoplasticField)
+        else (np.zeros_like(body.stress), np.zeros(len(body.points)))
+        for body in bodies
+    ]
+    strain, accumulated = (np.concatenate(parts) for parts in zip(*flows, strict=True))
     return {
-        "plastic_strain": _symmetric_tensor(tensor),
-        "accumulated_plastic_strain": np.concatenate(accumulated),
+        "plastic_strain": _symmetric_tensor(strain * [1.0, 1.0, 1.0, 0.5]),
+        "accumulated_plastic_strain": accumulated,
     }
 
 

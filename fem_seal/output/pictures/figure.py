@@ -79,7 +79,8 @@ def _draw_leak_rates(axes: Axes, result: SealSolution) -> None:
     shown = np.concatenate([rates, low, high])
     unit = volume_of(result.case).named(unit_for("flow", float(np.nanmax(shown))))
     shown_rates = positive(rates) / unit.size
-    axes.plot(over.shown, shown_rates, "o-", color=BLUE, ms=4, label=_result_name(result))
+    name = "leak rate, C_pl" if any(load.yields for load in result.loads) else "leak rate"
+    axes.plot(over.shown, shown_rates, "o-", color=BLUE, ms=4, label=name)
     outside = np.array([load.validity.outside for load in loads])
     if outside.any():
         axes.plot(
@@ -115,7 +116,3 @@ def _draw_leak_rates(axes: Axes, result: SealSolution) -> None:
     sealed = int(np.count_nonzero((rates == 0) & ~outside))
     title = "Leak rate" if not sealed else f"Leak rate ({sealed} of {len(loads)} loads sealed)"
     label(axes, title, over.label, f"leak rate  [{unit.name}]", above=_ABOVE)
-
-
-def _result_name(result: SealSolution) -> str:
-    return "leak rate, C_pl" if any(load.yields for load in result.loads) else "leak rate"

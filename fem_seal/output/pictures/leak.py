@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -90,7 +90,7 @@ def leak_picture(result: SealSolution) -> Picture | None:
         sampled = result.uncertainty
         name = "interval" if sampled is None else f"{percent(sampled.confidence)} interval of the result"
         axes.fill_between(over.shown, *known.T / unit.size, color=BLUE, alpha=0.15, linewidth=0, label=name)
-    _mark_sealed(axes, over.shown[(rates == 0) & ~outside])
+    _mark_at_foot(axes, over.shown[(rates == 0) & ~outside], "sealed: nothing leaks", INK)
     scale_over_loads(axes, over, shown)
     if axes.get_yscale() == "log":
         # room for the legend above the curves
@@ -159,34 +159,20 @@ def _single_leak(
     )
 
 
-def _mark_sealed(axes: Axes, pressure: FloatArray) -> None:
+def _mark_at_foot(axes: Axes, x: FloatArray, name: str | None, fill: str) -> None:
     """Loads without any leak cannot stand on a logarithmic axis; they are marked at its foot."""
-    if pressure.size:
-        axes.plot(
-            pressure,
-            np.full(pressure.shape, 0.02),
-            "v",
-            color=INK,
-            ms=6,
-            transform=axes.get_xaxis_transform(),
-            label="sealed: nothing leaks",
-            clip_on=False,
-        )
+    if x.size:
+        foot = {"transform": axes.get_xaxis_transform(), "clip_on": False}
+        axes.plot(x, np.full(x.shape, 0.02), "v", ms=6, mec=INK, mfc=fill, label=name, **cast(Any, foot))
 
 
 def _mark_outside(axes: Axes, x: FloatArray, rates: FloatArray, outside: NDArray[np.bool_]) -> None:
     """Loads outside the theory are hollow; those that came out as zero stand at the foot."""
-    name: str | None = "outside the theory: nothing to claim"
+    name = "outside the theory: nothing to claim"
     drawn = outside & np.isfinite(rates)
     if drawn.any():
         axes.plot(x[drawn], rates[drawn], "o", ms=5, mec=BLUE, mfc="white", zorder=4, label=name)
-        name = None
-    zero = outside & ~np.isfinite(rates)
-    if zero.any():
-        (foot,) = axes.plot(
-            x[zero], np.full(int(zero.sum()), 0.02), "v", ms=6, mec=INK, mfc="white", label=name
-        )
-        foot.set(transform=axes.get_xaxis_transform(), clip_on=False)
+    _mark_at_foot(axes, x[outside & ~drawn], None if drawn.any() else name, "white")
 
 
 def _reduction(

@@ -295,18 +295,17 @@ def _list(axes: Axes, case: Case) -> None:
             for row, part in enumerate(text.split(", ")):
                 lines.append((key if row == 0 else "", part, INK, "normal"))
         for key, (value, chosen) in listed_dimensions(case, name).items():
-            size = math.degrees(value) if key.endswith("angle") else 1e3 * value
-            text = trimmed(rounded(size, 4) if chosen else size) + ("°" if key.endswith("angle") else "")
+            angle = key.endswith("angle")
+            size = math.degrees(value) if angle else 1e3 * value
+            text = trimmed(rounded(size, 4) if chosen else size) + ("°" if angle else "")
             mark = "⌀" if key.endswith("diameter") else "R " if key.endswith("radius") else ""
             lines.append((key.replace("_", " "), mark + text, GREY if chosen else INK, "normal"))
     step = min(0.075, 1.0 / max(len(lines), 1))
     for row, (what, text, colour, weight) in enumerate(lines):
-        y, how = (
-            1 - step * (row + 0.5),
-            {"color": colour, "fontsize": min(_SMALL, 130 * step), "va": "center"},
-        )
-        axes.text(0.0 if weight == "bold" else 0.03, y, what, weight=weight, **cast(Any, how))
-        axes.text(0.45, y, text, **cast(Any, how))
+        y = 1 - step * (row + 0.5)
+        how: dict[str, Any] = {"color": colour, "fontsize": min(_SMALL, 130 * step), "va": "center"}
+        axes.text(0.0 if weight == "bold" else 0.03, y, what, weight=weight, **how)
+        axes.text(0.45, y, text, **how)
 
 
 def _bodies(axes: Axes, contact: ContactGeometry, *, mirrored: bool, hatched: bool = True) -> None:
@@ -444,14 +443,9 @@ def _measures(axes: Axes, case: Case, seat: Outline, scale: float) -> None:
 
     for row, (what, radius) in enumerate((("bore", inner), ("outer", outer))):
         z = 1e3 * low - (18 + 15 * row) * scale
-        diameters = case.in_diameters("seat")
-        size = (
-            f"diameter {quantity('length', 2 * radius)}"
-            if diameters
-            else f"radius {quantity('length', radius)}"
-        )
-        key = f"{what}_radius"
-        measure(key, (0.0, z), (1e3 * radius, z), "|", (-4 * scale, z), f"{what} {size}")
+        word, factor = ("diameter", 2) if case.in_diameters("seat") else ("radius", 1)
+        size = f"{word} {quantity('length', factor * radius)}"
+        measure(f"{what}_radius", (0.0, z), (1e3 * radius, z), "|", (-4 * scale, z), f"{what} {size}")
     r, z = 1e3 * outer - 8 * scale, 1e3 * (0.4 * high + 0.6 * low)
     text = f"total height {quantity('length', high - low)}"
     measure("height", (r, 1e3 * low), (r, 1e3 * high), "", (r - 3 * scale, z), text)

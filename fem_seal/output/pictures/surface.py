@@ -24,6 +24,7 @@ from fem_seal.output.pictures.style import (
     positive,
 )
 from fem_seal.seal.load_names import load_name
+from fem_seal.seal.problem import exponential_law
 from fem_seal.seal.readings import FURTHER, OWN, WORDS
 from fem_seal.units import number, percent, unit_for
 from leak import Reading
@@ -66,9 +67,8 @@ def separation_picture(result: SealSolution) -> Picture | None:
     figure, (axes, shares) = panels(2, height=3.5)
     for (name, reading, colour), u in zip(curves, values, strict=True):
         axes.plot(p / pressure.size, positive(u) / unit.size, color=colour, label=name)
-        dots = np.array([load.reading(reading).critical_separation for load in result.loads], dtype=float)
-        dots[dots <= 0] = np.nan
-        axes.plot(peaks / pressure.size, dots / unit.size, "o", color=colour, ms=3.8)
+        dots = [load.reading(reading).critical_separation for load in result.loads]
+        axes.plot(peaks / pressure.size, positive(dots) / unit.size, "o", color=colour, ms=3.8)
     axes.set_ylim(0.0)
     logarithmic(axes, "x")
     axes.legend(loc="best")
@@ -131,12 +131,8 @@ def surface_picture(result: SealSolution, load: LoadResult) -> Picture | None:
         "smoothed" if smoothed else "same",
         load=load_name(load, result.loads),
         peak=in_words(load, "peak_pressure_Pa"),
-        share=_nearly_all(share),
+        share="more than 99.9 %" if share > 0.999 else percent(share, 3),
     )
-
-
-def _nearly_all(share: float) -> str:
-    return "more than 99.9 %" if share > 0.999 else percent(share, 3)
 
 
 def _area_curves(axes: Axes, surface: RoughContact, peak: float) -> None:
@@ -239,7 +235,9 @@ def law_picture(result: SealSolution) -> Picture | None:
         if surface.theory == "paper":
             curves.append(("exponential with u₀, p_c", surface.u0 * np.log(surface.p_c / p), GREY, False))
     else:
-        curves.append(("exponential", _exponential_gap(result, p), BLUE, True))
+        u0, p_c = exponential_law(result.case, surface)
+        assert u0 is not None and p_c is not None
+        curves.append(("exponential", u0 * np.log(p_c / p), BLUE, True))
     unit = unit_for("length", max(float(gap.max()) for _, gap, _, used in curves if used))
     pressure = unit_for("contact pressure", float(peaks.max()))
     figure, (axes,) = panels(1, height=3.5, width=5.6)
@@ -264,14 +262,6 @@ def law_picture(result: SealSolution) -> Picture | None:
     axes.legend(loc="upper right")
     label(axes, "Interface law", f"mean gap u  [{unit.name}]", f"contact pressure p  [{pressure.name}]")
     return captioned(figure, "law", "all")
-
-
-def _exponential_gap(result: SealSolution, p: FloatArray) -> FloatArray:
-    from fem_seal.seal.problem import exponential_law
-
-    u0, p_c = exponential_law(result.case.interface, result.surface)
-    assert u0 is not None and p_c is not None
-    return u0 * np.log(p_c / p)
 
 
 # More points than this cannot be told apart on paper.
