@@ -65,7 +65,8 @@ def _readable(table: ReadableTable) -> str:
     import pandas as pd
 
     frame = pd.DataFrame(table.rows, columns=list(table.headings))
-    return _scrolling(frame.to_html(max_rows=_ROWS, index=False, border=0))
+    with pd.option_context("display.max_colwidth", None):  # or long cells would be cut
+        return _scrolling(frame.to_html(max_rows=_ROWS, index=False, border=0))
 
 
 def _scrolling(table: str) -> str:
