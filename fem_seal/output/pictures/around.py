@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -164,13 +164,13 @@ def leak_around_picture(result: SealSolution) -> Picture | None:
     rates = np.concatenate([rate for _, _, rate in shown])
     unit = volume_of(result.case).named(unit_for("flow", float(rates.max())))
     for n, (load, angle, rate) in enumerate(shown):
-        turn, values = _closed(angle / _DEGREE, rate / unit.size, 360.0)
-        values = positive(values)
-        axes.plot(turn, values, color=colour(n), label=over.names[result.loads.index(load)])
-        for other in _in_others(load):
-            _, values = _closed(angle / _DEGREE, other * _DEGREE / unit.size, 360.0)
-            axes.plot(turn, positive(values), "--", color=colour(n), linewidth=1.0)
-            rates = np.concatenate([rates, other * _DEGREE])
+        name = over.names[result.loads.index(load)]
+        own: tuple[FloatArray, dict[str, Any]] = (rate, {"label": name})
+        others = [(other, {"linestyle": "--", "linewidth": 1.0}) for other in _in_others(load)]
+        for values, how in (own, *others):
+            turn, closed = _closed(angle / _DEGREE, values / unit.size, 360.0)
+            axes.plot(turn, positive(closed), color=colour(n), **how)
+        rates = np.concatenate([rates, *(other for other, _ in others)])
     if spans_decades(rates):
         logarithmic(axes, "y")
     else:
@@ -191,9 +191,9 @@ def leak_around_picture(result: SealSolution) -> Picture | None:
 
 
 def _in_others(load: LoadResult) -> list[FloatArray]:
-    """Leak around the axis in the other readings of yielding asperities [m^3/s/rad]."""
+    """Leak around the axis in the other readings of yielding asperities [m^3/s per degree]."""
     return [
-        one.around.leak_rate
+        one.around.leak_rate * _DEGREE
         for one in load.others.values()
         if one.around and one.around.leak_rate is not None
     ]

@@ -100,13 +100,15 @@ def loads_in(folder: Path) -> list[LoadFiles]:
     found = []
     for entry in entries:
         name = entry.get("file", "")
-        number = re.fullmatch(r"contact_(\d+)\.vtu", name)
-        around = folder / f"around_{number[1] if number else ''}.vtp"
-        files = LoadFiles(folder / name, folder / f"contact_line_{number[1] if number else ''}.vtp", around)
-        for path in (files.bodies, files.line):
-            if number is None or not path.is_file():
+        match = re.fullmatch(r"contact_(\d+)\.vtu", name)
+        number = match[1] if match else ""
+        bodies, line, around = (
+            folder / file for file in (name, f"contact_line_{number}.vtp", f"around_{number}.vtp")
+        )
+        for path in (bodies, line):
+            if not (number and path.is_file()):
                 raise InputError.at(str(series), f"names {path.name}, which is missing; run the case again")
-        found.append(files if around.is_file() else replace(files, around=None))
+        found.append(LoadFiles(bodies, line, around if around.is_file() else None))
     if not found:
         raise InputError.at(str(series), f"names no load; {run}")
     return found
@@ -385,12 +387,9 @@ class _Section:
 
     def revolved(self, turn: tuple[float, float]) -> Any:
         """The faces, over a part of the turn [deg]."""
-        import pyvista
-
         touching_axis = (self.points[self.outline, 0] < 1e-9).all(axis=1)
         used, edges = np.unique(self.outline[~touching_axis], return_inverse=True)
-        quads, points = _swept(self.points[used], edges.reshape(-1, 2), _angles(turn))
-        surface = pyvista.PolyData(points, faces=np.insert(quads, 0, 4, axis=1))
+        surface = _swept(self.points[used], edges.reshape(-1, 2), _angles(turn))
         return surface.compute_normals(feature_angle=_CORNER, split_vertices=True, cell_normals=False)
 
     def cuts(self, turn: tuple[float, float]) -> Any:
@@ -459,8 +458,7 @@ def _pressure(files: LoadFiles, size: float) -> Any:
     tangent = section[-1] - section[0]
     up = np.array([-tangent[1], tangent[0]]) / np.linalg.norm(tangent)
     along = np.arange(len(section))
-    quads, points = _swept(section + _ABOVE * size * up, np.column_stack([along[:-1], along[1:]]), angles)
-    surface = pyvista.PolyData(points, faces=np.insert(quads, 0, 4, axis=1))
+    surface = _swept(section + _ABOVE * size * up, np.column_stack([along[:-1], along[1:]]), angles)
     surface["pressure"] = np.broadcast_to(pressure, (len(angles), len(section))).ravel().astype(float)
     return surface
 
@@ -476,10 +474,12 @@ def _in_space(points: FloatArray, angles: FloatArray) -> FloatArray:
     return np.vstack([np.column_stack([r * math.cos(a), r * math.sin(a), z]) for a in angles.tolist()])
 
 
-def _swept(points: FloatArray, edges: IntArray, angles: FloatArray) -> tuple[IntArray, FloatArray]:
-    """Quadrilaterals that edges of a section sweep, and their points."""
+def _swept(points: FloatArray, edges: IntArray, angles: FloatArray) -> Any:
+    """The surface of quadrilaterals that edges of a section sweep."""
+    import pyvista
+
     n = len(points)
     steps = n * np.arange(len(angles) - 1)[:, None, None]
     first = edges + steps
-    quads = np.concatenate([first, (first + n)[..., ::-1]], axis=2)
-    return quads.reshape(-1, 4), _in_space(points, angles)
+    quads = np.concatenate([first, (first + n)[..., ::-1]], axis=2).reshape(-1, 4)
+    return pyvista.PolyData(_in_space(points, angles), faces=np.insert(quads, 0, 4, axis=1))
