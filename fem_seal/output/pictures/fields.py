@@ -306,10 +306,8 @@ def _strains(axes: Axes, result: SealSolution, unloaded: Unloaded) -> str:
     # few digits, so that the numbers of the scale find room
     size, unit = (1e-2, "%") if largest > 1e-3 else (1e-6, "10⁻⁶")
     largest /= size
-    levels = [
-        largest / 100,
-        *even_levels(0.0, largest, _STRAIN_BANDS)[1:],
-    ]  # what has not yielded stays white
+    # what has not yielded stays white
+    levels = [largest / 100, *even_levels(0.0, largest, _STRAIN_BANDS)[1:]]
     bands = None
     for name, field in unloaded.fields.items():
         place = turned(result.seal_mesh, field.points) / length.size
