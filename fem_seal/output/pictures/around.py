@@ -165,12 +165,13 @@ def leak_around_picture(result: SealSolution) -> Picture | None:
     unit = volume_of(result.case).named(unit_for("flow", float(rates.max())))
     for n, (load, angle, rate) in enumerate(shown):
         name = over.names[result.loads.index(load)]
-        own: tuple[FloatArray, dict[str, Any]] = (rate, {"label": name})
-        others = [(other, {"linestyle": "--", "linewidth": 1.0}) for other in _in_others(load)]
-        for values, how in (own, *others):
+        others, dashed = _in_others(load), {"linestyle": "--", "linewidth": 1.0}
+        lines: list[tuple[FloatArray, dict[str, Any]]] = [(rate, {"label": name})]
+        lines += [(other, dashed) for other in others]
+        for values, how in lines:
             turn, closed = _closed(angle / _DEGREE, values / unit.size, 360.0)
             axes.plot(turn, positive(closed), color=colour(n), **how)
-        rates = np.concatenate([rates, *(other for other, _ in others)])
+        rates = np.concatenate([rates, *others])
     if spans_decades(rates):
         logarithmic(axes, "y")
     else:
