@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import base64
+import colorsys
 import math
+import re
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -289,15 +291,34 @@ def draw_marks(
 def _in_the_dark(drawing: bytes) -> bytes:
     """A drawing that turns light into dark where the reader's screen is dark; one with an image in it stays light.
 
-    Light and dark change places and colours stay, so that a scale of colours and what it explains still agree. White
-    becomes what lies behind the page, #171717.
+    Light and dark change places and colours stay, so that a scale of colours and what it explains still agree.
     """
     if b"<image" in drawing:
         return drawing
-    turned = ":root{filter:invert(0.91) hue-rotate(180deg)}"
-    style = f"<style>@media screen and (prefers-color-scheme: dark){{{turned}}}</style>"
+    found = sorted(set(re.findall(rb"(fill|stroke): #([0-9a-f]{6})", drawing)))
+    rules = "".join(
+        f'[style*="{kind}: #{colour}"]{{{kind}:#{_turned(colour)} !important}}'
+        for kind, colour in ((kind.decode(), colour.decode()) for kind, colour in found)
+    )
+    # what has no colour of its own is black
+    rules = f"text{{fill:#{_turned('000000')}}}{rules}"
     start = drawing.index(b">", drawing.index(b"<svg")) + 1
+    style = f"<style>@media screen and (prefers-color-scheme: dark){{{rules}}}</style>"
     return drawing[:start] + style.encode() + drawing[start:]
+
+
+def _turned(colour: str) -> str:
+    """The colour "rrggbb" with light and dark exchanged: white becomes nearly black.
+
+    Examples
+    --------
+    >>> _turned("ffffff"), _turned("000000")
+    ('171717', 'ebebeb')
+    """
+    red, green, blue = (int(colour[n : n + 2], 16) / 255 for n in (0, 2, 4))
+    hue, light, saturation = colorsys.rgb_to_hls(red, green, blue)
+    turned = colorsys.hls_to_rgb(hue, 0.92 - 0.83 * light, saturation)
+    return "".join(f"{round(255 * one):02x}" for one in turned)
 
 
 def label(axes: Axes, title: str, x: str, y: str, *, above: float = 0.09) -> None:
