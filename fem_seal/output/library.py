@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from fem_seal.case.material_library import ALIASES, LIBRARY
 from leak.fluids.library import (
-    GAS_ENTRIES,
-    LIQUID_ENTRIES,
+    ENTRIES,
     ROOM_TEMPERATURE,
     gas,
     is_gas,
@@ -122,7 +121,7 @@ def fluid_rows(temperature: float = ROOM_TEMPERATURE) -> list[dict[str, Any]]:
     temperature : float
         [K]
     """
-    return [fluid_row(entry.name, temperature) for entry in (*LIQUID_ENTRIES, *GAS_ENTRIES)]
+    return [fluid_row(entry.name, temperature) for entry in ENTRIES]
 
 
 def fluid_row(name: str, temperature: float = ROOM_TEMPERATURE) -> dict[str, Any]:
@@ -139,7 +138,7 @@ def fluid_row(name: str, temperature: float = ROOM_TEMPERATURE) -> dict[str, Any
     FluidError
         If the library has no such fluid; the message names the nearest ones.
     """
-    entries = {one.name: one for one in (*LIQUID_ENTRIES, *GAS_ENTRIES)}
+    entries = {one.name: one for one in ENTRIES}
     if is_gas(name):
         known = gas(name).name
     elif is_liquid(name):

@@ -231,19 +231,22 @@ def _gas_entry(name: str, data: Mapping[str, Any]) -> _GasEntry:
     scale = data.get("scale")
     if scale is None:
         scale = 0.0266958 * np.sqrt(data["molar_mass"]) / data["diameter"] ** 2
+    low, high = data.get("temperature", _LEMMON_RANGE)
     return _GasEntry(
         name,
         data["molar_mass"] / 1e3,
         float(scale) * 1e-6,
         data["energy"],
         tuple(data.get("collision", _LEMMON)),
-        *data.get("temperature", _LEMMON_RANGE),
+        low,
+        high,
         data["dilute_pressure"] * 1e5,
         data["source"].format(**_SOURCES),
     )
 
 
 GAS_ENTRIES = tuple(_gas_entry(name, data) for name, data in _DATA["gases"].items())
+ENTRIES: tuple[_LiquidEntry | _GasEntry, ...] = (*LIQUID_ENTRIES, *GAS_ENTRIES)
 
 
 GASES = MappingProxyType({entry.name: entry.at(ROOM_TEMPERATURE) for entry in GAS_ENTRIES})

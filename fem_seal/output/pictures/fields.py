@@ -203,7 +203,9 @@ def _fill_bands(
     from matplotlib.tri import Triangulation
 
     triangles = near(place, field.triangles6[:, QUARTERS].reshape(-1, 3), reach)
-    return axes.tricontourf(Triangulation(*place.T, triangles), values, levels=levels, cmap=colours)
+    return axes.tricontourf(
+        Triangulation(place[:, 0], place[:, 1], triangles), values, levels=levels, cmap=colours
+    )
 
 
 def _draw_contact_line(axes: Axes, place: FloatArray, field: BodyField) -> None:

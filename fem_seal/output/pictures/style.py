@@ -355,7 +355,7 @@ def spans_decades(values: ArrayLike, decades: float = 1.2) -> bool:
     return bool(positive.size > 1 and math.log10(positive.max() / positive.min()) > decades)
 
 
-def positive(values: ArrayLike) -> FloatArray:
+def positive(values: ArrayLike | Sequence[float | None]) -> FloatArray:
     """What a logarithmic axis can show of values; NaN, a gap in the line, elsewhere."""
     numbers = np.asarray(values, dtype=float)
     return np.where(numbers > 0, numbers, np.nan)

@@ -235,7 +235,7 @@ def law_picture(result: SealSolution) -> Picture | None:
         if surface.theory == "paper":
             curves.append(("exponential with u₀, p_c", surface.u0 * np.log(surface.p_c / p), GREY, False))
     else:
-        u0, p_c = exponential_law(result.case, surface)
+        u0, p_c = exponential_law(result.case.interface, surface)
         assert u0 is not None and p_c is not None
         curves.append(("exponential", u0 * np.log(p_c / p), BLUE, True))
     unit = unit_for("length", max(float(gap.max()) for _, gap, _, used in curves if used))
