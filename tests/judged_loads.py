@@ -59,8 +59,7 @@ def load(
         turning=turning,
         fields={name: field(name) for name in ("closure", "seat")} | {body.name: body for body in bodies},
         model=SimpleNamespace(
-            closure=None,
-            seat=None,
+            bodies={"closure": None, "seat": None},
             touch_radius=0.014,
             touch_normal_z=0.7,
             relative_radius=0.02,

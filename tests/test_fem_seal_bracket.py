@@ -282,7 +282,8 @@ def test_what_is_calculated_lies_inside_the_interval_of_its_samples():
     result = rough_result()
     low, high = result.loads[0].leak_range
     sampled = interval(np.full((2, 5), high), np.full((2, 5), 9.0))
-    above = replace(result.answered(uncertainty=sampled), loads=sampled.of(result.loads[:2]))
+    loads = tuple(sampled.of_load(load, number) for number, load in enumerate(result.loads[:2]))
+    above = replace(result.answered(uncertainty=sampled), loads=loads)
     off = 1 + result.discretisation_error.leak_rate
     assert above.leak_ranges[0] == pytest.approx((low / off, 9.0 * off), rel=1e-12)
     rows = leak_rows(above)
