@@ -225,7 +225,10 @@ def load_case(source: str | os.PathLike[str] | Mapping[str, Any]) -> Case:
     0.7853981633974483
     """
     if isinstance(source, Mapping):
-        return _case_of(source)
+        odd = [key for key in source if not isinstance(key, str)]
+        if odd:
+            raise InputError.at(str(odd[0]), "keys must be words, such as closure, seat, load")
+        return Case(**source)
     path = Path(source)
     tables = _placed(read_toml(path, "case"), path.absolute().parent)
     tables.setdefault("title", path.stem)
@@ -258,13 +261,6 @@ def case_of(source: CaseSource) -> Case:
     raise InputError.at(
         "case", f"must be a Case, the path of a case file or its tables, not {type(source).__name__}"
     )
-
-
-def _case_of(tables: Mapping[str, Any]) -> Case:
-    odd = [key for key in tables if not isinstance(key, str)]
-    if odd:
-        raise InputError.at(str(odd[0]), "keys must be words, such as closure, seat, load")
-    return Case(**tables)
 
 
 # Keys of all tables at which a file is named.
@@ -402,7 +398,7 @@ def _nested(old: Any, path: Sequence[str], value: Any, before: tuple[str, ...] =
 
 def input_tables(case: Case) -> dict[str, Any]:
     """The case as nested tables in SI with all defaults filled in."""
-    return {name: _plain(value) for name, value in case if name != "title"}
+    return {name: _plain(getattr(case, name)) for name in CaseTables.model_fields if name != "title"}
 
 
 def _plain(value: Any) -> Any:

@@ -11,7 +11,7 @@ from fem_seal.case.leak_rate import problems_with_leak_rates
 from fem_seal.case.load_limits import problem_of_earlier_load, problems_of_all_loads
 from fem_seal.case.material_library import suggestion
 from fem_seal.case.requirement import Requirement
-from fem_seal.case.roughness import SelfAffine
+from fem_seal.case.roughness import SHAPE, SelfAffine, scan_spectra, self_affine_part, uncertain_heights
 from fem_seal.case.tables import CaseTables, Leak, curves
 from fem_seal.case.temperature import Temperature
 from fem_seal.case.uncertainty import Uncertainty
@@ -89,14 +89,11 @@ def _asperities(case: CaseTables) -> Iterator[Problem]:
         yield problem("direct_yield_stress", stress=given.yield_stress / 1e6)
     if given.asperities in (None, "elastic"):
         return
-    needs = "a hardness" + (" or direct.yield_stress" if given.asperities == "von-mises" else "")
     if case.hardness is None and (given.asperities == "capped" or given.yield_stress is None):
-        why = f"needs {needs}, and there is none; add one"
+        needs = "a hardness" + (" or direct.yield_stress" if given.asperities == "von-mises" else "")
+        yield problem("direct_hardness", needs=needs, asperities=given.asperities)
     elif case.hardness is not None and not case.leak.plasticity:
-        why = "takes asperities that yield, but leak.plasticity is false; set it to true"
-    else:
-        return
-    yield Problem("direct.asperities", f'{why}, or use "elastic"', f'"{given.asperities}"')
+        yield problem("direct_elastic", asperities=given.asperities)
 
 
 def _bodies(case: CaseTables) -> Iterator[Problem]:
@@ -112,21 +109,16 @@ def _bodies(case: CaseTables) -> Iterator[Problem]:
     size = case.mesh.contact_size
     if size is not None and size > r0 / 4:
         yield problem("mesh_contact_size", radius=mm(r0), limit=mm(r0 / 4), value=mm(size))
-    yield from _press_fit(case)
+    # around a small bore the strain is up to three times that of the wall, which must stay small, too
+    yield from _small_fit(case, "seat_interference", getattr(case.seat, "interference", None) or 0.0)
 
 
-def _press_fit(case: CaseTables) -> Iterator[Problem]:
-    """Around a small bore the strain is up to three times that of the wall, which must stay small, too."""
-    interference, wall = getattr(case.seat, "interference", None) or 0.0, case.contact.seat.largest_radius
-    if interference > _LARGEST_FIT * wall:
-        yield problem(
-            "seat_interference",
-            share=100 * interference / wall,
-            wall=mm(wall),
-            most=100 * _LARGEST_FIT,
-            limit=mm(_LARGEST_FIT * wall),
-            value=mm(interference),
-        )
+def _small_fit(case: CaseTables, name: str, moved: float) -> Iterator[Problem]:
+    """The problem of this name where the wall of the seat is moved inwards by more than small strains allow [m]."""
+    wall, most = case.contact.seat.largest_radius, 100 * _LARGEST_FIT
+    if moved > _LARGEST_FIT * wall:
+        lengths = {"wall": mm(wall), "limit": mm(_LARGEST_FIT * wall), "value": mm(moved)}
+        yield problem(name, share=100 * moved / wall, most=most, **lengths)
 
 
 def _temperature(case: CaseTables, heat: Temperature) -> Iterator[Problem]:
@@ -146,15 +138,10 @@ def _temperature(case: CaseTables, heat: Temperature) -> Iterator[Problem]:
         for name in ("closure", "seat"):
             material = getattr(case, name).material
             for number, unit in (("thermal_conductivity", "W/(m K)"), ("thermal_expansion", "1/K")):
-                if getattr(material, number) is None and number not in {
-                    one.key for one in material.over_temperature
-                }:
+                if getattr(material, number) is None and material.table(number) is None:
+                    remedy = suggestion(material.name, number, unit)
                     yield problem(
-                        "material_number",
-                        name=name,
-                        number=number,
-                        material=material,
-                        suggestion=suggestion(material.name, number, unit),
+                        "material_number", name=name, number=number, material=material, remedy=remedy
                     )
         return
     strains = []
@@ -163,14 +150,11 @@ def _temperature(case: CaseTables, heat: Temperature) -> Iterator[Problem]:
             strains.append(case.thermal_strain(name))
         except InputError as error:
             material = getattr(case, name).material
-            missing = material.thermal_expansion is None and material.table("thermal_expansion") is None
-            message = (
-                "is not known, and the seal is heated or cooled; "
-                + suggestion(material.name, "thermal_expansion", "1/K")
-                if missing
-                else error.message
-            )
-            yield Problem(f"{name}.material.thermal_expansion", f"{material.name}: {message}")
+            if material.thermal_expansion is None and material.table("thermal_expansion") is None:
+                remedy = suggestion(material.name, "thermal_expansion", "1/K")
+                yield problem("no_expansion", name=name, material=material, remedy=remedy)
+            else:
+                yield Problem(f"{name}.material.thermal_expansion", f"{material.name}: {error.message}")
     for name, strain in zip(("closure", "seat"), strains, strict=False):
         if abs(strain) > _LARGEST_STRAIN:
             yield problem("thermal_strain", name=name, strain=100 * strain, limit=100 * _LARGEST_STRAIN)
@@ -181,15 +165,13 @@ def _temperature(case: CaseTables, heat: Temperature) -> Iterator[Problem]:
 def _fit(case: CaseTables) -> Iterator[Problem]:
     """A bore holds the seat's wall where it presses on it, and cannot pull."""
     try:
-        moved, wall = case.wall_motion, case.contact.seat.largest_radius
+        moved = case.wall_motion
     except InputError as error:
         yield error.problems[0]
         return
-    room = 1e-12 * wall
-    if moved < -room:
+    if moved < -1e-12 * case.contact.seat.largest_radius:
         yield problem("loose_fit", moved=1e6 * -moved)
-    if moved > _LARGEST_FIT * wall:
-        yield problem("tight_fit", share=100 * moved / wall, wall=mm(wall), most=100 * _LARGEST_FIT)
+    yield from _small_fit(case, "tight_fit", moved)
 
 
 def _geometry_problem(message: str) -> Problem:
@@ -270,10 +252,9 @@ def _missing(case: CaseTables) -> str | None:
 
 def _load(case: CaseTables) -> Iterator[Problem]:
     load = case.load
-    if isinstance(load.applied_force, tuple) and len(load.applied_force) != len(load.fluid_pressure):
-        yield problem(
-            "load_applied_force", forces=len(load.applied_force), pressures=len(load.fluid_pressure)
-        )
+    pressures, forces = len(load.fluid_pressure), load.applied_force
+    if isinstance(forces, tuple) and len(forces) != pressures:
+        yield problem("load_applied_force", forces=len(forces), pressures=pressures)
     if load.closing == "penetration" and case.leak.fluid_in_gap == "local":
         yield problem("local_penetration")
     if load.target_leak_rate is not None and (missing := _missing(case)):
@@ -287,10 +268,13 @@ def _earlier(case: CaseTables) -> Iterator[Problem]:
         return
     key, given = load.earlier_key, load.largest_earlier_pressure
     value = written("force", load.earlier[1]) if given is None else written("fluid pressure", given)
-    if load.largest_earlier_force is not None and given is not None:
-        yield problem("two_earlier_loads", value=written("fluid pressure", given))
-    elif given is not None:
-        yield from _earlier_pressure(case, given)
+    if given is not None:
+        if load.largest_earlier_force is not None:
+            yield problem("two_earlier_loads", value=value)
+        elif load.pressure_side == "inner":
+            yield problem("earlier_lifts", value=value)
+        elif len({force for _, force in load.points}) > 1:
+            yield problem("earlier_forces", value=value)
     missing = _missing(case)
     if not curves(case) and (missing or not case.leak.plasticity):
         why = f"no leak rate without [{missing}]" if missing else "leak.plasticity = false"
@@ -316,28 +300,18 @@ def _history(case: CaseTables) -> Iterator[Problem]:
         yield problem("direct_memory", before=before, instead=instead)
 
 
-def _earlier_pressure(case: CaseTables, pressure: float) -> Iterator[Problem]:
-    load = case.load
-    if load.pressure_side == "inner":
-        yield problem("earlier_lifts", value=written("fluid pressure", pressure))
-    elif len({force for _, force in load.points}) > 1:
-        yield problem("earlier_forces", value=written("fluid pressure", pressure))
-
-
 def _fluid(case: CaseTables) -> Iterator[Problem]:
     fluid = case.fluid
     if fluid is None:
         return
+    called = shown(fluid.name)
     if fluid.gas is None and fluid.outlet_pressure is not None:
-        yield problem(
-            "fluid_outlet_pressure",
-            fluid=shown(fluid.name),
-            value=written("fluid pressure", fluid.outlet_pressure),
-        )
+        value = written("fluid pressure", fluid.outlet_pressure)
+        yield problem("fluid_outlet_pressure", fluid=called, value=value)
     given = [name for name in ("pressure_viscosity", "roelands_z") if getattr(fluid, name) is not None]
     if fluid.gas is not None:
         for name in given:
-            yield problem("liquid_only", name=name, fluid=shown(fluid.name))
+            yield problem("liquid_only", name=name, fluid=called)
     elif len(given) > 1:
         yield Problem("fluid.roelands_z", "says the same as fluid.pressure_viscosity; remove one of them")
     elif fluid.roelands_z is not None and fluid.viscosity <= 1e-4:
@@ -347,15 +321,7 @@ def _fluid(case: CaseTables) -> Iterator[Problem]:
     if case.roughness is None:
         yield problem("fluid_particles")
     if fluid.gas is not None and fluid.particles.iso_4406 is not None:
-        yield problem(
-            "fluid_particles_iso_4406", fluid=shown(fluid.name), value=shown(fluid.particles.iso_4406)
-        )
-
-
-def _remembering(case: CaseTables) -> str:
-    """Which bodies remember their loads, in words."""
-    bodies = [name for name in ("closure", "seat") if getattr(case, name).material.hardening is not None]
-    return f"a body that yields ({' and '.join(bodies)}: material.stress_strain) depends on its load history"
+        yield problem("fluid_particles_iso_4406", fluid=called, value=shown(fluid.particles.iso_4406))
 
 
 def _form(case: CaseTables) -> Iterator[Problem]:
@@ -364,7 +330,8 @@ def _form(case: CaseTables) -> Iterator[Problem]:
     if form is None:
         return
     if curves(case):
-        yield problem("form", bodies=_remembering(case))
+        bodies = [name for name in ("closure", "seat") if getattr(case, name).material.hardening is not None]
+        yield problem("form", bodies=" and ".join(bodies))
     if (form.scratches or form.lay) and (missing := _missing(case)):
         yield problem("grooves", key="scratches" if form.scratches else "lay", missing=missing)
 
@@ -401,13 +368,12 @@ def _class(required: Requirement, *, gas: bool) -> Iterator[Problem]:
     found, fluid = required.standard_and_class, "a gas" if gas else "a liquid"
     possible = classes_of(standard, gas=gas)
     if found is None or found[1] not in possible:
-        given = required.class_name
-        what = "is missing" if given is None else f"is no class of {standard} for {fluid}"
-        yield Problem(
-            "requirement.class",
-            f"{what}; known are {', '.join(possible)}",
-            None if given is None else shown(given),
-        )
+        known, given = ", ".join(possible), required.class_name
+        if given is None:
+            yield Problem("requirement.class", f"is missing; known are {known}")
+        else:
+            words = {"standard": standard, "fluid": fluid, "known": known}
+            yield problem("requirement_class", **words, value=shown(given))
     elif found[1] not in classes_of(standard, gas=gas, rated_capacity=required.rated_capacity is not None):
         yield problem("requirement_rated_capacity", name=found[1], standard=standard)
 
@@ -423,15 +389,13 @@ def problems_with_uncertainty(case: CaseTables, table: Uncertainty) -> Iterator[
     """
     if case.fluid is not None and case.fluid.gas is not None and table.viscosity is not None:
         yield problem("uncertainty_viscosity", fluid=shown(case.fluid.name))
-    from fem_seal.case.roughness import SHAPE, scan_spectra, self_affine_part, uncertain_heights
-
     for name in ("roughness", "fluid"):
         if getattr(case, name) is None:
             yield Problem("uncertainty", f"is about the leak rate, which needs a table [{name}]; add it")
     if (
         not table.spreads
         and table.spectrum is None
-        and not any(uncertain_heights(case.roughness, between_scans=table.spectrum is not None))
+        and not any(uncertain_heights(case.roughness, between_scans=False))
         and not (case.roughness is not None and case.roughness.finishes)
     ):
         yield problem("no_uncertain_input")
@@ -441,9 +405,9 @@ def problems_with_uncertainty(case: CaseTables, table: Uncertainty) -> Iterator[
         yield Problem("uncertainty.form", "is about the deviations in a table [form]; add it, or remove this")
     if case.roughness is None:
         return
-    shape = [key for key in SHAPE if key in table.spreads]
     if self_affine_part(case.roughness) is None and not case.roughness.finishes:
-        for key in shape:
-            yield problem("shape_of_spectrum", key=key)
+        for key in SHAPE:
+            if key in table.spreads:
+                yield problem("shape_of_spectrum", key=key)
     if table.spectrum is not None and not scan_spectra(case.roughness):
         yield problem("uncertainty_spectrum")

@@ -109,16 +109,16 @@ class OneOrMany(Quantity):
         if not isinstance(value, (list, tuple)):
             return super().read(value)
         _check_count(value)
-        return _read_each(self.single, value)
+        return _read_each(self.one, value)
 
     @property
-    def single(self) -> Quantity:
+    def one(self) -> Quantity:
         """What each of them is."""
         return Quantity(self.dimension, self.low, self.high, self.exclusive)
 
     @property
     def _schema(self) -> dict[str, Any]:
-        return {"anyOf": [self.single._schema, _list_of(self.single)]}
+        return {"anyOf": [self.one._schema, _list_of(self.one)]}
 
 
 @dataclass(frozen=True)
@@ -202,30 +202,30 @@ class Numbers(Entry):
 class Place(Entry):
     """A point [r, z] of a section, two lengths; a tuple [m]."""
 
-    length: Quantity
+    one: Quantity
 
     @property
     def range(self) -> str:
         """Allowed range, for messages and docs."""
-        return f"[r, z], each {self.length.range}"
+        return f"[r, z], each {self.one.range}"
 
     def read(self, value: object) -> tuple[float, float]:
         """The point; ValueError names the coordinate that is wrong."""
         if not isinstance(value, (list, tuple)) or len(value) != 2:
             raise ValueError('must be [r, z], such as ["12 mm", "0 mm"]')
-        r, z = (self.length.read_part(entry, name) for entry, name in zip(value, ("r", "z"), strict=True))
+        r, z = (self.one.read_part(entry, name) for entry, name in zip(value, ("r", "z"), strict=True))
         return r, z
 
     @property
     def _schema(self) -> dict[str, Any]:
-        return _list_of(self.length, 2, 2)
+        return _list_of(self.one, 2, 2)
 
 
 @dataclass(frozen=True)
 class Pressures(Entry):
     """One pressure, a list of pressures, or a range ``{ start, stop, num, spacing }``; a tuple [Pa]."""
 
-    pressure: Quantity
+    one: Quantity
 
     def read(self, value: object) -> tuple[float, ...]:
         """Pressures [Pa] in the user's order; ValueError names the entry that is wrong."""
@@ -233,7 +233,7 @@ class Pressures(Entry):
             return self._read_range(value)
         entries = value if isinstance(value, (list, tuple)) else [value]
         _check_count(entries)
-        return (self.pressure.read(entries[0]),) if len(entries) == 1 else _read_each(self.pressure, entries)
+        return (self.one.read(entries[0]),) if len(entries) == 1 else _read_each(self.one, entries)
 
     def _read_range(self, table: dict[Any, Any]) -> tuple[float, ...]:
         known = ("start", "stop", "num", "spacing")
@@ -242,7 +242,7 @@ class Pressures(Entry):
         if unknown or missing:
             wrong = f"unknown key {unknown[0]}" if unknown else f"{missing[0]} is missing"
             raise ValueError(f'{wrong}; write a range as {{ start = "1 bar", stop = "20 bar", num = 20 }}')
-        start, stop = (self.pressure.read_part(table[key], key) for key in ("start", "stop"))
+        start, stop = (self.one.read_part(table[key], key) for key in ("start", "stop"))
         num, spacing = table["num"], table.get("spacing", "linear")
         if not isinstance(num, int) or isinstance(num, bool) or not 2 <= num <= MOST_PRESSURES:
             raise ValueError(f"num, {shown(num)}, must be a whole number from 2 to {MOST_PRESSURES}")
@@ -258,7 +258,7 @@ class Pressures(Entry):
 
     @property
     def _schema(self) -> dict[str, Any]:
-        one = self.pressure._schema
+        one = self.one._schema
         spaced = {
             "type": "object",
             "properties": {
@@ -270,7 +270,7 @@ class Pressures(Entry):
             "required": ["start", "stop", "num"],
             "additionalProperties": False,
         }
-        return {"anyOf": [one, _list_of(self.pressure), spaced]}
+        return {"anyOf": [one, _list_of(self.one), spaced]}
 
 
 @dataclass(frozen=True)
@@ -448,15 +448,15 @@ class Whole(Number):
 
 def quantities_of(field: FieldInfo) -> Iterator[Quantity]:
     """Quantities that may stand at a field, also at one that may be left open."""
+    return (one for one in values_of(field) if isinstance(one, Quantity))
+
+
+def values_of(field: FieldInfo) -> Iterator[Quantity | Number]:
+    """What one value at a field may be: of several pressures, a place or a table over temperature each of them."""
     for marker in (*field.metadata, *_markers(field.annotation)):
-        if isinstance(marker, Quantity):
-            yield marker
-        elif isinstance(marker, Pressures):
-            yield marker.pressure
-        elif isinstance(marker, Place):
-            yield marker.length
-        elif isinstance(marker, OverTemperatureTable) and isinstance(marker.one, Quantity):
-            yield marker.one
+        value = getattr(marker, "one", marker)
+        if isinstance(value, (Quantity, Number)):
+            yield value
 
 
 def _markers(annotation: Any) -> Iterator[Any]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 
 from fem_seal.case.tables import CaseTables, curves
@@ -28,9 +27,7 @@ def refused_loads(case: CaseTables) -> dict[int, LoadProblem]:
     refused: dict[int, LoadProblem] = {}
     crushed = None
     for number, (pressure, applied_force) in enumerate(case.load.points):
-        problem = _open(case, pressure, applied_force) or next(
-            _too_large(case, pressure, applied_force), None
-        )
+        problem = _open(case, pressure, applied_force) or _too_large(case, pressure, applied_force)
         if problem is None and crushed is not None:
             problem = load_problem("after_a_load", "path", load=crushed)
         if problem is not None:
@@ -63,11 +60,9 @@ def problem_of_earlier_load(case: CaseTables) -> LoadProblem | None:
     if case.load.earlier is None:
         return None
     pressure, force = case.load.earlier
-    open_seal = None if pressure == 0.0 else _open(case, pressure, force)
-    found = open_seal or next(
-        _too_large(case, pressure, force, case.load.earlier_key.removeprefix("load.")), None
-    )
-    return None if found is None else replace(found, key=case.load.earlier_key)
+    open_seal, key = None if pressure == 0.0 else _open(case, pressure, force), case.load.earlier_key
+    found = open_seal or _too_large(case, pressure, force, key.removeprefix("load."))
+    return None if found is None else replace(found, key=key)
 
 
 def _force(case: CaseTables, fluid_pressure: float, applied_force: float) -> float:
@@ -80,24 +75,15 @@ def _open(case: CaseTables, fluid_pressure: float, applied_force: float) -> Load
     load, r0 = case.load, case.touch_radius
     lifts = load.pressure_side == "inner"
     needed = -contact_force(r0, fluid_pressure, 0.0, load.pressure_side)
-    if load.closing == "penetration":
-        # Where the fluid gets to is a result: only what no contact can hold is known before.
-        if applied_force > 0 or not lifts:
-            return None
-        return load_problem(
-            "lifted",
-            pressure=fluid_pressure / 1e5,
-            needed=briefly("force", needed),
-            radius=mm(r0),
-            applied=applied_force,
-        )
-    if _force(case, fluid_pressure, applied_force) > 0:
+    # Where penetrating fluid gets to is a result: only what no contact can hold is known before.
+    penetrates = load.closing == "penetration"
+    holds = applied_force > 0 or not lifts if penetrates else _force(case, fluid_pressure, applied_force) > 0
+    if holds:
         return None
-    how = "lifts the closure with" if lifts else "closes with"
     return load_problem(
-        "open",
+        "lifted" if penetrates else "open",
         pressure=fluid_pressure / 1e5,
-        how=how,
+        how="lifts the closure with" if lifts else "closes with",
         force=briefly("force", abs(needed)),
         radius=mm(r0),
         needed=needed,
@@ -110,8 +96,8 @@ def _too_large(
     fluid_pressure: float,
     applied_force: float,
     lower: str = "fluid_pressure or applied_force",
-) -> Iterator[LoadProblem]:
-    """More than the faces can carry over all their length; `lower` is what to lower.
+) -> LoadProblem | None:
+    """What a load is that the faces cannot carry over all their length; `lower` is what to lower.
 
     How large the strains of a smaller load are is said after it is solved (`fem_seal.validity.checks`).
     """
@@ -119,13 +105,12 @@ def _too_large(
     f = line_load(force, contact.touch_radius, contact.angle)
     start, end = contact.reach
     length = end - start
-    said = {"force": briefly("force", force), "length": mm(length), "lower": lower}
+    limits = [("crushed", _CRUSHED, E)]
     if hardened := [curve.stress[-1] for curve in curves(case)]:
-        most = CONSTRAINT * min(hardened) * length
+        limits.insert(0, ("fully_plastic", CONSTRAINT, min(hardened)))
+    for name, share, strength in limits:
+        most = share * strength * length
         if f > most:
-            at_most = briefly("force", force * most / f)
-            yield load_problem("fully_plastic", "strain", **said, most=at_most, constraint=CONSTRAINT)
-    most = _CRUSHED * E * length
-    if f > most:
-        at_most = briefly("force", force * most / f)
-        yield load_problem("crushed", "strain", **said, most=at_most, share=_CRUSHED)
+            said = {"force": briefly("force", force), "most": briefly("force", force * most / f)}
+            return load_problem(name, "strain", **said, length=mm(length), share=share, lower=lower)
+    return None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Any, Literal, get_args, get_origin
@@ -16,6 +16,7 @@ from pydantic_core import ErrorDetails
 from fem_seal.case.drawing_words import words_of
 from fem_seal.case.fields import Table, key_of, shown
 from fem_seal.case.material_table import CURVE_FORMS, MaterialTable
+from fem_seal.case.words import sentence
 from fem_seal.errors import Problem
 from fem_seal.former_names import ENTRIES
 from fem_seal.materials import Material
@@ -31,12 +32,9 @@ def problems(error: ValidationError, case: type[BaseModel]) -> list[Problem]:
     """One `Problem` for each error of the validation of `case`."""
     found = [_problem(details, case) for details in error.errors(include_url=False)]
     # which keys a table needs depends on its shape: with a wrong shape, nothing else can be said about it
-    undecided = [one.key.rpartition(".")[0] for one in found if one.key.endswith((".shape", ".kind"))]
-    return [
-        one
-        for one in found
-        if one.key.rpartition(".")[0] not in undecided or one.key.endswith((".shape", ".kind"))
-    ]
+    forms = (".shape", ".kind")
+    undecided = {one.key.rpartition(".")[0] for one in found if one.key.endswith(forms)}
+    return [one for one in found if one.key.endswith(forms) or one.key.rpartition(".")[0] not in undecided]
 
 
 def tables_of(field: FieldInfo) -> list[type[Table]]:
@@ -72,7 +70,7 @@ def _locate(loc: tuple[int | str, ...], case: type[BaseModel]) -> tuple[list[str
     candidates: list[type[BaseModel]] = [case]
     table: type[BaseModel] | None = case
     for part in loc:
-        tagged = [one for one in candidates if len(candidates) > 1 and part in _tags(one)]
+        tagged = [one for one in candidates if len(candidates) > 1 and part in _tags(one).values()]
         if tagged:
             candidates = tagged
             continue
@@ -88,8 +86,10 @@ def _locate(loc: tuple[int | str, ...], case: type[BaseModel]) -> tuple[list[str
     return path, table
 
 
-def _tags(table: type[BaseModel]) -> list[str]:
-    return [word for key in ("shape", "kind") if key in table.model_fields for word in choices(table, key)]
+def _tags(table: type[BaseModel]) -> dict[str, str]:
+    """Entries that choose a table of several, 'shape = "ball"', with their words."""
+    keys = [key for key in ("shape", "kind") if key in table.model_fields]
+    return {f'{key} = "{word}"': word for key in keys for word in choices(table, key)}
 
 
 def _problem(details: ErrorDetails, case: type[BaseModel]) -> Problem:
@@ -99,7 +99,7 @@ def _problem(details: ErrorDetails, case: type[BaseModel]) -> Problem:
     if kind == "missing":
         return Problem(key, f"is missing; {_what_to_write(table, name)}")
     if kind == "extra_forbidden":
-        return Problem(key, _unknown_key(path, value, table, case))
+        return Problem(key, _UnknownKey(path, value, table, case).message)
     if kind == "union_tag_not_found":
         return _without_tag(key, value, tables_of(table.model_fields[name]) if table else [])
     if kind == "union_tag_invalid":
@@ -114,7 +114,9 @@ def _problem(details: ErrorDetails, case: type[BaseModel]) -> Problem:
         return Problem(key, str(ctx["error"]), None if isinstance(value, Mapping) else shown(value))
     if kind in ("model_type", "model_attributes_type", "dict_type"):
         return Problem(key, _no_table(key, name, table), shown(value))
-    return Problem(key, _plain(kind, name, details["msg"]), shown(value))
+    if kind in ("bool_type", "tuple_type", "list_type", "string_type", "invalid_key"):
+        return Problem(key, sentence(kind, name=name), shown(value))
+    return Problem(key, details["msg"][:1].lower() + details["msg"][1:], shown(value))
 
 
 def _no_table(key: str, name: str, parent: type[BaseModel] | None) -> str:
@@ -133,26 +135,14 @@ def _no_table(key: str, name: str, parent: type[BaseModel] | None) -> str:
     return f"must be a table, [{key}] with its keys below, or {name} = {{ {entries} }}"
 
 
-def _plain(kind: str, name: str, message: str) -> str:
-    """Remaining kinds of errors of the validation, in words."""
-    if kind == "bool_type":
-        return "must be true or false, without quotes"
-    if kind in ("tuple_type", "list_type"):
-        return f"must be a list, {name} = [ ... ]; of tables also [[{name}]] with the keys below each"
-    if kind == "string_type":
-        return "must be a text in quotes"
-    if kind == "invalid_key":
-        return "keys must be words"
-    return message[:1].lower() + message[1:]
-
-
 def _what_to_write(table: type[BaseModel] | None, name: str) -> str:
     field = table.model_fields.get(name) if table else None
     if table is None or field is None:
         return "add it"
     key = key_of(table, name)
     if tables_of(field) and not key.meaning:
-        return f"add a table [{name}] with {_listed(field)}"
+        needed = [key for key, one in tables_of(field)[0].model_fields.items() if one.is_required()]
+        return f"add a table [{name}] with {', '.join(needed)}"
     words = choices(table, name)
     if words:
         return f"write {name} = " + " or ".join(f'"{word}"' for word in words)
@@ -161,13 +151,6 @@ def _what_to_write(table: type[BaseModel] | None, name: str) -> str:
         if word.key == name:
             text += f" or {word.name} = {toml(word.example)}"
     return f"{text} ({key.meaning})" if key.meaning else text
-
-
-def _listed(field: FieldInfo) -> str:
-    keys = (
-        key for table in tables_of(field)[:1] for key, one in table.model_fields.items() if one.is_required()
-    )
-    return ", ".join(keys)
 
 
 # So many places of a key are named where it has several.
@@ -183,76 +166,69 @@ class _Place:
     table: type[BaseModel]
 
 
-def _unknown_key(
-    path: Sequence[str], value: object, table: type[BaseModel] | None, case: type[BaseModel]
-) -> str:
-    present = ENTRIES.get(".".join(path))
-    if present is not None:
-        return f"is the former name of {present}, which stands there as well; remove one of them"
-    known = _keys(table) if table else []
-    return f"unknown key; {_hint(path, value, table, known, case)}known keys here are {', '.join(known)}"
+@dataclass(frozen=True)
+class _UnknownKey:
+    """A key that the table at its path does not have, with its value."""
 
+    path: Sequence[str]
+    value: object
+    table: type[BaseModel] | None
+    case: type[BaseModel]
 
-def _hint(
-    path: Sequence[str],
-    value: object,
-    table: type[BaseModel] | None,
-    known: Sequence[str],
-    case: type[BaseModel],
-) -> str:
-    """Where an unknown key belongs: the very word in another table counts more than one like it in this table."""
-    # "hurts" for "hurst", but also "Radius" and "youngs-modulus"
-    name = _plain_word(path[-1])
-    here, everywhere = {_plain_word(key): key for key in known}, _places(case)
-    if name in here:
-        return f"do you mean {here[name]}? "
-    if name in everywhere:
-        key, places = everywhere[name]
-        again = "" if key == path[-1] else f"as {key} "
-        return f"it belongs {again}{_belongs(key, places, path, value, table, case)}; "
-    if near := difflib.get_close_matches(name, here, n=1, cutoff=0.6):
-        return f"do you mean {here[near[0]]}? "
-    if near := difflib.get_close_matches(name, everywhere, n=1, cutoff=0.8):
-        key, places = everywhere[near[0]]
-        return f"do you mean {key}, which belongs {_belongs(key, places, path, value, table, case)}? "
-    return ""
+    @property
+    def message(self) -> str:
+        present = ENTRIES.get(".".join(self.path))
+        if present is not None:
+            return f"is the former name of {present}, which stands there as well; remove one of them"
+        known = _keys(self.table) if self.table else []
+        return f"unknown key; {self._hint(known)}known keys here are {', '.join(known)}"
+
+    def _hint(self, known: Sequence[str]) -> str:
+        """Where it belongs: the very word in another table counts more than one like it in this table."""
+        # "hurts" for "hurst", but also "Radius" and "youngs-modulus"
+        name = _plain_word(self.path[-1])
+        here, everywhere = {_plain_word(key): key for key in known}, _places(self.case)
+        if name in here:
+            return f"do you mean {here[name]}? "
+        if name in everywhere:
+            key = everywhere[name][0]
+            again = "" if key == self.path[-1] else f"as {key} "
+            return f"it belongs {again}{self._belongs(*everywhere[name])}; "
+        if near := difflib.get_close_matches(name, here, n=1, cutoff=0.6):
+            return f"do you mean {here[near[0]]}? "
+        if near := difflib.get_close_matches(name, everywhere, n=1, cutoff=0.8):
+            key = everywhere[near[0]][0]
+            return f"do you mean {key}, which belongs {self._belongs(*everywhere[near[0]])}? "
+        return ""
+
+    def _belongs(self, key: str, places: Sequence[_Place]) -> str:
+        """In words: the places that take such a value, those nearest to where the key was written."""
+        here = [re.sub(r"\[\d+\]$", "", part) for part in self.path[:-1]]
+        own = [one.table for one in places if one.path == ".".join(here) and one.table is not self.table]
+        if words := [tag for one in own for tag in _tags(one)]:
+            return f"to {_either(words)}"
+
+        def distance(place: _Place) -> tuple[bool, int, int]:
+            field = place.table.model_fields.get(key)
+            other_form = bool(field is not None and tables_of(field)) is not isinstance(self.value, Mapping)
+            parts = place.path.split(".")
+            shared = next((n for n, (a, b) in enumerate(zip(parts, here, strict=False)) if a != b), len(here))
+            return other_form, -shared, len(parts)
+
+        least = min(map(distance, places))
+        headings = dict.fromkeys(place.heading for place in places if distance(place) == least)
+        if any(headings):
+            return f"in {_either(headings)}"
+        alone = tables_of(self.case.model_fields[key])
+        return f"in a table of its own, [{key}]" if alone else "above all tables"
 
 
 def _plain_word(key: str) -> str:
     return key.lower().replace("-", "_")
 
 
-def _belongs(
-    key: str,
-    places: Sequence[_Place],
-    path: Sequence[str],
-    value: object,
-    table: type[BaseModel] | None,
-    case: type[BaseModel],
-) -> str:
-    """In words: the places that take such a value, those nearest to where the key was written."""
-    here = [re.sub(r"\[\d+\]$", "", part) for part in path[:-1]]
-    own = [one.table for one in places if one.path == ".".join(here) and one.table is not table]
-    tags = [(one, tag) for one in own for tag in ("shape", "kind") if tag in one.model_fields]
-    words = dict.fromkeys(f'{tag} = "{word}"' for one, tag in tags for word in choices(one, tag))
-    if words:
-        return f"to {_either(list(words))}"
-
-    def distance(place: _Place) -> tuple[bool, int, int]:
-        field = place.table.model_fields.get(key)
-        other_form = bool(field is not None and tables_of(field)) is not isinstance(value, Mapping)
-        parts = place.path.split(".")
-        shared = next((n for n, (a, b) in enumerate(zip(parts, here, strict=False)) if a != b), len(here))
-        return other_form, -shared, len(parts)
-
-    least = min(map(distance, places))
-    headings = dict.fromkeys(place.heading for place in places if distance(place) == least)
-    if any(headings):
-        return f"in {_either(list(headings))}"
-    return f"in a table of its own, [{key}]" if tables_of(case.model_fields[key]) else "above all tables"
-
-
-def _either(listed: Sequence[str]) -> str:
+def _either(words: Iterable[str]) -> str:
+    listed = [*dict.fromkeys(words)]
     if len(listed) > _PLACES:
         listed = [*listed[:_PLACES], f"{len(listed) - _PLACES} others"]
     return " or ".join(filter(None, [", ".join(listed[:-1]), listed[-1]]))
@@ -288,10 +264,9 @@ def _is_list(annotation: Any) -> bool:
 def _without_tag(key: str, value: object, tables: list[type[Table]]) -> Problem:
     """A table of which it is not known which of several it is."""
     tag = "shape" if any("shape" in table.model_fields for table in tables) else "kind"
-    words = " or ".join(f'{tag} = "{word}"' for table in tables for word in choices(table, tag))
     if not isinstance(value, Mapping):
-        example = _EXAMPLES.get(tag, "")
-        return Problem(key, f"must be a table, such as {example}", shown(value))
+        return Problem(key, f"must be a table, such as {_EXAMPLES[tag]}", shown(value))
+    words = " or ".join(f'{tag} = "{word}"' for table in tables for word in choices(table, tag))
     return Problem(f"{key}.{tag}", f"is missing; write {words}")
 
 

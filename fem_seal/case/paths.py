@@ -5,11 +5,12 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any, get_args
+from typing import TYPE_CHECKING, Any
 
 from fem_seal.case.drawing_words import same_entry, words_of
-from fem_seal.case.fields import Number, OneOrMany, OverTemperatureTable, Pressures, Quantity, Table, shown
+from fem_seal.case.fields import Number, Quantity, Table, shown, values_of
 from fem_seal.case.material_table import MaterialTable, inheriting, library_table
+from fem_seal.case.messages import tables_of
 from fem_seal.errors import InputError
 from fem_seal.materials import Material
 from fem_seal.units import DIMENSIONS, Unit, fixed_unit, kind_of, unit_for
@@ -121,7 +122,8 @@ def entry_at(case: Case, path: str) -> Entry:
         hints = list(dict.fromkeys([*ends_alike[:2], *near]))[:3]
         listed = f"do you mean {' or '.join(hints)}? " if hints else ""
         raise InputError.at(path, f"is no entry of the case; {listed}known are {', '.join(known)}")
-    return Entry(path, _marker(fields[last]), truth=fields[last].annotation is bool)
+    # a design has one load
+    return Entry(path, next(values_of(fields[last]), None), truth=fields[last].annotation is bool)
 
 
 def _inside(table: object, key: str) -> object:
@@ -160,7 +162,7 @@ def with_open_materials(case: Case, paths: list[str]) -> Case:
 
 def _as_table(material: Material) -> dict[str, Any]:
     numbers = asdict(material)
-    entries = {name: Entry(name, _marker(field)) for name, field in _fields(material).items()}
+    entries = {name: Entry(name, next(values_of(field), None)) for name, field in _fields(material).items()}
     return {
         name: entry.written(numbers[name]) for name, entry in entries.items() if numbers[name] is not None
     }
@@ -173,7 +175,8 @@ def _paths_below(path: str, value: object, field: Any) -> Iterator[str]:
         return
     fields = _fields(value)
     if not fields:
-        if not _holds_table(field):
+        # where a table would stand there has to be one in the base case
+        if not tables_of(field):
             yield path
         return
     if isinstance(value, Material):
@@ -190,25 +193,3 @@ def _fields(table: object) -> dict[str, Any]:
         return {name: field for name, field in MaterialTable.model_fields.items() if hasattr(table, name)}
     model: type[BaseModel] = type(table)  # type: ignore[assignment]
     return dict(getattr(model, "model_fields", {}))
-
-
-def _holds_table(field: Any) -> bool:
-    """Whether a table would stand here if there were one: it has to be in the base case to be varied."""
-    from fem_seal.case.messages import tables_of
-
-    return bool(tables_of(field))
-
-
-def _marker(field: Any) -> Quantity | Number | None:
-    nested = [one for member in get_args(field.annotation) for one in getattr(member, "__metadata__", ())]
-    for marker in (*field.metadata, *nested):
-        if isinstance(marker, Pressures):
-            return marker.pressure
-        if isinstance(marker, OverTemperatureTable):
-            return marker.one
-        if isinstance(marker, OneOrMany):
-            # a design has one load
-            return marker.single
-        if isinstance(marker, (Quantity, Number)):
-            return marker
-    return None

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, Union
 
@@ -31,7 +32,7 @@ from fem_seal.case.roughness import Roughness
 from fem_seal.case.temperature import Temperature
 from fem_seal.case.uncertainty import Uncertainty
 from fem_seal.errors import InputError, Problem
-from fem_seal.former_names import say_once
+from fem_seal.former_names import former_attribute
 from fem_seal.materials import HardeningCurve, Material, effective_modulus
 from meshes import ContactGeometry, Shape
 
@@ -72,11 +73,7 @@ class Load(Table):
             object.__setattr__(self, "fluid_pressure", self.fluid_pressure * len(self.applied_force))
         return self
 
-    @property
-    def axial_force(self) -> float | tuple[float, ...]:
-        """Former name of `applied_force`."""
-        say_once("Load.axial_force", "applied_force")
-        return self.applied_force
+    axial_force = former_attribute("axial_force", "applied_force")
 
     @property
     def points(self) -> tuple[tuple[float, float], ...]:
@@ -166,23 +163,16 @@ class CaseTables(Table):
         """Radius r0 of the circle of first touch [m]."""
         return self.contact.touch_radius
 
-    # In vars(): a design of a study asks for both a dozen times, and pydantic's private attributes are slow.
-    @property
+    @cached_property
     def contact(self) -> ContactGeometry:
         """Closure and seat in first touch."""
-        found: ContactGeometry | None = vars(self).get("_contact")
-        if found is None:
-            found = vars(self)["_contact"] = ContactGeometry.of(*(body.outline for body in self.bodies))
-        return found
+        return ContactGeometry.of(*(body.outline for body in self.bodies))
 
-    @property
+    @cached_property
     def bodies(self) -> tuple[Shape, Shape]:
         """Closure and seat with all their dimensions, those that are left open in proportion to the closure."""
-        found: tuple[Shape, Shape] | None = vars(self).get("_bodies")
-        if found is None:
-            closure = self.closure.body()
-            found = vars(self)["_bodies"] = closure, self.seat.body(closure)
-        return found
+        closure = self.closure.body()
+        return closure, self.seat.body(closure)
 
     def _of_the_shape_of(self, like: CaseTables) -> bool:
         """Whether closure and seat are those of another case but for their material; a file may have changed."""
@@ -195,7 +185,7 @@ class CaseTables(Table):
 
     def _take_bodies(self, like: CaseTables) -> None:
         """Know those of a case with the same closure and seat."""
-        vars(self).update({key: vars(like)[key] for key in ("_bodies", "_contact") if key in vars(like)})
+        vars(self).update({key: vars(like)[key] for key in ("bodies", "contact") if key in vars(like)})
 
     def bodies_at(self, closure: float, seat: float) -> dict[str, Any]:
         """The tables of closure and seat with the materials' numbers at their temperatures.

@@ -76,13 +76,14 @@ def read_trace(file: str | Path, unit: str | None = None) -> Trace:
     else:
         place, at = _columns(table.header)
         angle, deviation = (
-            values[:, place] * _angle_factor(table.name(place), values[:, place]),
+            values[:, place] * _factor_of(_angle_unit(table.name(place), values[:, place]), "angle"),
             values[:, at],
         )
     kept = np.isfinite(angle) & np.isfinite(deviation)
     if kept.sum() < _FEWEST_ROWS:
         raise TextTableError(sentence("trace_points", number=kept.sum(), fewest=_FEWEST_ROWS))
-    angle, deviation = angle[kept], deviation[kept] * _length_factor(unit, table.name(at))
+    factor = _factor_of(unit or _unit_in(table.name(at), "length"), "length")
+    angle, deviation = angle[kept], deviation[kept] * factor
     turn = float(np.ptp(angle))
     if turn > 2 * np.pi * 1.001 + 1e-9:
         raise TextTableError(f"goes {turn / (2 * np.pi):.3g} times around the axis; keep one turn")
@@ -250,31 +251,23 @@ def _in_si(unit: str, dimension: str) -> float:
     return parse_quantity(f"1 {spellings.get(unit.lower(), unit)}", dimension)
 
 
-def _length_factor(given: str | None, name: str) -> float:
-    """From the numbers of a column with deviations to metres."""
-    unit = given or _unit_in(name, "length")
+def _factor_of(unit: str | None, dimension: str) -> float:
+    """From the numbers of a column in a unit to SI; TextTableError where there is none of the dimension."""
     if unit is None:
-        raise TextTableError(sentence("trace_without_unit"))
+        raise TextTableError(sentence(f"trace_without_unit_of_{dimension}"))
     try:
-        return _in_si(unit, "length")
+        return _in_si(unit, dimension)
     except QuantityError as error:
-        raise TextTableError(f"has a deviation whose {error}") from None
+        raise TextTableError(sentence(f"trace_{dimension}", error=error)) from None
 
 
-def _angle_factor(name: str, values: FloatArray) -> float:
-    """From the numbers of a column with angles to radian."""
+def _angle_unit(name: str, values: FloatArray) -> str | None:
+    """Unit of a column with angles; a turn in degrees has numbers that none in radian has."""
     import numpy as np
 
     unit = _unit_in(name, "angle")
-    if unit is None and float(np.nanmax(np.abs(values))) > 2 * np.pi * 1.01:
-        # a turn in degrees has numbers that none in radian has
-        unit = "deg"
-    if unit is None:
-        raise TextTableError(sentence("trace_without_unit_of_angle"))
-    try:
-        return _in_si(unit, "angle")
-    except QuantityError as error:
-        raise TextTableError(sentence("trace_angle", error=error)) from None
+    degrees = unit is None and float(np.nanmax(np.abs(values))) > 2 * np.pi * 1.01
+    return "deg" if degrees else unit
 
 
 _PROFILE: Names = {
