@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from meshes.errors import GeometryError, mm
 from meshes.geometry.outline import Outline
 from meshes.geometry.segment import Point, Segment
+from meshes.shapes import check
 
 # The closing force acts above this angle from the downward axis, so that it does not bend the surface near the
 # contact, which lies below 90 degrees.
@@ -36,8 +37,7 @@ class Ball:
     cavity_radius: float = 0.0
 
     def __post_init__(self) -> None:
-        if not (math.isfinite(self.radius) and self.radius > 0):
-            raise GeometryError(f"closure radius = {mm(self.radius)}: must be positive and finite")
+        check.positive("closure", radius=self.radius)
         if not 0 <= self.cavity_radius < self.radius:
             raise GeometryError(
                 f"closure cavity_radius = {mm(self.cavity_radius)}: must be below the radius {mm(self.radius)}"
@@ -59,16 +59,10 @@ class Ball:
         )
         if not hole:
             return Outline("closure", (*shell, Segment(top, bottom, "closure_axis")))
-        cavity = (
+        inside = (
+            Segment(top, (0.0, hole), "closure_axis"),
             Segment((0.0, hole), (hole, 0.0), "closure_cavity", centre),
             Segment((hole, 0.0), (0.0, -hole), "closure_cavity", centre),
+            Segment((0.0, -hole), bottom, "closure_axis"),
         )
-        return Outline(
-            "closure",
-            (
-                *shell,
-                Segment(top, (0.0, hole), "closure_axis"),
-                *cavity,
-                Segment((0.0, -hole), bottom, "closure_axis"),
-            ),
-        )
+        return Outline("closure", (*shell, *inside))

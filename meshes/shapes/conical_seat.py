@@ -57,8 +57,7 @@ class ConicalSeat:
                 f"{mm(self.bore_radius)}, {mm(self.face_radius)}, {mm(self.outer_radius)}; make the bore "
                 "smaller, or the upper edge or the housing larger (bore_radius, face_radius, outer_radius)"
             )
-        if not (math.isfinite(self.height) and self.height > 0):
-            raise GeometryError(f"seat height = {mm(self.height)}: must be positive and finite")
+        check.positive("seat", height=self.height)
 
     @classmethod
     def around(

@@ -161,22 +161,18 @@ class SphericalSeat:
     @property
     def outline(self) -> Outline:
         """Section with the lower edge of the face before rounding at z = 0."""
-        centre = (
-            self.centre_offset,
-            math.sqrt(self.radius**2 - (self.bore_radius - self.centre_offset) ** 2),
+        depth, end = (
+            math.sqrt(self.radius**2 - (r - self.centre_offset) ** 2)
+            for r in (self.bore_radius, self.face_radius)
         )
-        top = centre[1] - math.sqrt(self.radius**2 - (self.face_radius - self.centre_offset) ** 2)
+        centre, top = (self.centre_offset, depth), depth - end
         lower, upper = (self.bore_radius, 0.0), (self.face_radius, top)
-        face = rounded(
-            Curve(
-                (
-                    Segment((self.bore_radius, -self.height - self.outer_radius), lower, "seat_face"),
-                    Segment(lower, upper, "seat_face", centre),
-                    Segment(upper, (self.outer_radius, top), "seat_face"),
-                )
-            ),
-            self.edge_radius,
-        ).without_first()
+        sharp = (
+            Segment((self.bore_radius, -self.height - self.outer_radius), lower, "seat_face"),
+            Segment(lower, upper, "seat_face", centre),
+            Segment(upper, (self.outer_radius, top), "seat_face"),
+        )
+        face = rounded(Curve(sharp), self.edge_radius).without_first()
         return housing(face, self.outer_radius, self.height + face.segments[0].start[1])
 
     @property
