@@ -19,6 +19,7 @@ from fem_seal.files import MOST_BYTES_OF_DRAWING, UnreadableFileError, check_fil
 from leak.extras import needed
 from meshes import GeometryError, MeshedBody, Profile, Segment, Shape, read_section
 from meshes.errors import mm
+from meshes.geometry.segment import Point
 
 _PLACE = Place(Quantity("length", "-10 m", "10 m"))
 _UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "in": 0.0254}
@@ -75,16 +76,9 @@ class ProfileSource(Table):
             return _written(name, self.outline)
         assert self.file is not None  # `source_problems` has looked
         path = Path(self.file)
-        found = _read(
-            path,
-            path.stat().st_mtime_ns,
-            name,
-            self.axis,
-            self.length_unit,
-            self.layer,
-            self.tolerance or 1e-8,
-            self.time_limit or 20.0,
-        )
+        unit = _UNITS[self.length_unit] if self.length_unit else None
+        accuracy, time_limit = self.tolerance or 1e-8, self.time_limit or 20.0
+        found = _read(path, path.stat().st_mtime_ns, name, self.axis, unit, self.layer, accuracy, time_limit)
         if isinstance(found, GeometryError):
             raise found
         return found
@@ -97,12 +91,11 @@ def _read(
     changed: int,
     name: str,
     axis: Any,
-    unit: str | None,
+    length_unit: float | None,
     layer: str | None,
     tolerance: float,
     time_limit: float,
 ) -> Shape | GeometryError:
-    length_unit = _UNITS[unit] if unit else None
     if path.suffix.lower() == ".dxf" and find_spec("ezdxf") is None:
         missing = needed("drawings", ImportError(name="ezdxf"))
         return GeometryError(f'{name} file = "{path.name}": reading it {missing}')
@@ -133,30 +126,29 @@ def _at_file(error: GeometryError, path: Path, name: str) -> GeometryError:
 def _written(name: str, pieces: list[Piece]) -> Profile:
     segments = []
     for n, (before, piece) in enumerate(pairwise(pieces), start=2):
+        entry = f"{name} outline: entry {n}"
         if before.to == piece.to:
-            raise GeometryError(f"{name} outline: entry {n} ends where it begins")
+            raise GeometryError(f"{entry} ends where it begins")
         centre = piece.centre
         if piece.radius is not None:
             if centre is not None:
-                raise GeometryError(f"{name} outline: entry {n} has centre and radius; remove one of them")
-            centre = _centre(name, n, before.to, piece.to, piece.radius)
+                raise GeometryError(f"{entry} has centre and radius; remove one of them")
+            centre = _centre(entry, before.to, piece.to, piece.radius)
         if centre is not None:
             first, last = math.dist(centre, before.to), math.dist(centre, piece.to)
             if abs(first - last) > 1e-6 * max(first, last):
-                raise GeometryError(
-                    f"{name} outline: entry {n} begins {mm(first)} from its centre, but ends {mm(last)} from it"
-                )
+                ends = f"begins {mm(first)} from its centre, but ends {mm(last)} from it"
+                raise GeometryError(f"{entry} {ends}")
         segments.append(Segment(before.to, piece.to, piece.name or "", centre))
     return Profile(name, tuple(segments))
 
 
-def _centre(
-    name: str, entry: int, start: tuple[float, float], end: tuple[float, float], radius: float
-) -> tuple[float, float]:
+def _centre(entry: str, start: Point, end: Point, radius: float) -> Point:
+    """Centre of an arc between two points."""
     chord = math.dist(start, end)
     if abs(radius) <= 0.5 * chord:
         raise GeometryError(
-            f"{name} outline: entry {entry} has radius = {mm(radius)}, but an arc of less than 180 deg between "
+            f"{entry} has radius = {mm(radius)}, but an arc of less than 180 deg between "
             f"points {mm(chord)} apart has more than {mm(0.5 * chord)}"
         )
     height = math.copysign(math.sqrt(radius**2 - 0.25 * chord**2), radius)

@@ -239,18 +239,8 @@ class Form(Table):
         touch_radius : float
             [m]
         """
-        normal = _normal(angle)
-        waves = list(
-            rigid_wave(
-                normal,
-                touch_radius,
-                self.eccentricity,
-                self.eccentricity_angle,
-                self.tilt,
-                self.tilt_angle,
-                self.tilt_height,
-            )
-        )
+        normal, offset = _normal(angle), (self.eccentricity, self.eccentricity_angle)
+        waves = [*rigid_wave(normal, touch_radius, *offset, self.tilt, self.tilt_angle, self.tilt_height)]
         highest, zone, tried, remarks = 1, 0.0, [MOST_WAVES, 2], list[str]()
         for name, part in self.parts.items():
             share = along_normal(part.direction, normal) * (1.0 if name == "closure" else -1.0)

@@ -10,7 +10,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, lru_cache, reduce
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field, ValidationError, field_validator, model_validator
@@ -226,35 +226,25 @@ class Roughness(FinishKeys):
 
     @model_validator(mode="after")
     def _one_way(self) -> Roughness:
+        given = [key for key in PARTS if getattr(self, key) is not None]
         if self.height is not None:
-            self._one_finish_of_both()
+            if given:
+                raise wrong("finish_and_spectrum", height=self.height, others=" and ".join(given))
+            self._check_finish()
             return self
-        self._no_finish()
-        each = self.seat is not None or self.closure is not None
-        if self.along is not None or self.across is not None:
-            self._two_directions(each)
-            return self
-        if (self.spectrum is not None) == each:
-            raise wrong("spectrum_twice" if each else "spectrum_missing")
+        known = [key for key in FinishKeys.model_fields if getattr(self, key) is not None]
+        if known or self.kind is not None:
+            raise wrong("finish_without_height", what=f"has {known[0]}" if known else "is a finish")
+        if "along" in given or "across" in given:
+            self._two_directions(given)
+        elif ("spectrum" in given) == ("seat" in given or "closure" in given):
+            raise wrong("spectrum_twice" if given else "spectrum_missing")
         return self
 
-    def _one_finish_of_both(self) -> None:
-        others = [key for key in PARTS if getattr(self, key) is not None]
-        if others:
-            raise wrong("finish_and_spectrum", height=self.height, others=" and ".join(others))
-        self._check_finish()
-
-    def _no_finish(self) -> None:
-        loose = [
-            key for key in FinishKeys.model_fields if key not in HEIGHTS and getattr(self, key) is not None
-        ]
-        if loose or self.kind is not None:
-            raise wrong("finish_without_height", what=f"has {loose[0]}" if loose else "is a finish")
-
-    def _two_directions(self, each: bool) -> None:
-        if self.along is None or self.across is None:
+    def _two_directions(self, given: Collection[str]) -> None:
+        if not {"along", "across"} <= {*given}:
             raise ValueError("needs along and across, both or neither")
-        if self.spectrum is not None or each:
+        if len(given) > 2:
             raise wrong("directions_and_spectrum")
         if self.peklenik != 1.0:
             raise ValueError("has peklenik, which along and across determine already; remove it")
@@ -406,10 +396,8 @@ def roughness_like(before: object, change: object) -> tuple[object, object]:
     """
     if not isinstance(change, Mapping):
         return before, change
-    old, new = (
-        _as_tables(before),
-        {**change, **_as_tables({key: change[key] for key in PARTS if key in change})},
-    )
+    old = _as_tables(before)
+    new = {**change, **_as_tables({key: change[key] for key in PARTS if key in change})}
     if _has_height(new):
         for key in (*PARTS, "peklenik", *HEIGHTS) if not is_finish(old) else HEIGHTS:
             old.pop(key, None)
@@ -501,11 +489,8 @@ class UncertainHeight:
     height: TrueHeight
     rolloff: float
     share: float = 1.0
-
-    @property
-    def dimensions(self) -> int:
-        """Number of random numbers that it takes."""
-        return 1
+    dimensions: ClassVar[int] = 1
+    """Number of random numbers that it takes."""
 
     def values(self, uniform: FloatArray) -> FloatArray:
         """Factors on the rms height from numbers between 0 and 1, shape (n, 1) to (n, 1)."""
@@ -580,11 +565,8 @@ class UncertainFinish:
 
     name: str
     spreads: tuple[Spread, ...]
-
-    @property
-    def dimensions(self) -> int:
-        """Number of random numbers that it takes."""
-        return 1
+    dimensions: ClassVar[int] = 1
+    """Number of random numbers that it takes."""
 
     def values(self, uniform: FloatArray) -> FloatArray:
         """Places in the ranges from numbers between 0 and 1, shape (n, 1) to (n, 1)."""
