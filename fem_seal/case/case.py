@@ -14,7 +14,6 @@ from pydantic import PrivateAttr, ValidationError
 from fem_seal.case.checks import contradictions
 from fem_seal.case.drawing_words import as_written, in_keys, partner, said_twice, same_entry
 from fem_seal.case.gauge import as_differences, is_said_of_one_side
-from fem_seal.case.leak_rate import of_this_gas
 from fem_seal.case.material_table import library_table
 from fem_seal.case.messages import choices, problems, tables_of
 from fem_seal.case.roughness import roughness_like
@@ -79,7 +78,7 @@ class Case(CaseTables):
             raise InputError(*wrong)
         if like is not None and ({"closure", "seat"} <= known or self._of_the_shape_of(like)):
             self._take_bodies(like)
-        told, not_told = of_this_gas(self)
+        told, not_told = self.of_this_gas()
         if not_told:
             raise InputError(*not_told)
         for name, table in told.items():
@@ -379,13 +378,8 @@ def _nested(old: Any, path: Sequence[str], value: Any, before: tuple[str, ...] =
         inside = old.get(key) if isinstance(old, Mapping) else None
         return {key: _nested(inside, rest, value, (*before, key))}
     if not key.isdecimal() or int(key) >= len(old):
-        numbers = (
-            "it is empty"
-            if not old
-            else "0 is its only entry"
-            if len(old) == 1
-            else f"it has 0 to {len(old) - 1}"
-        )
+        few = {0: "it is empty", 1: "0 is its only entry"}
+        numbers = few.get(len(old), f"it has 0 to {len(old) - 1}")
         raise InputError.at(
             f"{here}.{key}", f"{here} is a list, entries are named by their number: {numbers}"
         )

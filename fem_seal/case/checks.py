@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterator
 
 from fem_seal.case.fields import shown
-from fem_seal.case.leak_rate import problems_with_leak_rates
+from fem_seal.case.leak_rate import OF_GASES, OF_LIQUIDS, RATES
 from fem_seal.case.load_limits import problem_of_earlier_load, problems_of_all_loads
 from fem_seal.case.material_library import suggestion
 from fem_seal.case.requirement import Requirement
@@ -46,7 +46,7 @@ def contradictions(case: CaseTables) -> list[Problem]:
         *_direct(case),
         *([] if case.uncertainty is None else problems_with_uncertainty(case, case.uncertainty)),
         *_form(case),
-        *problems_with_leak_rates(case),
+        *_leak_rates(case),
         *([] if case.requirement is None else _requirement(case, case.requirement)),
     ]
 
@@ -334,6 +334,21 @@ def _form(case: CaseTables) -> Iterator[Problem]:
         yield problem("form", bodies=" and ".join(bodies))
     if (form.scratches or form.lay) and (missing := _missing(case)):
         yield problem("grooves", key="scratches" if form.scratches else "lay", missing=missing)
+
+
+def _leak_rates(case: CaseTables) -> Iterator[Problem]:
+    """What is said of gases only, or of liquids only; and a volume of bubbles that counts for nothing."""
+    if case.fluid is None:
+        return
+    gas, required = case.fluid.gas is not None, case.requirement
+    fluid = "a gas" if gas else "a liquid"
+    for table, key in RATES:
+        rate = getattr(getattr(case, table), key, None)
+        for kind, said in (OF_LIQUIDS if gas else OF_GASES).items():
+            if isinstance(rate, kind):
+                yield problem("rate_of_fluid", key=f"{table}.{key}", said=said, fluid=fluid)
+    if required is not None and required.bubble_volume is not None and not gas:
+        yield Problem("requirement.bubble_volume", "is that of a gas, and the fluid is a liquid; remove it")
 
 
 def _requirement(case: CaseTables, required: Requirement) -> Iterator[Problem]:

@@ -3,22 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, Protocol
 
 from fem_seal.case.fields import Quantity
-from fem_seal.case.words import problem
-from fem_seal.errors import Problem, QuantityError
+from fem_seal.errors import QuantityError
 from fem_seal.units import NUMBER, parse_quantity, short_text
-from leak.standards import (
-    BUBBLE_VOLUME,
-    DROP_VOLUME,
-    STANDARD_PRESSURE,
-    STANDARD_TEMPERATURE,
-    STANDARDS,
-    standard_named,
-)
+from leak.standards import BUBBLE_VOLUME, DROP_VOLUME, STANDARD_PRESSURE, STANDARD_TEMPERATURE
 
 
 class Throughput(float):
@@ -100,96 +90,10 @@ class LeakRate(Quantity):
         return Drops(rate) if what == "drop" else Bubbles.of(rate / volume, volume)
 
 
-class Amounts(Protocol):
-    """The tables of a case that say something of amounts."""
-
-    @property
-    def fluid(self) -> Any:
-        """The table [fluid], or None."""
-
-    @property
-    def load(self) -> Any:
-        """The table [load]."""
-
-    @property
-    def requirement(self) -> Any:
-        """The table [requirement], or None."""
-
-
-def of_this_gas(case: Amounts) -> tuple[dict[str, Any], list[Problem]]:
-    """Tables of a case whose leak rates have the temperature of its gas and the bubbles that it names.
-
-    Parameters
-    ----------
-    case : Amounts
-
-    Returns
-    -------
-    tuple
-        Changed tables, as `model_copy` takes them, and what cannot be told of their leak rates.
-    """
-    if case.fluid is None or case.fluid.gas is None:
-        # which is said by those who look at the case as a whole
-        return {}, []
-    temperature, required = case.fluid.temperature, case.requirement
-    limited = required is not None and not (required.leak_rate is None and required.standard is None)
-    volume = _bubble_volume(case)
-    changed, wrong = dict[str, Any](), list[Problem]()
-    for table, key in _RATES:
-        entries = changed.get(table, getattr(case, table))
-        rate = None if entries is None else getattr(entries, key)
-        if isinstance(rate, NormalVolume):
-            told: float = NormalVolume.at(rate.normal, temperature)
-        elif isinstance(rate, Bubbles) and volume is not None:
-            told = Bubbles.of(rate.count, volume)
-        elif isinstance(rate, Bubbles):
-            wrong.append(problem("no_bubble" if limited else "no_bubble_of_target", key=f"{table}.{key}"))
-            continue
-        else:
-            continue
-        changed[table] = entries.model_copy(update={key: told})
-    return changed, wrong
-
-
-_RATES = (("load", "target_leak_rate"), ("requirement", "leak_rate"), ("requirement", "rated_capacity"))
-
-
-def _bubble_volume(case: Amounts) -> float | None:
-    """Of the case, or of the standard that it names [m^3]; None where it names neither."""
-    required = case.requirement
-    if required is None or required.bubble_volume is not None:
-        return None if required is None else required.bubble_volume
-    standard = None if required.standard is None else standard_named(required.standard)
-    return None if standard is None else STANDARDS[standard].bubble_volume
-
-
-def problems_with_leak_rates(case: Amounts) -> Iterator[Problem]:
-    """What is said of gases only, or of liquids only; and a volume of bubbles that counts for nothing.
-
-    Parameters
-    ----------
-    case : Amounts
-    """
-    if case.fluid is None:
-        return
-    gas = case.fluid.gas is not None
-    for table, key in _RATES:
-        entries = getattr(case, table)
-        rate = None if entries is None else getattr(entries, key)
-        wrong = _OF_LIQUIDS if gas else _OF_GASES
-        for kind, said in wrong.items():
-            if isinstance(rate, kind):
-                fluid = "a gas" if gas else "a liquid"
-                yield problem("rate_of_fluid", key=f"{table}.{key}", said=said, fluid=fluid)
-    required = case.requirement
-    if required is None or required.bubble_volume is None:
-        return
-    if not gas:
-        yield Problem("requirement.bubble_volume", "is that of a gas, and the fluid is a liquid; remove it")
-
-
-_OF_LIQUIDS: dict[type, str] = {Drops: "is counted in drops"}
-_OF_GASES: dict[type, str] = {
+# Where leak rates stand in a case.
+RATES = (("load", "target_leak_rate"), ("requirement", "leak_rate"), ("requirement", "rated_capacity"))
+OF_LIQUIDS: dict[type, str] = {Drops: "is counted in drops"}
+OF_GASES: dict[type, str] = {
     Throughput: "is pressure times volume over time, the leak rate of a gas",
     NormalVolume: "is a normal volume over time, the leak rate of a gas",
     Bubbles: "is counted in bubbles",

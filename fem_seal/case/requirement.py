@@ -46,6 +46,16 @@ class _Requirement(Table):
         return (standard, found[0]) if found else None
 
     @property
+    def volume_of_bubble(self) -> float | None:
+        """Its own, or that of its standard [m^3]; None where neither says it."""
+        from leak.standards import STANDARDS, standard_named
+
+        standard = None if self.standard is None else standard_named(self.standard)
+        if self.bubble_volume is not None or standard is None:
+            return self.bubble_volume
+        return STANDARDS[standard].bubble_volume
+
+    @property
     def pressures(self) -> tuple[float, ...]:
         """Fluid pressures of the loads that are judged [Pa]; empty if all are."""
         given = self.fluid_pressure

@@ -26,13 +26,14 @@ from fem_seal.case.fields import (
 )
 from fem_seal.case.fluid import Fluid
 from fem_seal.case.form import Form
-from fem_seal.case.leak_rate import LeakRate, of_this_gas
+from fem_seal.case.leak_rate import RATES, Bubbles, LeakRate, NormalVolume
 from fem_seal.case.requirement import Requirement
 from fem_seal.case.roughness import Roughness
 from fem_seal.case.temperature import Temperature
 from fem_seal.case.uncertainty import Uncertainty
+from fem_seal.case.words import problem
 from fem_seal.errors import InputError, Problem
-from fem_seal.former_names import former_attribute
+from fem_seal.former_names import say_once
 from fem_seal.materials import HardeningCurve, Material, effective_modulus
 from meshes import ContactGeometry, Shape
 
@@ -73,7 +74,11 @@ class Load(Table):
             object.__setattr__(self, "fluid_pressure", self.fluid_pressure * len(self.applied_force))
         return self
 
-    axial_force = former_attribute("axial_force", "applied_force")
+    @property
+    def axial_force(self) -> float | tuple[float, ...]:
+        """Former name of `applied_force`."""
+        say_once("Load.axial_force", "applied_force")
+        return self.applied_force
 
     @property
     def points(self) -> tuple[tuple[float, float], ...]:
@@ -247,9 +252,39 @@ class CaseTables(Table):
         if self.fluid is not None and "temperature" not in self.fluid.model_fields_set:
             update["fluid"] = self.fluid.at(0.5 * (closure + seat))
         warm = self.model_copy(update=update)
-        warm = warm.model_copy(update=of_this_gas(warm)[0])
+        warm = warm.model_copy(update=warm.of_this_gas()[0])
         warm._warm = {"closure": closure, "seat": seat}
         return warm
+
+    def of_this_gas(self) -> tuple[dict[str, Any], list[Problem]]:
+        """Tables whose leak rates have the temperature of the gas and the bubbles that the case names.
+
+        Returns
+        -------
+        tuple
+            Changed tables, as `model_copy` takes them, and what cannot be told of their leak rates.
+        """
+        if self.fluid is None or self.fluid.gas is None:
+            # which is said by those who look at the case as a whole
+            return {}, []
+        required = self.requirement
+        limited = required is not None and not (required.leak_rate is None and required.standard is None)
+        volume = None if required is None else required.volume_of_bubble
+        changed, wrong = dict[str, Any](), list[Problem]()
+        for table, key in RATES:
+            entries = changed.get(table, getattr(self, table))
+            rate = getattr(entries, key, None)
+            if isinstance(rate, NormalVolume):
+                told: float = NormalVolume.at(rate.normal, self.fluid.temperature)
+            elif isinstance(rate, Bubbles) and volume is not None:
+                told = Bubbles.of(rate.count, volume)
+            else:
+                if isinstance(rate, Bubbles):
+                    name = "no_bubble" if limited else "no_bubble_of_target"
+                    wrong.append(problem(name, key=f"{table}.{key}"))
+                continue
+            changed[table] = entries.model_copy(update={key: told})
+        return changed, wrong
 
     @property
     def expands(self) -> bool:

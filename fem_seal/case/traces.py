@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -66,7 +65,8 @@ def read_trace(file: str | Path, unit: str | None = None) -> Trace:
     """
     import numpy as np
 
-    table = _longest_block(_lines(file))
+    lines = _lines(file)
+    table = max((_block(lines, separator) for separator in _SEPARATORS), key=lambda one: one.rank)
     if len(table.rows) < _FEWEST_ROWS:
         raise TextTableError(sentence("trace_rows", fewest=_FEWEST_ROWS))
     values = np.array(table.rows)
@@ -125,13 +125,7 @@ def _lines(file: str | Path) -> list[str]:
     return lines_of_table(text)
 
 
-def _longest_block(lines: Sequence[str]) -> _Block:
-    return max(
-        (block for separator in _SEPARATORS for block in _blocks(lines, separator)), key=lambda b: b.rank
-    )
-
-
-def _blocks(lines: Sequence[str], separator: str | None) -> Iterator[_Block]:
+def _block(lines: Sequence[str], separator: str | None) -> _Block:
     """The longest run of rows of numbers, if columns are separated so."""
     longest, start, rows = (0, list[list[float]]()), 0, list[list[float]]()
     for number, line in enumerate([*lines, ""]):
@@ -149,11 +143,10 @@ def _blocks(lines: Sequence[str], separator: str | None) -> Iterator[_Block]:
     header = _header(lines[:start], cells)
     if not header:
         # what ends with a separator in every row has one column less than cells
-        cells = max(
-            (n for row in rows for n, value in enumerate(row, start=1) if not math.isnan(value)), default=0
-        )
+        known = (n for row in rows for n, value in enumerate(row, start=1) if not math.isnan(value))
+        cells = max(known, default=0)
         header = _header(lines[:start], cells)
-    yield _Block(header, tuple(tuple((row + [math.nan] * cells)[:cells]) for row in rows))
+    return _Block(header, tuple(tuple((row + [math.nan] * cells)[:cells]) for row in rows))
 
 
 def _numbers(line: str, separator: str | None) -> list[float]:
@@ -188,12 +181,9 @@ def _header(before: Sequence[str], columns: int) -> tuple[str, ...]:
         return ()
     last = _cells(named[-1], columns)
     if last and len(named) > 1 and all(_is_unit(cell) for cell in last if cell):
-        names = _cells(named[-2], columns)
-        return (
-            tuple(f"{name} [{cell.strip('[]() ')}]" for name, cell in zip(names, last, strict=True))
-            if names
-            else ()
-        )
+        # no names if the line above has not as many
+        pairs = zip(_cells(named[-2], columns), last, strict=False)
+        return tuple(f"{name} [{cell.strip('[]() ')}]" for name, cell in pairs)
     return last
 
 
