@@ -100,12 +100,8 @@ def _registered_factor(unit: str, dimension: str) -> Fraction:
 
 def _similar(unit: str) -> str:
     """Ask for known units that are spelled like the unknown one, " (do you mean mPa, MPa?)", or nothing."""
-    known = [
-        token
-        for dimension in DIMENSIONS.values()
-        for text in dimension.examples
-        for token in text.split()[1:]
-    ]
+    texts = [text for dimension in DIMENSIONS.values() for text in dimension.examples]
+    known = [unit for text in texts for unit in text.split()[1:]]
     known += ["m", "um", "µm", "nm", "Pa", "kPa", "MPa", "mPa", "N", "rad", "inch", "atm", "psi", "kgf"]
     same = [name for name in dict.fromkeys(known) if name.lower() == unit.lower()]
     similar = same or difflib.get_close_matches(unit, known, n=2, cutoff=0.6)
@@ -469,11 +465,8 @@ class LeakVolume:
         ('20 °C and 1.01325 bar', '1.11e-29')
         """
         volume = _BOLTZMANN * temperature / STANDARD_PRESSURE
-        return cls(
-            f"{trimmed(round(temperature - 273.15, 6))} °C and 1.01325 bar",
-            volume / 3600.0,
-            "a molecule per hour",
-        )
+        state = f"{trimmed(round(temperature - 273.15, 6))} °C and 1.01325 bar"
+        return cls(state, volume / 3600.0, "a molecule per hour")
 
     def measurable(self, leak_rate: float) -> float:
         """A leak rate, or zero where nobody could measure it [m^3/s]."""
@@ -597,15 +590,10 @@ def flow_unit(leak_rates: Collection[float]) -> Unit | None:
     if smallest < _TOGETHER * largest:
         return None
     units = _UNITS["flow"]
-    at_most = units[units.index(unit_for("flow", largest)) :]
-    return next(
-        (
-            unit
-            for unit in at_most
-            if unit.of(smallest) >= (_READABLE if unit.of(largest) >= 1.0 else _READABLE_OF_LITTLE)
-        ),
-        units[-1],
-    )
+    for unit in units[units.index(unit_for("flow", largest)) :]:
+        if unit.of(smallest) >= (_READABLE if unit.of(largest) >= 1.0 else _READABLE_OF_LITTLE):
+            return unit
+    return units[-1]
 
 
 def percent(share: float | None, digits: int = 2) -> str:

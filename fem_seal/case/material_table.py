@@ -210,10 +210,8 @@ class MaterialEntry:
                 table.stress_strain,
                 lambda at: numbers["youngs_modulus"] if modulus is None or at is None else modulus.at(at),
             )
-            if isinstance(hardening, HardeningOverTemperature):
-                numbers["hardening_over_temperature"] = hardening
-            else:
-                numbers["hardening"] = hardening
+            several = isinstance(hardening, HardeningOverTemperature)
+            numbers["hardening_over_temperature" if several else "hardening"] = hardening
             return Material(**numbers, over_temperature=over, **_origin(value))
         except InputError as error:
             raise ValueError(str(error)) from None

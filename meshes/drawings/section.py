@@ -85,25 +85,19 @@ def _section(
 ) -> Profile:
     """What `read_section` returns, by this process."""
     try:
-        pieces, unit = _pieces(path, axis, length_unit, layer, tolerance)
+        if path.suffix.lower() == ".dxf":
+            from meshes.drawings.dxf import read_dxf
+
+            pieces, unit = read_dxf(path, axis, length_unit, layer, tolerance)
+        else:
+            from meshes.drawings.step import read_step
+
+            pieces, unit = read_step(path, axis, tolerance), None
     except GeometryError as error:
         # a curve does not know the file that it is from
         raise error if str(error).startswith(path.name) else GeometryError(f"{path.name}: {error}") from error
     _check_pieces(pieces, path)
     return Profile(name, tuple(_loop(pieces, path)), unit)
-
-
-def _pieces(
-    path: Path, axis: str, length_unit: float | None, layer: str | None, tolerance: float
-) -> tuple[list[Segment], float | None]:
-    """All pieces of the drawing in any order, and the length of its unit if it is a DXF."""
-    if path.suffix.lower() == ".dxf":
-        from meshes.drawings.dxf import read_dxf
-
-        return read_dxf(path, axis, length_unit, layer, tolerance)
-    from meshes.drawings.step import read_step
-
-    return read_step(path, axis, tolerance), None
 
 
 def _check_pieces(pieces: list[Segment], path: Path) -> None:

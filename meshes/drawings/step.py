@@ -33,31 +33,26 @@ def read_step(path: Path, axis: str, tolerance: float) -> list[Segment]:
     Exception
         Whatever gmsh raises where OpenCASCADE cannot read the file; it may hang or crash as well.
     """
-    with gmsh_session("step") as gmsh:
-        return _edges(gmsh, path, axis, tolerance)
-
-
-def _edges(gmsh: ModuleType, path: Path, axis: str, tolerance: float) -> list[Segment]:
-    occ = gmsh.model.occ
     text = path.read_bytes().lstrip()
     if not (text.startswith(b"ISO-10303-21") and b"END-ISO-10303-21" in text):
         raise GeometryError(
             f"{path.name}: cannot be read as STEP (it must begin with ISO-10303-21 and end with END-ISO-10303-21)"
         )
-    shapes = occ.importShapes(str(path))
-    occ.synchronize()
-    if not shapes:
-        raise GeometryError(f"{path.name}: holds no shapes")
-    if max(dimension for dimension, _ in shapes) == 3:
-        shapes = _cut(gmsh, shapes, axis)
-    faces = [shape for shape in shapes if shape[0] == 2]
-    curves = gmsh.model.getBoundary(faces, combined=True, oriented=False) if faces else shapes
-    tags = [abs(tag) for dimension, tag in curves if dimension == 1]
-    if not tags:
-        raise GeometryError(f"{path.name}: holds no edges; a face or solid in it may be damaged")
-    box = np.abs([gmsh.model.getBoundingBox(1, tag) for tag in tags]).max(axis=0)
-    columns = section_columns(np.maximum(box[:3], box[3:]).tolist(), axis, path)
-    return [s for tag in tags for s in _pieces(gmsh, tag, columns, tolerance)]
+    with gmsh_session("step") as gmsh:
+        shapes = gmsh.model.occ.importShapes(str(path))
+        gmsh.model.occ.synchronize()
+        if not shapes:
+            raise GeometryError(f"{path.name}: holds no shapes")
+        if max(dimension for dimension, _ in shapes) == 3:
+            shapes = _cut(gmsh, shapes, axis)
+        faces = [shape for shape in shapes if shape[0] == 2]
+        curves = gmsh.model.getBoundary(faces, combined=True, oriented=False) if faces else shapes
+        tags = [abs(tag) for dimension, tag in curves if dimension == 1]
+        if not tags:
+            raise GeometryError(f"{path.name}: holds no edges; a face or solid in it may be damaged")
+        box = np.abs([gmsh.model.getBoundingBox(1, tag) for tag in tags]).max(axis=0)
+        columns = section_columns(np.maximum(box[:3], box[3:]).tolist(), axis, path)
+        return [s for tag in tags for s in _pieces(gmsh, tag, columns, tolerance)]
 
 
 def _cut(gmsh: ModuleType, solids: list[tuple[int, int]], axis: str) -> list[tuple[int, int]]:
