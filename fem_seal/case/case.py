@@ -81,16 +81,14 @@ class Case(CaseTables):
         told, not_told = self.of_this_gas()
         if not_told:
             raise InputError(*not_told)
-        for name, table in told.items():
-            # the only way into a frozen model, which is not handed out yet
-            object.__setattr__(self, name, table)
         heat = self.temperature
         warm = [
             ROOM_TEMPERATURE if heat is None else heat.of_body(name) or ROOM_TEMPERATURE
             for name in ("closure", "seat")
         ]
-        for name, body in self.bodies_at(*warm).items():
-            object.__setattr__(self, name, body)
+        for name, table in {**told, **self.bodies_at(*warm)}.items():
+            # the only way into a frozen model, which is not handed out yet
+            object.__setattr__(self, name, table)
         contradicting = [as_written(problem, tables) for problem in contradictions(self)]
         if contradicting:
             none_left = all(isinstance(problem, LoadProblem) for problem in contradicting)

@@ -113,8 +113,7 @@ class FinishKeys(Table):
     @property
     def height(self) -> str | None:
         """Which of Ra, Rq and Rz is given."""
-        given = [key for key in HEIGHTS if getattr(self, key) is not None]
-        return given[0] if given else None
+        return next((key for key in HEIGHTS if getattr(self, key) is not None), None)
 
     def _check_finish(self) -> None:
         """ValueError if the keys do not make a finish."""

@@ -75,10 +75,8 @@ def read_trace(file: str | Path, unit: str | None = None) -> Trace:
         angle = 2 * np.pi * np.arange(len(deviation)) / len(deviation)
     else:
         place, at = _columns(table.header)
-        angle, deviation = (
-            values[:, place] * _factor_of(_angle_unit(table.name(place), values[:, place]), "angle"),
-            values[:, at],
-        )
+        angle, deviation = values[:, place], values[:, at]
+        angle = angle * _factor_of(_angle_unit(table.name(place), angle), "angle")
     kept = np.isfinite(angle) & np.isfinite(deviation)
     if kept.sum() < _FEWEST_ROWS:
         raise TextTableError(sentence("trace_points", number=kept.sum(), fewest=_FEWEST_ROWS))

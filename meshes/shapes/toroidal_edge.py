@@ -91,8 +91,8 @@ class ToroidalEdge:
         centre = (a, rho)
         inner = (a - math.sqrt(max(self.recess * (2 * rho - self.recess), 0.0)), self.recess)
         arc = Segment((a, 0.0), (a + rho, rho), "closure_face", centre)
-        inside = (inner, centre) if self.recess > 0 else ((0.0, 0.0), None)
-        return plunger(Curve((Segment(inside[0], (a, 0.0), "closure_face", inside[1]), arc)), self.height)
+        start, bend = (inner, centre) if self.recess > 0 else ((0.0, 0.0), None)
+        return plunger(Curve((Segment(start, (a, 0.0), "closure_face", bend), arc)), self.height)
 
     @property
     def named_face(self) -> NamedFace:

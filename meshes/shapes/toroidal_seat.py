@@ -127,12 +127,10 @@ class ToroidalSeat:
         centre, crest = (self.centre_radius, -self.radius), (self.centre_radius, 0.0)
         inside = min(self.centre_radius - self.bore_radius, self.radius)
         inner = (self.centre_radius - inside, math.sqrt(self.radius**2 - inside**2) - self.radius)
-        face = [Segment(inner, crest, "seat_face", centre)]
-        if self.recess > 0:
-            face.append(Segment(crest, (self.ring_end, -self.recess), "seat_face", centre))
-        else:
-            face.append(Segment(crest, (self.outer_radius, 0.0), "seat_face"))
-        return housing(Curve(tuple(face)), self.outer_radius, self.height)
+        arc, depth = Segment(inner, crest, "seat_face", centre), self.recess
+        end, bend = ((self.ring_end, -depth), centre) if depth > 0 else ((self.outer_radius, 0.0), None)
+        outside = Segment(crest, end, "seat_face", bend)
+        return housing(Curve((arc, outside)), self.outer_radius, self.height)
 
     @property
     def named_face(self) -> NamedFace:
