@@ -8,13 +8,13 @@ fluids of their own.
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from types import MappingProxyType
 
 from leak.errors import FluidError, positive
+from leak.files import own_tables
 
 _INCH = 0.0254
 _MINUTE = 60.0
@@ -37,50 +37,11 @@ class Standard:
     bubble_volume: float
 
 
-STANDARDS = MappingProxyType(
-    {
-        one.name: one
-        for one in (
-            Standard(
-                "ISO 5208",
-                "ISO 5208:2015, table of maximum allowable closure test leakage rates",
-                "secondary: rates in mm^3/s times DN as printed in manufacturers' tables, cross-checked against the "
-                "same table in drops and bubbles (piping-world.com), from which the volume of a bubble follows: "
-                "3000 mm^3/s are 45.837 bubbles/s, spheres of 5 mm",
-                math.pi / 6.0 * 0.005**3,
-            ),
-            Standard(
-                "API 598",
-                "API 598, 10th edition (2016), metal-seated valves except check valves",
-                "secondary: 2 drops/min and 4 bubbles/min per inch of NPS above NPS 2; up to NPS 2 no visible "
-                "liquid and less than 1 bubble in the test of 15 s (piping-world.com, valvediagnostics.com); "
-                "1 ml = 16 drops, 1 ml = 100 bubbles (notes of the table, eng-tips.com)",
-                1e-6 / 100.0,
-            ),
-            Standard(
-                "FCI 70-2",
-                "ANSI/FCI 70-2-2006, classes II to VI",
-                "secondary: table of valvias.com; class VI also in ANSI/FCI 70-3-2004, one bubble/min at 0.15 ml/min; "
-                "between its rows (more than 2 mm from each) with the square of the seat diameter, as the note to the "
-                "same table in GB/T 4213-92 says (shtjv.com); juduvalves.com has the first half of that note",
-                0.15e-6,
-            ),
-        )
-    }
-)
+_DATA = own_tables("leak.fluids", "standards.toml")
+STANDARDS = MappingProxyType({name: Standard(name, **data) for name, data in _DATA["standards"].items()})
 
-# ISO 5208:2015: mm^3/s per mm of DN, liquid and gas.
-_ISO_5208 = (
-    ("AA", 0.006, 0.18),
-    ("B", 0.01, 0.3),
-    ("C", 0.03, 3.0),
-    ("CC", 0.08, 22.3),
-    ("D", 0.1, 30.0),
-    ("E", 0.3, 300.0),
-    ("EE", 0.39, 470.0),
-    ("F", 1.0, 3000.0),
-    ("G", 2.0, 6000.0),
-)
+# NPS [inch] to DN [mm] where it is not 25 mm to the inch.
+_NPS: dict[float, float] = dict(_DATA["nominal_sizes"]["NPS"])
 # API 598: drops and bubbles per minute and per inch of nominal pipe size, above NPS 2 (DN 50).
 _API_DROPS, _API_BUBBLES, _API_SMALLEST = 2.0, 4.0, 50.0
 # Up to DN 50 a gas may form less than one bubble in the shortest test, 15 s; a liquid may not be seen at all.
@@ -90,9 +51,6 @@ _FCI_SHARES = (("IV", 1e-4), ("III", 1e-3), ("II", 5e-3))
 # Class V: 5e-12 m^3/s of water per mm of seat diameter and bar; 4.7 ml/min of air per inch of orifice.
 _FCI_V_LIQUID = 5e-12 / (1e-3 * 1e5)
 _FCI_V_GAS = 4.7e-6 / _MINUTE / _INCH
-# Class VI: nominal seat diameter [mm], air [ml/min].
-_FCI_VI_SIZES = (25.0, 38.0, 51.0, 64.0, 76.0, 102.0, 152.0, 203.0, 250.0, 300.0, 350.0, 400.0)
-_FCI_VI_RATES = (0.15, 0.30, 0.45, 0.60, 0.90, 1.70, 4.00, 6.75, 11.1, 16.0, 21.6, 28.4)
 # A row holds for diameters that differ by no more from its own [mm].
 _FCI_VI_NEAR = 2.0 + 1e-9
 
@@ -213,7 +171,7 @@ def leakage_limits(
         LeakageLimit("ISO 5208", "A", 0.0),
         *(
             LeakageLimit("ISO 5208", name, 1e-9 * dn * (of_gas if gas else of_liquid))
-            for name, of_liquid, of_gas in _ISO_5208
+            for name, (of_liquid, of_gas) in _DATA["rates_of_iso_5208"].items()
         ),
         LeakageLimit("API 598", "metal-seated", _api_limit(dn, bubble if gas else None)),
         *_fci_limits(bore, gas, drop, capacity),
@@ -359,7 +317,8 @@ def nominal_size_of_bore(diameter: float) -> float:
     0.025
     """
     bore = 1e3 * positive(FluidError, "diameter", diameter, "m")
-    return min(_DN, key=lambda dn: abs(dn / bore - 1.0) if dn > bore else abs(bore / dn - 1.0)) * 1e-3
+    sizes: list[int] = _DATA["nominal_sizes"]["DN"]
+    return min(sizes, key=lambda dn: abs(dn / bore - 1.0) if dn > bore else abs(bore / dn - 1.0)) * 1e-3
 
 
 def read_nominal_size(text: str) -> float | None:
@@ -378,15 +337,6 @@ def read_nominal_size(text: str) -> float | None:
         return None
     inches = float(nps[1] or 0) + (float(nps[2]) / float(nps[3]) if nps[2] else 0.0)
     return _NPS.get(inches, 25.0 * inches) * 1e-3 if inches else None
-
-
-# ISO 6708 sizes in use.
-_DN = (
-    6, 8, 10, 15, 20, 25, 32, 40, 50, 65, 80, 100, 125, 150, 200, 250, 300, 350, 400, 450, 500, 600, 700, 800,
-)  # fmt: skip
-# NPS [inch] to DN where it is not 25 mm to the inch.
-_INCHES = (0.125, 0.25, 0.375, 0.5, 0.75, 1.25, 1.5, 2.5, 3.0, 3.5)
-_NPS = dict(zip(_INCHES, (6.0, 8.0, 10.0, 15.0, 20.0, 32.0, 40.0, 65.0, 80.0, 90.0), strict=True))
 
 
 def _tightest(limits: list[LeakageLimit], lowest: float, highest: float) -> LeakageClass:
@@ -428,7 +378,8 @@ def _fci_limits(
 
 def _class_six(bore: float) -> float | None:
     """Bore in mm."""
-    rates = dict(zip(_FCI_VI_SIZES, _FCI_VI_RATES, strict=True))
+    table = _DATA["class_six_of_fci"]
+    rates: dict[float, float] = dict(zip(table["diameter"], table["rate"], strict=True))
     nearest = min(rates, key=lambda size: abs(size - bore))
     if abs(nearest - bore) <= _FCI_VI_NEAR or bore < min(rates):
         return rates[nearest] * 1e-6 / _MINUTE

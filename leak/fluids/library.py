@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
-from importlib.resources import files
 from importlib.util import find_spec
 from types import MappingProxyType
 from typing import Any
@@ -15,6 +13,7 @@ import numpy as np
 
 from leak.errors import FluidError, positive
 from leak.extras import command
+from leak.files import own_tables
 from leak.fluids.pressure_law import Barus, PressureLaw, Roelands, Tait
 from leak.fluids.properties import GAS_CONSTANT, Gas, Liquid
 from leak.fluids.water import water_law
@@ -22,7 +21,7 @@ from leak.fluids.water import water_law
 ROOM_TEMPERATURE = 293.15
 """20 degC [K]."""
 
-_DATA = tomllib.loads(files("leak.fluids").joinpath("library.toml").read_text(encoding="utf-8"))
+_DATA = own_tables("leak.fluids", "library.toml")
 _SOURCES: dict[str, str] = _DATA["sources"]
 
 

@@ -8,54 +8,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leak.arrays import FloatArray
+from leak.files import own_tables
 from leak.fluids.pressure_law import PressureTable
 from leak.standards import STANDARD_PRESSURE
 
 # Beyond this pressure the formulation of the density would go wild [Pa]; number of values up to it.
 _HIGHEST, _PRESSURES = 2e8, 65
-# Rows I, J, n of equation (7) of IAPWS R7-97(2012), those with I > 0: the others do not enter the volume.
-_REGION_1 = np.array(
-    [
-        (1, -9, 0.28319080123804e-3),
-        (1, -7, -0.60706301565874e-3),
-        (1, -1, -0.18990068218419e-1),
-        (1, 0, -0.32529748770505e-1),
-        (1, 1, -0.21841717175414e-1),
-        (1, 3, -0.52838357969930e-4),
-        (2, -3, -0.47184321073267e-3),
-        (2, 0, -0.30001780793026e-3),
-        (2, 1, 0.47661393906987e-4),
-        (2, 3, -0.44141845330846e-5),
-        (2, 17, -0.72694996297594e-15),
-        (3, -4, -0.31679644845054e-4),
-        (3, 0, -0.28270797985312e-5),
-        (3, 6, -0.85205128120103e-9),
-        (4, -5, -0.22425281908000e-5),
-        (4, -2, -0.65171222895601e-6),
-        (4, 10, -0.14341729937924e-12),
-        (5, -8, -0.40516996860117e-6),
-        (8, -11, -0.12734301741641e-8),
-        (8, -6, -0.17424871230634e-9),
-        (21, -29, -0.68762131295531e-18),
-        (23, -31, 0.14478307828521e-19),
-        (29, -38, 0.26335781662795e-22),
-        (30, -39, -0.11947622640071e-22),
-        (31, -40, 0.18228094581404e-23),
-        (32, -41, -0.93537087292458e-25),
-    ]
-)
+_DATA = own_tables("leak.fluids", "water.toml")
+_REGION_1, _H = np.array(_DATA["region_1"]), np.array(_DATA["viscosity"])
 _GAS_CONSTANT = 461.526
-# Table 2 of IAPWS R12-08: rows i, columns j of H_ij.
-_H = np.array(
-    [
-        [5.20094e-1, 2.22531e-1, -2.81378e-1, 1.61913e-1, -3.25372e-2, 0.0, 0.0],
-        [8.50895e-2, 9.99115e-1, -9.06851e-1, 2.57399e-1, 0.0, 0.0, 0.0],
-        [-1.08374, 1.88797, -7.72479e-1, 0.0, 0.0, 0.0, 0.0],
-        [-2.89555e-1, 1.26613, -4.89837e-1, 0.0, 6.98452e-2, 0.0, -4.35673e-3],
-        [0.0, 0.0, -2.57040e-1, 0.0, 0.0, 8.72102e-3, 0.0],
-        [0.0, 1.20573e-1, 0.0, 0.0, 0.0, 0.0, -5.93264e-4],
-    ]
-)
 
 
 def water_density(temperature: float, pressure: ArrayLike) -> FloatArray:

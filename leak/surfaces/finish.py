@@ -7,10 +7,8 @@ value says how high they are, as the standard measures it.
 from __future__ import annotations
 
 import math
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from importlib.resources import files
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -18,6 +16,7 @@ from numpy.typing import ArrayLike
 
 from leak.arrays import FloatArray
 from leak.errors import SpectrumError, positive
+from leak.files import own_tables
 from leak.surfaces.profile_filter import (
     RA_OVER_RQ,
     ExpectedRoughness,
@@ -125,7 +124,7 @@ def _process(name: str, entry: Mapping[str, Any]) -> Process:
     )
 
 
-_DATA = tomllib.loads(files("leak.surfaces").joinpath("processes.toml").read_text(encoding="utf-8"))
+_DATA = own_tables("leak.surfaces", "processes.toml")
 SOURCES: dict[str, str] = _DATA["sources"]
 PROCESSES = {name: _process(name, entry) for name, entry in _DATA["processes"].items()}
 """Processes by their word; "unspecified" stands for a drawing that gives a value alone, with the widest ranges."""

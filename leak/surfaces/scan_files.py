@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import re
-import tomllib
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
-from importlib.resources import files
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -16,6 +14,7 @@ import numpy as np
 
 from leak.errors import ScanError
 from leak.extras import needed
+from leak.files import own_tables
 from leak.surfaces.scans import LineScan, Topography, height_map, line_scan
 
 _NO_SIZE = "does not state how long and wide the measured area is; export it in a format that does"
@@ -144,9 +143,7 @@ def _tip_radius(info: Any) -> float | None:
     return radius if 0.0 < radius < 1.0 else None
 
 
-LENGTH_UNITS: dict[str, float] = tomllib.loads(
-    files("leak.surfaces").joinpath("length_units.toml").read_text(encoding="utf-8")
-)
+LENGTH_UNITS: dict[str, float] = own_tables("leak.surfaces", "length_units.toml")
 
 
 _UNIT = "|".join(sorted(map(re.escape, LENGTH_UNITS), key=len, reverse=True))

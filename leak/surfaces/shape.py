@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from importlib.resources import files
 
 import numpy as np
 
 from leak.errors import um
+from leak.files import own_tables
 from leak.surfaces.outliers import FoundOutliers
 from leak.surfaces.periodogram import Periodogram
 from leak.surfaces.range import ReliableRange
@@ -180,7 +179,7 @@ def _remark(name: str, **values: float | str) -> str:
 
 @lru_cache(maxsize=1)
 def _remarks() -> dict[str, str]:
-    return tomllib.loads(files("leak.surfaces").joinpath("remarks.toml").read_text(encoding="utf-8"))
+    return own_tables("leak.surfaces", "remarks.toml")
 
 
 def _length(value: float) -> str:
