@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 from fem_seal.answers.accuracy import ACCURACY
 from fem_seal.answers.answer import NOTHING_ELSE, Answer, Inquiry, Wanted, answered
@@ -23,6 +23,7 @@ from fem_seal.answers.uncertainty import UNCERTAINTY
 from fem_seal.answers.variants import INTERFACE_VARIANTS, THEORY_VARIANTS
 from fem_seal.answers.verdict import VERDICT
 from fem_seal.answers.verdict_force import VERDICT_FORCE
+from fem_seal.case.case import Case
 from fem_seal.contact.solution import move_together
 from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.heating import warmed
@@ -36,10 +37,6 @@ from fem_seal.seal.readings import WORDS
 from fem_seal.seal.solved_seal import SolvedSeal
 from fem_seal.units import given
 from leak import LeakError, Reading
-
-if TYPE_CHECKING:
-    from fem_seal.case.case import Case
-
 
 # All that is asked of a solved seal, each after those whose answers it uses.
 ANSWERS: tuple[Answer[Any], ...] = (

@@ -5,16 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from fem_seal.case.case import CaseSource, case_of
+from fem_seal.arrays import FloatArray
+from fem_seal.case.case import Case, CaseSource, case_of
 from fem_seal.contact.laws import HardContact, InterfaceLaw
 from fem_seal.errors import InputError
 from fem_seal.former_names import former_attribute
 from fem_seal.loads import blow_off_of_sealed_area, contact_force, expected_force, line_load
 from fem_seal.seal.problem import LARGEST_TURNING, TURNED, SealProblem, exponential_law
+from fem_seal.seal.solved_seal import SolvedSeal
 from fem_seal.validity.words import sentence
 from leak import (
     CrossoverLine,
@@ -25,12 +27,6 @@ from leak import (
     gaussian_line,
     hertz_line,
 )
-
-if TYPE_CHECKING:
-    from fem_seal.arrays import FloatArray
-    from fem_seal.case.case import Case
-    from fem_seal.seal.solved_seal import SolvedSeal
-
 
 # Share by which the decay length of a law may have fallen at the peak before the crossover is called another contact.
 _STIFFER = 0.05

@@ -6,27 +6,22 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fem_seal.answers.answer import Answer, Inquiry
 from fem_seal.answers.leakage_class import leakage_classes, limits, test_of
+from fem_seal.case.case import Case
 from fem_seal.errors import ConvergenceError, OpenSealError
 from fem_seal.form import FormError, Wave, WaveTolerance
 from fem_seal.seal.circumference import Around, LeakCurve, around_after
 from fem_seal.seal.leak_model import as_first_loaded
 from fem_seal.seal.load_result import LoadResult
+from fem_seal.seal.load_solver import LoadSolver
 from fem_seal.seal.problem import largest_force
 from fem_seal.seal.solved_seal import SolvedSeal
-from leak import Scratch, deepest_scratch
+from leak import Reading, Scratch, deepest_scratch
 from leak.numerics.roots import root_between
-
-if TYPE_CHECKING:
-    from fem_seal.case.case import Case
-    from fem_seal.seal.load_solver import LoadSolver
-    from leak import Reading
-
 
 # Sizes of the form error that the curve shows, over the one that is given.
 _FACTORS = (0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0)

@@ -5,27 +5,22 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fem_seal.answers.chain import solve
+from fem_seal.answers.solution import SealSolution
 from fem_seal.arrays import FloatArray
-from fem_seal.case.case import CaseSource, case_of
+from fem_seal.case.case import Case, CaseSource, case_of
 from fem_seal.case.tables import curves
 from fem_seal.case.words import problem
 from fem_seal.errors import InputError
 from fem_seal.former_names import former_attribute, formerly
 from fem_seal.loads import expected_force
 from fem_seal.seal.findings import Level, Validity
+from fem_seal.seal.load_solver import Progress
 from fem_seal.units import briefly, given
 from fem_seal.validity.words import caution
-
-if TYPE_CHECKING:
-    from fem_seal.answers.solution import SealSolution
-    from fem_seal.case.case import Case
-    from fem_seal.seal.load_solver import Progress
-
 
 # Pressures of a table where the case itself has fewer, and over which range below its highest.
 _PRESSURES, _LEAST, _RANGE = 8, 3, 20.0

@@ -6,7 +6,6 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,14 +13,11 @@ from fem_seal.errors import InputError, Problem
 from fem_seal.profile import PressureProfile
 from fem_seal.seal.leak_model import Conductivity, Flow, RoughFlow
 from fem_seal.seal.load_result import GivenContact, GivenLoad
+from fem_seal.seal.problem import SealProblem
+from fem_seal.seal.profile_file import ImportedProfile
 from fem_seal.validity.checks import profile_validity
 from leak import RoughContact
 from meshes import ContactGeometry
-
-if TYPE_CHECKING:
-    from fem_seal.seal.problem import SealProblem
-    from fem_seal.seal.profile_file import ImportedProfile
-
 
 # Radii of a profile that this program wrote are those of its seat up to the digits of the file.
 _SAME_RADIUS = 1e-7

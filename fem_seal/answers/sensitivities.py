@@ -12,13 +12,17 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+
+from pydantic import BaseModel
 
 from fem_seal.answers.answer import Answer, Inquiry, Wanted
 from fem_seal.answers.uncertainty import changed_surface, stiffer, stiffer_bodies
 from fem_seal.answers.verdict import VERDICT
+from fem_seal.case.case import Case
 from fem_seal.case.fields import Quantity, quantities_of
 from fem_seal.case.roughness import self_affine_part
+from fem_seal.contact.model import ContactModel
+from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import SealError
 from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.leak_model import Conductivity, Flow, RoughFlow, log_peaks
@@ -28,14 +32,6 @@ from fem_seal.seal.problem import SealProblem, build_mesh, condensed
 from fem_seal.seal.solved_seal import SolvedSeal
 from leak import LeakError, RoughContact
 from meshes import GeometryError, MeshingError
-
-if TYPE_CHECKING:
-    from pydantic import BaseModel
-
-    from fem_seal.case.case import Case
-    from fem_seal.contact.model import ContactModel
-    from fem_seal.contact.solution import ContactSolution
-
 
 # Relative step of the local exponent of what costs a surface, and of a force.
 _SMALL, _SMALL_FORCE = 0.02, 0.01

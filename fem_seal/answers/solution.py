@@ -4,23 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any, Self
 
-from fem_seal.answers.accuracy import ACCURACY
+from fem_seal.answers.accuracy import ACCURACY, Comparison
 from fem_seal.answers.form import FORM
+from fem_seal.answers.judgement import JudgedLoad, Judgement, SealJudgement, Verdict
 from fem_seal.answers.particles import PARTICLES
 from fem_seal.answers.sensitivities import LEVERS
 from fem_seal.answers.theories import THEORIES
 from fem_seal.answers.uncertainty import UNCERTAINTY
 from fem_seal.answers.variants import INTERFACE_VARIANTS, THEORY_VARIANTS
 from fem_seal.answers.verdict import VERDICT
-from fem_seal.seal.load_result import highest_load, strongest_load
+from fem_seal.seal.load_result import DiscretisationError, highest_load, strongest_load
 from fem_seal.seal.solved_seal import SolvedSeal
-
-if TYPE_CHECKING:
-    from fem_seal.answers.accuracy import Comparison
-    from fem_seal.answers.judgement import JudgedLoad, Judgement, SealJudgement, Verdict
-    from fem_seal.seal.load_result import DiscretisationError
 
 
 @dataclass(frozen=True, kw_only=True)

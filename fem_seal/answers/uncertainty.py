@@ -25,25 +25,22 @@ from fem_seal.case.roughness import (
     uncertain_heights,
 )
 from fem_seal.case.uncertainty import Uncertainty
-from fem_seal.contact.laws import HardContact, ScaledLaw
+from fem_seal.contact.laws import HardContact, Law, ScaledLaw
 from fem_seal.errors import ConvergenceError, InputError
 from fem_seal.processes import in_copies
 from fem_seal.sampling import UncertainInput, sobol_points
 from fem_seal.seal.bounds import Bounds
-from fem_seal.seal.leak_model import log_peaks, range_around
+from fem_seal.seal.leak_model import Conductivity, Flow, log_peaks, range_around
 from fem_seal.seal.load_result import LoadResult, leak_rates
 from fem_seal.seal.load_solver import LoadSolver, linearised_again, path_again, solved_again
-from fem_seal.seal.problem import condensed, interface_law
+from fem_seal.seal.problem import SealProblem, condensed, interface_law
 from fem_seal.seal.solved_seal import SolvedSeal
 
 if TYPE_CHECKING:
     from fem_seal.case.case import Case
-    from fem_seal.contact.laws import Law
     from fem_seal.contact.model import ContactModel
     from fem_seal.contact.solution import ContactSolution
     from fem_seal.materials import Material
-    from fem_seal.seal.leak_model import Conductivity, Flow
-    from fem_seal.seal.problem import SealProblem
     from leak import FlowError, NearbyTables, PowerSpectrum, Reading, RoughContact
 
 

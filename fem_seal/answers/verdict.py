@@ -5,18 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 from fem_seal.answers.answer import Answer, Inquiry
 from fem_seal.answers.judgement import JudgedLoad, Judgement, SealJudgement, Shares, Verdict, Why, severity
 from fem_seal.answers.leakage_class import limit_of_rate, limits
 from fem_seal.answers.uncertainty import UNCERTAINTY
+from fem_seal.case.case import Case
+from fem_seal.errors import LoadProblem
+from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.solved_seal import SolvedSeal
-
-if TYPE_CHECKING:
-    from fem_seal.case.case import Case
-    from fem_seal.errors import LoadProblem
-    from fem_seal.seal.load_result import LoadResult
 
 
 def judged(case: Case, load: LoadResult, *, sampled: bool = True) -> Judgement | None:

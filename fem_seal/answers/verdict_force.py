@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import TYPE_CHECKING
 
 from fem_seal.answers.accuracy import discretisation_error, on_coarser_mesh
 from fem_seal.answers.answer import Answer, Inquiry, Wanted
@@ -16,24 +15,19 @@ from fem_seal.answers.judgement import Judgement, Verdict, VerdictForce
 from fem_seal.answers.uncertainty import leak_interval
 from fem_seal.answers.verdict import judgements
 from fem_seal.contact.refit import solve_fitted
+from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError, InputError, OpenSealError
 from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.leak_model import RoughFlow
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.load_solver import Clock, LoadSolver, Progress, SealFlow
-from fem_seal.seal.problem import condensed, largest_force, sizing
+from fem_seal.seal.problem import SealProblem, condensed, largest_force, sizing
 from fem_seal.seal.solved_seal import SolvedSeal
 from fem_seal.units import briefly
 from fem_seal.validity.checks import earlier_cautions, load_validity
 from fem_seal.validity.words import sentence
 from leak.numerics.roots import root_between
-from meshes import build_contact
-
-if TYPE_CHECKING:
-    from fem_seal.contact.solution import ContactSolution
-    from fem_seal.seal.problem import SealProblem
-    from meshes import Sizing
-
+from meshes import Sizing, build_contact
 
 # ln of the upper end over the limit is kept within this: sealed and open are something, too.
 _FAR = 20.0

@@ -19,10 +19,13 @@ from fem_seal.errors import InputError, Problem
 from fem_seal.seal.pieces import work
 from leak import ConductivityTable, DirectError, RoughContact
 from leak.direct import (
+    ContactState,
     ElastoplasticState,
+    Flow,
     Patch,
     PeriodicHalfSpace,
     PressedPatch,
+    Streams,
     patch_flow,
     press,
     press_elastoplastic,
@@ -36,7 +39,6 @@ if TYPE_CHECKING:
 
     from fem_seal.arrays import FloatArray
     from fem_seal.case.direct import Asperities
-    from leak.direct import ContactState, Flow, Streams
 
 Branch = Literal["load", "unload", "cutoff"]
 # Raised when a finished piece would come out differently.

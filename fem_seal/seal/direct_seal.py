@@ -18,7 +18,7 @@ import numpy as np
 
 from fem_seal.profile import PressureProfile
 from fem_seal.seal.direct import HARDNESS_OVER_YIELD_STRESS, LOAD_STEP, DirectSettings
-from fem_seal.seal.leak_model import log_peaks
+from fem_seal.seal.leak_model import Flow, log_peaks
 from fem_seal.seal.pieces import work
 from leak import RoughContact
 from leak.direct import Strip, rest_gap
@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from fem_seal.arrays import FloatArray
     from fem_seal.case.direct import Asperities
     from fem_seal.contact.solution import ContactSolution
-    from fem_seal.seal.leak_model import Flow
     from fem_seal.seal.load_result import LoadResult
     from fem_seal.seal.problem import SealProblem
 

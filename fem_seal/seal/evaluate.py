@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
 
+from fem_seal.case.case import Case
 from fem_seal.contact.model import ContactModel
 from fem_seal.contact.newton import Pressing, solve_together
 from fem_seal.contact.refit import MeshFit
@@ -25,9 +25,6 @@ from fem_seal.seal.problem import Loads, SealProblem, expected_contacts, sizing
 from fem_seal.seal.solved_seal import SolvedSeal
 from fem_seal.seal.sources import EXACT, Source
 from meshes import MeshingError, SealMesh
-
-if TYPE_CHECKING:
-    from fem_seal.case.case import Case
 
 # Tells nobody what is being done.
 SILENT = Clock(lambda text: None)

@@ -13,7 +13,7 @@ from fem_seal.former_names import former_attribute
 from fem_seal.seal.bounds import AGREE, EXACT, Bounds
 from fem_seal.seal.findings import DIRECT_SCATTER, VALID, Caution, Level, Validity
 from fem_seal.seal.lazy import ByReading, variant
-from fem_seal.seal.leak_model import Conductivity, RoughFlow
+from fem_seal.seal.leak_model import Conductivity, Flow, RoughFlow
 from fem_seal.units import DIGITS, digits_within, given, leak_range_text, quantity_worth, share_text
 from leak import Reading
 
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from fem_seal.contact.solution import ContactSolution
     from fem_seal.profile import PressureProfile
     from fem_seal.seal.circumference import Around
-    from fem_seal.seal.leak_model import Flow
     from leak import FlowError, LeakResult, RoughContact
 
 

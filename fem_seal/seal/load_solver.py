@@ -36,7 +36,7 @@ from fem_seal.contact.penetration import (
 )
 from fem_seal.contact.plastic_step import PlasticSettings
 from fem_seal.contact.sizing import Opening, contact_widths
-from fem_seal.contact.solution import DEFAULT_SETTINGS
+from fem_seal.contact.solution import DEFAULT_SETTINGS, ContactSettings, ContactSolution
 from fem_seal.errors import (
     ConvergenceError,
     InputError,
@@ -56,9 +56,7 @@ if TYPE_CHECKING:
     from fem_seal.arrays import FloatArray
     from fem_seal.contact.laws import Law
     from fem_seal.contact.model import ContactModel
-    from fem_seal.contact.solution import ContactSettings, ContactSolution
     from fem_seal.seal.circumference import Around
-    from fem_seal.seal.problem import SealProblem
     from leak import LeakResult, RoughContact
 
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,9 +13,6 @@ from fem_seal.arrays import FloatArray
 from fem_seal.errors import InputError, QuantityError, TextTableError
 from fem_seal.files import TextTable, column, find_columns, read_text_table
 from fem_seal.units import given
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 # What a column may be called, and its dimension.
 _NAMES = {

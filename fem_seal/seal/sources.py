@@ -14,7 +14,7 @@ from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import count
 from threading import RLock
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any, Self
 
 from fem_seal.bodies.supports import Supports
 from fem_seal.contact.model import ContactModel, condense, screened
@@ -22,12 +22,10 @@ from fem_seal.contact.solution import DEFAULT_SETTINGS, ContactSettings
 from fem_seal.materials import Material
 from fem_seal.seal.conductivity_tables import family_law, family_table
 from fem_seal.seal.leak_model import Conductivity, Flow
+from fem_seal.seal.load_solver import Clock
 from fem_seal.seal.problem import SealProblem, condensed
 from leak import RoughContact
 from meshes import ContactGeometry, SealMesh, Sizing, build_contact
-
-if TYPE_CHECKING:
-    from fem_seal.seal.load_solver import Clock
 
 # Elements in the core of a soft contact, as most are in a study, and what three digits of their size may add.
 _SOFT_CORE = 18.2

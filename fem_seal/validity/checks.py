@@ -15,8 +15,8 @@ from fem_seal.materials import creep_remarks
 from fem_seal.seal.bounds import EXACT, Bounds
 from fem_seal.seal.findings import ORDERS_OF_MAGNITUDE, Caution, Level, Validity
 from fem_seal.seal.load_names import load_name
-from fem_seal.seal.load_result import LoadResult
-from fem_seal.seal.problem import LARGEST_TURNING, TURNED
+from fem_seal.seal.load_result import DiscretisationError, GivenLoad, LoadResult
+from fem_seal.seal.problem import LARGEST_TURNING, TURNED, SealProblem
 from fem_seal.units import DIGITS, beside, briefly, number, rounded, share_text
 from fem_seal.validity.fluid import fluid_cautions, molecule_cautions
 from fem_seal.validity.form import LARGEST_EXCESS, form_cautions
@@ -30,8 +30,6 @@ if TYPE_CHECKING:
     from fem_seal.seal.direct import DirectTable
     from fem_seal.seal.evaluate import Evaluation
     from fem_seal.seal.leak_model import Flow
-    from fem_seal.seal.load_result import DiscretisationError, GivenLoad
-    from fem_seal.seal.problem import SealProblem
     from leak import RoughContact
 
 

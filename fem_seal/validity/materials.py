@@ -5,15 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
-from fem_seal.materials import ROOM_TEMPERATURE, celsius
+from fem_seal.materials import ROOM_TEMPERATURE, Material, celsius
 from fem_seal.seal.findings import Caution, Level
+from fem_seal.seal.problem import SealProblem
 from fem_seal.validity.words import caution
-
-if TYPE_CHECKING:
-    from fem_seal.materials import Material
-    from fem_seal.seal.problem import SealProblem
 
 # How far a temperature may lie outside what is known of a number without a word, and from where on the results are
 # doubtful [K]: 316L loses 1 % of its modulus and 5 % of its yield stress in 25 K, 4 % and a fifth in 100 K.

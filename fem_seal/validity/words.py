@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from fem_seal.files import own_tables
 from fem_seal.seal.bounds import EXACT, Bounds
 from fem_seal.seal.findings import Caution, Level
 from fem_seal.seal.load_names import load_name
-
-if TYPE_CHECKING:
-    from fem_seal.seal.load_result import LoadResult
+from fem_seal.seal.load_result import LoadResult
 
 
 def caution(
