@@ -193,11 +193,9 @@ def standard_named(name: str) -> str | None:
     """
     bare = re.sub(r"^ansi/|[\s-]", "", name.lower().split(":")[0])
     known = {re.sub(r"[\s-]", "", one.lower()): one for one in STANDARDS}
-    return known.get(bare) or next((full for short, full in known.items() if _with_year(bare, short)), None)
-
-
-def _with_year(name: str, standard: str) -> bool:
-    return re.fullmatch(re.escape(standard) + r"(19|20)\d\d", name) is not None
+    return known.get(bare) or next(
+        (full for short, full in known.items() if re.fullmatch(re.escape(short) + r"(19|20)\d\d", bare)), None
+    )
 
 
 def classes_of(standard: str, *, gas: bool, rated_capacity: bool = True) -> tuple[str, ...]:

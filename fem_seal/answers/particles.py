@@ -200,9 +200,8 @@ class _Reading:
 
     def places(self) -> Paths:
         table, profile = self.rough.table, self.profile
-        liquid = table.liquid if isinstance(table, leak.GasConductivityTable) else table
-        assert liquid is not None  # the load leaks
-        length = leak.throttling_length(profile.x, profile.pressure, liquid)
+        assert table is not None  # the load leaks
+        length = leak.throttling_length(profile.x, profile.pressure, table.liquid)
         around = 2.0 * math.pi * self.load.contact.model.touch_radius
         return leak.parallel_paths(around, length, self.largest_passing)
 

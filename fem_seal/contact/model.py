@@ -194,6 +194,11 @@ class ContactModel:
         return {"closure": self.closure, "seat": self.seat}
 
     @property
+    def line_alone(self) -> ContactModel:
+        """The same without the factors of its bodies, which take most of the memory."""
+        return replace(self, closure=self.closure.line_alone, seat=self.seat.line_alone)
+
+    @property
     def effective_modulus(self) -> float:
         """E* of the pair [Pa]."""
         return effective_modulus(self.closure.material, self.seat.material)

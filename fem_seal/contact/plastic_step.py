@@ -120,18 +120,13 @@ def press(
         if whole.imbalance < settings.tolerance:
             # The contact was solved with linearised bodies; it is one of the true ones.
             true = None if contact is None else replace(contact, model=model)
-            return Equilibrium(whole.states, true, tuple(residuals), _of_the_line(linear), whole.flowing)
+            return Equilibrium(whole.states, true, tuple(residuals), linear.line_alone, whole.flowing)
         at = whole if whole.imbalance < allowed else step.shortened(at, whole)
         allowed = at.imbalance
     raise ConvergenceError(
         f"the forces in the bodies are out of balance by {residuals[-1]:.2g} of the largest after "
         f"{settings.max_iterations} iterations"
     )
-
-
-def _of_the_line(linear: ContactModel) -> ContactModel:
-    """A model without the factors of its bodies, which would fill the memory."""
-    return replace(linear, closure=linear.closure.line_alone, seat=linear.seat.line_alone)
 
 
 def unloading_model(

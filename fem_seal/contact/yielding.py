@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem_seal.arrays import FloatArray
 from fem_seal.bodies.fields import BodyField, ElastoplasticField
-
-if TYPE_CHECKING:
-    from fem_seal.arrays import FloatArray
-    from fem_seal.contact.solution import ContactSolution
-    from fem_seal.materials import Material
+from fem_seal.contact.solution import ContactSolution
+from fem_seal.materials import Material
 
 # Plastic strain that counts as yielded, as a share of the elastic strain at yield.
 _COUNTS = 0.01

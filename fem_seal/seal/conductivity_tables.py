@@ -15,7 +15,7 @@ function of numbers alone, p/(E* h), sigma_P/(E* h) and the Knudsen number of u_
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 
@@ -83,7 +83,7 @@ def _between(surface: RoughContact, tables: tuple[Conductivity, ...]) -> Conduct
     member, height, pressure = _member(surface)
     table = tables[0] if len(tables) == 1 else _interpolated(tables, _on_lattice(member)[1])
     acting = None if member.stand_in is None else partial(_acting, member, math.log(pressure))
-    return _scaled_table(table, height, pressure, LoadMemory(surface), acting)
+    return table.with_liquid(table.liquid.scaled(height, pressure, LoadMemory(surface), acting))
 
 
 def family_tables(flow: Flow, surface: RoughContact) -> tuple[FamilyTable, ...]:
@@ -157,18 +157,6 @@ def _made(name: FamilyTable) -> Conductivity:
     return theory_table(surface, _RANGE * sealing, sealing, num, name.method, of_gas=name.of_gas)
 
 
-def _scaled_table(
-    table: Conductivity,
-    height: float,
-    pressure: float,
-    memory: LoadMemory,
-    acting: Callable[[FloatArray], FloatArray] | None,
-) -> Conductivity:
-    if isinstance(table, GasConductivityTable):
-        return replace(table, liquid=table.liquid.scaled(height, pressure, memory, acting))
-    return table.scaled(height, pressure, memory, acting)
-
-
 @lru_cache(maxsize=64)
 def _member(surface: RoughContact) -> tuple[RoughContact, float, float]:
     """The standing member of a surface's family; height and pressure that turn its results into the surface's."""
@@ -219,4 +207,4 @@ def _interpolated(found: tuple[Conductivity, ...], t: float) -> Conductivity:
 
 @lru_cache(maxsize=64)
 def _alike(found: tuple[Conductivity, ...]) -> AlikeTables:
-    return AlikeTables.of([one.liquid if isinstance(one, GasConductivityTable) else one for one in found])
+    return AlikeTables.of([one.liquid for one in found])

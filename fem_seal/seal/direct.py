@@ -11,10 +11,13 @@ from functools import cached_property
 from io import BytesIO
 from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
+from fem_seal.arrays import FloatArray
+from fem_seal.case.direct import Asperities
 from fem_seal.errors import InputError, Problem
 from fem_seal.seal.pieces import work
 from leak import ConductivityTable, DirectError, RoughContact
@@ -32,13 +35,8 @@ from leak.direct import (
     smoothed,
     streams,
 )
+from leak.numerics.roots import bisected
 from leak.theory.reading import READINGS, Reading
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from fem_seal.arrays import FloatArray
-    from fem_seal.case.direct import Asperities
 
 Branch = Literal["load", "unload", "cutoff"]
 # Raised when a finished piece would come out differently.
@@ -401,18 +399,6 @@ class PressedMap(NamedTuple):
         """
         return cls(state.gap, state.pressure > 0.0, state.pressure >= (hardness or math.inf))
 
-    @classmethod
-    def of_metal(cls, state: ElastoplasticState) -> PressedMap:
-        """Of metal that flows.
-
-        Parameters
-        ----------
-        state : ElastoplasticState
-        """
-        flowed = np.zeros(state.gap.size, bool)
-        flowed[state.yielded_points % flowed.size] = True
-        return cls(state.gap, state.pressure > 0.0, flowed.reshape(state.gap.shape))
-
     def flow(self) -> tuple[Flow, Streams]:
         """Flow from its first row to its last, and where it goes."""
         found = patch_flow(self.gap)
@@ -742,8 +728,9 @@ def _path(simulation: DirectSimulation, piece: Piece, heights: FloatArray) -> It
         before = p
         assert state is not None  # pressures are above zero
         drawn = piece.branch == "load" and piece.sample == 0 and number < len(piece.pressures)
+        pressed = PressedMap(state.gap, state.pressure > 0.0, state.yielded)
         yield _record(simulation, state.contact)._replace(
-            yielded_area=state.yielded_area, map=PressedMap.of_metal(state).text if drawn else ""
+            yielded_area=state.yielded_area, map=pressed.text if drawn else ""
         )
 
 
@@ -834,8 +821,5 @@ def usual_pressures(surface: RoughContact) -> tuple[float, ...]:
 
 
 def _pressure_of_area(surface: RoughContact, area: float) -> float:
-    low, high = 1e-12 * surface.effective_modulus, surface.hardness or surface.effective_modulus
-    for _ in range(100):
-        middle = math.sqrt(low * high)
-        low, high = (middle, high) if float(surface.contact_area(middle)) < area else (low, middle)
-    return low
+    ends = np.log([[1e-12 * surface.effective_modulus], [surface.hardness or surface.effective_modulus]])
+    return float(np.exp(bisected(lambda x: np.asarray(surface.contact_area(np.exp(x))) < area, *ends)[0][0]))

@@ -12,23 +12,21 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from fem_seal.arrays import FloatArray
+from fem_seal.case.direct import Asperities
+from fem_seal.contact.solution import ContactSolution
 from fem_seal.profile import PressureProfile
 from fem_seal.seal.direct import HARDNESS_OVER_YIELD_STRESS, LOAD_STEP, DirectSettings
 from fem_seal.seal.leak_model import Flow, log_peaks
+from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.pieces import work
+from fem_seal.seal.problem import SealProblem
 from leak import RoughContact
 from leak.direct import Strip, rest_gap
-
-if TYPE_CHECKING:
-    from fem_seal.arrays import FloatArray
-    from fem_seal.case.direct import Asperities
-    from fem_seal.contact.solution import ContactSolution
-    from fem_seal.seal.load_result import LoadResult
-    from fem_seal.seal.problem import SealProblem
 
 # Raised when a finished piece would come out differently.
 _VERSION = 1

@@ -4,18 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem_seal.arrays import FloatArray
+from fem_seal.errors import LoadProblem
 from fem_seal.seal.findings import Caution, Level
+from fem_seal.seal.load_result import LoadResult
+from fem_seal.seal.problem import Loads
 from fem_seal.units import Unit, given, unit_for
-
-if TYPE_CHECKING:
-    from fem_seal.arrays import FloatArray
-    from fem_seal.errors import LoadProblem
-    from fem_seal.seal.load_result import LoadResult
-    from fem_seal.seal.problem import Loads
 
 
 def load_name(load: LoadResult, loads: Sequence[LoadResult]) -> str:

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import dataclass
-from importlib.resources import files
 
+from fem_seal.files import own_tables
 from leak.theory.reading import READINGS, Reading
 
 OWN, *FURTHER = READINGS["paper"]
@@ -67,5 +66,4 @@ class ReadingWords:
     title: str = ""
 
 
-_TEXT = files("fem_seal").joinpath("templates", "readings.toml").read_text(encoding="utf-8")
-WORDS = {Reading(name): ReadingWords(**words) for name, words in tomllib.loads(_TEXT).items()}
+WORDS = {Reading(name): ReadingWords(**words) for name, words in own_tables("readings.toml").items()}

@@ -127,8 +127,7 @@ class Bodies:
 
     def made_light(self) -> ContactModel:
         """The same without the way to stresses inside of them, which takes far more memory."""
-        full = self.made()
-        return replace(full, closure=full.closure.line_alone, seat=full.seat.line_alone)
+        return self.made().line_alone
 
 
 class Kept:

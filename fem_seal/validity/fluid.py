@@ -6,16 +6,18 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from fem_seal.profile import PressureProfile
 from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.findings import Caution
+from fem_seal.seal.leak_model import Flow, as_first_loaded
 from fem_seal.seal.load_names import load_name
+from fem_seal.seal.load_result import LoadResult
 from fem_seal.units import rounded, share_text
 from fem_seal.validity.words import caution
 
 if TYPE_CHECKING:
-    from fem_seal.profile import PressureProfile
-    from fem_seal.seal.leak_model import Flow
-    from fem_seal.seal.load_result import LoadResult
     from leak import Gas, GasInertia, LeakResult
 
 # Pressure from which on the thickening of a liquid should be known [Pa].
@@ -166,7 +168,9 @@ def _not_ideal(flow: Flow, gas: Gas, highest: float) -> Iterator[Caution]:
 def _inertia(flow: Flow, loads: Sequence[LoadResult]) -> Iterator[Caution]:
     """Where the fluid goes too fast through the gap for viscous flow, in the result or else in its upper end."""
     fastest = _fastest_liquid if flow.gas is None else _fastest_gas
-    for end, readings in ((False, [(load, load) for load in loads]), (True, _other_reading(loads))):
+    # with the other readings of yielding asperities as far as somebody has asked for their leak
+    others = [(load, other) for load in loads for other in load.others.values() if _leak_known(other)]
+    for end, readings in ((False, [(load, load) for load in loads]), (True, others)):
         found = fastest(flow, loads, readings, end=end)
         if found is not None:
             yield found
@@ -240,11 +244,6 @@ def _of_liquid(flow: Flow, load: LoadResult) -> tuple[float, float] | None:
     return 2 * reynolds, reynolds * gap / width
 
 
-def _other_reading(loads: Sequence[LoadResult]) -> list[tuple[LoadResult, LoadResult]]:
-    """Loads with their other readings of yielding asperities, as far as somebody has asked for its leak."""
-    return [(load, other) for load in loads for other in load.others.values() if _leak_known(other)]
-
-
 def _leak_known(load: LoadResult) -> bool:
     """Whether the leak is worked out, which is not worth doing for a check alone."""
     return not vars(load).keys().isdisjoint({"leak", "leak_round", "around"})
@@ -252,8 +251,6 @@ def _leak_known(load: LoadResult) -> bool:
 
 def _where_most_leaks(load: LoadResult) -> tuple[PressureProfile, LeakResult] | None:
     """Contact pressure where most leaks around the axis, and the leak of a seal that is so everywhere."""
-    import numpy as np
-
     if load.formed is None:
         return None if load.leak is None else (load.tightest, load.leak)
     around = load.around
@@ -281,9 +278,6 @@ def _two(value: float) -> str:
 
 def _inertia_of(flow: Flow, load: LoadResult) -> tuple[GasInertia, float] | None:
     """Numbers of the flow, and Reynolds number of the gap times gap over width."""
-    import numpy as np
-
-    from fem_seal.seal.leak_model import as_first_loaded
     from leak import gas_inertia
     from leak.fluids.library import heat_capacity_ratio
 

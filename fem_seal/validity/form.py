@@ -4,19 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fem_seal.seal.bounds import Bounds
+from fem_seal.seal.circumference import Around
 from fem_seal.seal.findings import Caution, Level
+from fem_seal.seal.load_result import LoadResult
+from fem_seal.seal.problem import SealProblem
 from fem_seal.units import DIGITS, beside, rounded, share_text
 from fem_seal.validity.words import caution
-
-if TYPE_CHECKING:
-    from fem_seal.seal.circumference import Around
-    from fem_seal.seal.load_result import LoadResult
-    from fem_seal.seal.problem import SealProblem
 
 # Wave number times standard deviation of the contact up to which the long-wave equation is within 0.3 % of the mean
 # line load, and beyond which it means nothing; see docs/theory/form.md.
@@ -48,7 +45,8 @@ def form_cautions(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator
     if not formed:
         return
     yield from _short_waves(loads, formed)
-    yield from _conforming(formed)
+    if math.isinf(formed[0][0].contact.model.relative_radius):
+        yield caution("conforming")
     yield from _open(loads, formed)
     yield from _fluid_opens(problem, loads, formed)
     yield from _crest(problem, loads, formed)
@@ -77,11 +75,6 @@ def _short_waves(loads: Sequence[LoadResult], formed: _Formed) -> Iterator[Cauti
             share=share,
             long=_LONG,
         )
-
-
-def _conforming(formed: _Formed) -> Iterator[Caution]:
-    if math.isinf(formed[0][0].contact.model.relative_radius):
-        yield caution("conforming")
 
 
 def _open(loads: Sequence[LoadResult], formed: _Formed) -> Iterator[Caution]:

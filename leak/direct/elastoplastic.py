@@ -83,10 +83,16 @@ class ElastoplasticState:
         return float(np.mean(self.pressure > 0.0))
 
     @property
+    def yielded(self) -> NDArray[np.bool_]:
+        """Points of the surface below which the metal has flowed, shape (n, m)."""
+        flowed = np.zeros(self.gap.size, bool)
+        flowed[self.yielded_points % flowed.size] = True
+        return flowed.reshape(self.gap.shape)
+
+    @property
     def yielded_area(self) -> float:
         """Share of the surface below which the metal has flowed [-]."""
-        points = math.prod(self.body.surface.shape)
-        return np.unique(self.yielded_points % points).size / points
+        return float(np.mean(self.yielded))
 
     @property
     def yielded_depth(self) -> float:

@@ -174,7 +174,6 @@ class Strip:
         DirectError
             The line load cannot be carried, or the contact does not converge.
         """
-        n, m = self.points
         body = PeriodicHalfSpace(self.points, self.width, effective_modulus)
         rough = self.heights(seed)
         mean = positive(DirectError, "line_load", line_load, "N/m") / self.width
@@ -192,9 +191,7 @@ class Strip:
                     body, h, [load], yield_stress=yield_stress, poissons_ratio=poissons_ratio, start=state
                 )
             assert state is not None
-            flowed = np.zeros(n * m, bool)
-            flowed[state.yielded_points % (n * m)] = True
-            return self._state(state.contact, flowed.reshape(n, m), flight)
+            return self._state(state.contact, state.yielded, flight)
         cap = hardness if asperities == "capped" else None
         contact = press(body, h, mean, hardness=cap, tolerance=tolerance)
         return self._state(contact, contact.pressure >= (cap or math.inf), flight)

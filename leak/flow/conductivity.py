@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Protocol, runtime_checkable
 
@@ -156,6 +156,10 @@ class ConductivityTable:
     def liquid(self) -> ConductivityTable:
         """Itself: what a `GasConductivityTable` has beside the rarefaction."""
         return self
+
+    def with_liquid(self, liquid: ConductivityTable) -> ConductivityTable:
+        """The other table: what `GasConductivityTable.with_liquid` gives of a liquid."""
+        return liquid
 
     @property
     def _log_sealing(self) -> float:
@@ -411,6 +415,15 @@ class GasConductivityTable:
         joins = np.diff(log_flow_factor(self.log_inverse_knudsen), _KINKS)
         share = -np.diff(self.log_rarefaction, _KINKS, axis=1) @ joins / (joins @ joins)
         return MonotoneCurve(x, share, cubic_spline_slopes(x, share))
+
+    def with_liquid(self, liquid: ConductivityTable) -> GasConductivityTable:
+        """The same rarefaction beside another u_eff, at as many of its pressures as that has.
+
+        Parameters
+        ----------
+        liquid : ConductivityTable
+        """
+        return replace(self, liquid=liquid, log_rarefaction=self.log_rarefaction[: len(liquid.pressure)])
 
     def _abscissa(self, log_pressure: FloatArray) -> FloatArray:
         return table_abscissa(log_pressure, float(np.log(self.liquid.sealing_pressure)), self.liquid.method)

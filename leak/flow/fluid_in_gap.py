@@ -19,7 +19,7 @@ from leak.flow.leak_result import LeakResult
 from leak.flow.permeant import LogConductivity, SigmaOfPressure, by_log_pressure
 from leak.fluids.pressure_law import FlowPotential, PressureLaw
 from leak.numerics.curves import cell_cubics, spline_slopes
-from leak.numerics.roots import root_between
+from leak.numerics.roots import bisected, root_between
 
 # The outlet tail is left where p is this small a part of the pressure drop; p_f <= p there, so it is the error, too.
 _CUT = 1e-10
@@ -391,10 +391,7 @@ class ResistanceCurve:
         sealing = inf
         if not flows.all():
             first = int(np.argmin(flows))
-            low, high = float(v[first - 1]), float(v[first])
-            for _ in range(60):
-                middle = 0.5 * (low + high)
-                low, high = (middle, high) if float(sigma(np.array([middle]))[0]) > _NONE else (low, middle)
+            _, (high,) = bisected(lambda at: sigma(at) > _NONE, v[first - 1 : first], v[first : first + 1])
             near = high + np.log1p(-np.exp(-np.arange(1.0, _NEAR_SEALING, 0.1)))
             v = np.concatenate([v[v < near[0] - 0.5 * _SPACING], near])
             sealing = exp(high)

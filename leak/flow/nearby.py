@@ -128,7 +128,7 @@ class NearbyTables:
         """
         p = np.atleast_1d(np.asarray(highest, dtype=float))
         if surface.stand_in is not None:
-            return self._by_stand_in(surface, surface.stand_in, p)
+            return asked_by(surface, self._stand_in.table(surface.stand_in, surface.acting_pressure(p)))
         sealing = surface.sealing_pressure_by(self.method)
         p = _ABOVE * p[p < sealing]
         if not p.size:
@@ -172,14 +172,8 @@ class NearbyTables:
     def _scaled(self, surface: RoughContact, sealing: float) -> AnyTable:
         """The known table at equal p/p_seal: of contacts that all seal, to less than a molecule, it says so as well."""
         known = self._known.liquid
-        found = known.scaled(
-            _length(surface) / _length(self.surface), sealing / known.sealing_pressure, LoadMemory(surface)
-        )
-        return replace(self._known, liquid=found) if isinstance(self._known, GasConductivityTable) else found
-
-    def _by_stand_in(self, surface: RoughContact, stand_in: RoughContact, highest: FloatArray) -> AnyTable:
-        """That of the surface that stands in for this one, asked at the pressures that act."""
-        return asked_by(surface, self._stand_in.table(stand_in, surface.acting_pressure(highest)))
+        height, pressure = _length(surface) / _length(self.surface), sealing / known.sealing_pressure
+        return self._known.with_liquid(known.scaled(height, pressure, LoadMemory(surface)))
 
     @cached_property
     def _stand_in(self) -> NearbyTables:

@@ -296,7 +296,7 @@ class RoughContact:
             and for elastic asperities; the largest one from the hardness on.
         """
         p = _checked(pressure)
-        p, most = np.broadcast_arrays(p, _largest(p, largest))
+        p, most = np.broadcast_arrays(p, np.maximum(p, _checked(largest)))
         found = np.array(p)
         if self.hardness is None:
             return found
@@ -1012,8 +1012,9 @@ def asked_by(surface: RoughContact, table: AnyTable) -> AnyTable:
         The other one.
     table : ConductivityTable or GasConductivityTable
     """
-    liquid = replace(table.liquid, memory=LoadMemory(surface), acting=surface.log_acting_pressure)
-    return replace(table, liquid=liquid) if isinstance(table, GasConductivityTable) else liquid
+    return table.with_liquid(
+        replace(table.liquid, memory=LoadMemory(surface), acting=surface.log_acting_pressure)
+    )
 
 
 def _tabulated(
@@ -1154,11 +1155,6 @@ def _checked(pressure: ArrayLike) -> FloatArray:
     if np.any(bad):
         raise SurfaceError(f"pressure = {p[bad].flat[0]}: must be finite and not negative [Pa]")
     return p
-
-
-def _largest(pressure: FloatArray, largest: ArrayLike) -> FloatArray:
-    """The largest pressure a place has carried, the one that it carries included [Pa]."""
-    return np.maximum(pressure, _checked(largest))
 
 
 def _scalar(values: ArrayLike) -> FloatArray | float:

@@ -19,7 +19,7 @@ import numpy as np
 
 from leak.arrays import FloatArray
 from leak.errors import ConductivityError
-from leak.flow.conductivity import AlikeTables, AnyTable, ConductivityTable, GasConductivityTable
+from leak.flow.conductivity import AlikeTables, AnyTable, ConductivityTable
 from leak.flow.contact_profile import ContactProfile, checked_profile
 from leak.flow.effective_gap import area_argument_at
 from leak.flow.medium import dimension_number
@@ -212,11 +212,10 @@ def in_profile(surface: RoughContact, table: AnyTable, profile: ContactProfile, 
         return table
     log_p, weight, _ = profile.quadrature
     medium = short_medium(surface, liquid, log_p, 2.0 * math.pi * radius * weight)
-    opened = with_threshold(liquid, surface.percolation_threshold, medium.percolation_threshold)
-    if not isinstance(table, GasConductivityTable):
-        return opened
     # what rarefaction adds goes by the share of the sealing pressure, which stays
-    return replace(table, liquid=opened, log_rarefaction=table.log_rarefaction[: len(opened.pressure)])
+    return table.with_liquid(
+        with_threshold(liquid, surface.percolation_threshold, medium.percolation_threshold)
+    )
 
 
 def with_threshold(table: ConductivityTable, endless: float, threshold: float) -> ConductivityTable:

@@ -10,19 +10,12 @@ from numpy.typing import ArrayLike
 
 from leak.arrays import FloatArray
 from leak.errors import SpectrumError, positive
+from leak.files import own_tables
 from leak.numerics.gauss import gauss
 from leak.numerics.sampling import divided
 from leak.surfaces.spectrum import PowerSpectrum
 
-# ISO 21920-3: setting classes by the value that is specified, each up to and with its limit [m], and the cutoffs
-# lambda_c and lambda_s (ISO 3274 has the same pairs) [m].
-_CLASSES = (
-    {"Ra": 0.02e-6, "Rz": 0.16e-6, "lambda_c": 0.08e-3, "lambda_s": 2.5e-6},
-    {"Ra": 0.1e-6, "Rz": 0.8e-6, "lambda_c": 0.25e-3, "lambda_s": 2.5e-6},
-    {"Ra": 2e-6, "Rz": 16e-6, "lambda_c": 0.8e-3, "lambda_s": 2.5e-6},
-    {"Ra": 10e-6, "Rz": 80e-6, "lambda_c": 2.5e-3, "lambda_s": 8e-6},
-    {"Ra": math.inf, "Rz": math.inf, "lambda_c": 8e-3, "lambda_s": 25e-6},
-)
+_CLASSES: list[dict[str, float]] = own_tables("leak.surfaces", "setting_classes.toml")["classes"]
 # Ra over Rq of Gaussian heights.
 RA_OVER_RQ = math.sqrt(2.0 / math.pi)
 # A value on the limit of a class belongs to it, however its unit was converted.
