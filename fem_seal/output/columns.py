@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -114,60 +115,17 @@ class Column:
         return min(of_force, of_error, self.most_digits)
 
 
-def _leak_rate_read(reading: Reading) -> Column:
-    """Leak rate in one reading of yielding asperities."""
-    further = reading != OWN
-    return Column(
-        leak_rate_column(reading),
-        "flow",
-        f'where asperities yield and leak.theory = "paper": leak rate {WORDS[reading].column}',
-        lambda load: _rate(load.readings[reading].leak) if load.yields else None,
-        heading=f"leak rate, {reading}" if further else "",
-        title=f"leak rate, {WORDS[reading].title}",
-        unit_like="leak_rate_m3_per_s" if further else "",
-        spare_digits=0,
-        error_of="leak_rate",
-        needs=_FLOW,
-    )
+def _leak_rate_read(reading: Reading, load: LoadResult) -> float | None:
+    return _rate(load.readings[reading].leak) if load.yields else None
 
 
-def _force_read(reading: Reading) -> Column:
-    """Force for the target in another reading of yielding asperities."""
-    return Column(
-        force_column(reading),
-        "force",
-        'where asperities yield and leak.theory = "paper": `force_for_target_leak_N` '
-        + WORDS[reading].condition,
-        lambda load: load.others[reading].force_for_target if reading in load.others else None,
-        error_of="force_for_target",
-        heading=f"for the target, {reading}",
-        short=str(reading),
-        shown_in="N",
-        unit_like="force_for_target_leak_N",
-    )
+def _force_read(reading: Reading, load: LoadResult) -> float | None:
+    return load.others[reading].force_for_target if reading in load.others else None
 
 
-def _leak_rate_by(theory: str) -> Column:
-    """Leak rate by a theory of the rough contact."""
-
-    def of(load: LoadResult) -> float | None:
-        read = load.in_theory(theory)
-        return None if read is None else _rate(read.leak)
-
-    return Column(
-        leak_rate_column(theory),
-        "flow",
-        f"leak rate by {THEORIES[theory]} of the rough contact, on a contact of its own",
-        of,
-        heading=f"leak rate, {theory}",
-        title=f"leak rate, {THEORIES[theory]}",
-        short=theory,
-        shown_in="mm³/s",
-        unit_like="leak_rate_m3_per_s",
-        spare_digits=0,
-        error_of="leak_rate",
-        needs=_FLOW,
-    )
+def _leak_rate_by(theory: str, load: LoadResult) -> float | None:
+    read = load.in_theory(theory)
+    return None if read is None else _rate(read.leak)
 
 
 def _rate(leak: LeakResult | None) -> float | None:
@@ -232,9 +190,6 @@ def _of_scratches(load: LoadResult, which: int) -> float | None:
     return None if around is None or around.scratches is None else around.scratches[which]
 
 
-_FLOW = ("roughness", "fluid")
-
-
 # What is said of the columns of all tables.
 _SAID = own_tables("columns.toml")
 # The number of each column, in the order of leak.csv.
@@ -284,10 +239,25 @@ _OF: dict[str, Callable[[LoadResult], float | None]] = {
 def _columns() -> Iterator[Column]:
     for name, of in _OF.items():
         if name == "force_for_verdict_N":
-            yield from map(_leak_rate_read, (OWN, *FURTHER))
-            yield from map(_force_read, FURTHER)
+            for reading in (OWN, *FURTHER):
+                kind = "own_leak_rate" if reading == OWN else "leak_rate"
+                words = {"reading": str(reading), **asdict(WORDS[reading])}
+                yield _worded(leak_rate_column(reading), kind, partial(_leak_rate_read, reading), words)
+            for reading in FURTHER:
+                words = {"reading": str(reading), **asdict(WORDS[reading])}
+                yield _worded(force_column(reading), "force", partial(_force_read, reading), words)
         yield Column(name, of=of, **_SAID["loads"][name])
-    yield from map(_leak_rate_by, THEORIES)
+    for theory, meaning in THEORIES.items():
+        words = {"theory": theory, "meaning": meaning}
+        yield _worded(leak_rate_column(theory), "theory", partial(_leak_rate_by, theory), words)
+
+
+def _worded(name: str, kind: str, of: Callable[[LoadResult], float | None], words: dict[str, str]) -> Column:
+    """A column of a reading or a theory, with its words in what is said of all of this kind."""
+    said = _SAID["of_each"][kind].items()
+    return Column(
+        name, of=of, **{key: one.format(**words) if isinstance(one, str) else one for key, one in said}
+    )
 
 
 COLUMNS = {column.name: column for column in _columns()}

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,6 +10,7 @@ import numpy as np
 
 from fem_seal.files import write_text
 from fem_seal.output.prose import said
+from fem_seal.output.tables import with_text, write_rows_csv
 from fem_seal.version import __version__
 
 if TYPE_CHECKING:
@@ -61,21 +60,11 @@ def write_map(found: LeakMap, folder: Path) -> None:
     found : LeakMap
     folder : pathlib.Path
     """
-    write_text(folder / CSV, _csv(found))
+    rows = [with_text(row) for row in map_rows(found)]
+    write_rows_csv(folder / CSV, tuple(rows[0]), [list(row.values()) for row in rows])
     whole = found.complete
     write_text(folder / MODELICA, modelica_text(whole))
     write_text(folder / MATLAB, matlab_text(whole))
-
-
-def _csv(found: LeakMap) -> str:
-    rows = map_rows(found)
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(rows[0])
-    for row in rows:
-        cells = ("; ".join(one) if isinstance(one, list) else one for one in row.values())
-        writer.writerow(f"{one:.10g}" if isinstance(one, float) else one for one in cells)
-    return text.getvalue()
 
 
 def tables_of(found: LeakMap) -> dict[str, FloatArray]:

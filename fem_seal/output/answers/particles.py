@@ -12,7 +12,17 @@ import numpy as np
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.answers.particles import KEPT, answers_of
 from fem_seal.output.columns import PARTICLE_COLUMNS
-from fem_seal.output.pictures.style import BLUE, FILL, GREY, ORANGE, Picture, label, logarithmic, panels, svg
+from fem_seal.output.pictures.style import (
+    BLUE,
+    FILL,
+    GREY,
+    ORANGE,
+    Picture,
+    captioned,
+    label,
+    logarithmic,
+    panels,
+)
 from fem_seal.output.prose import said
 from fem_seal.output.readable import ReadableTable, worded_table
 from fem_seal.output.shown import Section, Shown
@@ -160,12 +170,8 @@ def particle_picture(result: SealSolution) -> Picture | None:
     label(share, "What the others let through (estimate)", f"particle size  [{unit.name}]", "share  [%]")
     label(counts, "Particles in the fluid", f"particle size  [{unit.name}]", "per ml, at least as large")
     at = load_name(result.highest, result.loads)
-    return Picture(
-        "particles",
-        svg(figure),
-        said("captions.particles", "alt", load=at),
-        said("captions.particles", "all", "behind_filter" if answers.filter is not None else "", load=at),
-    )
+    behind = "behind_filter" if answers.filter is not None else ""
+    return captioned(figure, "particles", "all", behind, load=at)
 
 
 def _section(result: SealSolution) -> Section | None:

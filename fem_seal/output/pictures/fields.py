@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,7 +15,7 @@ from fem_seal.output.columns import in_words
 from fem_seal.output.pictures.style import BLUE, INK, ORANGE, Picture, captioned, label, panels
 from fem_seal.output.prose import said
 from fem_seal.seal.load_names import load_name
-from fem_seal.units import percent, quantity, quantity_worth, unit_for
+from fem_seal.units import unit_for
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -70,11 +70,9 @@ def mesh_picture(result: SealSolution, load: LoadResult) -> Picture:
         figure,
         "mesh",
         "all",
-        elements=quality.elements,
+        quality=quality,
         unknowns=sum(body.held.size for body in result.model.bodies.values()),
-        size=quantity("length", smallest),
-        worst=f"{quality.smallest:.2f}",
-        mean=f"{quality.mean:.2f}",
+        size=smallest,
     )
 
 
@@ -92,34 +90,24 @@ def stress_picture(result: SealSolution, load: LoadResult) -> Picture:
     unit = unit_for("contact pressure", load.max_von_mises)
     half = half_width(load)
     levels = even_levels(0.0, unit.of(load.max_von_mises))
-    bands = None
-    for view, reach, title in (
-        (axes[0], 4.0 * half, "Around the contact"),
-        (axes[1], half, "Under the contact"),
-    ):
-        length = unit_for("length", 2 * reach)
-        for field in fields.values():
-            place = turned(result.seal_mesh, field.points) / length.size
-            stress = unit.of(1.0) * field.von_mises
-            bands = _fill_bands(view, place, field, stress, levels, reach=reach / length.size)
-            _draw_contact_line(view, place, field)
-        frame_zone(view, reach / length.size, length.name, title)
-    if bands is not None:
-        scale_of_colours(axes, bands, f"von Mises stress  [{unit.name}]")
+    stresses = {name: unit.of(1.0) * field.von_mises for name, field in fields.items()}
+    _draw_zone(axes[0], result, fields, stresses, levels, 4.0 * half, "Around the contact")
+    bands = _draw_zone(axes[1], result, fields, stresses, levels, half, "Under the contact")
+    scale_of_colours(axes, bands, f"von Mises stress  [{unit.name}]")
     body, r, z = load.max_von_mises_at
     largest_at = turned(result.seal_mesh, np.array([[r, z]]))[0]
     if np.all(np.abs(largest_at) < half):
         axes[1].plot(*(largest_at / unit_for("length", 2 * half).size), "x", color=INK, ms=6, mew=1.2)
     depth = float(largest_at[1])
-    largest = in_words(load, "max_von_mises_Pa")
     return captioned(
         figure,
         "stress",
         "all",
-        largest=largest,
+        largest=in_words(load, "max_von_mises_Pa"),
         body=body,
         load=load_name(load, result.loads),
-        depth=quantity_worth("length", abs(depth), load.digits_of("fwhm")),
+        depth=abs(depth),
+        digits=load.digits_of("fwhm"),
         side="below" if depth < 0 else "above",
     )
 
@@ -141,24 +129,17 @@ def temperature_picture(result: SealSolution, load: LoadResult) -> Picture | Non
     # a seal of one temperature all over has one colour
     levels = even_levels(low, max(high, low + 1e-3))
     figure, axes = panels(2, height=4.4, side=SCALE_ROOM)
-    reach, bands = 8.0 * half_width(load), None
-    length = unit_for("length", 2 * reach)
     for name, field in fields.items():
-        place = turned(result.seal_mesh, field.points) / length.size
         _fill_bands(axes[0], 1e3 * field.points, field, degrees[name], levels, "inferno")
-        bands = _fill_bands(axes[1], place, field, degrees[name], levels, "inferno", reach / length.size)
-        _draw_contact_line(axes[1], place, field)
     axes[0].set_aspect("equal")
     label(axes[0], "Both bodies", "r  [mm]", "z  [mm]")
-    frame_zone(axes[1], reach / length.size, length.name, "Around the contact")
-    if bands is not None:
-        scale_of_colours(axes, bands, "temperature  [°C]")
+    reach = 8.0 * half_width(load)
+    bands = _draw_zone(axes[1], result, fields, degrees, levels, reach, "Around the contact", "inferno")
+    scale_of_colours(axes, bands, "temperature  [°C]")
     contact = load.contact_temperature
     assert contact is not None  # both fields are known
-    words = {
-        name: quantity("temperature", value + 273.15, 4) for name, value in (("low", low), ("high", high))
-    }
-    return captioned(figure, "temperature", "all", **words, contact=quantity("temperature", contact, 4))
+    ends = {"low": low + 273.15, "high": high + 273.15}
+    return captioned(figure, "temperature", "all", **ends, contact=contact)
 
 
 def half_width(load: LoadResult) -> float:
@@ -196,7 +177,7 @@ def _fill_bands(
     field: BodyField,
     values: FloatArray,
     levels: ArrayLike,
-    colours: str = "YlOrRd",
+    colours: str,
     reach: float = math.inf,
 ) -> ContourSet:
     """Values in the points of a body as bands of colours, where it lies within `reach` of first touch."""
@@ -208,8 +189,25 @@ def _fill_bands(
     )
 
 
-def _draw_contact_line(axes: Axes, place: FloatArray, field: BodyField) -> None:
-    axes.plot(*place[field.contact_nodes].T, color=INK, linewidth=0.8)
+def _draw_zone(
+    axes: Axes,
+    result: SealSolution,
+    fields: Mapping[str, BodyField],
+    values: Mapping[str, FloatArray],
+    levels: ArrayLike,
+    reach: float,
+    title: str,
+    colours: str = "YlOrRd",
+) -> ContourSet:
+    """Both bodies within `reach` of first touch [m], with bands of colours where a body has values."""
+    length, bands = unit_for("length", 2 * reach), []
+    for name, field in fields.items():
+        place = turned(result.seal_mesh, field.points) / length.size
+        if name in values:
+            bands.append(_fill_bands(axes, place, field, values[name], levels, colours, reach / length.size))
+        axes.plot(*place[field.contact_nodes].T, color=INK, linewidth=0.8)
+    frame_zone(axes, reach / length.size, length.name, title)
+    return bands[-1]
 
 
 def scale_of_colours(axes: Sequence[Axes], bands: ContourSet, text: str, *, lowest: str = "") -> None:
@@ -268,14 +266,7 @@ def imprint_picture(result: SealSolution) -> Picture | None:
     strains = _strains(strain, result, unloaded)
     digits = result.strongest.digits_of("fwhm")
     imprints = "; ".join(
-        said(
-            "captions.imprint",
-            "one",
-            body=name,
-            depth=quantity_worth("length", imprint.deepest, digits),
-            width=quantity_worth("length", imprint.width, digits),
-            rim=quantity_worth("length", imprint.rim, digits),
-        )
+        said("captions.imprint", "one", body=name, imprint=imprint, digits=digits)
         for name, imprint in unloaded.imprints.items()
     )
     return captioned(figure, "imprint", "all", imprints=imprints, strains=strains)
@@ -303,32 +294,16 @@ def _strains(axes: Axes, result: SealSolution, unloaded: Unloaded) -> str:
     zones = {name: zone for name, zone in found.items() if zone is not None}
     widest = max(imprint.width for imprint in unloaded.imprints.values())
     reach = max(_WIDTHS * widest, *(_DEPTHS / HEIGHT * zone.deepest for zone in zones.values()))
-    length = unit_for("length", 2 * reach)
     largest = max(float(field.accumulated_plastic_strain.max()) for field in fields.values())
     # few digits, so that the numbers of the scale find room
     size, unit = (1e-2, "%") if largest > 1e-3 else (1e-6, "10⁻⁶")
     largest /= size
     # what has not yielded stays white
     levels = [largest / 100, *even_levels(0.0, largest, _STRAIN_BANDS)[1:]]
-    bands = None
-    for name, field in unloaded.fields.items():
-        place = turned(result.seal_mesh, field.points) / length.size
-        if name in fields:
-            values = fields[name].accumulated_plastic_strain / size
-            bands = _fill_bands(axes, place, field, values, levels, reach=reach / length.size)
-        _draw_contact_line(axes, place, field)
-    frame_zone(axes, reach / length.size, length.name, "Plastic strain")
-    if bands is not None:
-        scale_of_colours([axes], bands, f"accumulated plastic strain  [{unit}]", lowest="0")
+    strains = {name: field.accumulated_plastic_strain / size for name, field in fields.items()}
+    bands = _draw_zone(axes, result, unloaded.fields, strains, levels, reach, "Plastic strain")
+    scale_of_colours([axes], bands, f"accumulated plastic strain  [{unit}]", lowest="0")
     digits = result.strongest.digits_of("fwhm")
     return " ".join(
-        said(
-            "captions.imprint",
-            "zone",
-            body=name,
-            strain=percent(zone.strain),
-            depth=quantity_worth("length", zone.depth, digits),
-            deepest=quantity_worth("length", zone.deepest, digits),
-        )
-        for name, zone in zones.items()
+        said("captions.imprint", "zone", body=name, zone=zone, digits=digits) for name, zone in zones.items()
     )

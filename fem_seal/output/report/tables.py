@@ -13,7 +13,7 @@ from fem_seal.contact.yielding import PlasticZone, yielding_of
 from fem_seal.output.case_words import law_word
 from fem_seal.output.columns import own_theory
 from fem_seal.output.prose import said
-from fem_seal.output.readable import ReadableTable, columns_table, filled_column
+from fem_seal.output.readable import ReadableTable, columns_table, filled_column, worded_table
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.readings import FURTHER, THEORIES, leak_rate_column
@@ -111,10 +111,8 @@ def imprint_in_words(result: SealSolution) -> tuple[str, str] | None:
         return None
     name, imprint = max(imprints.items(), key=lambda item: item[1].deepest)
     digits = result.strongest.digits_of("fwhm")  # as good as the width of the contact that made it
-    return (
-        quantity_worth("length", imprint.deepest, digits),
-        f"in the {name}, {quantity_worth('length', imprint.width, digits)} wide at half depth",
-    )
+    where = said("facts.remark", "imprint", imprint=imprint, body=name, digits=digits)
+    return quantity_worth("length", imprint.deepest, digits), where
 
 
 def what_yielded(result: SealSolution, load: LoadResult) -> Iterator[str]:
@@ -130,24 +128,20 @@ def what_yielded(result: SealSolution, load: LoadResult) -> Iterator[str]:
 
 def yielding_table(result: SealSolution) -> ReadableTable:
     """Where and how far each body has yielded at each load; no rows if all bodies are elastic."""
-    rows = []
+    rows: list[dict[str, object]] = []
     for load in result.loads if result.unloaded is not None else ():
         assert isinstance(load.contact, ElastoplasticContact)
         zones, digits = yielding_of(load.contact), load.digits_of("fwhm")
         for body in load.contact.bodies:
-            zone, strain, depths = zones.get(body), "none", ("–", "–")
+            row = {"load": load_name(load, result.loads), "body": body, "steps": load.contact.load_steps}
+            zone = zones.get(body)
             if isinstance(zone, PlasticZone):
-                strain, depths = percent(zone.strain), _depths(zone, digits)
-            name = load_name(load, result.loads)
-            rows.append((name, body, strain, *depths, str(load.contact.load_steps)))
-    headings = ("load", "body", "plastic strain", "largest at", "yielded to a depth of", "load steps")
-    return ReadableTable(headings, tuple(rows))
-
-
-def _depths(zone: PlasticZone, digits: int) -> tuple[str, str]:
-    """Where the plastic strain is largest, and how deep it reaches."""
-    largest, deepest = (quantity_worth("length", one, digits) for one in (zone.depth, zone.deepest))
-    return "the surface" if zone.depth == 0 else f"{largest} depth", deepest
+                depth = (
+                    f"{quantity_worth('length', zone.depth, digits)} depth" if zone.depth else "the surface"
+                )
+                row |= {"strain": percent(zone.strain), "largest": depth, "deepest": zone.deepest}
+            rows.append({"strain": "none", "largest": "–", "deepest": None, "digits": digits} | row)
+    return worded_table("yielding", rows)
 
 
 def curve_in_words(curve: HardeningCurve) -> str:
