@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
 from fem_seal.case.material_library import ALIASES, LIBRARY
+from fem_seal.files import own_tables
 from leak.fluids.library import (
     ENTRIES,
     ROOM_TEMPERATURE,
@@ -22,8 +21,7 @@ from leak.fluids.library import (
 if TYPE_CHECKING:
     from fem_seal.materials import Material
 
-_TEXT = files("fem_seal").joinpath("templates", "library.toml").read_text(encoding="utf-8")
-_SAID: dict[str, Any] = tomllib.loads(_TEXT)
+_SAID = own_tables("library.toml")
 ONE_CONDITION, CREEPS = _SAID["one_condition"], _SAID["creeps"]
 # Pressure at which a listing shows how a liquid thickens [Pa].
 _HIGH = 1e8

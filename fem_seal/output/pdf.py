@@ -10,38 +10,20 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from fem_seal.errors import DrawingError, OutputError
+from fem_seal.files import own_tables
 
 _NAMED = "FEM_SEAL_BROWSER"
-_COMMANDS = (
-    "chromium",
-    "chromium-browser",
-    "google-chrome",
-    "google-chrome-stable",
-    "chrome",
-    "microsoft-edge",
-    "msedge",
-)
-# Where browsers stand that no command leads to: below a folder that an environment variable names, and on macOS.
-_BELOW = ("ProgramFiles", "ProgramFiles(x86)", "LOCALAPPDATA")
-_ON_WINDOWS = (
-    Path("Microsoft", "Edge", "Application", "msedge.exe"),
-    Path("Google", "Chrome", "Application", "chrome.exe"),
-    Path("Chromium", "Application", "chrome.exe"),
-)
-_ON_MAC = (
-    "/Applications/Google Chrome.app/Contents/MacOS/Google Chrome",
-    "/Applications/Chromium.app/Contents/MacOS/Chromium",
-    "/Applications/Microsoft Edge.app/Contents/MacOS/Microsoft Edge",
-)
 # A report takes some two seconds; a browser that starts for the first time a few more [s].
 _PATIENCE = 120.0
 
 
 def find_browser() -> str | None:
     """A browser that prints without a window: that of FEM_SEAL_BROWSER, or Chromium, Chrome, Edge; None without one."""
-    places = [Path(os.environ[key]) / one for key in _BELOW if key in os.environ for one in _ON_WINDOWS]
-    found = [str(place) for place in (*places, *map(Path, _ON_MAC)) if place.is_file()]
-    return next(filter(None, (os.environ.get(_NAMED), *map(shutil.which, _COMMANDS), *found)), None)
+    known: dict[str, list[str]] = own_tables("pictures.toml")["browsers"]
+    folders = [Path(os.environ[key]) for key in known["below"] if key in os.environ]
+    places = [folder / one for folder in folders for one in known["on_windows"]]
+    found = [str(place) for place in (*places, *map(Path, known["on_mac"])) if place.is_file()]
+    return next(filter(None, (os.environ.get(_NAMED), *map(shutil.which, known["commands"]), *found)), None)
 
 
 def print_pdf(page: Path, pdf: Path, browser: str | None = None) -> Path:

@@ -7,12 +7,11 @@ from __future__ import annotations
 
 import math
 import string
-import tomllib
 from collections.abc import Callable, Collection, Mapping
 from functools import cache
-from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
+from fem_seal.files import own_tables
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.readings import OWN, WORDS
 from fem_seal.units import given, number, percent, quantity, quantity_worth, range_text, trimmed, worth
@@ -25,8 +24,7 @@ if TYPE_CHECKING:
 @cache
 def prose() -> dict[str, Any]:
     """The whole file: "definitions", "captions", "sources" and the other groups of sentences."""
-    text = files("fem_seal").joinpath("templates", "words.toml").read_text(encoding="utf-8")
-    return tomllib.loads(text)
+    return own_tables("words.toml")
 
 
 @cache

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from fem_seal.output.prose import filled, prose
 from fem_seal.seal.readings import FURTHER
 
 if TYPE_CHECKING:
@@ -26,11 +27,11 @@ class Section:
     title, link : str
         Above it, and in the list of sections.
     sentences : sequence of str
-    pictures : tuple of str
+    pictures : sequence of str
         Names of those that stand in it, as far as they are drawn.
     tables : sequence of tuple
         Table and caption; without rows it is left out.
-    files : tuple of str
+    files : sequence of str
         What stands beside the page, with the program that reads it.
     """
 
@@ -38,9 +39,31 @@ class Section:
     title: str
     link: str
     sentences: Sequence[str] = ()
-    pictures: tuple[str, ...] = ()
+    pictures: Sequence[str] = ()
     tables: Sequence[tuple[ReadableTable, str]] = ()
-    files: tuple[str, ...] = ()
+    files: Sequence[str] = ()
+
+
+def worded_section(
+    name: str, sentences: Sequence[str], *tables: ReadableTable, **values: object
+) -> Section | None:
+    """A section with what words.toml says of it under "sections"; None without a sentence.
+
+    Parameters
+    ----------
+    name : str
+    sentences : sequence of str
+    *tables : ReadableTable
+        In the order of their captions.
+    **values
+        What stands for {names} in the captions.
+    """
+    if not sentences:
+        return None
+    words = prose()["sections"][name]
+    captions = (filled(caption, values) for caption in words["captions"])
+    shown = tuple(zip(tables, captions, strict=True))
+    return Section(name, words["title"], words["link"], sentences, words["pictures"], shown, words["files"])
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from fem_seal.answers.solution import SealSolution
 from fem_seal.output.answers.around import around_in_words
 from fem_seal.output.prose import other_reading, said
 from fem_seal.output.readable import ReadableTable, worded_table
-from fem_seal.output.shown import Section, Shown, by_reading
+from fem_seal.output.shown import Section, Shown, by_reading, worded_section
 from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.load_result import LoadResult
@@ -158,20 +158,11 @@ def waves_table(result: SealSolution) -> ReadableTable:
 
 
 def _section(result: SealSolution) -> Section | None:
-    sentences = [*around_in_words(result), *form_in_words(result)]
-    if not sentences:
-        return None
-    at = load_name(result.highest, result.loads)
-    caption = f"The same form error, smaller and larger, at {at}, without scratches and lay."
-    return Section(
-        "around",
-        "Around the axis",
-        "Around the axis",
-        sentences,
-        ("line_load_around", "unrolled", "leak_around"),
-        ((curve_table(result), caption), (waves_table(result), "Each wave of the form error alone.")),
-        ("around.csv", "around.pvd (ParaView)"),
+    sentences, load = (
+        [*around_in_words(result), *form_in_words(result)],
+        load_name(result.highest, result.loads),
     )
+    return worded_section("around", sentences, curve_table(result), waves_table(result), load=load)
 
 
 SHOWN = Shown(

@@ -25,7 +25,7 @@ from fem_seal.output.pictures.style import (
 )
 from fem_seal.output.prose import said
 from fem_seal.output.readable import ReadableTable, worded_table
-from fem_seal.output.shown import Section, Shown
+from fem_seal.output.shown import Section, Shown, worded_section
 from fem_seal.seal.load_names import load_name
 from fem_seal.units import quantity, unit_for
 
@@ -175,20 +175,8 @@ def particle_picture(result: SealSolution) -> Picture | None:
 
 
 def _section(result: SealSolution) -> Section | None:
-    sentences = particles_in_words(result)
-    at = load_name(result.highest, result.loads)
-    caption = f"Estimate at {at}: what still leaks when all gaps narrower than the particles are shut."
-    if not sentences:
-        return None
-    return Section(
-        "particles",
-        "Particles in the fluid",
-        "Particles",
-        sentences,
-        ("particles",),
-        ((particle_table(result), caption),),
-        ("particles.csv",),
-    )
+    load = load_name(result.highest, result.loads)
+    return worded_section("particles", particles_in_words(result), particle_table(result), load=load)
 
 
 SHOWN = Shown(

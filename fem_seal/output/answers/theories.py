@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.answers.solution import SealSolution
 from fem_seal.output.prose import said
-from fem_seal.output.shown import Section, Shown
+from fem_seal.output.shown import Shown, worded_section
 from fem_seal.seal.bounds import EXACT, Bounds
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.load_result import LoadResult, rate_of
@@ -117,15 +117,8 @@ def _simulated(load: LoadResult) -> Iterator[str]:
         yield said("theories.why", "simulated", error=corrected.theory_error)
 
 
-def _section(result: SealSolution) -> Section | None:
-    sentences = theories_in_words(result)
-    if not sentences:
-        return None
-    return Section("theories", "By both theories", "Theories", sentences)
-
-
 SHOWN = Shown(
     summary=lambda result: {"theories": theories_in_words(result)},
-    section=_section,
+    section=lambda result: worded_section("theories", theories_in_words(result)),
     lines=lambda result: [f"  {one}" for one in [corrected_beside(result)] if one],
 )

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fem_seal.files import own_tables
 from fem_seal.output.prose import said
 from fem_seal.printable import printable
 from fem_seal.units import superscript
@@ -41,37 +42,7 @@ _NUMBERED_DOTS, _NUMBERS_APART = 12, 10.0
 # Fonts that every desktop has at least one of; the first is what matplotlib measures the text with.
 _FONTS = "'DejaVu Sans', Verdana, 'Segoe UI', Arial, Helvetica, sans-serif"
 
-_STYLE: dict[str, Any] = {
-    "svg.fonttype": "none",
-    "svg.hashsalt": "fem-seal",
-    "font.family": "DejaVu Sans",
-    "font.size": 9.0,
-    "axes.titlesize": 9.5,
-    "axes.titleweight": "bold",
-    "axes.titlelocation": "left",
-    "axes.titlepad": 8.0,
-    "axes.labelcolor": INK,
-    "axes.edgecolor": "#9aa3af",
-    "axes.linewidth": 0.8,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.axisbelow": True,
-    "axes.unicode_minus": True,
-    "grid.color": "#e4e8ee",
-    "grid.linewidth": 0.7,
-    "lines.linewidth": 1.6,
-    "xtick.color": "#4a5361",
-    "ytick.color": "#4a5361",
-    "text.color": INK,
-    "legend.framealpha": 0.85,
-    "legend.edgecolor": "none",
-    "legend.fancybox": False,
-    "legend.fontsize": 8.5,
-    "legend.title_fontsize": 8.5,
-    "legend.handlelength": 2.2,
-    "figure.facecolor": "white",
-    "savefig.facecolor": "white",
-}
+_STYLE: dict[str, Any] = own_tables("pictures.toml")["style"]
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from fem_seal.arrays import FloatArray
 from fem_seal.errors import DrawingError, InputError
-from fem_seal.files import write_bytes
+from fem_seal.files import own_tables, write_bytes
 from fem_seal.former_names import former_column
 from fem_seal.output.pictures.fields import QUARTERS
 from fem_seal.output.pictures.style import Picture, captioned
@@ -274,13 +274,8 @@ def _interactive(plotter: Any, files: Sequence[LoadFiles], number: int) -> None:
             lambda value: _draw(plotter, files[round(value) - 1], True),
             (1, len(files)),
             value=number + 1,
-            title="load",
-            fmt="%.0f",
-            pointa=(0.03, 0.08),
-            pointb=(0.31, 0.08),
-            style="modern",
             color=_INK,
-            interaction_event="end",
+            **own_tables("pictures.toml")["in_space"]["slider"],
         )
 
 
@@ -304,25 +299,22 @@ def _draw(plotter: Any, files: LoadFiles, scale: bool) -> None:
     """Put the scene of a load into a plotter, in place of the one that is there."""
     import pyvista
 
-    grid = pyvista.read(files.bodies)
+    grid, layout = pyvista.read(files.bodies), own_tables("pictures.toml")["in_space"]
     size = float(np.ptp(grid.points[:, :2], axis=0).max())
     for number, (name, turn) in enumerate((("closure", _CLOSURE), ("seat", _SEAT))):
         face, cut = _COLOURS[name]
         section = _Section.of(grid, number)
-        shaded = {"smooth_shading": True, "ambient": 0.25, "specular": 0.15}
-        flat = {"lighting": False}
-        for what, mesh, colour, how in (
-            ("face", section.revolved(turn), face, shaded),
-            ("cut", section.cuts(turn), cut, flat),
-            ("edges", section.edges(turn), _INK, flat | {"line_width": 1.6}),
+        for what, mesh, colour in (
+            ("face", section.revolved(turn), face),
+            ("cut", section.cuts(turn), cut),
+            ("edges", section.edges(turn), _INK),
         ):
-            plotter.add_mesh(mesh, color=colour, name=f"{name} {what}", render=False, **how)
+            plotter.add_mesh(mesh, color=colour, name=f"{name} {what}", render=False, **layout[what])
     surface = _pressure(files, size)
     unit = unit_for("contact pressure", float(surface["pressure"].max()))
     surface["pressure"] = unit.of(1.0) * surface["pressure"]
     highest = float(surface["pressure"].max())
     shown = surface.threshold(_FAINT * highest, scalars="pressure")
-    title = f"contact pressure [{unit.name}]"
     for bar in list(plotter.scalar_bars.keys()):
         plotter.remove_scalar_bar(bar, render=False)
     plotter.add_mesh(
@@ -334,19 +326,7 @@ def _draw(plotter: Any, files: LoadFiles, scale: bool) -> None:
         name="pressure",
         render=False,
         show_scalar_bar=scale,
-        scalar_bar_args={
-            "title": title,
-            "color": _INK,
-            "fmt": "%.3g",
-            "n_labels": 5,
-            "vertical": True,
-            "position_x": 0.86,
-            "position_y": 0.2,
-            "width": 0.07,
-            "height": 0.6,
-            "title_font_size": 20,
-            "label_font_size": 16,
-        },
+        scalar_bar_args={"title": f"contact pressure [{unit.name}]", "color": _INK, **layout["colours"]},
     )
     if scale:
         pressure, force = (
