@@ -260,6 +260,8 @@ def _worded(name: str, kind: str, of: Callable[[LoadResult], float | None], word
     )
 
 
+# Names of those that a table has, where a row fills them.
+SHOWN_COLUMNS: dict[str, list[str]] = _SAID["shown"]
 COLUMNS = {column.name: column for column in _columns()}
 
 
@@ -292,9 +294,9 @@ def in_words(load: LoadResult, name: str) -> str:
 
 LEAK_COLUMNS = tuple(COLUMNS)
 # What is known of the pressure profile of another program.
-PROFILE_LEAK_COLUMNS = (*_SAID["of_profiles"], *map(leak_rate_column, (OWN, *FURTHER, *THEORIES)))
-# What the terminal shows of the loads, where a row fills it.
-LEAK_ON_TERMINAL = tuple(COLUMNS[name].on_terminal for name in _SAID["on_terminal"])
+PROFILE_LEAK_COLUMNS = (*SHOWN_COLUMNS["of_profiles"], *map(leak_rate_column, (OWN, *FURTHER, *THEORIES)))
+# What the terminal shows of the loads.
+LEAK_ON_TERMINAL = tuple(COLUMNS[name].on_terminal for name in SHOWN_COLUMNS["terminal"])
 # What `fem-seal check` says of the case as a whole, words and unit by the name in its JSON.
 CHECK_OF_CASE: dict[str, tuple[str, str]] = _SAID["of_the_case"]
 # What it shows of the loads: what is known of the columns before a solve, and the closed forms.

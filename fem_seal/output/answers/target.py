@@ -10,30 +10,16 @@ from typing import TYPE_CHECKING
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.answers.solution import SealSolution
 from fem_seal.output.answers.verdict import force_to_pass, verdict_force_sentences
+from fem_seal.output.columns import SHOWN_COLUMNS
 from fem_seal.output.prose import other_reading, said
 from fem_seal.output.readable import ReadableTable, columns_table, filled_column
 from fem_seal.output.shown import Shown
 from fem_seal.seal.load_result import LoadResult
-from fem_seal.seal.readings import FURTHER, force_column
 from fem_seal.units import given, quantity, range_text, unit_for, worth
 
 if TYPE_CHECKING:
     from fem_seal.answers.judgement import JudgedLoad
     from leak import Reading
-
-
-_GIVEN = ("fluid_pressure_Pa", "applied_force_N", "contact_force_N")
-
-
-_ASKED = (
-    "effective_seal_radius_m",
-    "blow_off_pressure_Pa",
-    "opening_margin_N",
-    "opening_margin_Pa",
-    "force_for_target_leak_N",
-    *(force_column(one) for one in FURTHER),
-    "force_for_verdict_N",
-)
 
 
 _DIGITS = 4
@@ -120,13 +106,13 @@ def _target_force(load: LoadResult, force: float) -> str:
 
 def valve_table(result: SealSolution) -> ReadableTable:
     """What fluid and applied force do at each load; no rows if nobody asked."""
-    asked = {name: filled_column(name, result) for name in _ASKED}
+    asked = {name: filled_column(name, result) for name in SHOWN_COLUMNS["asked"]}
     # what lifts the closure off, also where leak.csv has what the surfaces hold by themselves; infinite: nothing does
     opens = [_finite(load.blow_off_pressure) for load in result.loads]
     asked["blow_off_pressure_Pa"] = replace(asked["blow_off_pressure_Pa"], values=opens)
     if not any(one.some for one in asked.values()):
         return ReadableTable((), ())
-    return columns_table([*(filled_column(name, result) for name in _GIVEN), *asked.values()])
+    return columns_table([*(filled_column(name, result) for name in SHOWN_COLUMNS["given"]), *asked.values()])
 
 
 def _finite(value: float | None) -> float | None:

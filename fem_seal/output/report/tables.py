@@ -11,43 +11,24 @@ from fem_seal.answers.solution import SealSolution
 from fem_seal.contact.load_path import ElastoplasticContact
 from fem_seal.contact.yielding import PlasticZone, yielding_of
 from fem_seal.output.case_words import law_word
-from fem_seal.output.columns import own_theory
+from fem_seal.output.columns import SHOWN_COLUMNS, own_theory
 from fem_seal.output.prose import said
 from fem_seal.output.readable import ReadableTable, columns_table, filled_column, worded_table
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.load_result import LoadResult
-from fem_seal.seal.readings import FURTHER, THEORIES, leak_rate_column
 from fem_seal.units import given, percent, quantity_worth
 
 if TYPE_CHECKING:
     from fem_seal.materials import HardeningCurve
 
 
-# Columns of the table of all loads, and what the next one asks about opening and target.
-_OF_LOADS = (
-    "fluid_pressure_Pa",
-    "contact_force_N",
-    "line_load_N_per_m",
-    "peak_pressure_Pa",
-    "peak_pressure_max_Pa",
-    "fwhm_m",
-    "std_m",
-    "critical_separation_m",
-    "critical_separation_elastic_m",
-    "leak_rate_m3_per_s",
-    *(leak_rate_column(one) for one in FURTHER),
-    "leak_rate_elastic_m3_per_s",
-    *map(leak_rate_column, THEORIES),
-    "leak_rate_round_m3_per_s",
-    "max_von_mises_Pa",
-)
 # The page holds so many columns; where there are more, these go first. leak.csv has them all.
 _WIDEST, _SPARED = 12, ("std_m", "critical_separation_elastic_m")
 
 
 def load_table(result: SealSolution) -> ReadableTable:
     """All loads, with one unit per column and without the columns that no load fills."""
-    loads, names = result.loads, list(_OF_LOADS)
+    loads, names = result.loads, list(SHOWN_COLUMNS["loads"])
     if any(load.applied_force for load in loads):
         names.insert(1, "applied_force_N")
     if result.surface is None or result.surface.hardness is None:
