@@ -16,7 +16,7 @@ from around_results import oval_result, smooth_oval_result
 from sample_results import single_result
 
 from fem_seal.output import files, vtk
-from fem_seal.output.answers.around import around_rows
+from fem_seal.output.answers.form import around_rows
 from fem_seal.output.files import write
 from fem_seal.output.tables import write_rows_csv
 from fem_seal.output.vtk import write_around

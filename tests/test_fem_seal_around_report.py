@@ -15,8 +15,7 @@ from sample_results import case, run_loads, single_result
 import fem_seal
 from fem_seal.answers.form import Allowed, _limit
 from fem_seal.contact.newton import solve
-from fem_seal.output.answers.around import around_in_words, least_loaded, turn_that_leaks
-from fem_seal.output.answers.form import form_in_words
+from fem_seal.output.answers.form import around_in_words, form_in_words, least_loaded, turn_that_leaks
 from fem_seal.output.pictures import around as drawn
 from fem_seal.output.pictures.style import style
 from fem_seal.output.report.page import report

@@ -163,7 +163,7 @@ def test_a_form_error_and_its_answers_have_both_readings():
     assert (same.leak_rate, same.others[Reading.CAPPED]) == pytest.approx(
         (highest.leak.leak_rate, highest.reading(Reading.CAPPED).leak.leak_rate), rel=1e-5
     )
-    from fem_seal.output.answers.around import around_rows
+    from fem_seal.output.answers.form import around_rows
 
     columns, lines = around_rows(result)
     rows = [dict(zip(columns, line, strict=True)) for line in lines]

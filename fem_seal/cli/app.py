@@ -130,9 +130,8 @@ def check(
     from fem_seal.answers.closed_forms import closed_form_limits, derive, nearly_open, strain_limit
     from fem_seal.case.case import load_case
     from fem_seal.output.answers.verdict import requirement_lines
+    from fem_seal.output.case_words import finish_rows, temperature_rows
     from fem_seal.output.derived import derived_numbers, requirement_numbers
-    from fem_seal.output.finish import finish_rows
-    from fem_seal.output.temperature import temperature_rows
     from fem_seal.seal.heating import warmed
 
     case = warmed(load_case(case_file))

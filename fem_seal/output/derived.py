@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from fem_seal.answers.closed_forms import widths
 from fem_seal.answers.leakage_class import limits
-from fem_seal.output.case_words import listed_dimensions, section
-from fem_seal.output.finish import finish_numbers
+from fem_seal.output.case_words import finish_numbers, listed_dimensions, section
 
 if TYPE_CHECKING:
     from fem_seal.answers.closed_forms import Derived

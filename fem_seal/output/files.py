@@ -8,11 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fem_seal.output import shown_answers
-from fem_seal.output.answers.around import around_rows
 from fem_seal.output.folders import replaced_together
 from fem_seal.output.report.page import write_report
 from fem_seal.output.summary import write_summary
-from fem_seal.output.tables import CsvTable, imprint_rows, write_leak_csv, write_profile_csv, write_rows_csv
+from fem_seal.output.tables import imprint_rows, write_leak_csv, write_profile_csv, write_rows_csv
 from fem_seal.output.vtk import write_around, write_contact, write_contact_line, write_unloaded
 from fem_seal.seal.optional_steps import OptionalSteps
 
@@ -50,10 +49,8 @@ def write(result: SealSolution, folder: Path) -> tuple[str, ...]:
         for name, write_one in _FILES.items():
             with steps.attempt(name, but=OSError):
                 write_one(result, draft)
-        for name, table in [
-            *_TABLES.items(),
-            *(one for shown in shown_answers.SHOWN for one in shown.tables.items()),
-        ]:
+        tables = {name: table for shown in shown_answers.SHOWN for name, table in shown.tables.items()}
+        for name, table in {"imprint.csv": imprint_rows, **tables}.items():
             with steps.attempt(name, but=OSError):
                 columns, rows = table(result)
                 if rows:
@@ -76,8 +73,4 @@ _FILES: dict[str, Callable[[SealSolution, Path], object]] = {
     "mesh.msh": lambda result, folder: result.seal_mesh.write(folder / "mesh.msh"),
     "VTK files": _vtk,
     "report.html": lambda result, folder: write_report(result, folder / "report.html"),
-}
-_TABLES: dict[str, Callable[[SealSolution], CsvTable]] = {
-    "imprint.csv": imprint_rows,
-    "around.csv": around_rows,
 }

@@ -16,8 +16,16 @@ from fem_seal.case.tables import curves
 from fem_seal.contact.laws import HardContact
 from fem_seal.files import write_text
 from fem_seal.output import shown_answers
-from fem_seal.output.case_words import BODIES, earlier_load, listed_dimensions, section, section_text
-from fem_seal.output.finish import finish_rows
+from fem_seal.output.case_words import (
+    BODIES,
+    celsius,
+    earlier_load,
+    finish_rows,
+    listed_dimensions,
+    section,
+    section_text,
+    temperature_rows,
+)
 from fem_seal.output.pictures.contact import gap_picture, profile_picture, size_picture
 from fem_seal.output.pictures.fields import imprint_picture, mesh_picture, stress_picture, temperature_picture
 from fem_seal.output.pictures.leak import leak_picture, memory_picture
@@ -27,7 +35,6 @@ from fem_seal.output.pictures.surface import law_picture, separation_picture, su
 from fem_seal.output.prose import prose, template
 from fem_seal.output.report import tables, words
 from fem_seal.output.sources import sources
-from fem_seal.output.temperature import celsius, temperature_rows
 from fem_seal.seal.problem import exponential_law
 from fem_seal.version import __version__
 
