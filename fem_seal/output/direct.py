@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem_seal.files import as_json, write_bytes, write_text
-from fem_seal.output.prose import said
+from fem_seal.output.prose import prose, said
 from fem_seal.output.tables import write_rows_csv
 from fem_seal.seal.direct import QUANTILES, DirectRow, DirectSimulation, DirectTable
 from fem_seal.seal.readings import FURTHER, OWN
@@ -198,29 +198,25 @@ def shown_rows(rows: Sequence[Mapping[str, Any]]) -> tuple[list[str], list[list[
     rows : sequence of mapping
         From `direct_rows`.
     """
-    headings = [
-        "branch", "p\nMPa", "A/A0", "yielded", "mean gap\num", "u_eff\num", "scatter\nof ln", "tight", "A/A0\ntheory",
-        "mean gap\ntheory, um", *(f"{one}\nu_eff, um" for one in (OWN, *FURTHER)),
-    ]  # fmt: skip
-    return headings, [
+    return _on_terminal(
+        "samples", [{**row, "tight": f"{row['blocked_samples']}/{row['samples']}"} for row in rows]
+    )
+
+
+def _on_terminal(name: str, rows: Sequence[Mapping[str, Any]]) -> tuple[list[str], list[list[str]]]:
+    """Headings and cells of a table of words.toml: texts, and numbers in its units."""
+    columns = prose()["terminal"][name]
+    cells = [
         [
-            row["branch"],
-            number(row["pressure_Pa"] / 1e6, 4),
-            _shown(row["contact_area"]),
-            _shown(row["yielded_area"]),
-            _shown(1e6 * row["mean_gap_m"]),
-            _shown(1e6 * row["effective_gap_m"]),
-            _shown(row["conductivity_log_scatter"], 2),
-            f"{row['blocked_samples']}/{row['samples']}",
-            _shown(row["theory_contact_area"]),
-            _shown(1e6 * row["theory_mean_gap_m"]),
-            *(_shown(1e6 * row[f"theory_effective_gap_{one}_m"]) for one in (OWN, *FURTHER)),
+            _cell(row[one["key"]] / one["unit"], one["digits"]) if "unit" in one else row[one["key"]]
+            for one in columns
         ]
         for row in rows
     ]
+    return [one["heading"] for one in columns], cells
 
 
-def _shown(value: float, digits: int = 3) -> str:
+def _cell(value: float, digits: int) -> str:
     return "-" if math.isnan(value) else number(value, digits)
 
 
@@ -308,26 +304,10 @@ def shown_seal_rows(rows: Sequence[SealRow]) -> tuple[list[str], list[list[str]]
     ----------
     rows : sequence of SealRow
     """
-    headings = [
-        "fluid\nbar", "force\nN", "place", "asperities", "peak\nMPa", "chain\nMPa", "leak rate\nml/min", "std error\n%",
-        "chain, same\nwaves, ml/min", "chain over\nsimulated",
-    ]  # fmt: skip
-    cells = []
-    for row in rows:
-        place, mean = row.place, row.leak_rate
-        error = row.deviation / math.sqrt(len(row.leak_rates)) / mean if mean > 0.0 else math.nan
-        cells.append(
-            [
-                number(place.fluid_pressure / 1e5, 4),
-                number(place.applied_force, 4),
-                place.name,
-                row.asperities,
-                number(row.measures[0] / 1e6, 3),
-                number(place.profile.peak_pressure / 1e6, 3),
-                number(6e7 * mean, 3),
-                "-" if math.isnan(error) else number(100.0 * error, 2),
-                number(6e7 * row.chain_held, 3),
-                number(row.chain_held / mean, 3) if mean > 0.0 else "tight",
-            ]
-        )
-    return headings, cells
+    shown = []
+    for row, numbers in zip(rows, seal_rows(rows), strict=True):
+        mean, leaks = row.leak_rate, row.leak_rate > 0.0
+        error = row.deviation / math.sqrt(len(row.leak_rates)) / mean if leaks else math.nan
+        ratio = number(row.chain_held / mean, 3) if leaks else "tight"
+        shown.append({**numbers, "error": error, "chain_over_simulated": ratio})
+    return _on_terminal("seal", shown)
