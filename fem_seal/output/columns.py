@@ -9,7 +9,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -254,10 +254,9 @@ def _columns() -> Iterator[Column]:
 
 def _worded(name: str, kind: str, of: Callable[[LoadResult], float | None], words: dict[str, str]) -> Column:
     """A column of a reading or a theory, with its words in what is said of all of this kind."""
-    said = _SAID["of_each"][kind].items()
-    return Column(
-        name, of=of, **{key: one.format(**words) if isinstance(one, str) else one for key, one in said}
-    )
+    said: dict[str, Any] = _SAID["of_each"][kind]
+    filled = {key: one.format(**words) if isinstance(one, str) else one for key, one in said.items()}
+    return Column(name, of=of, **filled)
 
 
 # Names of those that a table has, where a row fills them.

@@ -138,8 +138,8 @@ def temperature_picture(result: SealSolution, load: LoadResult) -> Picture | Non
     scale_of_colours(axes, bands, "temperature  [°C]")
     contact = load.contact_temperature
     assert contact is not None  # both fields are known
-    ends = {"low": low + 273.15, "high": high + 273.15}
-    return captioned(figure, "temperature", "all", **ends, contact=contact)
+    low, high = low + 273.15, high + 273.15
+    return captioned(figure, "temperature", "all", low=low, high=high, contact=contact)
 
 
 def half_width(load: LoadResult) -> float:
