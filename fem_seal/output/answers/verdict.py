@@ -115,7 +115,8 @@ def _verdict(found: SealJudgement, load: str, digits: int, volume: LeakVolume) -
     measured = [volume.measurable(end) for end in judged.ends]
     if sentence == "pass" and not measured[1]:
         sentence = "unmeasurable"
-    low, high = (_like(limit, end) for end in measured)
+    # as the limit is written: one in mbar l/s is compared in mbar l/s
+    low, high = (Throughput(end) if _in_mbar(limit) else end for end in measured)
     # the ends that stand in the sentence have one unit with the limit
     beside = {"pass": judged.ends[1:], "fail": judged.ends[:1]}.get(sentence, judged.ends)
     over = [end / limit.leak_rate if limit.leak_rate else math.nan for end in measured]
@@ -215,11 +216,6 @@ def _other_theory(result: SealSolution, found: SealJudgement) -> Iterator[str]:
 
 def _bubble(volume: float) -> str:
     return f"{trimmed(rounded(1e6 * volume, 2))} ml"
-
-
-def _like(limit: Limit, leak_rate: float) -> float:
-    """A leak rate as its limit is written: one in mbar l/s is compared in mbar l/s."""
-    return Throughput(leak_rate) if isinstance(limit.leak_rate, Throughput) else leak_rate
 
 
 def _amount(leak_rate: float, digits: int, limit: float) -> str:
