@@ -255,7 +255,9 @@ def _columns() -> Iterator[Column]:
 def _worded(name: str, kind: str, of: Callable[[LoadResult], float | None], words: dict[str, str]) -> Column:
     """A column of a reading or a theory, with its words in what is said of all of this kind."""
     said: dict[str, Any] = _SAID["of_each"][kind]
-    filled = {key: one.format(**words) if isinstance(one, str) else one for key, one in said.items()}
+    filled: dict[str, Any] = {
+        key: one.format(**words) if isinstance(one, str) else one for key, one in said.items()
+    }
     return Column(name, of=of, **filled)
 
 
