@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperCommand
 
+import fem_seal
 from fem_seal.cli.explore import explore
 from fem_seal.cli.library import fluids, materials
 from fem_seal.cli.new import new
@@ -77,20 +78,17 @@ def run(
     debug: Debug = False,
 ) -> None:
     """Solve all loads of a case and write tables, VTK files, mesh and report to the output folder."""
-    from fem_seal.case.case import load_case
-
-    case = load_case(case_file)
+    case = fem_seal.load_case(case_file)
     if variants:
         case = case.replace({"leak.variants": True})
     folder = _results_folder(output, case)
-    from fem_seal import result as seal_result
     from fem_seal.answers.leakage_class import volume_of
     from fem_seal.output import files
     from fem_seal.output.folders import alone
     from fem_seal.output.tables import leak_rows
 
     with alone(folder), _progress(quiet) as progress:
-        result = seal_result.run(case, progress=progress, levers=levers)
+        result = fem_seal.run(case, progress=progress, levers=levers)
         progress("writing results")
         failures = files.write(result, folder)
     warnings = (*result.warnings, *failures)
@@ -128,13 +126,12 @@ def check(
 ) -> None:
     """Check a case file and print the closed-form results, without solving."""
     from fem_seal.answers.closed_forms import closed_form_limits, derive, nearly_open, strain_limit
-    from fem_seal.case.case import load_case
     from fem_seal.output.answers.verdict import requirement_lines
     from fem_seal.output.case_words import finish_rows, temperature_rows
     from fem_seal.output.derived import derived_numbers, requirement_numbers
     from fem_seal.seal.heating import warmed
 
-    case = warmed(load_case(case_file))
+    case = warmed(fem_seal.load_case(case_file))
     drawn = None
     if picture is not None:
         from fem_seal.output.pictures.section import write_section
@@ -173,9 +170,7 @@ def mesh(
     """Mesh a case, write mesh.msh and print the quality of the elements."""
     from dataclasses import asdict
 
-    from fem_seal.case.case import load_case
-
-    case = load_case(case_file)
+    case = fem_seal.load_case(case_file)
     folder = _results_folder(output, case)
     from fem_seal.output.folders import alone, replaced_together
     from fem_seal.seal.problem import SealProblem, build_mesh
@@ -207,13 +202,12 @@ def leak(
     """Leak rate of a given pressure profile, such as one exported from another finite-element code."""
     from fem_seal.answers.leakage_class import volume_of
     from fem_seal.answers.profile_leak import leak_of_profiles
-    from fem_seal.case.case import load_case
     from fem_seal.output.folders import alone, replaced_together
     from fem_seal.output.tables import profile_leak_rows, write_rows
     from fem_seal.seal.problem import SealProblem
     from fem_seal.seal.profile_file import read_profiles
 
-    case = load_case(case_file)
+    case = fem_seal.load_case(case_file)
     profiles = read_profiles(profile_file)
     folder = _made(output or profile_file.with_suffix(".leak"))
     loads = leak_of_profiles(SealProblem.of(case), profiles)
@@ -240,40 +234,30 @@ def direct(
     debug: Debug = False,
 ) -> None:
     """Simulate rough contact and flow of a case's surface directly, beside the theory; an interrupted run goes on."""
-    from fem_seal import result as seal_result
-    from fem_seal.case.case import load_case
     from fem_seal.output import direct as samples
     from fem_seal.output.folders import alone
 
-    case = load_case(case_file)
+    case = fem_seal.load_case(case_file)
     given = None if case.direct is None else case.direct.folder
     folder = _made(output or (Path(given) if given else case_file.with_suffix(".direct")))
     processes = jobs or os.cpu_count() or 1
     with alone(folder), _progress(quiet) as progress:
         if seal:
-            strips = seal_result.direct_seal(case, folder=folder, jobs=processes, progress=progress)
+            strips = fem_seal.direct_seal(case, folder=folder, jobs=processes, progress=progress)
             progress("drawing")
             samples.write_direct_seal(strips, folder)
             numbers: dict[str, Any] = {"strips": samples.seal_rows(strips)}
-            title, lines, shown, keys = (
-                "Simulated seal",
-                samples.seal_lines(strips),
-                samples.shown_seal_rows(strips),
-                4,
-            )
+            title, keys = "Simulated seal", 4
+            lines, shown = samples.seal_lines(strips), samples.shown_seal_rows(strips)
         else:
             viscosity = None if case.fluid is None or case.fluid.gas is not None else case.fluid.viscosity
-            table = seal_result.direct(case, folder=folder, jobs=processes, progress=progress)
+            table = fem_seal.direct(case, folder=folder, jobs=processes, progress=progress)
             progress("drawing")
             samples.write_direct(table, folder, viscosity)
             rows = samples.direct_rows(table, viscosity)
             numbers = {**samples.direct_numbers(table), "pressures": rows}
-            title, lines, shown, keys = (
-                "Direct simulation",
-                samples.direct_lines(table),
-                samples.shown_rows(rows),
-                2,
-            )
+            title, keys = "Direct simulation", 2
+            lines, shown = samples.direct_lines(table), samples.shown_rows(rows)
     if json:
         say_json({"folder": str(folder), **numbers})
     elif not quiet:

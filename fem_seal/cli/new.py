@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
-
-import typer
+from typing import TYPE_CHECKING, Annotated
 
 from fem_seal.cli.options import Debug, option, output_option
 from fem_seal.cli.terminal import complain, prompt, say
@@ -22,33 +20,29 @@ NAMES = "ball-valve, check-valve, relief-valve, needle, flat-seat or knife-edge"
 CLASSES = "ISO 5208 A, AA, B, C, CC, D, E, EE, F, G; FCI 70-2 II, III, IV, V, VI; API 598"
 
 
-def _option(words: str, example: str) -> Any:
-    return typer.Option(metavar="VALUE", show_default=False, help=f'{words}, such as "{example}".')
-
-
 def new(
     name: Annotated[str | None, option("new", "template", names=NAMES)] = None,
     output: Annotated[Path | None, output_option("NAME.toml", "Case file to write.", "FILE")] = None,
-    title: Annotated[str | None, _option("Title of the report", "Valve 7")] = None,
-    diameter: Annotated[str | None, _option("Diameter of the closure", "40 mm")] = None,
-    bore: Annotated[str | None, _option("Diameter of the bore", "25 mm")] = None,
-    included_angle: Annotated[str | None, _option("Included angle of the cone", "90 deg")] = None,
-    closure_material: Annotated[str | None, _option("Material of the closure", "316L")] = None,
-    seat_material: Annotated[str | None, _option("Material of the seat", "stellite 6")] = None,
-    ra: Annotated[str | None, _option("Ra on the drawing", "0.2 um")] = None,
-    process: Annotated[str | None, _option("Process that made the face", "lapped")] = None,
-    fluid: Annotated[str | None, _option("Fluid", "water")] = None,
-    pressure: Annotated[str | None, _option("Fluid pressure, one or several", "6 bar, 16 bar")] = None,
-    applied_force: Annotated[str | None, _option("Closing force of spring or actuator", "300 N")] = None,
-    axial_force: Annotated[str | None, typer.Option(hidden=True)] = None,
-    leak_rate: Annotated[str | None, _option("Largest allowed leak rate", "0.1 ml/min")] = None,
+    title: Annotated[str | None, option("new", "title")] = None,
+    diameter: Annotated[str | None, option("new", "diameter")] = None,
+    bore: Annotated[str | None, option("new", "bore")] = None,
+    included_angle: Annotated[str | None, option("new", "included_angle")] = None,
+    closure_material: Annotated[str | None, option("new", "closure_material")] = None,
+    seat_material: Annotated[str | None, option("new", "seat_material")] = None,
+    ra: Annotated[str | None, option("new", "ra")] = None,
+    process: Annotated[str | None, option("new", "process")] = None,
+    fluid: Annotated[str | None, option("new", "fluid")] = None,
+    pressure: Annotated[str | None, option("new", "pressure")] = None,
+    applied_force: Annotated[str | None, option("new", "applied_force")] = None,
+    axial_force: Annotated[str | None, option("new", "axial_force")] = None,
+    leak_rate: Annotated[str | None, option("new", "leak_rate")] = None,
     leakage_class: Annotated[str | None, option("new", "class", classes=CLASSES)] = None,
     entries: Annotated[list[str] | None, option("new", "set")] = None,
     force: Annotated[bool, option("new", "force")] = False,
     debug: Debug = False,
 ) -> None:
     """Write a commented case that runs: asks a handful of questions, or none with --template."""
-    from fem_seal.case.new_case import read_text_case, template
+    from fem_seal.case import new_case
 
     if axial_force is not None:
         say_once("--axial-force", "--applied-force")
@@ -59,7 +53,7 @@ def new(
             "--template", f"is missing, and without a terminal nothing can be asked; give one: {NAMES}"
         )
     name = _chosen_template() if name is None else name
-    text = template(name)
+    text = new_case.template(name)
     path = output or Path(f"{name}.toml")
     _check_place(path, force)
     answers = {
@@ -82,7 +76,7 @@ def new(
     if asks:
         text = _with_answers(text, given)
     else:
-        read_text_case(text)
+        new_case.read_text_case(text)
     _write(text, path)
     say(f"{path} is written; next:")
     say(f"  fem-seal check {_quoted(path)} --picture   (its section as a drawing)")
@@ -94,18 +88,18 @@ def _can_ask() -> bool:
 
 
 def _chosen_template() -> str:
-    from fem_seal.case.new_case import TEMPLATES, about
+    from fem_seal.case import new_case
 
     say("What is it like?")
-    for number, one in enumerate(TEMPLATES, start=1):
-        say(f"  {number}  {one:14}{about(one)}")
+    for number, one in enumerate(new_case.TEMPLATES, start=1):
+        say(f"  {number}  {one:14}{new_case.about(one)}")
     while True:
         answer = prompt("number or name", "1")
-        if answer.isdecimal() and 1 <= int(answer) <= len(TEMPLATES):
-            return TEMPLATES[int(answer) - 1]
-        if answer in TEMPLATES:
+        if answer.isdecimal() and 1 <= int(answer) <= len(new_case.TEMPLATES):
+            return new_case.TEMPLATES[int(answer) - 1]
+        if answer in new_case.TEMPLATES:
             return answer
-        say(f"1 to {len(TEMPLATES)}, or one of the names")
+        say(f"1 to {len(new_case.TEMPLATES)}, or one of the names")
 
 
 def _check_place(path: Path, force: bool) -> None:
@@ -116,23 +110,15 @@ def _check_place(path: Path, force: bool) -> None:
 
 
 def _with_options(text: str, name: str, given: Mapping[str, str], entries: list[str]) -> str:
-    from fem_seal.case.new_case import (
-        QUESTIONS,
-        asked,
-        for_angle,
-        required_class,
-        scaled,
-        with_entries,
-        without_entry,
-    )
+    from fem_seal.case import new_case
 
-    paths = {question.name: path for question, path, _ in asked(text)}
+    paths = {question.name: path for question, path, _ in new_case.asked(text)}
     # a template with a class takes a leak rate beside it, and one with a leak rate a class instead
     paths.setdefault("leak-rate", "requirement.leak_rate")
     paths.setdefault("class", "requirement.class")
     missing = [key for key in given if key not in paths]
     if missing:
-        known = ", ".join(f"--{one.name}" for one in QUESTIONS if one.name in paths)
+        known = ", ".join(f"--{one.name}" for one in new_case.QUESTIONS if one.name in paths)
         raise InputError.at(
             f"--{missing[0]}", f"is nothing that the template {name} has; it has {known}, and --set KEY=VALUE"
         )
@@ -145,31 +131,31 @@ def _with_options(text: str, name: str, given: Mapping[str, str], entries: list[
     # the bore before the closure, which may have its own size
     leading = next((paths[key] for key in ("bore", "diameter") if paths.get(key) in changes), None)
     if leading is not None:
-        text = scaled(text, leading, changes[leading], kept=tuple(changes))
+        text = new_case.scaled(text, leading, changes[leading], kept=tuple(changes))
     if "included-angle" in given and "diameter" not in given:
-        text = for_angle(text, given["included-angle"])
-    text = with_entries(text, changes)
+        text = new_case.for_angle(text, given["included-angle"])
+    text = new_case.with_entries(text, changes)
     if "class" in given:
-        text = with_entries(text, required_class(text, given["class"]))
+        text = new_case.with_entries(text, new_case.required_class(text, given["class"]))
         if "leak-rate" not in given:
-            text = without_entry(text, "requirement.leak_rate")
+            text = new_case.without_entry(text, "requirement.leak_rate")
     return text
 
 
 def _with_answers(text: str, given: Mapping[str, str]) -> str:
     """Ask for every entry that no option has given; what does not fit together is asked again."""
-    from fem_seal.case.new_case import QUESTIONS, asked, read_text_case
+    from fem_seal.case import new_case
 
     say("Enter keeps what stands in brackets.")
     while True:
         answered: list[str] = []
-        for question in QUESTIONS:
-            found = next((one for one in asked(text) if one[0] is question), None)
+        for question in new_case.QUESTIONS:
+            found = next((one for one in new_case.asked(text) if one[0] is question), None)
             if found is not None and question.name not in given:
                 text = _answered(text, *found, kept=answered)
             answered += [] if found is None else [found[1]]
         try:
-            read_text_case(text)
+            new_case.read_text_case(text)
         except InputError as error:
             given = {}
             for problem in error.problems:
@@ -181,16 +167,18 @@ def _with_answers(text: str, given: Mapping[str, str]) -> str:
 
 def _answered(text: str, question: Question, path: str, value: str, kept: list[str]) -> str:
     """The text with an answer that may stand at its place; what is not answered yet goes with the size of the valve."""
-    from fem_seal.case.new_case import read_text_case, scaled, with_entries
+    from fem_seal.case import new_case
 
     while True:
         answer = prompt(question.words, value)
         changed = text
         if answer != value:
-            sized = scaled(text, path, answer, kept) if question.name in ("bore", "diameter") else text
-            changed = with_entries(sized, {path: answer})
+            sized = (
+                new_case.scaled(text, path, answer, kept) if question.name in ("bore", "diameter") else text
+            )
+            changed = new_case.with_entries(sized, {path: answer})
         try:
-            read_text_case(changed)
+            new_case.read_text_case(changed)
         except NoLoadLeftError:
             # the force, which comes last, may put it right
             return changed
@@ -205,14 +193,16 @@ def _answered(text: str, question: Question, path: str, value: str, kept: list[s
 
 def _write(text: str, path: Path) -> None:
     """The case with the schema for editors beside it."""
-    from fem_seal.case.new_case import SCHEMA_FILE, with_schema
+    from fem_seal.case import new_case
     from fem_seal.case.schema import case_schema
     from fem_seal.files import as_json, write_text
 
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        write_text(path.with_name(SCHEMA_FILE), as_json(case_schema()) + "\n")
-        write_text(path, with_schema(text.replace(" FILE", f" {path.name}"), f"./{SCHEMA_FILE}"))
+        write_text(path.with_name(new_case.SCHEMA_FILE), as_json(case_schema()) + "\n")
+        write_text(
+            path, new_case.with_schema(text.replace(" FILE", f" {path.name}"), f"./{new_case.SCHEMA_FILE}")
+        )
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         raise InputError.at("--output", f"cannot be written ({reason})", str(path)) from None

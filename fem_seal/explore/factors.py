@@ -243,28 +243,15 @@ def _finishes(case: Case) -> Found:
         return ["The case has no [roughness]: there is no leak rate, and no finish to choose."]
     written = case.written.get("roughness", {})
     faces = {"": written} if any(key in written for key in _HEIGHTS) else {}
-    names = {
-        "spectrum": "both faces",
-        "seat": "seat",
-        "closure": "closure",
-        "along": "along",
-        "across": "across",
-    }
+    names = {"spectrum": "both faces"} | {one: one for one in ("seat", "closure", "along", "across")}
     faces |= {key: written[key] for key in names if isinstance(written.get(key), Mapping)}
     found: list[Factor | str] = []
     for key, words in written.items():
         # a finish in words, "lapped Ra 0.2 um"
         match = _WORDS.search(words) if key in names and isinstance(words, str) else None
         if match is not None:
-            found.append(
-                _finish(
-                    key,
-                    f"{match[1]}, {names[key]}",
-                    f"roughness.{key}",
-                    match[2],
-                    words[: match.start(2)] + "{}" + words[match.end(2) :],
-                )
-            )
+            around = words[: match.start(2)] + "{}" + words[match.end(2) :]
+            found.append(_finish(key, f"{match[1]}, {names[key]}", f"roughness.{key}", match[2], around))
     for key, table in faces.items():
         which = next((name for name in _HEIGHTS if name in table), None)
         if which is None:

@@ -25,7 +25,6 @@ from fem_seal.explore.words import not_taken_words, preliminary_words, refused_w
 from fem_seal.files import own_tables
 
 if TYPE_CHECKING:
-    from fem_seal.explore.factors import Factors
     from fem_seal.explore.screen import Screen
     from fem_seal.explore.worker import Answers
 
@@ -154,7 +153,8 @@ def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
         kinds = [bool(screen.waiting), asked.wrong, lost, pins, dark, [one.complete for one in pinned]]
         signature = json.dumps([screen.design, state, *kinds])
         now = {"signature": signature, "number": asked.number, "design": before}
-        unchanged = _all(outputs, no_update, factors)
+        several = {"figures": len(_PICTURES), "wrong": len(factors.sliders), "rows": len(factors.sliders)}
+        unchanged = {n: [no_update] * several[n] if n in several else no_update for n in outputs}
         if signature == shown.get("signature"):
             return {**unchanged, "shown": now}
         if not screen.complete and not screen.problem:
@@ -170,18 +170,10 @@ def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
         }
         if screen.problem:
             # what was there before stays, faded
-            said = [
-                f"{screen.problem}.",
-                still_words(factors, screen.design, before),
-                not_taken_words(factors, before, asked.wrong),
-            ]
-            return {
-                **found,
-                "problem": " ".join(filter(None, said)),
-                "results": "results stale",
-                "warnings": [],
-                "shown": now,
-            }
+            faded = still_words(factors, screen.design, before)
+            said = [f"{screen.problem}.", faded, not_taken_words(factors, before, asked.wrong)]
+            problem = " ".join(filter(None, said))
+            return {**found, "problem": problem, "results": "results stale", "warnings": [], "shown": now}
         designs = designs_shown(screen, pinned)
         drawn = figures(designs, bool(dark))
         return {
@@ -195,12 +187,6 @@ def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
             "results": "results",
             "shown": {**now, "design": screen.design},
         }
-
-
-def _all(outputs: dict[str, Any], what: Any, factors: Factors) -> dict[str, Any]:
-    """The same for all outputs of a callback."""
-    several = {"figures": len(_PICTURES), "wrong": len(factors.sliders), "rows": len(factors.sliders)}
-    return {name: [what] * several[name] if name in several else what for name in outputs}
 
 
 def _settle_later(answers: Answers, asked: Asked) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,7 +18,7 @@ from fem_seal.seal.load_result import highest_load
 from fem_seal.units import LIQUID, LeakVolume
 
 if TYPE_CHECKING:
-    from fem_seal.answers.judgement import Judgement, SealJudgement, Verdict
+    from fem_seal.answers.judgement import SealJudgement
     from fem_seal.arrays import FloatArray
     from fem_seal.case.case import Case
     from fem_seal.seal.load_result import LoadResult
@@ -212,26 +213,15 @@ def screen_of(
     )
 
 
-@dataclass(frozen=True)
-class _Loads:
-    """As much of a solution as its verdict is told from."""
-
-    case: Case
-    loads: Sequence[LoadResult]
-    judgement: SealJudgement | None
-    judgement_by_theory: Mapping[str, tuple[int, Judgement, Verdict]] = field(default_factory=dict)
-    """The page calculates by the theory of its case alone."""
-
-    @property
-    def highest(self) -> LoadResult:
-        return self.loads[highest_load(self.loads)]
-
-
 def _judged(case: Case, loads: Sequence[LoadResult], judgement: SealJudgement | None) -> dict[str, Any]:
-    found: Any = _Loads(case, loads, judgement)
+    highest = loads[highest_load(loads)]
     if judgement is None:
-        told = "" if found.highest.leak is None else next_class_in_words(case, found.highest)
+        told = "" if highest.leak is None else next_class_in_words(case, highest)
         return {"told": (told,) if told else ()}
+    # as much of a solution as its verdict is told from; the page calculates by the theory of its case alone
+    found: Any = SimpleNamespace(
+        case=case, loads=loads, judgement=judgement, judgement_by_theory={}, highest=highest
+    )
     return {
         "verdict": str(judgement.verdict),
         "told": tuple(verdict_sentences(found)),

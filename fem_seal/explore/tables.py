@@ -89,10 +89,10 @@ def conductivity(
     else:
         low, high = math.floor(log_peak - _DECADES), math.ceil(log_peak + MARGIN)
         names = (OwnTable(surface, low, high, flow.conductivity, flow.gas is not None),)
-    found = [known(name) for name in names]
-    tables = [table for table in found if table is not None]
-    if len(tables) < len(names):
-        raise Missing([name for name, table in zip(names, found, strict=True) if table is None])
+    found = {name: known(name) for name in names}
+    tables = [table for table in found.values() if table is not None]
+    if missing := [name for name in found if found[name] is None]:
+        raise Missing(missing)
     made = family_table(flow, surface, tables) if family else tables[0]
     assert made is not None  # a simulation is not followed live
     return made

@@ -13,14 +13,7 @@ from typing import TYPE_CHECKING
 from fem_seal.explore.screen import LEAK, Screen, ShownLoad
 from fem_seal.output.report.words import state_in_words
 from fem_seal.seal.findings import Level
-from fem_seal.units import (
-    LeakVolume,
-    duration,
-    given,
-    leak_range_text,
-    leak_rate_text,
-    quantity_worth,
-)
+from fem_seal.units import LeakVolume, duration, given, leak_range_text, leak_rate_text, quantity_worth
 
 if TYPE_CHECKING:
     from fem_seal.explore.factors import Factors
@@ -108,15 +101,11 @@ def numbers_of(screen: Screen) -> list[Number]:
 
     at = f"at {given('fluid pressure', values['fluid_pressure_Pa'])}"
     more = "; ".join(filter(None, [at, state_in_words(screen.volume), preliminary_words(screen)]))
-    leak, rate = leak_words(load, screen.volume), values["leak_rate_m3_per_s"]
+    rate = values["leak_rate_m3_per_s"]
+    waits = screen.waiting and not math.isfinite(rate)
+    leak = "calculating ..." if waits else leak_words(load, screen.volume)
     found = [
-        Number(
-            "leak",
-            "leak rate",
-            "calculating ..." if screen.waiting and not math.isfinite(rate) else leak,
-            more,
-            rate,
-        ),
+        Number("leak", "leak rate", leak, more, rate),
         number("peak", "peak contact pressure", "contact pressure", "peak_pressure_Pa"),
         number("width", "contact width (FWHM)", "length", "fwhm_m"),
         number("force", "force on the seat", "force", "contact_force_N", "of spring and fluid together"),

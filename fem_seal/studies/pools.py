@@ -9,7 +9,7 @@ import sys
 import time
 from collections import Counter, deque
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 from dataclasses import dataclass
 from itertools import pairwise
 from queue import Empty, SimpleQueue
@@ -37,10 +37,6 @@ if TYPE_CHECKING:
 _HERE = "127.0.0.1"
 # Longest wait for a worker [s]: a process that died has its successor in seconds, a batch job waits for its turn.
 _OWN_PATIENCE, _FOREIGN_PATIENCE = 120.0, 12 * 3600.0
-
-
-def _unheard(text: str) -> None:
-    """Nobody is told."""
 
 
 @dataclass(frozen=True)
@@ -267,7 +263,7 @@ class Cluster:
     client: Client
     retries: int
     patience: float
-    note: Callable[[str], None] = _unheard
+    note: Callable[[str], None] = lambda text: None
 
     def results(self, recipe: Recipe, chunks: Iterable[FloatArray]) -> Iterator[list[Row]]:
         """Rows of each chunk, in any order.
@@ -358,11 +354,11 @@ def _calculate_watched(recipe: Recipe, chunk: FloatArray, topic: str) -> _Rows:
         return Block(lambda seconds: None, lambda ended: os._exit(1) if worker.nanny is not None else None)
 
     with Watch(recipe.time_limit) as watch:
-        return _Rows(
-            calculate(
-                recipe, chunk, lambda number: watch.turn(several() if number is None else designs[number])
-            )
-        )
+
+        def turn(number: int | None) -> AbstractContextManager[None]:
+            return watch.turn(several() if number is None else designs[number])
+
+        return _Rows(calculate(recipe, chunk, turn))
 
 
 def _watched_design(recipe: Recipe, point: FloatArray, worker: Worker, topic: str) -> Block:
@@ -370,14 +366,12 @@ def _watched_design(recipe: Recipe, point: FloatArray, worker: Worker, topic: st
     replaceable = worker.nanny is not None
 
     def slow(seconds: float) -> None:
-        worker.log_event(
-            topic, {"slow": slow_line(named(recipe.parameters, point), seconds, recipe.time_limit)}
-        )
+        line = slow_line(named(recipe.parameters, point), seconds, recipe.time_limit)
+        worker.log_event(topic, {"slow": line})
 
     def over(ended: Event) -> None:
-        worker.log_event(
-            topic, {"over": point.tolist(), "worker": worker.address, "replaceable": replaceable}
-        )
+        said = {"over": point.tolist(), "worker": worker.address, "replaceable": replaceable}
+        worker.log_event(topic, said)
         # nothing less ends a design that is deep in a library; first what was told has to reach the coordinator
         if not ended.wait(_FAREWELL) and replaceable:
             os._exit(1)
