@@ -12,11 +12,11 @@ import pytest
 from fem_seal.output.columns import LEAK_COLUMNS
 from fem_seal.studies.designs import unit_points
 from fem_seal.studies.designs_table import LEAK_RATE, Designs, sensitivities
-from fem_seal.studies.exports import dataset
 from fem_seal.studies.expressions import Constraint
 from fem_seal.studies.page import plots
 from fem_seal.studies.page.display import Display, short
 from fem_seal.studies.page.page import page, sections
+from fem_seal.studies.results import dataset
 from fem_seal.studies.tables import Design
 
 CASE = Path(__file__).parent.parent / "examples" / "ball_cone.toml"

@@ -32,25 +32,19 @@ def materials(
     Numbers that are not known at the temperature are left out.
     """
     from fem_seal.case.material_library import material
-    from fem_seal.output.library import (
-        ONE_CONDITION,
-        material_cells,
-        material_lines,
-        material_row,
-        material_rows,
-    )
+    from fem_seal.output import library
     from fem_seal.units import parse_quantity
 
     kelvin = parse_quantity(temperature, "temperature")
-    rows = material_rows(kelvin) if name is None else [material_row(material(name), kelvin)]
+    rows = library.material_rows(kelvin) if name is None else [library.material_row(material(name), kelvin)]
     if json or csv:
         _print_rows(rows, name is not None, json)
     elif name is not None:
-        _print_lines(material_lines(rows[0]))
+        _print_lines(library.material_lines(rows[0]))
     else:
-        _print_table(*material_cells(rows), "condition", [row["condition"] for row in rows])
+        _print_table(*library.material_cells(rows), "condition", [row["condition"] for row in rows])
         say(
-            f"Numbers at {temperature}. {ONE_CONDITION}",
+            f"Numbers at {temperature}. {library.ONE_CONDITION}",
             "fem-seal materials NAME tells condition, source and tables over temperature of one; --json of all.",
         )
 
@@ -63,17 +57,17 @@ def fluids(
     debug: Debug = False,
 ) -> None:
     """List the fluids of the library: viscosity, density, range of temperature, source."""
-    from fem_seal.output.library import fluid_cells, fluid_lines, fluid_row, fluid_rows
+    from fem_seal.output import library
     from fem_seal.units import parse_quantity
 
     kelvin = parse_quantity(temperature, "temperature")
-    rows = fluid_rows(kelvin) if name is None else [fluid_row(name, kelvin)]
+    rows = library.fluid_rows(kelvin) if name is None else [library.fluid_row(name, kelvin)]
     if json or csv:
         _print_rows(rows, name is not None, json)
     elif name is not None:
-        _print_lines(fluid_lines(rows[0]))
+        _print_lines(library.fluid_lines(rows[0]))
     else:
-        _print_table(*fluid_cells(rows), "source", [row["source"] for row in rows])
+        _print_table(*library.fluid_cells(rows), "source", [row["source"] for row in rows])
         say(
             f"Viscosity and density at {temperature}. fem-seal fluids NAME tells the source of one; --json of all. "
             'A name "CoolProp:..." in a case takes any fluid of the optional package CoolProp.'

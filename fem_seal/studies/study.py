@@ -19,20 +19,8 @@ from fem_seal.case.words import problem
 from fem_seal.errors import InputError
 from fem_seal.files import read_toml
 from fem_seal.former_names import in_present_entries, in_present_words
-from fem_seal.studies import designs
+from fem_seal.studies import designs, plan
 from fem_seal.studies.parameters import Parameter, read_parameter
-from fem_seal.studies.plan import (
-    StudyPlan,
-    check_changes,
-    check_design,
-    check_designs,
-    check_kept,
-    check_load,
-    needed_columns,
-    read_constraints,
-    read_formulas,
-    read_goals,
-)
 from fem_seal.studies.progress import Progress
 from fem_seal.studies.tables import StudyTables
 from fem_seal.studies.work import contents_of_files, with_files
@@ -43,7 +31,7 @@ if TYPE_CHECKING:
     from fem_seal.studies.results import StudyResult
 
 
-class Study(StudyPlan):
+class Study(plan.StudyPlan):
     """One case, the entries that vary, the designs, and what is wanted of each.
 
     Parameters
@@ -120,12 +108,12 @@ class Study(StudyPlan):
         self.optimise = read.optimise
         self._read_points(with_open_materials(case, list(read.parameters)), read, folder)
         self.files = contents_of_files(self.case, self.parameters)
-        self.derived = read_formulas(self, read.derived, read.responses)
-        self.constraints = read_constraints(self, read.constraints)
-        self.goals = read_goals(self, read)
-        self.responses, self.beside = needed_columns(self, read.responses)
-        check_kept(self)
-        check_designs(self)
+        self.derived = plan.read_formulas(self, read.derived, read.responses)
+        self.constraints = plan.read_constraints(self, read.constraints)
+        self.goals = plan.read_goals(self, read)
+        self.responses, self.beside = plan.needed_columns(self, read.responses)
+        plan.check_kept(self)
+        plan.check_designs(self)
 
     def _read_points(self, case: Case, read: StudyTables, folder: Path) -> None:
         self.case = case
@@ -140,11 +128,11 @@ class Study(StudyPlan):
             self.parameters = tuple(_placed(one, folder) for one in self.parameters)
         else:
             self.parameters = _read_parameters(case, read.parameters, folder)
-            check_design(design, self.parameters, read.optimise is not None)
+            plan.check_design(design, self.parameters, read.optimise is not None)
             nothing = np.empty((0, len(self.parameters)))
             self.points = nothing if read.optimise else designs.points(design, self.parameters)
-        check_changes(read.changes, self.names)
-        check_load(self.case, self.names)
+        plan.check_changes(read.changes, self.names)
+        plan.check_load(self.case, self.names)
 
     def run(
         self,
@@ -290,12 +278,11 @@ def _changed(case: Case, changes: Mapping[str, Any], parameters: Mapping[str, An
     try:
         return with_open_materials(case, list(changes)).replace_written(changes)
     except InputError as error:
-        found = error.problems[0]
         for end in (0, -1):
             varied = {path: _ends(given)[end] for path, given in parameters.items()}
             with suppress(InputError):
                 return with_open_materials(case, [*changes, *varied]).replace_written({**changes, **varied})
-        raise InputError.at(f"changes.{found.key}", found.message, found.value) from None
+        raise InputError.at(f"changes.{error.key}", error.message, error.value) from None
 
 
 def _ends(given: Any) -> tuple[Any, Any]:
@@ -321,8 +308,7 @@ def _read_parameters(case: Case, given: Mapping[str, Any], folder: Path) -> tupl
         try:
             entry = entry_at(case, path)
         except InputError as error:
-            found = error.problems[0]
-            raise InputError.at(f"parameters.{path}", found.message) from None
+            raise InputError.at(f"parameters.{path}", error.message) from None
         read.append(_placed(read_parameter(entry, value), folder))
     return tuple(read)
 
