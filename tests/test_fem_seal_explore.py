@@ -17,9 +17,8 @@ from fem_seal.case.case import input_tables, load_case
 from fem_seal.errors import InputError
 from fem_seal.explore.case_file import case_text, free_name, write_case
 from fem_seal.explore.figures import leak_figure
-from fem_seal.explore.live import Session
+from fem_seal.explore.live import Missing, OwnTable, Session, conductivity
 from fem_seal.explore.screen import SHOWN, Screen
-from fem_seal.explore.tables import Missing, OwnTable, conductivity
 from fem_seal.explore.words import Shown, numbers_of, validity_words
 from fem_seal.explore.worker import Answers, Ask, Lost, Worker, Written, complete_screen
 from fem_seal.output.report.words import headline
@@ -257,8 +256,16 @@ def test_an_impossible_geometry_is_said_in_a_sentence():
     assert "face" in screen.problem or "bore" in screen.problem
 
 
+def alone(session):
+    """Answers without processes beside them, so that nothing becomes complete."""
+    answers = Answers(session)
+    answers.close()
+    session.waits = True
+    return answers
+
+
 def test_outdated_questions_are_dropped(session):
-    answers = Answers(session, alone=True)
+    answers = alone(session)
     assert answers.answer({}, "page", 2).load is not None
     assert answers.answer(DESIGN, "page", 1) is None
     assert answers.answer(DESIGN, "another page", 1) is not None
@@ -303,7 +310,7 @@ def client_of(session, title="case", *, opened=True, failed=None):
     from fem_seal.explore.gate import guard
     from fem_seal.explore.page import page_of
 
-    page = page_of(Answers(session, alone=True), EXAMPLES, title)
+    page = page_of(alone(session), EXAMPLES, title)
     guard(page, 8050, TOKEN, ([] if failed is None else failed).append)
     client = page.server.test_client()
     if opened:
@@ -676,7 +683,7 @@ def test_work_of_a_killed_process_is_done_by_another_one_and_given_up_after_two(
 
 
 def test_what_was_given_up_is_refused_and_not_begun_again(session):
-    answers = Answers(session, alone=True)
+    answers = alone(session)
     design = session.design({})
     answers._told(Lost(-9, (), (Ask(design), Ask(design, "report.out"))))
     assert "was killed (SIGKILL)" in answers.lost

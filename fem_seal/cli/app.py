@@ -17,6 +17,7 @@ import typer
 from typer.core import TyperCommand
 
 import fem_seal
+from fem_seal.case.words import problem
 from fem_seal.cli.explore import explore
 from fem_seal.cli.library import fluids, materials
 from fem_seal.cli.new import new
@@ -25,7 +26,7 @@ from fem_seal.cli.pdf import pdf
 from fem_seal.cli.study import app as study_app
 from fem_seal.cli.table import table
 from fem_seal.cli.terminal import cell, complain, note, numbers_table, say, say_json, show, warn
-from fem_seal.errors import ConvergenceError, InputError, NoLoadLeftError, Problem, SealError, unexpected
+from fem_seal.errors import ConvergenceError, InputError, NoLoadLeftError, SealError, unexpected
 from fem_seal.former_names import said_to
 from fem_seal.units import DIGITS, LIQUID, LeakVolume, Unit, fixed_unit, rounded
 from fem_seal.version import __version__
@@ -356,10 +357,7 @@ def _made(folder: Path) -> Path:
         folder.mkdir(parents=True, exist_ok=True)
     except (OSError, ValueError) as error:
         reason = (getattr(error, "strerror", None) or "not a folder name").lower()
-        problem = Problem(
-            "--output", f"cannot be created ({reason}); give a folder that can be written to", str(folder)
-        )
-        raise InputError(problem) from None
+        raise InputError(problem("output_folder", reason=reason, folder=folder)) from None
     return folder
 
 

@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
+from fem_seal.case.words import problem
 from fem_seal.cli.options import Debug, option, output_option
 from fem_seal.cli.terminal import complain, prompt, say
 from fem_seal.errors import InputError, NoLoadLeftError
@@ -49,9 +50,7 @@ def new(
         applied_force = applied_force or axial_force
     asks = name is None
     if asks and not _can_ask():
-        raise InputError.at(
-            "--template", f"is missing, and without a terminal nothing can be asked; give one: {NAMES}"
-        )
+        raise InputError(problem("new_template_missing", names=NAMES))
     name = _chosen_template() if name is None else name
     text = new_case.template(name)
     path = output or Path(f"{name}.toml")
@@ -104,9 +103,9 @@ def _chosen_template() -> str:
 
 def _check_place(path: Path, force: bool) -> None:
     if path.exists() and not force:
-        raise InputError.at("--output", "is there already; --force replaces it", str(path))
+        raise InputError(problem("new_file_there", path=path))
     if path.suffix.lower() != ".toml":
-        raise InputError.at("--output", "must end with .toml", str(path))
+        raise InputError(problem("new_file_ending", path=path))
 
 
 def _with_options(text: str, name: str, given: Mapping[str, str], entries: list[str]) -> str:
@@ -119,9 +118,7 @@ def _with_options(text: str, name: str, given: Mapping[str, str], entries: list[
     missing = [key for key in given if key not in paths]
     if missing:
         known = ", ".join(f"--{one.name}" for one in new_case.QUESTIONS if one.name in paths)
-        raise InputError.at(
-            f"--{missing[0]}", f"is nothing that the template {name} has; it has {known}, and --set KEY=VALUE"
-        )
+        raise InputError(problem("new_not_in_template", key=missing[0], name=name, known=known))
     changes = {paths[key]: value for key, value in given.items() if key != "class"}
     for entry in entries:
         key, equals, value = entry.partition("=")
@@ -158,8 +155,8 @@ def _with_answers(text: str, given: Mapping[str, str]) -> str:
             new_case.read_text_case(text)
         except InputError as error:
             given = {}
-            for problem in error.problems:
-                complain(str(problem), "")
+            for one in error.problems:
+                complain(str(one), "")
             say("Once more:")
         else:
             return text

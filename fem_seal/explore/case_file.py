@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from fem_seal.case.words import problem
 from fem_seal.errors import InputError
 from fem_seal.files import write_text
 
@@ -81,14 +82,12 @@ def free_name(folder: Path, name: str, suffix: str) -> Path:
     """
     stem = name.strip().removesuffix(suffix)
     if not _NAME.fullmatch(stem) or stem.endswith("."):
-        raise InputError.at(
-            "name", "must be a file name of letters, digits, spaces and . _ + -, without folders", f'"{name}"'
-        )
+        raise InputError(problem("explore_name", name=name))
     for number in range(1, _MOST):
         path = folder / (f"{stem}{suffix}" if number == 1 else f"{stem}-{number}{suffix}")
         if not path.exists():
             return path
-    raise InputError.at("name", f"is taken {_MOST - 1} times in {folder}; choose another", f'"{name}"')
+    raise InputError(problem("explore_name_taken", times=_MOST - 1, folder=folder, name=name))
 
 
 def write_case(case: Case, folder: Path, name: str, remark: str = "") -> Path:

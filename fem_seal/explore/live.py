@@ -9,10 +9,11 @@ digits that are shown. Those of `fem-seal run` itself follow when the sliders re
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from fem_seal.answers.answer import Inquiry, answered
 from fem_seal.answers.opening import OPENING
@@ -21,12 +22,12 @@ from fem_seal.case.load_limits import refused_loads
 from fem_seal.errors import InputError, SealError
 from fem_seal.explore.factors import Factors, factors_of, opened
 from fem_seal.explore.screen import Screen, profile_of, screen_of, section_of, shown_load
-from fem_seal.explore.tables import Missing, TableName, conductivity
 from fem_seal.explore.words import slow_words
+from fem_seal.seal.conductivity_tables import FamilyTable, family_table, family_tables
 from fem_seal.seal.cost import load_seconds, seconds
 from fem_seal.seal.evaluate import SILENT, Evaluation, evaluate
 from fem_seal.seal.heating import warmed
-from fem_seal.seal.leak_model import Conductivity, Flow
+from fem_seal.seal.leak_model import MARGIN, Conductivity, Flow, theory_table
 from fem_seal.seal.load_result import highest_load
 from fem_seal.seal.problem import SealProblem, sizing
 from fem_seal.seal.sources import Bodies, Kept, Rounding, Shared
@@ -47,6 +48,8 @@ _LIVE_LOADS_OF_GAS, _SHARES_OF_GAS = 3, (0.5,)
 # faces than those of a run: its numbers to 2e-4.
 _ROUNDING = Rounding(step=0.5, reach_step=0.5, along=1.41, deep=2.1)
 _MODELS, _TABLES = 96, 2048
+# Decades below the peak pressure over which a table of one surface alone reaches.
+_DECADES = 9
 # Stops between two designs for which things are made ahead.
 _AHEAD = 4
 # A design that takes longer is calculated when the sliders rest: people lose the thread of what they do after a second
@@ -54,6 +57,89 @@ _AHEAD = 4
 _FOLLOWS = 1.0
 # What can go wrong with a design: it is said on the page, which goes on.
 WRONG = (SealError, LeakError, MeshesError, ValueError, RuntimeError, ArithmeticError)
+
+
+class Missing(Exception):
+    """Something that is not there yet and takes longer than a slider may.
+
+    Parameters
+    ----------
+    keys : sequence
+        Names of what is missing.
+    """
+
+    def __init__(self, keys: Sequence[Hashable]) -> None:
+        super().__init__(f"{len(keys)} tables are not there yet")
+        self.keys = tuple(keys)
+
+
+@dataclass(frozen=True)
+class OwnTable:
+    """Name of a table of one surface alone, over whole decades of pressure.
+
+    Parameters
+    ----------
+    surface : RoughContact
+    low, high : int
+        Decimal logarithms of the pressures [Pa].
+    method : str
+    gas : bool
+    """
+
+    surface: RoughContact
+    low: int
+    high: int
+    method: str
+    gas: bool
+
+    def made(self) -> Conductivity:
+        """The table."""
+        low, high = 10.0**self.low, 10.0**self.high
+        return theory_table(self.surface, low, high, None, self.method, of_gas=self.gas)
+
+
+TableName: TypeAlias = FamilyTable | OwnTable
+
+
+def conductivity(
+    flow: Flow,
+    surface: RoughContact,
+    log_peak: float,
+    known: Callable[[TableName], Conductivity | None],
+    *,
+    family: bool = True,
+) -> Conductivity:
+    """Flow conductivity of a surface, for liquids and gases, from tables that are kept.
+
+    Parameters
+    ----------
+    flow : Flow
+    surface : RoughContact
+    log_peak : float
+        Decimal logarithm of the highest pressure [Pa].
+    known : callable
+        Gives a table, or None if it is not there.
+    family : bool
+        Whether surfaces that follow have the same shape of spectrum, and tables of that shape are worth while.
+
+    Raises
+    ------
+    Missing
+        If one of them is not there.
+    """
+    names: Sequence[TableName]
+    if family:
+        names = family_tables(flow, surface)
+    else:
+        low, high = math.floor(log_peak - _DECADES), math.ceil(log_peak + MARGIN)
+        names = (OwnTable(surface, low, high, flow.conductivity, flow.gas is not None),)
+    found = {name: known(name) for name in names}
+    tables = [table for table in found.values() if table is not None]
+    if missing := [name for name in found if found[name] is None]:
+        raise Missing(missing)
+    made = family_table(flow, surface, tables) if family else tables[0]
+    assert made is not None  # a simulation is not followed live
+    return made
 
 
 class Session:

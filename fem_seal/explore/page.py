@@ -166,7 +166,7 @@ def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
             "rows": ["row not-taken" if one.key in wrong else "row" for one in factors.sliders],
             "lost": lost,
             "state": state,
-            "again": _ASK_AGAIN if not screen.complete and answers.follows(screen.design) else _ASK_AT_REST,
+            "again": _ASK_AT_REST if screen.complete or answers.given_up(screen.design) else _ASK_AGAIN,
         }
         if screen.problem:
             # what was there before stays, faded
@@ -206,13 +206,12 @@ def _state(screen: Screen, answers: Answers) -> str:
         return ""
     if screen.complete:
         return "the numbers of fem-seal run"
-    follows = answers.follows(screen.design)
-    if screen.waiting and (follows or screen.loads):
-        return f"calculating: {screen.waiting}"
-    if follows:
-        return f"{preliminary_words(screen) or 'live'}; fem-seal run follows ..."
     given_up = answers.given_up(screen.design)
-    return f"live, without a complete run: {given_up}" if given_up else "live"
+    if screen.waiting and (screen.loads or not given_up):
+        return f"calculating: {screen.waiting}"
+    if given_up:
+        return f"live, without a complete run: {given_up}"
+    return f"{preliminary_words(screen) or 'live'}; fem-seal run follows ..."
 
 
 def _type(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:

@@ -6,9 +6,11 @@ import logging
 import signal
 import socket
 from collections.abc import Callable
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from fem_seal.case.words import problem
 from fem_seal.errors import InputError
 from leak.extras import needed
 
@@ -59,25 +61,20 @@ def serve(
         # blocked in all threads that follow: gmsh takes back what is only ignored
         signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGPIPE})
     _check_free(HOST, port)
-    session = Session(case)
-    answers = Answers(session)
-    try:
+    with ExitStack() as ended:
+        answers = Answers(Session(case))
+        ended.callback(answers.close)
         title = case.title or "case"
         page = page_of(answers, folder, title)
         logging.getLogger("werkzeug").setLevel(logging.ERROR)
         server = make_server(HOST, port, page.server, threaded=True)
+        ended.callback(server.server_close)
         token = new_token()
         guard(page, server.server_port, token, failed)
         answers.warm_up()
         opened(f"http://{HOST}:{server.server_port}/?token={token}")
-        try:
+        with suppress(KeyboardInterrupt):
             server.serve_forever()
-        except KeyboardInterrupt:
-            pass
-        finally:
-            server.server_close()
-    finally:
-        answers.close()
 
 
 def _check_free(host: str, port: int) -> None:
@@ -85,7 +82,4 @@ def _check_free(host: str, port: int) -> None:
         try:
             probe.bind((host, port))
         except (OSError, OverflowError):
-            what = (
-                "cannot be used: another page or program has it; choose another one, 0 for any that is free"
-            )
-            raise InputError.at("--port", what, str(port)) from None
+            raise InputError(problem("explore_port", port=port)) from None

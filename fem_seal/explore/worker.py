@@ -292,28 +292,25 @@ class Answers:
     Parameters
     ----------
     session : Session
-    alone : bool
-        Whether there are no processes beside it; then nothing becomes complete.
     """
 
-    def __init__(self, session: Session, *, alone: bool = False) -> None:
+    def __init__(self, session: Session) -> None:
         self.session = session
         self._complete, self._pinned = Kept(_SCREENS), Kept(_SCREENS)
         self._written: dict[str, Written] = {}
         self._lock, self._answering = RLock(), RLock()
         self._newest: dict[str, int] = {}
-        self._news, self._waits = 0, False
+        # grows with everything that the page may be waiting for
+        self.news = 0
+        self._waits = False
         # until then the page makes what the case itself needs
         self._warm = False
-        session.waits = alone
+        session.waits = False
         # designs whose runs ended their process, and why; what the page says of it, and when it happened
         self._given_up: dict[tuple[tuple[str, str], ...], str] = {}
         self._lost, self._lost_at = "", 0.0
-        self._alone = alone
         self._ahead = Worker(session.given, make_ahead, self._told_ahead)
         self._runner = Worker(session.given, run_to_the_end, self._told)
-        if alone:
-            self.close()
 
     def answer(self, design: Mapping[str, str], page: str = "", number: int = 0) -> Screen | None:
         """What is shown of a design; None if the page has asked for a newer one.
@@ -353,19 +350,10 @@ class Answers:
         self._warm = True
         self._ahead.ask(Ask(design))
 
-    @property
-    def news(self) -> int:
-        """Grows with everything that the page may be waiting for."""
-        return self._news
-
     def is_newest(self, page: str, number: int) -> bool:
         """Whether a page has asked for nothing newer."""
         with self._lock:
             return number >= self._newest.get(page, 0)
-
-    def follows(self, design: Mapping[str, str]) -> bool:
-        """Whether a complete run of a design can follow."""
-        return not self._alone and not self.given_up(design)
 
     def given_up(self, design: Mapping[str, str]) -> str:
         """Why no complete run of a design follows; empty if one may."""
@@ -386,7 +374,7 @@ class Answers:
                 own = self.session.design({})
                 for name in self.session.needs(own):
                     self.session.make(name)
-                self._news += 1
+                self.news += 1
                 self.settle(own)
                 self._make_ahead(own)
             except WRONG:
@@ -397,7 +385,7 @@ class Answers:
     def settle(self, design: Mapping[str, str]) -> None:
         """Begin with the complete run of a design."""
         design = self.session.design(design)
-        if self.complete(design) is None and self.follows(design):
+        if self.complete(design) is None and not self.given_up(design):
             self._runner.ask(Ask(design))
 
     def complete(self, design: Mapping[str, str]) -> Screen | None:
@@ -408,8 +396,6 @@ class Answers:
     def report(self, design: Mapping[str, str], folder: Path) -> None:
         """Begin with the report of a design."""
         self._runner.ask(Ask(self.session.design(design), str(folder)))
-        if self._alone:
-            self._written[str(folder)] = Written(str(folder), "there are no complete runs here")
 
     def written(self, folder: Path) -> Written | None:
         """A report that was asked for, if it is there."""
@@ -434,7 +420,7 @@ class Answers:
             if isinstance(got, Written):
                 self._written[got.folder] = got
             elif isinstance(got, Screen):
-                self._news += 1
+                self.news += 1
                 name = _name(got.design)
                 self._complete.put(name, got)
                 self._given_up.pop(name, None)
@@ -449,7 +435,7 @@ class Answers:
     def _told_ahead(self, got: object) -> None:
         with self._lock:
             if isinstance(got, Made):
-                self._news += self._waits
+                self.news += self._waits
                 self.session.keep(got.name, got.what)
             elif isinstance(got, Lost):
                 self._say_lost(got)
@@ -457,7 +443,7 @@ class Answers:
     def _say_lost(self, lost: Lost) -> None:
         self._lost = lost_words(lost.code, bool(lost.again), bool(lost.left))
         self._lost_at = time.monotonic()
-        self._news += 1
+        self.news += 1
 
 
 def _name(design: Mapping[str, str]) -> tuple[tuple[str, str], ...]:

@@ -15,6 +15,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
+from fem_seal.case.words import sentence
 from fem_seal.errors import QuantityError
 from fem_seal.units import DIMENSIONS, parse_quantity
 
@@ -224,10 +225,8 @@ def _part(node: ast.expr, depth: int = 0) -> Part:
             raise ExpressionError(f"gives {node.func.id}() the wrong number of arguments")
         what, inside = FUNCTIONS[node.func.id], node.args
     else:
-        raise ExpressionError(
-            f"holds {type(node).__name__.lower()}, which is not allowed; allowed are + - * / **, names, numbers, "
-            f"quantities in quotes and {', '.join(FUNCTIONS)}"
-        )
+        what = type(node).__name__.lower()
+        raise ExpressionError(sentence("study_not_in_formulas", what=what, functions=", ".join(FUNCTIONS)))
     part = Part(what, tuple(_part(one, depth + 1) for one in inside), unit)
     if not part.names and math.isnan(part.number({})):
         raise ExpressionError(f"holds {ast.unparse(node):.60}, which is no finite number")

@@ -20,8 +20,9 @@ from uuid import uuid4
 import numpy as np
 
 from fem_seal.arrays import FloatArray
-from fem_seal.case.words import problem
+from fem_seal.case.words import problem, sentence
 from fem_seal.errors import ClusterError, InputError
+from fem_seal.files import own_tables
 from fem_seal.processes import usable_cores
 from fem_seal.studies.parameters import named
 from fem_seal.studies.store import Row
@@ -147,23 +148,7 @@ def local_client(workers: int) -> Iterator[Client]:
     import dask
     from dask.distributed import Client, LocalCluster
 
-    settings = {
-        # whoever was on a worker that died is tried again by itself, see `Cluster`
-        "distributed.scheduler.allowed-failures": 0,
-        "distributed.comm.timeouts.connect": "60s",
-        # a worker that is paused for its memory never goes on if nothing frees it; one that is killed has a successor
-        "distributed.worker.memory.pause": False,
-        "distributed.worker.memory.spill": False,
-        "distributed.worker.profile.enabled": False,
-        # by default dask looks fifty times a second whether its own loops still turn, in every process
-        "distributed.admin.tick.interval": "1s",
-        "distributed.admin.system-monitor.interval": "10s",
-        # dask makes workers give back memory at once, which costs a third of their time with arrays of this size
-        "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": 2**28,
-        "distributed.nanny.pre-spawn-environ.MALLOC_MMAP_THRESHOLD_": 2**28,
-        # the death of a worker is told in the table and not in the terminal
-        "logging.distributed": "error",
-    }
+    settings = {**own_tables("dask.toml")}
     if _WARM:
         settings["distributed.worker.multiprocessing-method"] = "forkserver"
     with dask.config.set(settings), ExitStack() as opened:
@@ -182,10 +167,7 @@ def local_client(workers: int) -> Iterator[Client]:
                     silence_logs=logging.CRITICAL,
                 )
             except RuntimeError as error:
-                raise ClusterError(
-                    f"the worker processes do not start ({error}). A script that runs a study needs "
-                    'if __name__ == "__main__": around it; workers = 0 calculates without them'
-                ) from None
+                raise ClusterError(sentence("study_no_workers", error=error)) from None
             client = opened.enter_context(Client(opened.enter_context(cluster)))
         yield client
 

@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Self
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from fem_seal.answers.judgement import Verdict
-from fem_seal.case.words import problem
+from fem_seal.case.words import problem, sentence
 from fem_seal.errors import InputError, OutputError
 from fem_seal.files import UnreadableFileError, check_file, parse_json
 from fem_seal.former_names import VERDICTS, in_present_words
@@ -154,10 +154,7 @@ class Store:
         except OSError:
             there = False
         if not there:
-            raise OutputError(
-                f"{self.path}: was deleted or moved while the study ran, which stops here. If the folder was moved, "
-                "--resume (resume=True) with its new place goes on"
-            )
+            raise OutputError(sentence("study_file_moved", path=self.path))
 
     def _describe(self, entries: Mapping[str, Any]) -> None:
         self._connection.executemany(
