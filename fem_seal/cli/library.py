@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from fem_seal.cli.options import Debug, argument, json_option, option
 from fem_seal.cli.terminal import cell, numbers_table, say, say_json, show
+from fem_seal.files import own_tables
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -43,10 +44,8 @@ def materials(
         _print_lines(library.material_lines(rows[0]))
     else:
         _print_table(*library.material_cells(rows), "condition", [row["condition"] for row in rows])
-        say(
-            f"Numbers at {temperature}. {library.ONE_CONDITION}",
-            "fem-seal materials NAME tells condition, source and tables over temperature of one; --json of all.",
-        )
+        more = own_tables("library.toml")["more_of_materials"]
+        say(f"Numbers at {temperature}. {library.ONE_CONDITION}", more)
 
 
 def fluids(
@@ -68,10 +67,7 @@ def fluids(
         _print_lines(library.fluid_lines(rows[0]))
     else:
         _print_table(*library.fluid_cells(rows), "source", [row["source"] for row in rows])
-        say(
-            f"Viscosity and density at {temperature}. fem-seal fluids NAME tells the source of one; --json of all. "
-            'A name "CoolProp:..." in a case takes any fluid of the optional package CoolProp.'
-        )
+        say(f"Viscosity and density at {temperature}. {own_tables('library.toml')['more_of_fluids']}")
 
 
 def _print_rows(rows: Sequence[dict[str, Any]], single: bool, as_json_text: bool) -> None:

@@ -106,16 +106,12 @@ def _show(found: LeakMap) -> None:
 
 def _left_out(found: LeakMap, whole: LeakMap) -> list[str]:
     from fem_seal.output.leak_map import CSV
+    from fem_seal.output.prose import said
 
     gaps = sum(one is None for row in found.validity for one in row)
     if not gaps:
         return []
     rows, columns = found.fluid_pressure.size, found.applied_force.size
-    kept = (
-        f"{whole.fluid_pressure.size} of {rows} pressures and {whole.applied_force.size} of {columns} forces"
-    )
-    return [
-        f"{gaps} of {rows * columns} points have no result, such as those at which the fluid opens the seal; the "
-        f"tables for simulation hold {kept}, which have no gaps, {CSV} all points",
-        *found.reasons[:1],
-    ]
+    kept = {"kept_rows": whole.fluid_pressure.size, "kept_columns": whole.applied_force.size, "csv": CSV}
+    sizes = {"gaps": gaps, "points": rows * columns, "rows": rows, "columns": columns}
+    return [said("leak_map.files", "gaps", **sizes, **kept), *found.reasons[:1]]

@@ -358,11 +358,10 @@ def sensitivities(designs: Designs) -> list[Sensitivity]:
     A. Saltelli et al., Comput. Phys. Commun. 181, 259 (2010); M. D. Morris, Technometrics 33, 161 (1991); J. Herman,
     W. Usher, J. Open Source Softw. 2, 97 (2017).
     """
-    about = designs.about
-    if about["design"]["kind"] not in SENSITIVITY or about["design"]["optimise"]:
+    if designs.kind not in SENSITIVITY:
         return []
-    names = tuple(one["name"] for one in about["parameters"])
-    design = Design(**{key: value for key, value in about["design"].items() if key != "optimise"})
+    names = tuple(designs.parameters)
+    design = Design(**{key: value for key, value in designs.about["design"].items() if key != "optimise"})
     unit = unit_points(design, len(names))
     table = designs.table
     if len(table) != len(unit) or not (table["status"] == "done").all():

@@ -89,7 +89,7 @@ def optimise(
             keys = [recipe.key(_point(trial, space)) for trial in proposed]
             finished = [key for key, trial in zip(keys, proposed, strict=True) if trial.state.is_finished()]
         if not set(finished) <= store.known(finished):
-            raise _another_search()
+            raise InputError(problem("study_another_search"))
         store.set_design(keys, **about)
         progress.begin(settings.trials, len(finished))
         try:
@@ -185,7 +185,7 @@ def _search(
         ]
     )
     if asked_before not in (None, asked):
-        raise _another_search()
+        raise InputError(problem("study_another_search"))
     search.set_user_attr("asked", asked)
     return search
 
@@ -202,10 +202,6 @@ def _readable(store: Store) -> Iterator[None]:
         raise
     except Exception as error:
         raise damaged(store.path, f"the search cannot be read: {error}") from error
-
-
-def _another_search() -> InputError:
-    return InputError(problem("study_another_search"))
 
 
 def _sampler(seed: int, number: int) -> TPESampler:

@@ -147,11 +147,7 @@ def _csv(designs: Designs, path: Path) -> Path:
 
 
 def _parquet(designs: Designs, path: Path) -> Path:
-    import io
-
-    buffer = io.BytesIO()
-    designs.table.to_parquet(buffer, engine="pyarrow")
-    return write_bytes(path, buffer.getvalue())
+    return write_bytes(path, designs.table.to_parquet(engine="pyarrow"))
 
 
 def _netcdf(designs: Designs, path: Path) -> Path:
