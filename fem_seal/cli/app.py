@@ -17,7 +17,7 @@ import typer
 from typer.core import TyperCommand
 
 import fem_seal
-from fem_seal.case.words import problem
+from fem_seal.case.words import problem, sentence
 from fem_seal.cli.explore import explore
 from fem_seal.cli.library import fluids, materials
 from fem_seal.cli.new import new
@@ -375,9 +375,7 @@ def _remarks(case: Case) -> list[str]:
     if case.roughness is not None:
         remarks.extend(case.roughness.remarks())
     if case.form is not None:
-        remarks.append(
-            "[form]: what follows is that of the round seal; `fem-seal run` calculates the form error"
-        )
+        remarks.append(sentence("check_of_round_seal"))
         remarks.extend(case.form.without_effect(case.contact.angle))
     problem = SealProblem.of(case)
     remarks.extend(problem.beside)
