@@ -83,13 +83,14 @@ def run(
     if variants:
         case = case.replace({"leak.variants": True})
     folder = _results_folder(output, case)
+    from fem_seal import result as seal_result
     from fem_seal.answers.leakage_class import volume_of
     from fem_seal.output import files
     from fem_seal.output.folders import alone
     from fem_seal.output.tables import leak_rows
 
     with alone(folder), _progress(quiet) as progress:
-        result = fem_seal.run(case, progress=progress, levers=levers)
+        result = seal_result.run(case, progress=progress, levers=levers)
         progress("writing results")
         failures = files.write(result, folder)
     warnings = (*result.warnings, *failures)
@@ -235,6 +236,7 @@ def direct(
     debug: Debug = False,
 ) -> None:
     """Simulate rough contact and flow of a case's surface directly, beside the theory; an interrupted run goes on."""
+    from fem_seal import result as seal_result
     from fem_seal.output import direct as samples
     from fem_seal.output.folders import alone
 
@@ -244,7 +246,7 @@ def direct(
     processes = jobs or os.cpu_count() or 1
     with alone(folder), _progress(quiet) as progress:
         if seal:
-            strips = fem_seal.direct_seal(case, folder=folder, jobs=processes, progress=progress)
+            strips = seal_result.direct_seal(case, folder=folder, jobs=processes, progress=progress)
             progress("drawing")
             samples.write_direct_seal(strips, folder)
             numbers: dict[str, Any] = {"strips": samples.seal_rows(strips)}
@@ -252,7 +254,7 @@ def direct(
             lines, shown = samples.seal_lines(strips), samples.shown_seal_rows(strips)
         else:
             viscosity = None if case.fluid is None or case.fluid.gas is not None else case.fluid.viscosity
-            table = fem_seal.direct(case, folder=folder, jobs=processes, progress=progress)
+            table = seal_result.direct(case, folder=folder, jobs=processes, progress=progress)
             progress("drawing")
             samples.write_direct(table, folder, viscosity)
             rows = samples.direct_rows(table, viscosity)
