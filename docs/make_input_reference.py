@@ -186,7 +186,7 @@ def _allowed(table: type[Table], key: str, field: FieldInfo) -> str:
         if isinstance(marker, (Quantity, Number, Place)):
             return marker.range
         if isinstance(marker, Pressures):
-            return marker.pressure.range
+            return marker.one.range
     return ""
 
 

@@ -17,6 +17,7 @@ from fem_seal.answers.form import Allowed, _limit
 from fem_seal.contact.newton import solve
 from fem_seal.output.answers.form import around_in_words, form_in_words, least_loaded, turn_that_leaks
 from fem_seal.output.pictures import around as drawn
+from fem_seal.output.pictures import style as pictures
 from fem_seal.output.pictures.style import style
 from fem_seal.output.report.page import report
 from leak import Reading
@@ -29,8 +30,8 @@ MAKERS = (drawn.unrolled_picture, drawn.line_load_picture, drawn.leak_around_pic
 def figures(monkeypatch):
     """The figures themselves, as they go into the page."""
     seen = []
-    made = drawn.svg
-    monkeypatch.setattr(drawn, "svg", lambda figure: (seen.append(figure), made(figure))[1])
+    made = pictures.svg
+    monkeypatch.setattr(pictures, "svg", lambda figure: (seen.append(figure), made(figure))[1])
     with style():
         yield seen
 

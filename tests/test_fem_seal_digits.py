@@ -30,7 +30,7 @@ from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.findings import Caution, Level, Validity
 from fem_seal.seal.load_result import DiscretisationError
 from fem_seal.seal.problem import SealProblem
-from fem_seal.units import digits_beside, digits_within, quantity_worth, rounded, worth
+from fem_seal.units import LIQUID, digits_beside, digits_within, quantity_worth, rounded, worth
 from fem_seal.validity.checks import contact_cautions
 
 ERRORS = st.floats(1e-6, 2.0)
@@ -82,7 +82,7 @@ def all_words(result) -> str:
             *(f"{one.text}; {one.reason}" for one in cautions),
             *(" | ".join(row) for row in variant_table(result).rows),
             *(one.in_brief for one in result.loads),
-            *(leak_words(shown_load(case, one)) for one in result.loads),
+            *(leak_words(shown_load(one, case), LIQUID) for one in result.loads),
             drawn.caption,
         )
     )

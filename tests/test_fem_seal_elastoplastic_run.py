@@ -7,7 +7,6 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
-from types import ModuleType
 
 import numpy as np
 import pandas as pd
@@ -241,10 +240,10 @@ def proof(case_file: Path) -> SealResult:
     return fem_seal.run(load_case(case_file).replace(ROUGH, load=loads))
 
 
-def drawn(monkeypatch: pytest.MonkeyPatch, module: ModuleType, picture: Callable[[], object]) -> Figure:
+def drawn(monkeypatch: pytest.MonkeyPatch, picture: Callable[[], object]) -> Figure:
     """The figure behind a picture."""
     figures: list[Figure] = []
-    monkeypatch.setattr(module, "svg", lambda figure: figures.append(figure) or b"")
+    monkeypatch.setattr("fem_seal.output.pictures.style.svg", lambda figure: figures.append(figure) or b"")
     with style():
         picture()
     (figure,) = figures
@@ -283,14 +282,14 @@ def test_the_headline_says_what_leaks_after_the_highest_load(proof: SealResult, 
 
 def test_pictures_follow_the_path(proof: SealResult, monkeypatch: pytest.MonkeyPatch) -> None:
     sizes = profile_sizes(proof, derive(proof.case))
-    figure = drawn(monkeypatch, pictures_contact, lambda: pictures_contact.size_picture(proof, sizes))
+    figure = drawn(monkeypatch, lambda: pictures_contact.size_picture(proof, sizes))
     for axes in figure.axes:
         (line,) = [line for line in axes.lines if line.get_label() == "calculated"]
         assert line.get_linestyle() == "-"
         assert np.asarray(line.get_xdata()).tolist() == [50, 300, 50]
     width = [text.get_text() for text in figure.axes[1].texts]
     assert width == ["1", "2", "3"]
-    figure = drawn(monkeypatch, pictures_leak, lambda: pictures_leak.leak_picture(proof))
+    figure = drawn(monkeypatch, lambda: pictures_leak.leak_picture(proof))
     assert "".join(text.get_text() for text in figure.axes[0].texts).count("3") == 1
 
 
@@ -302,7 +301,7 @@ def test_profiles_of_a_path_are_told_apart(proof: SealResult, monkeypatch: pytes
         (lambda: pictures_contact.profile_picture(proof, derived), [p.pressure / 1e6 for p in profiles]),
         (lambda: pictures_contact.gap_picture(proof), [p.gap / 1e-6 for p in profiles]),
     ):
-        axes = drawn(monkeypatch, pictures_contact, picture).axes[0]
+        axes = drawn(monkeypatch, picture).axes[0]
         legend = axes.get_legend()
         assert legend is not None and [text.get_text() for text in legend.get_texts()] == names
         for line, y in zip(axes.lines, values, strict=True):
@@ -319,7 +318,7 @@ def test_plastic_strain_is_drawn_whole_with_a_readable_scale(
     less = replace(state, plastic=replace(state.plastic, accumulated=share * state.plastic.accumulated))
     unloaded = replace(proof.unloaded, states={"seat": less})
     weaker = replace(proof, unloaded=unloaded)
-    figure = drawn(monkeypatch, pictures_fields, lambda: pictures_fields.imprint_picture(weaker))
+    figure = drawn(monkeypatch, lambda: pictures_fields.imprint_picture(weaker))
     FigureCanvasAgg(figure).draw()
     _, view, scale = figure.axes
     field = unloaded.fields["seat"]

@@ -25,7 +25,7 @@ from fem_seal.output.summary import summary
 from fem_seal.output.tables import leak_rows
 from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.findings import Caution, Level, Validity
-from fem_seal.units import leak_range_text, range_text, worth
+from fem_seal.units import LIQUID, leak_range_text, range_text, worth
 from leak import Reading, millilitres_per_minute
 
 LOW, HIGH = "leak_rate_low_m3_per_s", "leak_rate_high_m3_per_s"
@@ -87,7 +87,7 @@ def test_every_place_tells_the_same_ends(name, factor, level, limit):
     rate = shown[0] if as_one else widest
     assert tile.value == leak_range_text(rate, load.leak_digits, claimed=claimed)
     if apart:
-        assert leak_words(shown_load(result.case, load)) == tile.value
+        assert leak_words(shown_load(load, result.case), LIQUID) == tile.value
     if claimed:
         others = [end for one in ends for end in one] if not as_one else []
         assert f"{leak_range_text(rate, load.leak_digits, beside=others)} at " in headline(result)

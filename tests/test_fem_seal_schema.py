@@ -192,7 +192,7 @@ def test_every_key_has_its_meaning_and_every_meaning_its_key():
     import fem_seal.studies.tables  # noqa: F401
 
     tables = {one.__name__: one for one in every_subclass(Table) if one.__module__.startswith("fem_seal")}
-    told = own_tables("keys.toml")
+    told = dict(own_tables("keys.toml"))
     assert set(told.pop("shapes")) == {name for name, table in tables.items() if table.__doc__ is None}
     assert set(told) <= set(tables)
     for name, entries in told.items():

@@ -129,16 +129,12 @@ def test_a_time_limit_counts_the_turns_of_a_block_alone():
     assert not told["quick"].is_set()
 
 
-def test_cubics_are_the_same_by_place_and_by_cell():
+def test_quadrature_covers_each_cell_of_a_contact():
     from leak.flow.contact_profile import ContactProfile
 
     x = np.cumsum(np.random.default_rng(1).uniform(1e-6, 4e-6, 60))
     p = 5e7 * np.exp(-((x - x.mean()) ** 2) / (2 * 3e-5**2)) * (1 + 0.05 * np.sin(3e5 * x))
     profile = ContactProfile.through(x, p, np.full_like(x, 0.014))
-    (patch,) = profile.patches
-    t = np.linspace(0.0, 1.0, 7)
-    places = x[:-1, None] + np.diff(x)[:, None] * t
-    assert patch.in_cells(t) == pytest.approx(profile.log_pressure(places), rel=1e-12)
     # all of the contact: f = 2 pi r is the length
     asked, weight, begin = profile.quadrature
     cells = np.add.reduceat(weight * 2 * math.pi * 0.014, begin)[1:-1]

@@ -269,8 +269,9 @@ def test_a_file_that_cannot_be_written_is_named(tmp_path: Path):
 
 
 def test_every_sentence_of_the_report_is_asked_for_and_every_one_asked_for_is_there():
-    output = Path(fem_seal.__file__).parent / "output"
-    code = "\n".join(path.read_text("utf-8") for path in output.rglob("*.py"))
+    package = Path(fem_seal.__file__).parent
+    rooms = ("output", "cli")
+    code = "\n".join(path.read_text("utf-8") for room in rooms for path in (package / room).rglob("*.py"))
     kinds = (
         "captions",
         "notes",
