@@ -40,8 +40,7 @@ def main() -> int:
     except KeyboardInterrupt:
         return 130
     finally:
-        # At its end Python looks for circles in all that there is, which takes a tenth of a run; the memory goes with
-        # the process anyway.
+        # Skip the final garbage collection, a tenth of a run: the memory goes with the process.
         gc.freeze()
 
 

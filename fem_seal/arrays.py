@@ -1,4 +1,4 @@
-"""Arrays as they are annotated."""
+"""Types of arrays for annotations."""
 
 from __future__ import annotations
 

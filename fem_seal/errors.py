@@ -1,4 +1,4 @@
-"""Everything that can go wrong in fem_seal, in one tree."""
+"""The exceptions of fem_seal, in one tree."""
 
 from __future__ import annotations
 

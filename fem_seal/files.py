@@ -1,4 +1,4 @@
-"""Files: written in full or not at all, TOML and text tables read with words for what is wrong.
+"""Atomic writing of files; reading of TOML and text tables with clear errors.
 
 A pipe that nobody writes to would be waited for without end, and a device such as /dev/zero never ends.
 """

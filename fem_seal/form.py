@@ -1,4 +1,4 @@
-"""What a seal's form error does to the gap around the axis: waves, and the scratches that cross the seat."""
+"""Form error of a seal: harmonics of the gap around the axis, and scratches across the seat."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Names of before the first release: they still work, and the present ones are said, each once.
+"""Deprecated names: they still work and warn once with the present name.
 
 Keys and columns are put in present words where they come in, so that nothing behind knows the former ones.
 """

@@ -1,4 +1,4 @@
-"""Text from outside as it may be printed: nothing in it that a terminal would obey."""
+"""Remove control characters from text of the user."""
 
 from __future__ import annotations
 

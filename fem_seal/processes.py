@@ -1,4 +1,4 @@
-"""Processes: copies of this one on several cores, one BLAS thread, memory given back."""
+"""Forked processes, a single BLAS thread, memory returned to the system."""
 
 from __future__ import annotations
 
@@ -78,11 +78,10 @@ _MOST = 8
 
 
 def can_copy() -> bool:
-    """Whether copies of this process are safe, and their cores not another's.
+    """Whether this process may be forked, and has the cores for it.
 
-    On macOS and Windows they are not; where other threads run, a copy may wait for ever for what one of them held, but
-    for the one that turns the wheel on a terminal, which holds nothing that a copy wants; and a process that another
-    one has started shares the cores with others of its kind.
+    Not on macOS and Windows. Not beside other threads, whose locks a fork could wait for without end, except the
+    progress spinner's thread. Not in a worker, which shares the cores with other workers.
     """
     if sys.platform != "linux" or any(_calculates(one) for one in threading.enumerate()):
         return False

@@ -1,4 +1,4 @@
-"""What a case gives: `run` solves it, `direct` simulates its surface, a `SealResult` has table and files."""
+"""`run` solves a case, `direct` simulates its surface; a `SealResult` has tables and files."""
 
 from __future__ import annotations
 
@@ -214,7 +214,7 @@ def run(
     case : Case, path or mapping
         Itself, its file or its tables, as `load_case` takes them.
     progress : callable, optional
-        Told in words what is being done.
+        Called with a status message before each step.
     levers : bool, optional
         Whether to look for what changes the leak rate most; with a requirement unless given, not where a body yields:
         there it takes as long as a dozen paths of loads.

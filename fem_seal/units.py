@@ -1,4 +1,4 @@
-"""Units: from the texts of a case file to SI, and from SI to numbers as an engineer reads them.
+"""Units: quantities of a case file to SI, and SI values to text.
 
 Units exist at the border only; everything behind it is SI.
 """

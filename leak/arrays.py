@@ -1,4 +1,4 @@
-"""Arrays as they are annotated and checked, and what numpy does with them only after further imports."""
+"""Types and checks of arrays."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Packages that only some tasks need: which of them are missing, and how to install them here."""
+"""Optional packages: which are missing, and the command that installs them."""
 
 from __future__ import annotations
 

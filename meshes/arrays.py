@@ -1,4 +1,4 @@
-"""Arrays as they are annotated, and what numpy does with them only after further imports."""
+"""Types of arrays for annotations."""
 
 from __future__ import annotations
 

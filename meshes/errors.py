@@ -1,4 +1,4 @@
-"""Everything that can go wrong while a geometry or a mesh is made."""
+"""The exceptions of meshes."""
 
 
 def mm(length: float) -> str:

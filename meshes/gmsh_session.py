@@ -1,4 +1,4 @@
-"""The one place that owns gmsh's global state."""
+"""Context manager for gmsh's global state."""
 
 from __future__ import annotations
 

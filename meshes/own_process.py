@@ -1,4 +1,4 @@
-"""A function called in a process of its own: it may hang, crash or print, and this one goes on."""
+"""Call a function in a subprocess with a time limit; it may hang or crash without harm."""
 
 from __future__ import annotations
 

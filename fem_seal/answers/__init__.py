@@ -1,1 +1,1 @@
-"""What is asked of a solved seal: accuracy, target, opening, form, particles, intervals, verdict."""
+"""Answers about a solved seal: accuracy, target, opening, form, particles, intervals, verdict."""

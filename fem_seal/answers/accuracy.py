@@ -1,4 +1,4 @@
-"""How far a load can be trusted: the same load on larger elements, and with another far field."""
+"""Discretisation error and far-field error: each load solved again on coarser elements and on larger bodies."""
 
 from __future__ import annotations
 

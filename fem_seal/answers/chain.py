@@ -95,7 +95,7 @@ def solve(
     ----------
     case : Case
     progress : callable, optional
-        Told in words what is being done.
+        Called with a status message before each step.
     wanted : Wanted
     answers : sequence of Answer, optional
         In their order; all of them unless given.

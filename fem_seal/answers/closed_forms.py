@@ -1,4 +1,4 @@
-"""What closed forms say: before anything is solved, and beside what was calculated."""
+"""Closed forms (Hertz, crossover, blow-off): printed by `check`, compared with the solution by `run`."""
 
 from __future__ import annotations
 

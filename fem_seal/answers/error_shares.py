@@ -1,4 +1,4 @@
-"""What makes the interval of a leak rate as wide as it is: the share of each source in its width."""
+"""Share of each source of uncertainty in the width of the leak rate's interval."""
 
 from __future__ import annotations
 

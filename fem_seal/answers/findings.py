@@ -1,4 +1,4 @@
-"""How far each load can be trusted, and everything to know before believing the result."""
+"""Validity of each load, and all findings, worst first."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a form error means: how much it may be, what hurts most, and the force that closes the seal all around."""
+"""Answers about the form error: its largest allowed size, its worst wave, the force that closes the seal all around."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is said of a leak rate that has a limit: pass, fail, or nobody can tell."""
+"""Outcome of a leak rate beside its limit: pass, fail or inconclusive."""
 
 from __future__ import annotations
 

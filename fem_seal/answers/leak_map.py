@@ -158,7 +158,7 @@ def leak_map(
     applied_force : sequence of float, optional
         [N]; those of the case unless given.
     progress : callable, optional
-        Told in words what is being done.
+        Called with a status message before each step.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""What particles in the fluid do to a leak: which gaps stop them, what still leaks, how fast it clogs. An estimate."""
+"""Estimate for particles in the fluid: which gaps stop them, what still leaks, how fast the leak clogs."""
 
 from __future__ import annotations
 

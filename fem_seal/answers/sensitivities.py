@@ -1,4 +1,4 @@
-"""What a designer can turn, and what it does to the leak rate: one load solved again with one thing changed.
+"""Sensitivities of the leak rate: one load solved again with one dimension, material or roughness changed.
 
 Each lever is a finite step, in the direction in which less leaks (of a dimension: upwards), and its local exponent
 d ln Q / d ln x. Contacts start from the one that is known; a change of surface takes its own interface law and a short

@@ -1,4 +1,4 @@
-"""Leak rate with an interval: what uncertain inputs do to it, by quasi-Monte Carlo."""
+"""Interval of the leak rate from uncertain inputs, by quasi-Monte Carlo."""
 
 from __future__ import annotations
 
@@ -193,7 +193,7 @@ def leak_interval(
     settings : Uncertainty, optional
         Instead of the case's own table [uncertainty].
     progress : callable, optional
-        Told in words what is being done.
+        Called with a status message before each step.
 
     Returns
     -------

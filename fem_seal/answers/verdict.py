@@ -1,4 +1,4 @@
-"""Whether a seal keeps what is required of it: each load against its limits, and all of them together."""
+"""Verdict on the requirement: each load against its limits, and all loads together."""
 
 from __future__ import annotations
 

@@ -62,7 +62,7 @@ def forces_for_verdict(
         The same seal under one fluid pressure [Pa] and applied force [N] alone, as a run of such a case gives it: with
         validity, mesh error and samples.
     progress : callable
-        Told in words what is being tried.
+        Called with a status message before each trial.
 
     Notes
     -----

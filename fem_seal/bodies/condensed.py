@@ -1,4 +1,4 @@
-"""A body seen from its contact line: what it answers to any pressure on it.
+"""A body condensed on its contact line: its compliance under any contact pressure.
 
 The pressure acts at quadrature points of the contact line along the contact normal n; the same point forces,
 with opposite sign, act on both bodies. A body answers with the normal displacement of its quadratic trace, so

@@ -1,4 +1,4 @@
-"""A body condensed part by part; of one that yields only the parts in which it yields are condensed anew."""
+"""A body condensed by nested dissection; where it yields, only the parts that yield are condensed again."""
 
 from __future__ import annotations
 
@@ -141,7 +141,7 @@ class DissectedBody:
 
     @cached_property
     def _last(self) -> tuple[NDArray[np.int64], csr_matrix]:
-        """Rows that are left to the last, and what a force on each contact node along its normal is to them."""
+        """Rows eliminated last, and the projection of nodal forces on the contact normals."""
         rows, normal = self.held.free_rows[self.held.contact_dofs], self.held.normal
         node = np.flatnonzero(self._turned)
         parts = [(rows[0, node], node, np.ones(len(node)))]

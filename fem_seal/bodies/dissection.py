@@ -1,4 +1,4 @@
-"""Stiffness of a body condensed part by part, so that what has not changed need not be condensed again.
+"""Nested dissection: Schur complements of the parts of a body, reused where the stiffness has not changed.
 
 The elements are halved again and again (nested dissection: George, SIAM J. Numer. Anal. 10, 345 (1973)). From the
 smallest parts on, each part eliminates the unknowns that no other part shares, and hands the stiffness of its boundary

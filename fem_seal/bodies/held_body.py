@@ -1,4 +1,4 @@
-"""A body as a contact sees it: where it is touched, how it is held, and what else can load it."""
+"""A constrained body: its contact line, its supports, and its other loads."""
 
 from __future__ import annotations
 

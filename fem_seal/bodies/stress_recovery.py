@@ -1,4 +1,4 @@
-"""Stress of an elastic body at its nodes, better than that of the triangles around them.
+"""Stress of an elastic body at its nodes, recovered from patches of triangles (Zienkiewicz and Zhu).
 
 The strain of quadratic triangles is best inside them, and at their corners too large or too small by the same on all
 sides, so that no mean over the triangles around a node heals it. Here a quadratic function is fitted to the strains

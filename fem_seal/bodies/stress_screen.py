@@ -1,4 +1,4 @@
-"""How high the stress of a body may be at most under a contact pressure, for a hundredth of what its field takes."""
+"""Upper bound on the stress of a body under a contact pressure, at a hundredth of the cost of its field."""
 
 from __future__ import annotations
 

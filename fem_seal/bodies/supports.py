@@ -1,4 +1,4 @@
-"""How a body is held."""
+"""Supports of a body."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""What stands in a case file: tables with their checks, no solver and no words for people."""
+"""Tables of the case file with their checks; no solver."""

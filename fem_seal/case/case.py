@@ -87,7 +87,7 @@ class Case(CaseTables):
             for name in ("closure", "seat")
         ]
         for name, table in {**told, **self.bodies_at(*warm)}.items():
-            # the only way into a frozen model, which is not handed out yet
+            # set during construction, before the model is shared
             object.__setattr__(self, name, table)
         contradicting = [as_written(problem, tables) for problem in contradictions(self)]
         if contradicting:

@@ -1,4 +1,4 @@
-"""What each table cannot know alone: contradictions between the tables of a case."""
+"""Checks across tables: contradictions between the tables of a case."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The words of a drawing: a diameter beside every radius of a body, the included angle of a cone beside its own angle.
+"""Drawing keys: a diameter for every radius of a body, the included angle for the angle of a cone.
 
 They belong to the text of a case file. Behind it there are radii and angles only.
 """

@@ -1,4 +1,4 @@
-"""The table [form] of the case file: what closure and seat are beside the round shape that is drawn."""
+"""The table [form] of the case file: deviations of closure and seat from roundness."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Pressures above that of the atmosphere and above vacuum, as data sheets write them: barg, psig, bara, psia.
+"""Gauge and absolute pressures as data sheets write them: barg, psig, bara, psia.
 
 A case has pressure differences across the seal, and one absolute pressure, that at the outlet of a gas.
 """

@@ -1,4 +1,4 @@
-"""Which loads of a case cannot be calculated: they leave the seal open, or are more than the faces can carry."""
+"""Loads that cannot be calculated: they leave the seal open, or the faces cannot carry them."""
 
 from __future__ import annotations
 

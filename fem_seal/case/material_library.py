@@ -1,4 +1,4 @@
-"""Materials by their name: numbers with source and condition from templates/materials.toml, and words for them."""
+"""Library of materials: properties with source and condition from templates/materials.toml, and their aliases."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From the errors of the validation to messages for the person who wrote the case file."""
+"""Validation errors of pydantic as messages with key, value and remedy."""
 
 from __future__ import annotations
 

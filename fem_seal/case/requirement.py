@@ -1,4 +1,4 @@
-"""The table [requirement]: what the seal must keep, for the verdict of a run."""
+"""The table [requirement] of the case file: allowed leak rate or leakage class."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""JSON Schema of a case file: what the models say, put so that an editor gives one clear message for one slip.
+"""JSON Schema of the case file, arranged so that an editor gives one message for one mistake.
 
 The models are the only source. Where several forms of a table are possible, pydantic lists them as alternatives, and an
 editor then says of one misspelt word that none of them fits, once for every key in the table. Here the word that tells

@@ -1,4 +1,4 @@
-"""Bare numbers in code are SI: they get their unit before they are read like the texts of a case file."""
+"""Bare SI numbers from Python code, given their unit before validation."""
 
 from __future__ import annotations
 

@@ -70,7 +70,7 @@ class Load(Table):
     @model_validator(mode="after")
     def _one_pressure_under_all_forces(self) -> Load:
         if isinstance(self.applied_force, tuple) and len(self.fluid_pressure) == 1:
-            # the only way into a frozen model, which is not handed out yet
+            # set during construction, before the model is shared
             object.__setattr__(self, "fluid_pressure", self.fluid_pressure * len(self.applied_force))
         return self
 

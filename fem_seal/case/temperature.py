@@ -1,4 +1,4 @@
-"""The table [temperature] of the case file: how warm the bodies are, and where the drawing's dimensions hold."""
+"""The table [temperature] of the case file: temperatures of the bodies, and of the drawing."""
 
 from __future__ import annotations
 

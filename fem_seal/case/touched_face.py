@@ -1,4 +1,4 @@
-"""Whether closure and seat touch on the faces that their shapes are named after."""
+"""Check that closure and seat touch on their named faces."""
 
 from __future__ import annotations
 

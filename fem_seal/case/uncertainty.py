@@ -1,4 +1,4 @@
-"""The table [uncertainty] of the case file: which inputs are not known exactly, and how well they are known."""
+"""The table [uncertainty] of the case file: uncertain inputs and their distributions."""
 
 from __future__ import annotations
 

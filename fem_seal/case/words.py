@@ -1,4 +1,4 @@
-"""What is wrong with a case, and what is to be known of it, in the words of templates/problems.toml."""
+"""Texts of errors and remarks about a case, from templates/problems.toml."""
 
 from __future__ import annotations
 

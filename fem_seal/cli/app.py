@@ -1,4 +1,4 @@
-"""The command line: read, call, show. Everything heavy is imported by the command that needs it."""
+"""The command line. Each command imports heavy packages itself."""
 
 from __future__ import annotations
 

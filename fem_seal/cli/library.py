@@ -1,4 +1,4 @@
-"""The commands `fem-seal materials` and `fem-seal fluids`: what the libraries hold."""
+"""The commands `fem-seal materials` and `fem-seal fluids`: lists of the libraries."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Start of the command line: modules that other libraries load and no command uses wait until something asks for them.
+"""Shorten the start of a command: modules that other libraries load and no command uses are imported lazily.
 
 For `fem_seal.__main__` alone. Where fem_seal is a library, all modules are loaded as always.
 """

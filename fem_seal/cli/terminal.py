@@ -1,4 +1,4 @@
-"""What the commands print: every line of it passes here, and none moves a cursor or sets a colour but by this file."""
+"""Terminal output: all lines of the commands pass here and are stripped of control characters."""
 
 from __future__ import annotations
 

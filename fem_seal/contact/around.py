@@ -1,4 +1,4 @@
-"""Line load around the axis of a seal whose gap waves along it.
+"""Line load around the axis of a seal with form error.
 
 As long as the waves are long against the contact's width, every place of the circumference is in the axisymmetric
 contact of its own line load f(phi), and the bodies even out what they can:

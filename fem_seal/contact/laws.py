@@ -1,4 +1,4 @@
-"""What a contact can be solved with: a compliant interface law, or hard contact."""
+"""Interface laws of a contact: compliant, or hard."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The axisymmetric contact at any line load, as each place of a seal that is not round feels it.
+"""The axisymmetric contact as a function of line load, for each angle of a seal that is not round.
 
 It is solved at a ladder of line loads, as far up and down as is asked for, and interpolated over ln f between them. Far
 below the mean a rough contact only fades: its pressure keeps its shape and its approach falls by a constant for each

@@ -1,4 +1,4 @@
-"""Both bodies condensed on the contact line: factorise once, then every load is a small dense problem.
+"""Both bodies condensed on the contact line: factorised once, then each load is a small dense problem.
 
 The pressure acts at quadrature points of the contact line along the contact normal n; the same point forces,
 with opposite sign, act on both bodies. A body answers with the normal displacement of its quadratic trace, so

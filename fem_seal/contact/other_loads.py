@@ -1,4 +1,4 @@
-"""What acts on the bodies besides the solid contact: fluid on wetted surfaces and in the gap, a press fit, heat."""
+"""Loads of the bodies besides the contact: fluid on wetted surfaces and in the gap, press fit, thermal strain."""
 
 from __future__ import annotations
 

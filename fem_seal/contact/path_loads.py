@@ -1,4 +1,4 @@
-"""What acts on a seal with yielding bodies at one place of its path: a given force, or a spring and a fluid."""
+"""Load on the path of a seal with yielding bodies: a given force, or a spring and a fluid."""
 
 from __future__ import annotations
 

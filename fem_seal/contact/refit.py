@@ -1,4 +1,4 @@
-"""Whether the mesh suits the contact that was found on it; if not, a better one."""
+"""Mesh adaptation: a new sizing where the mesh does not fit the contact found on it."""
 
 from __future__ import annotations
 
@@ -143,7 +143,7 @@ def better_sizing(
 
 
 def rounded(sizing: Sizing, contact: ContactGeometry, *, size_given: bool = False) -> Sizing:
-    """A sizing that round-off leaves as it is; edges and ends of the faces stay where they are.
+    """Round the sizing so that it is independent of floating-point noise; edges and ends of the faces stay.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""How wide the contact will be, and from it the contact zone and the element sizes."""
+"""Estimate of the contact width; contact zone and element sizes from it."""
 
 from __future__ import annotations
 

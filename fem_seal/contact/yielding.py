@@ -1,4 +1,4 @@
-"""Where a body yields or, solved as elastic, passes its yield stress: how far and how deep."""
+"""Extent and depth of the yielded zone, or of the zone above yield of an elastic solution."""
 
 from __future__ import annotations
 

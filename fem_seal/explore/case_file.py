@@ -1,4 +1,4 @@
-"""A case as a file: what `fem-seal run` reads, written from the tables of a case."""
+"""Write the tables of a case as a TOML file."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What can be moved on the page for a case: its loads, its surfaces, its hardness, its dimensions and its fluid.
+"""Sliders and choices of the page: loads, roughness, hardness, dimensions, fluid.
 
 A slider goes over texts as they would stand in the case file, "20.5 bar", so that a file that is written has the very
 numbers of the screen.

@@ -1,4 +1,4 @@
-"""Who may ask the page, and how it refuses: one line, never a traceback.
+"""Access to the page: token and origin checked; refusals are one line.
 
 Every process of this machine can reach 127.0.0.1, and so can every site that is open in a browser. The page answers
 who has its token: it stands in the address that the command prints, and the browser keeps a cookie for it.

@@ -1,4 +1,4 @@
-"""From the sliders to what is shown, in the time that a hand takes to move on.
+"""Evaluation of the sliders' design, fast enough to follow a hand.
 
 A design is a few texts, "20.5 bar", in place of those of the case. What it shows depends on it alone, never on the
 designs before it; what they share is kept: condensed bodies of the last geometries, and flow conductivities of one

@@ -1,4 +1,4 @@
-"""What the page shows of a design, as plain numbers: the same of a live answer and of a complete run."""
+"""Numbers shown for a design, the same for a live answer and for a complete run."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Processes beside the page: one makes ahead what the next move of a slider will need, one runs cases to the end.
+"""Worker processes of the page: one prepares the next moves of the sliders, one runs complete cases.
 
 They only see the newest design: what was asked before it and has not begun is dropped, and a run is left at its next
 step. Both end with the page; one that ends before it (killed, out of memory) is replaced, and what it was doing is done

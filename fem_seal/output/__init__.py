@@ -1,1 +1,1 @@
-"""From numbers to files and words: columns, tables, pictures, the report."""
+"""Results as files and words: columns, tables, pictures, report."""

@@ -1,4 +1,4 @@
-"""Numbers that follow from a case without solving it."""
+"""Closed-form numbers of a case, without solving it."""
 
 from __future__ import annotations
 

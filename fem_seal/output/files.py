@@ -68,7 +68,7 @@ def _vtk(result: SealSolution, folder: Path) -> None:
     write_unloaded(result, folder)
 
 
-# Files besides those of contact and leak: one that cannot be made costs none of the others.
+# Optional files: a failure becomes a warning.
 _FILES: dict[str, Callable[[SealSolution, Path], object]] = {
     "mesh.msh": lambda result, folder: result.seal_mesh.write(folder / "mesh.msh"),
     "VTK files": _vtk,

@@ -1,4 +1,4 @@
-"""What the report says at length: definitions, captions, notes and publications, from templates/words.toml.
+"""Sentences of the report from templates/words.toml, with their values filled in.
 
 The text stands there as data; which part of it a result needs is decided where the result is known.
 """

@@ -1,4 +1,4 @@
-"""What summary.json holds: the input with its defaults, what followed from it, and how far it can be trusted."""
+"""Contents of summary.json: input with defaults, results, accuracy."""
 
 from __future__ import annotations
 

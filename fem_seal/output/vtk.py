@@ -1,4 +1,4 @@
-"""What the bodies and the contact line look like under each load, for ParaView: metre and pascal."""
+"""VTK files of bodies and contact line under each load, in metre and pascal."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Several designs side by side: one kind of work for all of them, then the next.
+"""Several designs as a batch: each step for all of them, then the next.
 
 A design takes some thousand short steps of very different kinds. One design after the other, each kind finds nothing
 of its own in the processor's caches any more; the same step of several designs in a row takes two thirds of the time.

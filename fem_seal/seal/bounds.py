@@ -1,4 +1,4 @@
-"""Least and most of a number that is known to lie between them."""
+"""Lower and upper bound of a number."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How long a case takes, before anything of it is calculated."""
+"""Estimated cost of a case."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From problems to their loads, solved: the one way of a run, a study and the live page.
+"""The evaluator: solve the loads of problems, for runs, studies and the live page alike.
 
 They differ in where condensed bodies and flow conductivities come from (`fem_seal.seal.sources`). Several problems are
 solved side by side: one kind of work for all of them, then the next.

@@ -1,4 +1,4 @@
-"""How far a result can be trusted: what speaks against it, and what that makes of its numbers."""
+"""Findings and validity: what casts doubt on a result, and by which factor."""
 
 from __future__ import annotations
 

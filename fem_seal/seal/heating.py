@@ -1,4 +1,4 @@
-"""A case whose temperatures are calculated: what warms it, how warm its contact gets, what that does to the bodies.
+"""Calculated temperatures: heat sources, contact temperature, thermal strain of the bodies.
 
 The temperature of the contact decides the numbers of materials and fluid, and these the mesh on which the temperature
 is calculated. It is therefore calculated twice: once on a mesh of its own, of the same bodies in hard contact, for what

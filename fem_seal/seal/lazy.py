@@ -1,4 +1,4 @@
-"""Objects that work out what they are asked for, once."""
+"""Base of frozen dataclasses with cached properties."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What loads are called, by fluid pressure and, if need be, force and number; and which of them have no result."""
+"""Names of loads by fluid pressure, force and number; loads without a result."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One load of a solved seal: what its contact is and what it leaks."""
+"""Result of one load: contact and leak rate."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""All loads of a problem on its condensed bodies: each by its way of closing, and what flows while it is looked for."""
+"""Solve all loads of a problem on its condensed bodies, coupled to the flow where fluid is in the gap."""
 
 from __future__ import annotations
 
@@ -730,7 +730,7 @@ class Clock:
     Parameters
     ----------
     progress : callable
-        Told in words what is being done.
+        Called with a status message before each step.
     timings : dict
         Wall time [s] by name of the step.
     """

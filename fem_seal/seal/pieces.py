@@ -1,4 +1,4 @@
-"""Pieces of a simulation: calculated by several processes, each kept on disk as soon as it is done."""
+"""Tasks of a simulation: distributed over processes, each stored on disk when done."""
 
 from __future__ import annotations
 

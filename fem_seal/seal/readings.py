@@ -1,4 +1,4 @@
-"""Words for the theories of the rough contact and their readings of asperities that yield, all of them here."""
+"""Words for the theories of the rough contact and their readings of yielding asperities."""
 
 from __future__ import annotations
 

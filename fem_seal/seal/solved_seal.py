@@ -1,4 +1,4 @@
-"""A seal whose loads are solved: what every answer is computed from."""
+"""A seal with solved loads, the input of every answer."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where condensed bodies and flow conductivities come from: made for a problem alone, or shared with its neighbours.
+"""Sources of condensed bodies and conductivity tables: exact for one problem, or shared by similar ones.
 
 The default mesh follows from roughness and load, so that hardly two problems would have the same. Where bodies are
 shared its element sizes are rounded to powers of a root of two, to the finer and to the wider side. A problem's mesh

@@ -1,4 +1,4 @@
-"""What a design costs by the columns that are asked of it; loads nothing that calculates."""
+"""Cost of a design by its requested columns."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which designs: from the parameters of a study to an array of numbers, one row per design. Nothing runs here."""
+"""Designs of a study: an array with one row per design. Nothing is calculated here."""
 
 from __future__ import annotations
 

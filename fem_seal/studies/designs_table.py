@@ -1,4 +1,4 @@
-"""What the designs of a study say: which are good, which parameters matter."""
+"""Evaluation of a study: best designs, and the parameters that matter."""
 
 from __future__ import annotations
 

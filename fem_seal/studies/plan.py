@@ -1,4 +1,4 @@
-"""What a study asks for: its case, parameters, designs and formulas, checked before anything runs."""
+"""Plan of a study: case, parameters, designs and formulas, checked before anything runs."""
 
 from __future__ import annotations
 

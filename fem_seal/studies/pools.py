@@ -1,4 +1,4 @@
-"""Where chunks of designs are calculated: in this process, or on a dask cluster."""
+"""Executors for chunks of designs: this process, or a dask cluster."""
 
 from __future__ import annotations
 
@@ -543,7 +543,7 @@ class _OnTheWay:
 
 
 class _Shares:
-    """Neighbouring chunks for each worker: what one of them has worked out the others need not work out again."""
+    """Neighbouring chunks for each worker: neighbouring designs share cached bodies."""
 
     def __init__(self, chunks: list[FloatArray], workers: list[str]) -> None:
         count = max(len(workers), 1)

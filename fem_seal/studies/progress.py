@@ -1,4 +1,4 @@
-"""How far a study is: a bar on a terminal, a line now and then elsewhere, or nothing."""
+"""Progress of a study: a bar on a terminal, lines elsewhere."""
 
 from __future__ import annotations
 

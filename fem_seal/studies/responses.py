@@ -1,4 +1,4 @@
-"""From one design to its responses, as fast as the physics allows: nothing is written and nothing drawn.
+"""Responses of a design; nothing is written or drawn.
 
 Every number of a row depends on that design alone - never on the designs calculated before it in the same process -,
 so that a study gives the same table in whatever order and on however many workers it runs.

@@ -1,4 +1,4 @@
-"""One run of a study: what is missing is calculated and kept, batch by batch."""
+"""One run of a study: missing designs are calculated and stored batch by batch."""
 
 from __future__ import annotations
 

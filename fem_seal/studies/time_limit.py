@@ -1,4 +1,4 @@
-"""How long a design may take: somebody looks at the clock while it is calculated, and ends what never ends."""
+"""Watchdog thread with a time limit per design."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a worker is given and what it gives back: chunks of designs, a few of equal bodies at a time."""
+"""Work of a worker: a chunk of designs, those of equal bodies in batches."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""Where a result leaves the range of its theory: one check for each way out."""
+"""Checks of validity: where a result leaves the range of its theory."""

@@ -1,4 +1,4 @@
-"""Where a result leaves the range in which its theory holds: what that makes of it, with the number behind it."""
+"""Checks of bodies and roughness: level, number and factor where a result leaves the range of its theory."""
 
 from __future__ import annotations
 

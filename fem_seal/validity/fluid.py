@@ -1,4 +1,4 @@
-"""Where a fluid is not what the leak rate takes it for: at high pressure, and in gaps as narrow as its molecules."""
+"""Checks of the fluid: high pressure, choking, inertia, gaps as narrow as molecules."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where a seal that is not round leaves the range of its theory."""
+"""Checks of form errors."""
 
 from __future__ import annotations
 

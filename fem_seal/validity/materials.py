@@ -1,4 +1,4 @@
-"""Where a number of a material is not that of the temperature of its body."""
+"""Checks of material properties at the temperature of their body."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the checks say, in the words of templates/findings.toml."""
+"""Texts of findings, from templates/findings.toml."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The section of a groove in a seat: how the contact pressure closes it, and what flows along what is left of it."""
+"""Section of a groove in a seat: closed by the contact pressure, conductance of the rest."""
 
 from __future__ import annotations
 

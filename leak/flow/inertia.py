@@ -1,4 +1,4 @@
-"""Whether a gas that is taken to flow viscously through a contact would choke in truth: a check of the result."""
+"""Check of viscous gas flow: Mach number, choking."""
 
 from __future__ import annotations
 

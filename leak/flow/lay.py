@@ -1,4 +1,4 @@
-"""What a lay does to the contact that the fluid meets: longer patches, and more of them, than the roughness has.
+"""Effect of a lay: contact patches longer and more numerous than isotropic ones.
 
 Both numbers were fitted to direct simulations of stretched surfaces, pressed elastically, and judged by others
 (theory/anisotropy in the manual). Both are one for an isotropic surface.

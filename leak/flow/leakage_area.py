@@ -1,4 +1,4 @@
-"""The orifice that would leak as much: what system simulation calls an equivalent leakage area."""
+"""Equivalent leakage area: the orifice that leaks as much."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A rough contact that was pressed harder before: the pressure of first loading at which it lets as much through.
+"""Memory of an earlier, larger pressure: the pressure of first loading with the same conductivity.
 
 Asperities that have yielded do not come back. A place that carries p and has once carried p_max is tighter than one
 that is loaded for the first time; it lets as much through as one that is loaded for the first time with a pressure p*

@@ -1,4 +1,4 @@
-"""Solid particles in the leaking fluid: which narrow places stop them, and what still leaks. An estimate.
+"""Estimate for solid particles in the leaking fluid: constrictions that stop them, and the remaining leak.
 
 A place narrower than a particle stops it; the places that particles of one size shut are taken as closed, and the
 effective medium says what the others let through. Nothing is known here of particles that stick to walls, bridge a

@@ -1,4 +1,4 @@
-"""What flows through a contact, a liquid or a gas: a potential, its inverse, and what a gap conducts at a pressure.
+"""A permeant, liquid or gas: flow potential, its inverse, conductance of a gap.
 
 Of a liquid the potential is psi (`leak.FlowPotential`), and what flows is counted as volume at atmospheric pressure. Of
 a gas it is w (`leak.GasPotential`), and what flows is mass. A gap conducts sigma in the continuum; flow over the slope

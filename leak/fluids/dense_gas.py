@@ -1,4 +1,4 @@
-"""How far a gas of the library is from ideal and dilute, by corresponding states: for warnings, not for results."""
+"""Deviation of a library gas from ideal and dilute, by corresponding states; for warnings only."""
 
 from __future__ import annotations
 

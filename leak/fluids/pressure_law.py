@@ -1,4 +1,4 @@
-"""What pressure makes of a liquid: how it thickens, how it is compressed, and the flow potential that follows.
+"""Liquids under pressure: viscosity, density and flow potential.
 
 Notation: p the pressure above atmospheric, eta0 and rho0 at atmospheric pressure. A steady flow carries mass,
 rho u^3/(12 eta) dp/dx = const, so that m(p) = (rho/rho0) (eta0/eta) counts and psi(p) = int_0^p m dp' (Kirchhoff's

@@ -1,4 +1,4 @@
-"""What a fluid is to a leak: the properties of a liquid and of a gas."""
+"""Properties of liquids and gases that a leak rate needs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Points of a scan that stand alone: spikes of the instrument, dust, pits."""
+"""Outliers of a scan: spikes of the instrument, dust, pits."""
 
 from __future__ import annotations
 

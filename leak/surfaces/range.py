@@ -1,4 +1,4 @@
-"""What a scan can tell: from its length down to its sampling, its filter and the tip of its stylus."""
+"""Reliable range of a scan: its length, sampling, filter and stylus tip."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How measured scans become a spectrum: what the user may choose, and what lies outside the reliable range."""
+"""Settings for the spectrum of measured scans."""
 
 from __future__ import annotations
 

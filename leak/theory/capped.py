@@ -1,4 +1,4 @@
-"""Asperities that yield only where they touch: the elastic contact that lets as much through.
+"""Asperities that yield only where they touch: the equivalent elastic contact.
 
 Where the pressure reaches the hardness the surface is pressed flat, and it stays as it is elsewhere. Its gaps are
 those of the elastic surface at a larger pressure, which serves mean gap and flow alike. Metal that flows by von Mises'

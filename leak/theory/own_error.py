@@ -1,4 +1,4 @@
-"""How far the conductivity of the corrected theory is from direct simulation, as a distribution to sample.
+"""Error of the corrected theory's conductivity against direct simulation, as a distribution.
 
 Notation: k conductivity, p nominal pressure, A/A0 contact area, A_c/A0 the area at which nothing flows. Towards sealing
 ln k goes as t ln(A_c - A), so that an area wrong by a share e changes it by -t e X, X = A/(A_c - A); bias and spread go

@@ -1,4 +1,4 @@
-"""What a theory makes of metal that yields: each way to read it has a name."""
+"""Readings: models of asperities that yield."""
 
 from enum import StrEnum
 

@@ -1,4 +1,4 @@
-"""Axes of the pictures: matplotlib's, without the ticks that it makes before anybody has said where they are."""
+"""Axes without the default ticks, which matplotlib makes and then discards."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How a finished figure becomes SVG: matplotlib's way, with a memory for the sizes of texts."""
+"""SVG renderer that caches the sizes of texts."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What all pictures of the report share: size, type, colours, units on the axes, and their way into the page."""
+"""Style of the pictures: size, type, colours, units on the axes, SVG for the page."""
 
 from __future__ import annotations
 
@@ -117,7 +117,7 @@ def panels(
         1,
         count,
         squeeze=False,
-        # whoever is shown a figure may draw it himself
+        # a figure handed to the user needs ordinary axes
         subplot_kw=None if kind else {"axes_class": BareAxes},
         gridspec_kw={
             "left": _LEFT / width,

@@ -1,4 +1,4 @@
-"""What the report says in words: the result, why it came out so, and what the words mean."""
+"""Sentences of the report: result, reasons, definitions."""
 
 from __future__ import annotations
 
