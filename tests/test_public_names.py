@@ -155,3 +155,17 @@ def test_a_file_and_a_case_of_it_give_the_same():
         fem_seal.derive(source).touch_radius for source in (case, case.file, str(case.file), case.written)
     ]
     assert told == [case.touch_radius] * 4
+
+
+def test_the_page_of_stability_has_every_public_name_in_one_tier():
+    page = (ROOT / "docs" / "reference" / "stability.md").read_text(encoding="utf-8")
+    stable, research = page.split("## Stable")[1].split("## Internal")[0].split("## Research")
+    for package in (fem_seal, leak, meshes):
+        found = [
+            re.findall(r"`(\w+)`", line.split(":", 1)[1])
+            for tier in (stable, research)
+            for line in tier.splitlines()
+            if line.startswith(f"**`{package.__name__}`**")
+        ]
+        assert len(found) == 2
+        assert sorted(found[0] + found[1]) == sorted(package.__all__)
