@@ -16,13 +16,15 @@ from meshes.mesh.sizing import Sizing
 from meshes.shapes.ball import Ball
 from meshes.shapes.conical_land import ConicalLand
 from meshes.shapes.conical_seat import ConicalSeat
+from meshes.shapes.disc import Disc
 from meshes.shapes.flat_land import FlatLand
+from meshes.shapes.flat_seat import FlatSeat
 from meshes.shapes.rounded_cone import RoundedCone
 from meshes.shapes.shape import Shape, housing, plunger
-from meshes.shapes.sharp_edge import FlatSeat, SharpEdge
+from meshes.shapes.sharp_edge import SharpEdge
 from meshes.shapes.spherical_seat import SphericalSeat
 from meshes.shapes.spherical_tip import SphericalTip
-from meshes.shapes.toroidal_edge import Disc, ToroidalEdge
+from meshes.shapes.toroidal_edge import ToroidalEdge
 from meshes.shapes.toroidal_seat import ToroidalSeat
 
 __all__ = [

@@ -1,1 +1,1 @@
-"""Shapes of closures and seats, one file each; what is a special case of another stands beside it."""
+"""Shapes of closures and seats, one file each."""

@@ -1,15 +1,14 @@
-"""The edge between a bore and a flat or sloping top as seat, and the flat top itself."""
+"""The edge between a bore and a flat or sloping top as seat."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
 
-from meshes.errors import GeometryError
 from meshes.geometry.outline import Outline
 from meshes.geometry.rounding import chain
 from meshes.shapes import check
-from meshes.shapes.shape import NamedFace, Partner, Shape, housing, round_part, straight_part
+from meshes.shapes.shape import NamedFace, Partner, Shape, housing, round_part
 
 
 @dataclass(frozen=True)
@@ -106,66 +105,3 @@ class SharpEdge:
     def named_face(self) -> NamedFace:
         """The fillet between bore and top."""
         return round_part("rounded edge", self.outline, self.edge_radius)
-
-
-class FlatSeat(SharpEdge):
-    """Flat top of a cylindrical housing around a bore with a rounded edge: a `SharpEdge` whose top is touched.
-
-    A toroidal edge touches it at its lowest circle, r0 = centre_radius, R_rel = its radius; a flat disc along the whole
-    common ring, R_rel = inf.
-
-    Examples
-    --------
-    >>> import meshes
-    >>> meshes.FlatSeat(0.01, 1e-3, 0.0, 0.03, 0.02).bore_radius
-    0.01
-    """
-
-    @classmethod
-    def on(
-        cls,
-        closure: Shape,
-        *,
-        bore_radius: float | None = None,
-        edge_radius: float | None = None,
-        outer_radius: float | None = None,
-        height: float | None = None,
-    ) -> FlatSeat:
-        """Flat seat for a closure, with the dimensions that are not given in proportion to it.
-
-        Parameters
-        ----------
-        closure : Shape
-        bore_radius : float, optional
-            Half the radius of first touch on a plane unless given [m].
-        edge_radius : float, optional
-            A hundredth of the bore's radius unless given [m].
-        outer_radius, height : float, optional
-            First touch + 1.5 L and 1.5 L unless given [m], with L the radius of the closure.
-
-        Raises
-        ------
-        GeometryError
-            If `bore_radius` is not given and the closure touches a plane on the axis.
-        """
-        partner = Partner.of(closure)
-        touch = partner.touch_on_cone(0.0)
-        if bore_radius is None and not touch > 0:
-            raise GeometryError(
-                "seat bore_radius is missing: this closure touches a plane on the axis, so that the bore decides where "
-                "contact is; give it"
-            )
-        bore = 0.5 * touch if bore_radius is None else bore_radius
-        outer = partner.housing_radius(touch, 1.1 * bore) if outer_radius is None else outer_radius
-        return cls(
-            bore,
-            0.01 * bore if edge_radius is None else edge_radius,
-            0.0,
-            outer,
-            partner.housing_height if height is None else height,
-        )
-
-    @property
-    def named_face(self) -> NamedFace:
-        """The flat face around the rounded edge of the bore."""
-        return straight_part("flat face", self.outline, 0.0)
