@@ -1,0 +1,64 @@
+"""Hard unilateral contact (smooth surfaces) on the condensed contact line: primal-dual active set."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fem_seal.contact.model import ContactModel
+from fem_seal.contact.other_loads import FurtherLoads
+from fem_seal.contact.solution import ContactSolution
+from fem_seal.errors import ConvergenceError
+
+_MAX_CHANGES = 100
+
+
+def solve_hard(
+    model: ContactModel, contact_force: float, loads: FurtherLoads | None = None
+) -> ContactSolution:
+    """Solve the contact of smooth bodies.
+
+    The pressure is continuous and linear between the element ends, the gap is taken as its weighted mean
+    over each of these functions; this pair is stable with a quadratic displacement.
+
+    Raises
+    ------
+    ConvergenceError
+        If the active set does not settle.
+    """
+    line, loads = model.line, loads or FurtherLoads()
+    apart = line.initial_gap + loads.opening(model)
+    # piecewise linear between the element ends, one at its own
+    hats = np.stack([np.interp(line.x, line.vertices, unit) for unit in np.eye(len(line.vertices))], axis=1)
+    weights = line.area_weight[:, None] * hats
+    compliance = weights.T @ model.compliance @ weights
+    gap0, axial = weights.T @ apart, weights.T @ line.normal[1]
+    # A parabolic gap is as high as this where the contact of Hertz ends.
+    flattened = 2 * model.line_load(contact_force) / (np.pi * model.effective_modulus)
+    distance = gap0 / weights.sum(axis=0)
+    active = distance <= max(distance.min() + flattened, np.sort(distance)[2])
+    for change in range(1, _MAX_CHANGES + 1):
+        inside = np.flatnonzero(active)
+        matrix = np.block(
+            [
+                [compliance[np.ix_(inside, inside)], -axial[inside, None]],
+                [-axial[None, inside], np.zeros((1, 1))],
+            ]
+        )
+        solution = np.linalg.solve(matrix, np.append(-gap0[inside], -contact_force))
+        pressure, approach = np.zeros(len(active)), float(solution[-1])
+        pressure[inside] = solution[:-1]
+        opening = gap0 + compliance @ pressure - approach * axial
+        settled = np.where(active, pressure > 0, opening < 0)
+        if np.array_equal(settled, active):
+            p = hats @ pressure
+            gap = apart - approach * line.normal[1] + model.compliance @ (line.area_weight * p)
+            with np.errstate(divide="ignore"):
+                log_pressure = np.log(np.maximum(p, 0.0))
+            return ContactSolution(
+                model, contact_force, approach, log_pressure, np.where(p > 0, 0.0, gap), change, (), loads
+            )
+        active = settled
+    raise ConvergenceError(
+        f"hard contact at axial force {contact_force:.6g} N did not settle in {_MAX_CHANGES} changes of the contact "
+        "zone; refine [mesh] contact_size"
+    )
