@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 import gc
-import importlib
-import math
 import os
 import sys
 from collections import Counter
 from collections.abc import Callable, Generator, Iterator
-from contextlib import suppress
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import hypothesis
 import numpy as np
@@ -20,18 +16,9 @@ import pytest
 import typer.main
 import warm_process
 from made_once import MadeOnce
+from places import REFERENCE, SHARED
 
-import meshes
-from fem_seal.contact.model import ContactModel, condense
-from fem_seal.contact.sizing import element_sizes
-from fem_seal.loads import contact_force, line_load
-from fem_seal.materials import Material
 from leak import TabulatedLaw
-
-if TYPE_CHECKING:
-    from skfem import Basis, MeshTri
-
-STEEL = Material("steel", 210e9, 0.3)
 
 # pytest.approx(..., rel=...) lets 1e-12 pass besides: as much as all of a leak rate in m^3/s or of a compliance in m/N.
 type(pytest.approx(1.0)).DEFAULT_ABSOLUTE_TOLERANCE = 0.0
@@ -46,54 +33,36 @@ gc.disable()
 
 # Files whose tests are long and share nothing but what is quickly made again: each of their tests goes to whichever
 # process is free. All other files stay whole, with what their fixtures have made.
-APART = ("tests/test_examples.py", "tests/test_fem_seal_uncertainty.py", "tests/test_verification_contact.py")
+APART = (
+    "tests/system/test_examples.py",
+    "tests/fem_seal/answers/test_uncertainty.py",
+    "tests/verification/test_contact.py",
+)
 
 # Files that share what is too dear to be had in several processes: results, and CoolProp, which takes seconds to load.
 TOGETHER = {
-    "tests/test_fem_seal_around_report.py": "tests/test_fem_seal_around_files.py",
+    "tests/fem_seal/output/test_around_report.py": "tests/fem_seal/output/test_around_files.py",
     **{
-        f"tests/test_{name}.py": "CoolProp"
+        f"tests/{name}.py": "CoolProp"
         for name in (
-            "fem_seal_fluid",
-            "fem_seal_leak_map",
-            "leak_fluids",
-            "leak_gases",
-            "leak_pressure_law",
-            "leak_real_gas",
+            "fem_seal/seal/test_fluid",
+            "fem_seal/answers/test_leak_map",
+            "leak/test_fluids",
+            "leak/test_gases",
+            "leak/test_pressure_law",
+            "leak/test_real_gas",
         )
     },
 }
 
 # Files whose tests mostly wait, for clusters that start and designs that never end. They come first and one after the
 # other, so that one process waits while the others compute.
-WAITING = tuple(
-    f"tests/test_{name}.py"
-    for name in (
-        "fem_seal_studies_faults",
-        "fem_seal_studies_processes",
-        "cluster_recipes",
-        "fem_seal_explore_browser",
-    )
+WAITING = (
+    "tests/fem_seal/studies/test_faults.py",
+    "tests/fem_seal/studies/test_processes.py",
+    "tests/system/test_cluster_recipes.py",
+    "tests/fem_seal/explore/test_browser.py",
 )
-
-
-def displacement_basis(mesh: MeshTri) -> Basis:
-    """Of the quadratic displacement of a body, with all that scikit-fem knows of it."""
-    from skfem import Basis, ElementTriP2, ElementVector
-
-    return Basis(mesh, ElementVector(ElementTriP2()), intorder=4)
-
-
-@pytest.hookimpl(tryfirst=True)
-def pytest_collection(session: pytest.Session) -> None:
-    """Before all tests are collected each process loads a share of its own, so that each is compiled once."""
-    process = os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw")
-    processes = int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1"))
-    if processes > 1 and session.config.args == session.config.getini("testpaths"):
-        for file in sorted(Path(__file__).parent.glob("test_*.py"))[int(process) :: processes]:
-            # why it cannot be loaded is said when its tests are collected
-            with suppress(Exception, pytest.skip.Exception):
-                importlib.import_module(file.stem)
 
 
 @pytest.hookimpl(wrapper=True)
@@ -188,7 +157,7 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: object) -> object:
 @pytest.fixture(scope="session")
 def reference_folder() -> Path:
     """Folder with the independent reference numbers; tests/reference unless FEM_SEAL_REFERENCE says where."""
-    return Path(os.environ.get("FEM_SEAL_REFERENCE", Path(__file__).parent / "reference"))
+    return Path(os.environ.get("FEM_SEAL_REFERENCE", REFERENCE))
 
 
 @pytest.fixture(scope="session")
@@ -203,7 +172,7 @@ def reference(reference_folder: Path) -> Callable[[str], np.ndarray]:
 def warm_processes() -> Iterator[None]:
     """What is called apart runs in copies of a process that has loaded VTK and the readers of drawings.
 
-    `tests/test_meshes_own_process.py` tests the processes themselves, which load everything anew.
+    `tests/meshes/test_own_process.py` tests the processes themselves, which load everything anew.
     """
     with pytest.MonkeyPatch.context() as patch:
         if sys.platform == "linux":
@@ -224,7 +193,7 @@ def read_here(monkeypatch: pytest.MonkeyPatch) -> None:
     """Drawings and meshes are read in this process, for tests of what a sound file holds.
 
     A process of its own, as everywhere else, is for files that hang, crash or print: see
-    `tests/test_meshes_own_process.py`, the damaged files, and every case that names a drawing.
+    `tests/meshes/test_own_process.py`, the damaged files, and every case that names a drawing.
     """
     for module in ("section", "meshed_body"):
         monkeypatch.setattr(f"meshes.drawings.{module}.call_apart", lambda limit, read, *given: read(*given))
@@ -246,29 +215,7 @@ def greenwood_williamson(reference: Callable[[str], np.ndarray]) -> TabulatedLaw
 @pytest.fixture(scope="session")
 def topography_folder() -> Path:
     """Folder with files of real instruments, next to the repository unless FEM_SEAL_TOPOGRAPHY says where."""
-    default = Path(__file__).resolve().parents[2] / "shared" / "topography"
-    folder = Path(os.environ.get("FEM_SEAL_TOPOGRAPHY", default))
+    folder = Path(os.environ.get("FEM_SEAL_TOPOGRAPHY", SHARED / "topography"))
     if not folder.is_dir():
         pytest.skip(f"instrument files are not at {folder}; set FEM_SEAL_TOPOGRAPHY to their folder")
     return folder
-
-
-def ball_on_cone(
-    law: object,
-    fluid_pressures: list[float],
-    *,
-    radius: float = 0.02,
-    angle: float = math.radians(45),
-    closure: Material = STEEL,
-    seat: Material = STEEL,
-    refine: float = 1.0,
-) -> tuple[ContactModel, list[float]]:
-    """Model of a ball on a cone with the default mesh for these loads, and the axial forces of the loads."""
-    from fem_seal.materials import effective_modulus
-
-    ball, cone = meshes.Ball(radius), meshes.ConicalSeat.around(angle, meshes.Ball(radius))
-    contact = meshes.ContactGeometry.of(ball.outline, cone.outline)
-    forces = [contact_force(contact.touch_radius, p) for p in fluid_pressures]
-    loads = [line_load(force, contact.touch_radius, angle) for force in forces]
-    sizing = element_sizes(law, loads, contact, effective_modulus(closure, seat)).refined(refine)  # type: ignore[arg-type]
-    return condense(meshes.build(ball, cone, sizing), {"closure": closure, "seat": seat}), forces

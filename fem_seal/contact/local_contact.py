@@ -27,8 +27,8 @@ if TYPE_CHECKING:
     from fem_seal.profile import PressureProfile
 
 # Step of the ladder in ln f, and degree of the spline over it: of the slope of the approach it leaves 1e-6, a cubic one
-# left 2e-5 (tests/test_fem_seal_around.py compares it with contacts in between). What is uneven from node to node, the
-# width of a contact and all of smooth surfaces, has a cubic one.
+# left 2e-5 (tests/fem_seal/contact/test_around.py compares it with contacts in between). What is uneven from
+# node to node, the width of a contact and all of smooth surfaces, has a cubic one.
 _STEP, _DEGREE, _DEGREE_UNEVEN = 0.3, 5, 3
 # Where the next rung is looked for: a polynomial through one to three rungs, the nearest first.
 _AHEAD = ((1.0,), (2.0, -1.0), (3.0, -3.0, 1.0))

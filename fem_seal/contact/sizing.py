@@ -16,7 +16,7 @@ from fem_seal.loads import plastic_half_width
 from meshes import ContactGeometry, Sizing
 
 # Chosen so that peak, width and standard deviation change by less than 2e-4 on further refinement
-# (tests/test_verification_contact.py). A soft interface spreads the pressure smoothly; the stiffer it is against the
+# (tests/verification/test_contact.py). A soft interface spreads the pressure smoothly; the stiffer it is against the
 # bodies, the sharper the pressure ends, and the smaller the elements must be to follow its edge.
 _PER_STD_SOFT, _PER_STD_HARD = 6.0, 14.0
 _GROWTH_ALONG, _GROWTH_DEEP = 0.16, 0.2

@@ -1,0 +1,274 @@
+"""A drawing's finish in the case file: keys, words, changes, interval."""
+
+import re
+from dataclasses import replace
+from typing import get_args
+
+import numpy as np
+import pytest
+from places import EXAMPLES
+
+import fem_seal
+from fem_seal.answers.profile_leak import leak_of_profiles
+from fem_seal.case.finish import ProcessName, read_finish
+from fem_seal.output.case_words import finish_numbers, finish_rows
+from fem_seal.output.report.words import facts, headline, leakage_lines
+from fem_seal.seal.problem import SealProblem
+from fem_seal.seal.profile_file import ImportedProfile
+from fem_seal.units import leak_range_text
+from leak import Reading
+from leak.surfaces.finish import PROCESSES
+
+EXAMPLE = EXAMPLES / "ball_cone.toml"
+LAPPED = {"Ra": "0.2 um", "process": "lapped"}
+
+
+@pytest.fixture(scope="module")
+def base():
+    return fem_seal.load_case(EXAMPLE).replace(
+        {"load.fluid_pressure": "20 bar", "mesh.contact_size": "40 um"}
+    )
+
+
+@pytest.fixture(scope="module")
+def solved(base):
+    return fem_seal.run(base.replace_written({"roughness": LAPPED}))
+
+
+def height(case):
+    return case.roughness.build().rms_height
+
+
+def test_the_words_are_those_of_the_library():
+    assert set(get_args(ProcessName)) == set(PROCESSES)
+
+
+@pytest.mark.parametrize(
+    ("text", "keys"),
+    [
+        ("lapped Ra 0.2 um", {"Ra": "0.2 um", "process": "lapped"}),
+        ("Ra 0.4um, shot-blasted", {"Ra": "0.4 um", "process": "shot-blasted"}),
+        ("as cast Rz = 25 um", {"Rz": "25 um", "process": "as cast"}),
+        ("Rq 16 uin", {"Rq": "16 uin"}),
+    ],
+)
+def test_a_finish_in_words(text, keys):
+    assert read_finish(text) == {"kind": "finish", **keys}
+
+
+def test_two_faces_add(base):
+    pair = base.replace_written({"roughness": LAPPED})
+    one = base.replace_written({"roughness": {"seat": LAPPED}})
+    words = base.replace_written({"roughness": "lapped Ra 0.2 um"})
+    written = base.replace_written({"roughness": {"seat": "lapped Ra 0.2 um", "closure": LAPPED}})
+    assert height(pair) == pytest.approx(np.sqrt(2) * height(one))
+    assert height(words) == height(pair) == height(written)
+    mixed = base.replace_written({"roughness": {"seat": "ground Ra 0.4 um", "closure": LAPPED}})
+    seat = base.replace_written({"roughness": {"seat": "ground Ra 0.4 um"}})
+    assert height(mixed) ** 2 == pytest.approx(height(seat) ** 2 + height(one) ** 2, rel=5e-5)
+
+
+def test_the_lay_of_the_steeper_face_prevails(base):
+    turned = base.replace_written({"roughness.seat": "turned Ra 0.8 um"})
+    both = base.replace_written({"roughness": {"seat": "turned Ra 0.8 um", "closure": "lapped Ra 0.2 um"}})
+    assert turned.roughness.combined()[1] == pytest.approx(0.2)
+    assert 0.2 < both.roughness.combined()[1] < 1.0
+    radial = base.replace_written({"roughness.seat": {"Ra": "0.8 um", "process": "turned", "lay": "radial"}})
+    assert radial.roughness.combined()[1] == pytest.approx(5.0)
+    told = base.replace_written({"roughness": {"seat": "turned Ra 0.8 um", "peklenik": 0.5}})
+    assert told.roughness.combined()[1] == 0.5
+
+
+def test_changes_from_another_kind_and_back(base):
+    dotted = base.replace_written({"roughness.Ra": "0.2 um", "roughness.process": "lapped"})
+    assert height(dotted) == height(base.replace_written({"roughness": LAPPED}))
+    in_code = base.replace({"roughness.Ra": 0.2e-6, "roughness.process": "lapped"})
+    assert height(in_code) == pytest.approx(height(dotted))
+    assert height(base.replace({"roughness.seat": {"Ra": 0.2e-6}})) == pytest.approx(
+        height(base.replace_written({"roughness.seat.Ra": "0.2 um"}))
+    )
+    back = dotted.replace({"roughness.spectrum": base._input["roughness"]["spectrum"]})
+    assert height(back) == height(base)
+    # another value of the same finish, another parameter instead of it, and the finish of one face alone
+    rougher = dotted.replace_written({"roughness.Ra": "0.4 um"})
+    assert rougher.roughness.process == "lapped"
+    assert dotted.replace_written({"roughness.Rz": "1.5 um"}).roughness.height == "Rz"
+    seat = dotted.replace_written({"roughness.seat.Ra": "0.4 um"}).roughness
+    assert (seat.seat.Ra, seat.closure.Ra) == (0.4e-6, 0.2e-6)
+    assert seat.seat.process == seat.closure.process == "lapped"
+
+
+@pytest.mark.parametrize(
+    ("roughness", "says"),
+    [
+        ({"Ra": "0.4 um", "process": "laped"}, '"lapped" or "polished".*do you mean "lapped"'),
+        ({"Ra": "0.4 um", "Rq": "0.5 um"}, "has Ra and Rq; a finish has one of them"),
+        ({"seat": {"Ra": "0.4 um", "Rz": "2 um"}}, "roughness.seat: has Ra and Rz"),
+        ({"process": "lapped"}, "has process, which goes with Ra, Rq or Rz"),
+        ({"kind": "finish"}, "goes with Ra, Rq or Rz"),
+        ({"seat": {"kind": "finish", "process": "lapped"}}, "needs Ra, Rq or Rz"),
+        ({"Ra": "0.4"}, "has no unit"),
+        ({"Ra": "0.4 um", "lambda_c": "1 um"}, "must be shorter than lambda_c"),
+        ({"Ra": "0.4 um", "seat": LAPPED}, "the finish of each of both faces, and seat"),
+        ({"along": LAPPED, "across": LAPPED}, "a finish along or across the flow"),
+        ("mirror", "is no finish"),
+    ],
+)
+def test_errors_say_what_to_write(base, roughness, says):
+    tables = {**base._input, "roughness": roughness}
+    with pytest.raises(fem_seal.InputError, match=says):
+        fem_seal.load_case(tables)
+
+
+def test_a_value_that_the_process_does_not_reach_is_remarked_on(base):
+    rough = base.replace_written({"roughness": "lapped Ra 6.3 um"})
+    assert [text for text in rough.roughness.remarks() if "unusual for lapped surfaces" in text]
+    assert not list(base.replace_written({"roughness": LAPPED}).roughness.remarks())
+
+
+def test_an_interval_comes_without_being_asked_for(solved):
+    (low, high), load = solved.leak_ranges[0], solved.loads[0]
+    assert low < min(load.leak.leak_rate, load.reading(Reading.CAPPED).leak.leak_rate)
+    assert high > max(load.leak.leak_rate, load.reading(Reading.CAPPED).leak.leak_rate)
+    interval = solved.uncertainty
+    assert interval.inputs == ("hurst", "q_rolloff", "q_high", "rms_height")
+    assert interval.runs <= 40
+    # what the ends are uncertain by themselves
+    assert interval.error < 0.25
+
+
+def test_the_widest_interval_leads_on_terminal_and_in_report(solved):
+    load, ends = solved.loads[0], solved.leak_ranges[0]
+    first, held, usual, _ = leakage_lines(solved.case, load, solved.loads)
+    assert f": {leak_range_text(ends, 2)} = " in first
+    assert leak_range_text(ends, 2) in headline(solved)
+    assert "90 % of the samples" in held and "both readings" in held
+    assert held.strip() in headline(solved)
+    assert leak_range_text((load.leak.leak_rate, load.reading(Reading.CAPPED).leak.leak_rate), 2) in usual
+    # in ml/min and in drops the ends are in the same ratio
+    for part in first.split(": ", 1)[1].split(" = ")[:2]:
+        low, high = (float(one) for one in re.findall(r"(\d+\.?\d*) to (\d+\.?\d*) ", part)[0])
+        assert high / low == pytest.approx(ends[1] / ends[0], rel=0.11)  # two digits each
+
+
+def test_the_report_shows_the_widest_interval_first_and_in_its_other_units(solved):
+    load, ends = solved.highest, solved.leak_ranges[solved.loads.index(solved.highest)]
+    tiles = facts(solved)
+    assert [one.name for one in tiles[:3]] == [
+        "90 % interval of the leak rate",
+        "In other units",
+        "Leak rate, usual finish",
+    ]
+    assert tiles[0].value == leak_range_text(ends)
+    first = leakage_lines(solved.case, load, solved.loads)[0]
+    assert tiles[1].value in first and tiles[1].remark in first
+    assert tiles[2].value == leak_range_text(
+        (load.leak.leak_rate, load.reading(Reading.CAPPED).leak.leak_rate)
+    )
+
+
+def test_given_profiles_say_that_they_know_the_usual_surface_only(solved):
+    problem = SealProblem.of(solved.case)
+    found = solved.loads[0].contact.profile
+    profile = ImportedProfile(found.x, found.pressure, None, None)
+    (load,) = leak_of_profiles(problem, [profile])
+    assert "usual surface alone" in load.validity.reasons[0]
+
+
+def test_samples_with_tables_from_that_of_the_case_are_those_with_their_own(solved):
+    from fem_seal.answers.uncertainty import _Study
+    from fem_seal.case.uncertainty import Uncertainty
+
+    study = _Study.of(solved, Uncertainty(samples=16, seed=2))
+    assert study.leak_rates(range(2)) == pytest.approx(
+        replace(study, exact=True).leak_rates(range(2)), rel=5e-3
+    )
+
+
+def test_an_interval_at_few_loads_goes_through_all(base):
+    from fem_seal.answers.uncertainty import _at_all_loads, _representative
+
+    class Load:
+        def __init__(self, line_load):
+            self.line_load = line_load
+
+    log_load = np.log(np.geomspace(1e3, 1e5, 21))
+    loads = [Load(one) for one in np.exp(log_load)]
+    chosen = _representative(loads)
+    assert len(chosen) == 5
+    assert {0, 20} <= set(chosen)
+    slopes = np.array([-0.5, 0.7])[None, :, None]
+    ratios = np.exp(slopes * log_load)
+    assert _at_all_loads(log_load, chosen, ratios[..., chosen]) == pytest.approx(ratios)
+    # a sealed load makes no ratio: the nearest known one stands
+    sealed = ratios[..., chosen].copy()
+    sealed[0, 0, -1] = 0.0
+    found = _at_all_loads(log_load, chosen, sealed)
+    assert found[0, 0, -1] == 0.0
+    assert found[0, 1] == pytest.approx(ratios[0, 1])
+
+
+def test_what_the_user_knows_is_no_longer_uncertain(base):
+    from fem_seal.answers.uncertainty import uncertain_inputs
+    from fem_seal.case.uncertainty import Spread, Uncertainty
+
+    known = base.replace_written({"roughness": {**LAPPED, "hurst": 0.8, "q_high": "6e6 1/m"}})
+    names = [one.name for one in uncertain_inputs(known, known.sampled)]
+    assert names == ["q_rolloff", "rms_height"]
+    told = Uncertainty(hurst=Spread(relative=0.05), hardness=Spread(relative=0.1))
+    case = base.replace_written({"roughness": LAPPED})
+    assert [one.name for one in uncertain_inputs(case, told)] == [
+        "hardness",
+        "hurst",
+        "q_rolloff",
+        "q_high",
+        "rms_height",
+    ]
+
+
+def test_check_and_report_say_what_was_assumed(base):
+    case = base.replace_written({"roughness": LAPPED})
+    rows = dict(finish_rows(case))
+    assert rows["finish of each face"] == "lapped, Ra 0.2 µm"
+    assert rows["  measured between"] == "λs 2.5 µm and λc 0.8 mm, across the lay"
+    assert "0.80 (assumed; 0.6 to 0.95)" in rows["  Hurst exponent"]
+    numbers = finish_numbers(case)["seat"]
+    assert numbers["Ra_m"] == pytest.approx(0.2e-6)
+    assert numbers["rms_height_m"] > numbers["Rq_m"]
+
+
+def test_a_finish_is_one_named_factor_of_a_study(base):
+    study = fem_seal.Study(
+        base,
+        responses=["leak_rate_m3_per_s"],
+        parameters={"roughness": ["lapped Ra 0.2 um", "ground Ra 0.4 um"], "roughness.seat": ["Ra 1 um"]},
+    )
+    assert study.names == ["roughness", "roughness.seat"]
+    case = study.case_of([1.0, 0.0])
+    assert case.roughness.parts["closure"].process == "ground"
+    assert case.roughness.parts["seat"].Ra == 1e-6
+    # of one parameter the design is the finish that its column names
+    alone = fem_seal.Study(
+        base,
+        responses=["leak_rate_m3_per_s"],
+        parameters={"roughness": ["lapped Ra 0.2 um", "ground Ra 0.4 um"]},
+    )
+    heights = [height(alone.case_of([number])) for number in (0.0, 1.0)]
+    assert alone.values([1.0]) == {"roughness": "ground Ra 0.4 um"}
+    assert heights[0] < heights[1]
+
+
+def test_a_finish_whose_usual_surface_is_sealed_has_an_interval_all_the_same(base):
+    """No ratio to a leak rate of zero: rougher surfaces of the process let something through."""
+    sealed = base.replace_written(
+        {
+            "roughness": {"Ra": "0.01 um", "process": "lapped"},
+            "load.fluid_pressure": "300 bar",
+            "uncertainty.samples": 16,
+        }
+    )
+    result = fem_seal.run(sealed)
+    (load,) = result.loads
+    assert load.leak.leak_rate == 0.0
+    low, high = result.leak_ranges[0]
+    assert low == 0.0 < high

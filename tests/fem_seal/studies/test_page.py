@@ -1,0 +1,506 @@
+"""The page of a study: what an engineer decides from has to be there, legible and not misleading."""
+
+import math
+import re
+from itertools import pairwise
+
+import numpy as np
+import pandas as pd
+import pytest
+from places import EXAMPLES
+
+from fem_seal.output.columns import LEAK_COLUMNS
+from fem_seal.studies.designs import unit_points
+from fem_seal.studies.designs_table import LEAK_RATE, Designs, sensitivities
+from fem_seal.studies.expressions import Constraint
+from fem_seal.studies.page import plots
+from fem_seal.studies.page.display import Display, short
+from fem_seal.studies.page.page import page, sections
+from fem_seal.studies.results import dataset
+from fem_seal.studies.tables import Design
+
+CASE = EXAMPLES / "ball_cone.toml"
+PRESSURE, ML = "peak_pressure_Pa", 1e-6 / 60
+
+
+def parameter(name, unit="", levels=(), distribution=None, bounds=None):
+    numeric = not isinstance(next(iter(levels), 0.0), (str, bool))
+    ends = bounds or ((min(levels), max(levels)) if numeric else (0, len(levels) - 1))
+    return {
+        "name": name,
+        "unit": unit,
+        "numeric": numeric,
+        "levels": list(levels),
+        "bounds": list(ends),
+        "distribution": distribution,
+    }
+
+
+ANGLE = parameter("seat.angle", "rad", [math.pi / 6, math.pi / 4, math.pi / 3])
+FORCE = parameter("load.applied_force", "N", distribution="Uniform", bounds=(0.0, 200.0))
+
+
+def made(parameters, columns, failed=(), **about):
+    """Designs as if they had been calculated; responses are the columns that are no parameters."""
+    table = pd.DataFrame(columns)
+    table.index.name = "number"
+    names = [one["name"] for one in parameters]
+    responses = [name for name in columns if name not in names and name not in about.get("derived", {})]
+    rows = table.to_dict("records")
+    for name, text in about.get("constraints", {}).items():
+        table[name] = [Constraint(text).met(row) for row in rows]
+    table.insert(0, "status", ["failed" if n in failed else "done" for n in table.index])
+    table.insert(1, "reason", None)
+    design = {"kind": "grid", "file": None, "num": None, "seed": 1, "invalid": "refuse", "optimise": False}
+    standing = {
+        "title": "Seats",
+        "version": "1",
+        "parameters": parameters,
+        "responses": responses,
+        "derived": {},
+        "constraints": {},
+        "goals": {},
+        "standard": "ISO 5208",
+        "seal": {"nominal_size": 0.025, "gas": False, "fluid": "water"},
+    }
+    return Designs(table, {**standing, **about, "design": {**design, **about.get("design", {})}})
+
+
+def angles(**about):
+    """Three angles; the tightest one violates the constraint."""
+    columns = {
+        "seat.angle": ANGLE["levels"],
+        PRESSURE: [20e6, 30e6, 50e6],
+        LEAK_RATE: [6 * ML, 5 * ML, 4 * ML],
+    }
+    given = {"constraints": {"gentle": 'peak_pressure_Pa < "40 MPa"'}, "goals": {LEAK_RATE: LEAK_RATE}}
+    return made([ANGLE], columns, **{**given, **about})
+
+
+def forces(count=40, **about):
+    force = np.linspace(0.5, 199.5, count)
+    columns = {"load.applied_force": force, LEAK_RATE: ML * np.exp(-force / 50)}
+    return made([FORCE], columns, **about)
+
+
+def headings(designs):
+    return {one.heading: one for one in sections(designs)}
+
+
+# ---------------------------------------------------------------- shares
+
+
+@pytest.mark.parametrize("design", [{"kind": "morris", "num": 8}, {"optimise": True}])
+def test_shares_are_left_out_where_they_mean_nothing(design):
+    shares = {"Distribution of the leak rate", "Leakage classes"}
+    assert shares <= set(headings(forces(design={"kind": "latin-hypercube"})))
+    assert not shares & set(headings(forces(design=design)))
+
+
+def test_shares_say_what_they_are_shares_of():
+    designs = forces(design={"kind": "latin-hypercube"})
+    assert "of 40 calculated designs;" in headings(designs)["Distribution of the leak rate"].note
+    part = made([FORCE], dict(forces().table.iloc[:, 2:]), failed=(0, 7))
+    for heading in ("Distribution of the leak rate", "Leakage classes"):
+        assert "of 38 calculated designs; 2 failed ones not counted" in headings(part)[heading].note
+    assert "no probability" in headings(angles())["Distribution of the leak rate"].note
+
+
+def test_a_standard_without_a_class_says_so():
+    found = headings(angles(standard="FCI 70-2"))["Leakage classes"]
+    assert "No class of FCI 70-2 can be judged for DN 25 and water" in found.note
+    assert not found.rows
+    assert headings(angles())["Leakage classes"].rows
+
+
+# ---------------------------------------------------------------- constraints
+
+
+def test_designs_that_violate_constraints_look_different():
+    display = Display(angles())
+    good, bad = plots.response_plot(display).data
+    assert (len(good.x), bad.name, bad.marker.symbol) == (2, "violates a constraint", "circle-open")
+    assert bad.x == pytest.approx([60])
+    assert 'violates gentle: peak_pressure_Pa &lt; "40 MPa"' in bad.text[0]
+    assert "violates" not in good.text[0]
+    # every entry of the menus moves both groups
+    for menu in plots.response_plot(display).layout.updatemenus:
+        assert all(len(next(iter(button.args[0].values()))) == 2 for button in menu.buttons)
+
+
+def test_parallel_coordinates_show_the_verdict():
+    (lines,) = plots.parallel_plot(Display(angles())).data
+    verdict = lines.dimensions[-1]
+    assert (verdict.label, verdict.ticktext, list(verdict["values"])) == (
+        "meets the constraints",
+        ("no", "yes"),
+        [1, 1, 0],
+    )
+    colours, low = np.array(lines.line.color), min(lines.dimensions[2]["values"])
+    assert colours[2] == lines.line.cmin < low <= colours[:2].min()
+    assert lines.line.colorscale[0][1] == lines.line.colorscale[1][1] == "#8c959f"
+    free = plots.parallel_plot(Display(angles(constraints={}))).data[0]
+    assert [one.label for one in free.dimensions] == [
+        "seat angle [°]",
+        "peak pressure [MPa]",
+        "leak rate [ml/min]",
+    ]
+
+
+def test_map_marks_designs_that_violate_constraints():
+    force = parameter("load.applied_force", "N", [0.0, 100.0])
+    columns = {
+        "seat.angle": np.repeat(ANGLE["levels"], 2),
+        "load.applied_force": [0.0, 100.0] * 3,
+        PRESSURE: [20e6, 30e6, 30e6, 50e6, 50e6, 60e6],
+        LEAK_RATE: np.geomspace(1, 100, 6) * ML,
+    }
+    designs = made([ANGLE, force], columns, constraints={"gentle": 'peak_pressure_Pa < "40 MPa"'})
+    contour, crosses = plots.map_plot(Display(designs)).data
+    assert crosses.x == pytest.approx([45, 60, 60])
+    # lines between colours stand where the scale has its marks
+    marks = contour.colorbar.tickvals
+    assert contour.contours.start == pytest.approx(marks[1])
+    assert contour.contours.size == pytest.approx(marks[1] - marks[0])
+
+
+# ---------------------------------------------------------------- words, axes, units
+
+
+def test_words_and_truth_values_have_axes():
+    law = parameter("interface.law", levels=["spectrum", "exponential"])
+    plastic = parameter("leak.plasticity", levels=[True, False])
+    columns = {
+        "interface.law": ["exponential", "spectrum", "spectrum"],
+        "leak.plasticity": [False, False, True],
+        LEAK_RATE: [ML, 2 * ML, 3 * ML],
+    }
+    designs = made([law, plastic], columns, goals={LEAK_RATE: LEAK_RATE})
+    first, second, _ = plots.parallel_plot(Display(designs)).data[0].dimensions
+    assert (first.ticktext, list(first["values"])) == (("spectrum", "exponential"), [1, 0, 0])
+    assert (second.ticktext, list(second["values"])) == (("yes", "no"), [1, 1, 0])
+    figure = plots.response_plot(Display(designs))
+    assert (figure.layout.xaxis.type, figure.layout.xaxis.categoryarray) == (
+        "category",
+        ("spectrum", "exponential"),
+    )
+    assert headings(designs)["Best designs"].rows[0][:3] == ("0", "exponential", "no")
+
+
+@pytest.mark.parametrize(
+    ("varied", "logarithmic"),
+    [
+        ({"distribution": "Uniform", "bounds": (0.0, 200.0)}, False),
+        ({"distribution": "Uniform", "bounds": (1.0, 200.0)}, False),
+        ({"distribution": "Normal", "bounds": (1.0, 20.0)}, False),
+        ({"distribution": "LogUniform", "bounds": (1.0, 10.0)}, True),
+        ({"distribution": "LogNormal", "bounds": (3.0, 4.0)}, False),
+        ({"distribution": "LogNormal", "bounds": (1.0, 30.0)}, True),
+        ({"levels": [1.0, 2.0, 4.0, 8.0]}, True),
+        ({"levels": [1.0, 26.0, 51.0, 76.0]}, False),
+        ({"levels": [1.0, 5.0, 60.0]}, True),
+        ({"levels": [1.0, 2.0, 5.0]}, False),
+        ({"levels": [0.0, 1.0, 100.0]}, False),
+    ],
+)
+def test_a_parameter_has_the_axis_that_it_was_varied_on(varied, logarithmic):
+    # samples that span a factor of ten, whatever they were drawn from
+    columns = {"load.applied_force": [1.0, 4.0, 16.0], LEAK_RATE: [ML, 2 * ML, 3 * ML]}
+    display = Display(made([parameter("load.applied_force", "N", **varied)], columns))
+    assert display.logarithmic("load.applied_force") is logarithmic
+    assert plots.response_plot(display).layout.xaxis.type == ("log" if logarithmic else "linear")
+
+
+def test_parameters_are_listed_in_the_units_of_the_page():
+    warm = parameter("fluid.temperature", "K", distribution="Uniform", bounds=(283.15, 333.15))
+    rough = parameter("height", "m", distribution="LogUniform", bounds=(5e-7, 4e-6))
+    columns = {
+        "seat.angle": ANGLE["levels"],
+        "fluid.temperature": [283.15, 300.0, 333.15],
+        "height": [5e-7, 1e-6, 4e-6],
+        LEAK_RATE: [ML] * 3,
+    }
+    designs = made([ANGLE, warm, rough], columns, derived={})
+    assert headings(designs)["Parameters and formulas"].rows == (
+        ("seat.angle", "seat angle", "°", "30, 45, 60"),
+        ("fluid.temperature", "fluid temperature", "°C", "uniform from 10 to 60"),
+        ("height", "height", "µm", "log-uniform from 0.5 to 4"),
+    )
+
+
+def test_ticks_stay_within_the_designs_that_did_not_fail():
+    designs = made([ANGLE], dict(angles().table[["seat.angle", LEAK_RATE]]), failed=(2,))
+    axis = plots.parallel_plot(Display(designs)).data[0].dimensions[0]
+    assert axis.ticktext == ("30", "45")
+
+
+# One of each; that every column has the unit in its name is tested with the columns.
+UNITS = {
+    "fluid_pressure_Pa": "Pa",
+    "contact_force_N": "N",
+    "line_load_N_per_m": "N/m",
+    "fwhm_m": "m",
+    "leak_rate_m3_per_s": "m^3/s",
+    "leak_rate_kg_per_s": "kg/s",
+    "leak_rate_Pa_m3_per_s": "Pa m^3/s",
+    "load_steps": "1",
+    "effective_viscosity_Pa_s": "Pa s",
+    "contact_temperature_K": "K",
+}
+
+
+def test_every_response_has_its_unit_in_exports_and_on_the_page():
+    pytest.importorskip("xarray")
+    target = parameter("load.target_leak_rate", "m^3/s", [1e-9, 2e-9])
+    columns = {"load.target_leak_rate": target["levels"], **{name: [1.0, 2.0] for name in LEAK_COLUMNS}}
+    designs = made([target], columns)
+    data = dataset(designs)
+    units = {name: data[name].attrs["units"] for name in LEAK_COLUMNS}
+    assert units.items() >= UNITS.items()
+    assert set(units.values()) == set(UNITS.values())
+    assert data["load.target_leak_rate"].attrs["units"] == UNITS["leak_rate_m3_per_s"]
+    display = Display(designs)
+    labels = ("leak_rate_Pa_m3_per_s", "leak_rate_kg_per_s", "line_load_N_per_m", "load_steps")
+    assert [display.label(name) for name in labels] == [
+        "leak rate pV [mbar l/s]",
+        "leak rate by mass [g/h]",
+        "line load [N/m]",
+        "load steps",
+    ]
+
+
+def test_margins_to_opening_are_shown_beside_the_fluid_pressure_in_its_unit():
+    columns = {"load.fluid_pressure": [5e5, 8e5], "opening_margin_Pa": [1e5, 3e5]}
+    display = Display(made([parameter("load.fluid_pressure", "Pa", [5e5, 8e5])], columns))
+    assert display.label("opening_margin_Pa") == "opening margin [bar]"
+    assert display.label("load.fluid_pressure") == "fluid pressure [bar]"
+
+
+def test_numbers_are_short_and_never_in_computer_notation():
+    texts = [short(one) for one in (30.0, 0.50976, 1500.0, 1.23e-10, None)]
+    assert texts == ["30", "0.5098", "1500", "1.23·10⁻¹⁰", "–"]
+
+
+# ---------------------------------------------------------------- sensitivity
+
+
+def sensitive(kind, response=PRESSURE):
+    """A response that goes like the exponential of the first of two parameters, and a tenth of the second."""
+    points = unit_points(Design(kind=kind, num=8), 2)
+    names = ("load.fluid_pressure", "seat.angle")
+    parameters = [
+        parameter(name, unit, distribution="Uniform", bounds=(1e5, 2e6))
+        for name, unit in zip(names, ("Pa", "rad"), strict=True)
+    ]
+    columns = {
+        **dict(zip(names, points.T + 1.0, strict=True)),
+        "fluid_pressure_Pa": points[:, 0] + 1.0,
+        "fwhm_m": np.full(len(points), 1e-3) * (1 + 1e-15 * points[:, 0]),
+        PRESSURE: 1e6 * (10 * points[:, 0] + points[:, 1]),
+        LEAK_RATE: ML * np.exp(3 * points[:, 0] + 0.3 * points[:, 1]),
+    }
+    return made(parameters, columns, design={"kind": kind, "num": 8}, goals={LEAK_RATE: LEAK_RATE})
+
+
+@pytest.mark.parametrize("kind", ["morris", "sobol-sensitivity"])
+def test_inputs_and_constants_have_no_sensitivity(kind):
+    designs = sensitive(kind)
+    shown = [heading for heading in headings(designs) if heading.startswith("Sensitivity")]
+    assert shown == ["Sensitivity of peak pressure", "Sensitivity of leak rate"]
+    assert designs.telling_outputs == [PRESSURE, LEAK_RATE]
+
+
+def test_sensitivity_is_legible():
+    designs = sensitive("morris")
+    found = {one.output: one for one in sensitivities(designs)}
+    linear = plots.sensitivity_plot(Display(designs), found[PRESSURE])
+    assert linear.layout.xaxis.title.text == "effect on peak pressure [MPa]"
+    assert linear.data[0].x == pytest.approx([10, 1])
+    section = headings(designs)["Sensitivity of peak pressure"]
+    assert section.columns[1] == "mean absolute effect [MPa]"
+    # a linear effect has no spread but that of round-off
+    assert section.rows[0] == ("load.fluid_pressure", "10", "0", "0")
+
+    logarithm = headings(designs)["Sensitivity of leak rate"]
+    assert "multiplies or divides leak rate by eˣ" in logarithm.note
+    assert logarithm.rows[0][-1] == f"× {short(math.exp(3), 3)}"
+    figure = plots.sensitivity_plot(Display(designs), found[LEAK_RATE])
+    assert figure.layout.xaxis.title.text == "effect on ln(leak rate)"
+
+    designs = sensitive("sobol-sensitivity")
+    one = next(one for one in sensitivities(designs) if one.output == LEAK_RATE)
+    figure = plots.sensitivity_plot(Display(designs), one)
+    assert figure.layout.xaxis.title.text == "share of the variance of ln(leak rate)"
+
+
+# ---------------------------------------------------------------- goals
+
+
+def test_a_search_for_two_goals_shows_its_course():
+    columns = {"seat.angle": [1.0, 0.8, 0.9, 0.7, 0.6], LEAK_RATE: np.array([4.0, 3.0, 2.0, 1.0, 5.0]) * ML}
+    angle = parameter("seat.angle", "rad", distribution="Uniform", bounds=(0.5, 1.1))
+    designs = made(
+        [angle],
+        columns,
+        goals={LEAK_RATE: LEAK_RATE, "seat.angle * 2": "-(seat.angle * 2)"},
+        constraints={"flat": "seat.angle > 0.75"},
+        design={"optimise": True},
+    )
+    assert "Search" in headings(designs)
+    figure = plots.search_plot(Display(designs))
+    assert figure.layout.yaxis2.title.text == "seat.angle * 2 [SI]"
+    small, large = (one for one in figure.data if one.name == "best so far")
+    # trials 3 and 4 violate the constraint
+    assert (list(small.x), list(large.y)) == ([0, 1, 2, 3, 4], [2.0] * 5)
+    assert small.y == pytest.approx([4, 3, 2, 2, 2])
+    assert [list(one.x) for one in figure.data if one.name == "violates a constraint"] == [[3, 4]] * 2
+    best = headings(designs)["Best designs"]
+    assert "small leak rate and large seat.angle * 2" in best.note
+    assert (best.columns[-1], [row[-1] for row in best.rows]) == ("seat.angle * 2 [SI]", ["1.8", "2"])
+
+
+def test_a_design_that_occurs_twice_is_listed_once():
+    columns = {"load.applied_force": [10.0, 5.0, 10.0, 5.0, 0.0], LEAK_RATE: np.array([1, 2, 1, 2, 3]) * ML}
+    one = made([FORCE], columns, goals={LEAK_RATE: LEAK_RATE})
+    assert one.best(10) == [0, 1, 4]
+    two = made([FORCE], columns, goals={LEAK_RATE: LEAK_RATE, "load.applied_force": "load.applied_force"})
+    assert two.best(10) == [0, 1, 4]
+
+
+def test_the_page_escapes_what_users_write():
+    text = page(angles(title="<b>seat</b>"), {"done": 3, "failed": 0, "open": 0}, [("<i>bad</i>", 1)])
+    body = text[text.index("<body>") :]
+    assert "<b>" not in body and "<i>" not in body
+    assert "seat angle [°]" in body
+
+
+@pytest.mark.parametrize("width", [80, 120])
+def test_the_table_of_the_command_line_is_never_cut(tmp_path, capsys, monkeypatch, width):
+    from fem_seal.cli.app import main
+
+    (tmp_path / "study.toml").write_text(
+        f'base = "{CASE}"\nresponses = ["fluid_pressure_Pa", "line_load_N_per_m", "contact_force_N"]\n'
+        '[changes]\nload.fluid_pressure = "10 bar"\nmesh.contact_size = "60 um"\n'
+        '[parameters]\nroughness.spectrum.rms_height = ["1 um", "2 um", "3 um"]\n'
+        'load.applied_force = ["0 N", "50 N", "100 N"]\nleak.plasticity = [true, false]\n'
+        '[report]\ngoals = { line_load_N_per_m = "min" }\n'
+    )
+    monkeypatch.setenv("COLUMNS", str(width))
+    assert main(["study", str(tmp_path / "study.toml"), "--workers", "0"]) == 0
+    text = capsys.readouterr().out
+    table = text[: text.index("18 designs done")]
+    assert max(map(len, table.splitlines())) <= width
+    assert "…" not in text and not re.search(r"\de[-+]\d", text)
+    lines = [line for line in table.splitlines() if line.startswith("applied force [N]")]
+    # ten of the eighteen: all without force, the others with the least
+    assert " ".join(lines).split().count("0") == 6 and " ".join(lines).split().count("50") == 4
+    truths = [line for line in table.splitlines() if line.startswith("plasticity")]
+    assert {"yes", "no"} <= set(" ".join(truths).split())
+    designs = [
+        int(one) for line in table.splitlines() if line.startswith("design") for one in line.split()[1:]
+    ]
+    assert len(designs) == len(set(designs)) == 10
+    numbers = [
+        float(one) for line in table.splitlines() if line.startswith("line load") for one in line.split()[3:]
+    ]
+    assert all(earlier <= later for earlier, later in pairwise(numbers))
+
+
+def test_parameters_that_would_be_called_the_same_keep_their_paths():
+    names = ["closure.material.hardness", "closure.hardness", "seat.angle"]
+    designs = made(
+        [parameter(name, "", [1.0, 2.0]) for name in names],
+        {**{name: [1.0, 2.0] for name in names}, LEAK_RATE: [ML] * 2},
+        constraints={},
+        derived={},
+    )
+    display = Display(designs)
+    assert [display.title(name) for name in names] == [*names[:2], "seat angle"]
+
+
+def test_distribution_comes_first_where_the_designs_were_drawn():
+    drawn = parameter("seat.angle", "rad", distribution="Normal", bounds=(0.7, 0.8))
+    columns = {"seat.angle": [0.74, 0.78, 0.8], LEAK_RATE: np.array([1.0, 2.0, 3.0]) * ML}
+    batch = made([drawn], columns, constraints={}, derived={}, goals={}, design={"kind": "sobol"})
+    assert next(iter(headings(batch))) == "Distribution of the leak rate"
+    chosen = made([ANGLE], {**columns, "seat.angle": ANGLE["levels"]}, constraints={}, derived={}, goals={})
+    assert next(iter(headings(chosen))) != "Distribution of the leak rate"
+
+
+# ---------------------------------------------------------------- validity
+
+
+def judged(designs, *levels):
+    """Designs of these levels."""
+    table = designs.table.copy()
+    table.insert(2, "validity", levels)
+    table.insert(3, "validity_reasons", ["" if one == "valid" else "too soft; too wide" for one in levels])
+    return Designs(table, designs.about)
+
+
+FOUR = {"load.applied_force": [10.0, 20.0, 30.0, 40.0], LEAK_RATE: np.array([4, 3, 2, 1]) * ML}
+LEVELS = ("valid", "doubtful", "outside the theory", "outside the theory")
+
+
+def test_front_course_and_best_leave_out_what_is_outside_the_theory():
+    columns = {**FOUR, PRESSURE: np.array([1.0, 2, 3, 4]) * 1e7}
+    goals = {LEAK_RATE: LEAK_RATE, PRESSURE: PRESSURE}
+    designs = judged(made([FORCE], columns, goals=goals, design={"optimise": True}), *LEVELS)
+    assert designs.best(10) == [1, 0]
+    assert designs.left_out == 2 and designs.levels == {"valid": 1, "doubtful": 1, "outside the theory": 2}
+    display = Display(designs)
+    others, front = plots.pareto_plot(display).data
+    assert len(front.x) == 2 and len(others.x) == 0
+    course = plots.search_plot(display)
+    assert [list(one.x) for one in course.data if one.name == "outside the theory"] == [[2, 3]] * 2
+    (small, _) = (one for one in course.data if one.name == "best so far")
+    assert small.y[-1] == pytest.approx(3)
+    assert "outside the theory: too soft" in display.hover(designs.done.index, [])[2]
+    shown = headings(designs)
+    assert "2 designs are left out, their numbers being outside the theory" in shown["Best designs"].note
+    assert shown["Best designs"].columns[-1] == "validity"
+    assert "without trials that are outside the theory" in shown["Search"].note
+    kept = judged(made([FORCE], columns, goals=goals, outside_theory="keep"), *LEVELS)
+    assert kept.best(10) == [3, 2, 1, 0] and kept.left_out == 0
+
+
+def test_constraints_and_theory_are_told_apart():
+    designs = judged(
+        made([FORCE], FOUR, constraints={"strong": "load.applied_force > 15"}, goals={LEAK_RATE: LEAK_RATE}),
+        *LEVELS,
+    )
+    assert designs.why_not_counted == "violate a constraint or are outside the theory"
+    good, bad = plots.response_plot(Display(designs)).data
+    assert len(good.x) == 1 and bad.name == "violates a constraint or outside the theory"
+    assert designs.best(10) == [1]
+    none = judged(made([FORCE], FOUR, goals={LEAK_RATE: LEAK_RATE}), *["outside the theory"] * 4)
+    assert headings(none)["Best designs"].note.startswith("No design is left. 4 designs are left out")
+
+
+def test_no_class_is_claimed_outside_the_theory():
+    tight = {"load.applied_force": [10.0, 20.0, 30.0, 40.0], LEAK_RATE: np.zeros(4)}
+    section = headings(judged(made([FORCE], tight), *LEVELS))["Leakage classes"]
+    assert {row[-1] for row in section.rows} == {"50 %"}
+    assert "Outside the theory no class is claimed" in section.note
+    assert (
+        "2 of them outside the theory"
+        in headings(judged(made([FORCE], FOUR), *LEVELS))["Distribution of the leak rate"].note
+    )
+
+
+def test_a_first_order_index_above_the_total_is_called_noise():
+    from dataclasses import replace
+
+    from fem_seal.studies.page.page import _indices
+
+    designs = sensitive("sobol-sensitivity")
+    (found, *_) = sensitivities(designs)
+    clean = replace(found, first=np.array([0.4, 0.1]), total=np.array([0.8, 0.3]))
+    assert not clean.noise.any()
+    section = _indices(Display(designs), clean)
+    assert "noise" not in section.note and not any("noise" in cell for row in section.rows for cell in row)
+    noisy = replace(found, first=np.array([0.9, -0.1]), total=np.array([0.8, 0.3]))
+    section = _indices(Display(designs), noisy)
+    assert [row[1] for row in section.rows] == ["0.9 (noise)", "−0.1 (noise)"]
+    assert "noise of the sample" in section.note
+    assert not replace(noisy, method="morris").noise.any()

@@ -1,0 +1,88 @@
+"""Every file in examples/ does what it says."""
+
+import importlib.util
+import sys
+import tomllib
+
+import pytest
+from places import EXAMPLES, ROOT
+
+sys.path.insert(0, str(ROOT / "docs"))
+
+import gallery
+
+from fem_seal import load_case, run
+from fem_seal.answers.closed_forms import derive
+
+CASES = sorted(EXAMPLES.glob("*.toml"))
+
+# What each script checks, with its tolerance and why.
+SCRIPTS = {
+    # both equations of the stretched medium solved by nested bisection over P(u) on another grid, and the trapezoidal
+    # sum of their resistance over x
+    "turned_seat.py": (3.8469, 0.003),
+    # a closed form; second-order steps
+    "fluid_opens_the_gap.py": (1.0, 1e-5),
+    # the Hurst exponent that was put into the scan; its standard error from one scan of 4 mm is 0.02
+    "make_seat_scan.py": (0.6, 0.06),
+    # the paper says "about 8"; theory with the spectrum of the example, from an independent calculation, 8.1
+    "leak_of_a_given_profile.py": (8.1, 0.1),
+    # 61.6678 MPa of the exact crossover (independent boundary elements) over Hertz, sqrt(E* f_N / (pi R)) by
+    # hand
+    "how_wide_is_the_contact.py": (61.6678 / 191.646, 1e-5),
+}
+
+
+def test_every_script_is_checked():
+    assert {path.name for path in EXAMPLES.glob("*.py")} == set(SCRIPTS)
+
+
+@pytest.mark.parametrize("name", SCRIPTS)
+def test_script(name):
+    spec = importlib.util.spec_from_file_location(name.removesuffix(".py"), EXAMPLES / name)
+    script = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(script)
+    number, tolerance = SCRIPTS[name]
+    assert script.main() == pytest.approx(number, abs=tolerance)
+
+
+@pytest.mark.parametrize("path", CASES, ids=lambda path: path.name)
+def test_case_is_valid_and_says_what_it_is(path):
+    case = load_case(path)
+    assert case.title
+    assert tomllib.loads(path.read_text())["title"] == case.title
+    assert all(load.contact_force > 0 for load in derive(case).loads)
+
+
+@pytest.mark.parametrize("path", CASES, ids=lambda path: path.name)
+def test_case_runs_and_is_resolved(path):
+    result = run(load_case(path))
+    assert len(result.loads) == len(result.case.load.points)
+    for load in result.loads:
+        assert abs(load.contact.force_error) < 1e-9
+        assert load.leak is None or 0 <= load.leak.leak_rate < float("inf")
+        # both readings of asperities that yield lie around the one that is told as a single number
+        assert (load.leak_range is not None) == (load.leak is not None and len(result.surface.readings) > 1)
+    for load, ends in zip(result.loads, result.leak_ranges, strict=True):
+        assert ends is None or ends[0] <= load.leak.leak_rate <= ends[1]
+    # the load steps of a body that yields leave a per cent, elements a few parts in ten thousand
+    assert result.discretisation_error.peak_pressure < (1e-2 if result.unloaded else 5e-4)
+    # the manual shows what is solved here
+    assert (gallery.keep(result, path) / "report.html").exists()
+
+
+def test_the_main_example_is_the_case_of_the_paper():
+    case = load_case(EXAMPLES / "ball_cone.toml")
+    derived = derive(case)
+    last = derived.loads[-1]
+    # Fischer et al.: F_N = 1260 N (rounded), f_N = 20 kN/m, E* = 115 GPa, half-width 0.07 mm at 20 bar
+    assert last.fluid_pressure == 20e5
+    assert last.contact_force == pytest.approx(1256.6, abs=0.1)
+    assert last.line_load == pytest.approx(20e3, rel=1e-12)
+    assert derived.effective_modulus == pytest.approx(115.38e9, rel=1e-4)
+    assert derived.hardness == 3.5e9
+    # rms slope 0.4 for wavelengths above 2 um, as the paper measured it
+    assert derived.rms_slope == pytest.approx(0.4, abs=2e-3)
+    # sqrt(E* f_N / (pi R)) by hand; the paper's 181 MPa is a misprint
+    assert last.hertz.peak_pressure == pytest.approx(191.646e6, rel=1e-5)
+    assert last.hertz.half_width == pytest.approx(0.0664e-3, rel=1e-3)

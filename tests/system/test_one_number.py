@@ -1,0 +1,84 @@
+"""A run, a design of a study and the live page give the same numbers for the same case."""
+
+import math
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from places import EXAMPLES
+from sample_results import run_loads
+
+import fem_seal
+from fem_seal.explore.live import Session
+from fem_seal.output.tables import leak_rows
+from fem_seal.studies.responses import evaluate_design
+
+# one of each shape; the fluid is water or helium, the law p(u), exponential or that of the corrected theory
+SHAPES = (
+    "ball_cone",
+    "ball_on_land",
+    "exponential_law",
+    "helium",
+    "measured_seat",
+    "poppet_on_land",
+    "profile_from_drawing",
+    "toroidal_edge_on_flat",
+)
+# bodies that yield, with the fluid between the surfaces or after a larger load; fluid between elastic ones; heat; waves
+# around the axis, of a zone, a trace and a tilt; scratches; a largest earlier load
+KINDS = (
+    "elastoplastic_seat",
+    "hot_coined_seat",
+    "relief_valve_350_bar",
+    "relief_valve",
+    "hot_valve",
+    "oval_seat",
+    "tilted_poppet",
+    "scratched_seat",
+    "proof_load",
+)
+COLUMNS = ("peak_pressure_Pa", "line_load_N_per_m", "fwhm_m", "leak_rate_m3_per_s")
+
+
+def assert_one_number(case):
+    (run,) = leak_rows(run_loads(case))
+    study = evaluate_design(case, COLUMNS).values
+    with pytest.MonkeyPatch.context() as patch:
+        # the page waits, however long it takes
+        patch.setattr("fem_seal.explore.live._FOLLOWS", math.inf)
+        screen = Session(case).answer({})
+    assert not screen.problem and not screen.waiting
+    for name in COLUMNS:
+        assert study[name] == pytest.approx(run[name], rel=2e-4)
+        # the page has coarser elements inside the bodies and shows three digits
+        assert screen.load.values[name] == pytest.approx(run[name], rel=6e-4)
+
+
+@settings(max_examples=12, deadline=None)
+@given(
+    shape=st.sampled_from(SHAPES),
+    theory=st.sampled_from(["paper", "corrected"]),
+    pressure=st.floats(0.3, 3.0),
+    modulus=st.floats(0.4, 1.5),
+)
+def test_run_study_and_live_page_agree(shape, theory, pressure, modulus):
+    case = fem_seal.load_case(EXAMPLES / f"{shape}.toml")
+    bars = pressure * case.load.points[0][0] / 1e5
+    gigapascals = modulus * case.seat.material.youngs_modulus / 1e9
+    assert_one_number(
+        case.replace(
+            {
+                "load.fluid_pressure": f"{bars:.4g} bar",
+                "seat.material.youngs_modulus": f"{gigapascals:.4g} GPa",
+                "leak.theory": theory,
+            }
+        )
+    )
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_they_agree_whatever_the_problem_is(kind):
+    case = fem_seal.load_case(EXAMPLES / f"{kind}.toml")
+    pressure, force = case.load.points[0]
+    one = {"load.fluid_pressure": f"{pressure / 1e5:.10g} bar", "load.applied_force": f"{force:.10g} N"}
+    assert_one_number(case.replace(one))

@@ -1,0 +1,75 @@
+"""What the README and the generated reference say is true."""
+
+import importlib.util
+import re
+import tomllib
+
+import pytest
+from places import ROOT
+
+from fem_seal.case.case import Case
+
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+
+
+def test_make_knows_the_commands_of_the_readme():
+    targets = set(re.findall(r"^([a-z]+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
+    commands = re.findall(r"^make (\w+)$", README, re.MULTILINE)
+    assert commands == ["run", "test"]
+    assert set(re.findall(r"`make (\w+)`", README)) | set(commands) <= targets
+
+
+def test_files_and_folders_named_in_the_readme_exist():
+    named = re.findall(r"\[[^\]]*\]\(([^)]+)\)", README) + re.findall(r"examples/[a-z_]+\.toml", README)
+    named += re.findall(r"^\| `([a-z_]+)/`", README, re.MULTILINE)
+    assert len(named) > 8
+    assert not [name for name in named if not (ROOT / name).exists()]
+
+
+def test_commands_named_in_the_readme_exist():
+    from fem_seal.cli.app import app
+
+    known = {command.name or command.callback.__name__ for command in app.registered_commands}
+    known |= {group.name for group in app.registered_groups}
+    assert set(re.findall(r"fem-seal (\w+) ", README)) <= known
+
+
+def test_the_case_of_the_readme_is_valid():
+    (text,) = re.findall(r"```toml\n(.*?)```", README, re.DOTALL)
+    assert Case(**tomllib.loads(text)).closure.radius == 0.02
+
+
+def test_system_libraries_are_listed_in_one_place():
+    files = [ROOT / name for name in ("README.md", "Makefile", "Dockerfile", ".ci/run", ".ci/system")]
+    assert [path.name for path in files if "libglu1-mesa" in path.read_text(encoding="utf-8")] == ["system"]
+    assert all(".ci/system" in path.read_text(encoding="utf-8") for path in files[1:4])
+
+
+@pytest.fixture(scope="module")
+def script():
+    spec = importlib.util.spec_from_file_location(
+        "make_input_reference", ROOT / "docs" / "make_input_reference.py"
+    )
+    script = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(script)
+    return script
+
+
+def test_input_reference_is_up_to_date(script):
+    written = script.FILE.read_text(encoding="utf-8")
+    assert written == script.reference(), "run `make docs`"
+
+
+def test_reference_of_the_columns_is_up_to_date(script):
+    written = script.COLUMNS_FILE.read_text(encoding="utf-8")
+    assert written == script.columns_reference(), "run `make docs`"
+
+
+def test_page_of_the_materials_is_up_to_date(script):
+    written = script.MATERIALS_FILE.read_text(encoding="utf-8")
+    assert written == script.materials_reference(), "run `make docs`"
+
+
+@pytest.mark.parametrize("table", Case.model_fields)
+def test_input_reference_has_every_table(script, table):
+    assert table in script.FILE.read_text(encoding="utf-8")
