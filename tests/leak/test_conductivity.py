@@ -112,6 +112,17 @@ def test_height_of_what_has_not_yielded():
     assert lost.width[0].max() == pytest.approx(whole, rel=2e-4)
 
 
+def test_panels_follow_asperities_that_have_yielded():
+    """Where C_pl falls like exp(-pi^2 t), panels over wavenumber alone would leave four times this error."""
+    spectrum = leak.PowerSpectrum.self_affine(
+        rms_height=0.3e-6, hurst=0.3, q_low=1e3, q_rolloff=2e4, q_high=1e7
+    )
+    soft = leak.RoughContact(spectrum, effective_modulus=115e9, hardness=1e9)
+    p = np.geomspace(1e5, 0.5e9, 9)
+    fine = soft.effective_separation(p, refinement=4.0)
+    np.testing.assert_allclose(soft.effective_separation(p), fine, rtol=6e-6)
+
+
 def mean_lost_separation(lost):
     """<u> of P(u), each folded Gaussian in closed form, shape (P,) [m]."""
     h, u1 = lost.width, lost.separation

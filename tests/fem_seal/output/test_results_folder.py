@@ -15,7 +15,7 @@ from tempfile import TemporaryDirectory
 from unittest.mock import Mock
 
 import pytest
-from places import EXAMPLES
+from places import EXAMPLES, ROOT
 from sample_results import rough_result, single_result
 
 from fem_seal.cli.app import main
@@ -74,7 +74,11 @@ def dying(two_runs):
     after = two_runs[1]
     ready = single_result(), *(after.joinpath(name).read_text() for name in ("report.html", "summary.json"))
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), *sys.path])}
-    command = [sys.executable, "-c", "from tests.fem_seal.output.test_results_folder import _killed; _killed()"]
+    command = [
+        sys.executable,
+        "-c",
+        "from tests.fem_seal.output.test_results_folder import _killed; _killed()",
+    ]
     with subprocess.Popen(command, env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as process:
         pickle.dump(ready, process.stdin)
 
