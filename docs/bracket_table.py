@@ -50,8 +50,8 @@ An asperity that yields gives way, and the paper's theory does not say where its
   fill far less ([theory](../theory/yielding.md#two-readings)), and in direct simulations with the pressure capped at
   the hardness the valleys stay open ([verification](verification.md)).
 - **Changed only where it touches**, under a pressure that the hardness limits; `leak_rate_capped_m3_per_s`. The
-  channels are those of an elastic contact at a larger pressure (`leak.theory.capped`). Metal that is displaced into the
-  valleys is left out.
+  channels are those of an elastic contact at a larger pressure (`leak.theory.plasticity`). Metal that is displaced into
+  the valleys is left out.
 
 The contact is the same in both: bodies, contact pressure and interface law do not change, also with
 `[interface] plastic = true`, with a form error, and with `closing = "penetration"`, whose fluid pressure between the

@@ -1,7 +1,7 @@
 """Asperities that yield, the theory beside direct simulation: the pressure capped at the hardness, or von Mises.
 
-Run: python docs/direct_yielding.py, to fit the constants of `leak.theory.capped` anew, each on one part of its surfaces
-and judged on the others. Box length 1, E* = 1 and rms slope 1; pressures are in units of E* h'.
+Run: python docs/direct_yielding.py, to fit the constants of `leak.theory.plasticity` anew, each on one part of its
+surfaces and judged on the others. Box length 1, E* = 1 and rms slope 1; pressures are in units of E* h'.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from direct_numerical import periodic_spectrum, worst_factor
 from numpy.typing import NDArray
 
 import leak
-from leak.theory.capped import BEARING_GAP, CAPPED, VON_MISES, YieldingConstants, equivalent_pressure
+from leak.theory.plasticity import BEARING_GAP, CAPPED, VON_MISES, YieldingConstants, equivalent_pressure
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]

@@ -19,7 +19,7 @@ from direct_numerical import FloatArray, periodic_spectrum, read_direct, worst_f
 from verification_page import Figure, Section
 
 import leak
-from leak.flow.effective_gap import effective_gap
+from leak.flow.medium import effective_gap
 
 # The campaign belongs to this repository; the other results may stand in a folder of their own.
 CAMPAIGN = Path(__file__).resolve().parents[1] / "tests" / "reference" / "direct_elastic.csv"

@@ -22,7 +22,7 @@ from direct_yielding import (
 )
 from verification_page import Figure, Section
 
-from leak.theory.capped import CAPPED
+from leak.theory.plasticity import CAPPED
 
 _CAPPED, _CONSERVED, _ELASTIC = READINGS
 _NOTHING = "the same surfaces without a hardness, elastic theory"

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem_seal.seal.findings import Validity
-from leak.surfaces.line_spectrum import height_scatter
+from leak.surfaces.random import height_scatter
 
 if TYPE_CHECKING:
     from fem_seal.answers.uncertainty import LeakInterval

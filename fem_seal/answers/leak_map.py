@@ -288,7 +288,7 @@ def _of_solution(
 
 def _area_of_leak_rate(case: Case, pressure: float) -> float:
     """Equivalent leakage area over the leak rate [s/m]; NaN where density or heat capacity of the fluid is unknown."""
-    from leak.flow.leakage_area import leakage_area_of_gas, leakage_area_of_liquid
+    from leak.flow.leak_result import leakage_area_of_gas, leakage_area_of_liquid
     from leak.fluids.library import heat_capacity_ratio
 
     fluid = case.fluid

@@ -25,8 +25,7 @@ from fem_seal.arrays import FloatArray
 from fem_seal.contact.laws import InterfaceLaw, ScaledLaw
 from fem_seal.seal.leak_model import Conductivity, Flow, theory_table
 from leak import GasConductivityTable, PowerSpectrum, RoughContact
-from leak.flow.conductivity import AlikeTables
-from leak.flow.memory import LoadMemory
+from leak.flow.conductivity import AlikeTables, LoadMemory
 from leak.numerics.curves import lagrange
 
 # The surface that stands for all of its shape.

@@ -36,7 +36,7 @@ from leak.direct import (
     streams,
 )
 from leak.numerics.roots import bisected
-from leak.theory.reading import READINGS, Reading
+from leak.theory.plasticity import READINGS, Reading
 
 Branch = Literal["load", "unload", "cutoff"]
 # Raised when a finished piece would come out differently.

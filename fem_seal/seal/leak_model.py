@@ -319,7 +319,7 @@ class Flow:
         permeant = self.permeant(table, fluid_pressure)
         x, pressure, contact = profile.x, profile.pressure, profile.after_largest(table)
         modulus, side = surface.effective_modulus, self.pressure_side
-        return flow_along(contact, x, pressure, grooves, permeant, permeant.result, modulus, side)
+        return flow_along(contact, x, pressure, grooves, permeant, modulus, side)
 
     def goes_round(
         self,

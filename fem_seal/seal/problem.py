@@ -270,7 +270,7 @@ class SealProblem:
     @property
     def other_theories(self) -> tuple[str, ...]:
         """Theories of the rough contact that the leak is not calculated with; none without roughness or fluid."""
-        from leak.theory.reading import READINGS
+        from leak.theory.plasticity import READINGS
 
         surface, flow = self.surface, self.flow
         if surface is None or flow is None:

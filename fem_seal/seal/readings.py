@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from fem_seal.files import own_tables
-from leak.theory.reading import READINGS, Reading
+from leak.theory.plasticity import READINGS, Reading
 
 OWN, *FURTHER = READINGS["paper"]
 """The reading that a case takes, and those that stand beside it."""

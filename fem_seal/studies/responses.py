@@ -36,7 +36,7 @@ from fem_seal.seal.readings import FURTHER, leak_rate_column
 from fem_seal.seal.sources import EXACT, Shared, Source, family_or_own_table
 from fem_seal.studies.cost import FORCE_FOR_VERDICT, INTERVAL, is_target
 from fem_seal.validity.checks import validity_of
-from leak.theory.reading import READINGS
+from leak.theory.plasticity import READINGS
 
 # A margin counts up to here: a sealed design, whose margin is infinite, can be compared with others.
 LARGEST_MARGIN = 1e6

@@ -141,8 +141,7 @@ def _dense_gas(flow: Flow, loads: Sequence[LoadResult]) -> Iterator[Caution]:
 
 def _not_ideal(flow: Flow, gas: Gas, highest: float) -> Iterator[Caution]:
     from leak import real_gas_flow_ratio
-    from leak.fluids.dense_gas import estimated_real_gas
-    from leak.fluids.library import coolprop_name
+    from leak.fluids.library import coolprop_name, estimated_real_gas
 
     real, other = estimated_real_gas(gas, highest), coolprop_name(gas.name)
     leaks, there, ratio = "", "", 1.0

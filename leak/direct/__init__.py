@@ -14,14 +14,20 @@ Examples
 True
 """
 
-from leak.direct.contact import ContactState, press
+from leak.direct.contact import ContactState, PeriodicHalfSpace, press
 from leak.direct.elastoplastic import ElastoplasticState, press_elastoplastic
 from leak.direct.flow import Flow, Streams, patch_flow, periodic_flow, rarefied_gap, streams
-from leak.direct.half_space import PeriodicHalfSpace
 from leak.direct.patch import Patch, periodic_map, refined, smoothed
-from leak.direct.simulation import DirectBranch, DirectResult, PressedPatch, simulate
+from leak.direct.simulation import (
+    DirectBranch,
+    DirectResult,
+    PressedPatch,
+    cutoff_study,
+    grid_study,
+    simulate,
+    size_study,
+)
 from leak.direct.strip import Strip, StripState, rest_gap
-from leak.direct.studies import cutoff_study, grid_study, size_study
 
 __all__ = [
     "ContactState",

@@ -16,8 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from leak.arrays import FloatArray
-from leak.direct.contact import ContactState, checked_heights, checked_pressures, press
-from leak.direct.half_space import PeriodicHalfSpace
+from leak.direct.contact import ContactState, PeriodicHalfSpace, checked_heights, checked_pressures, press
 from leak.direct.layers import LayeredHalfSpace, squared_norm
 from leak.errors import DirectError, positive
 
@@ -25,6 +24,8 @@ from leak.errors import DirectError, positive
 _CONTACT = 0.01
 # Steps of a method that needs some twenty.
 _MOST_STEPS = 600
+# Of the norm of a plastic strain.
+_ROUNDING = 1e-12
 # A layer at the bottom of the grid holds no more than this share of the largest plastic strain.
 _BOTTOM = 1e-3
 
@@ -131,36 +132,6 @@ class ElastoplasticState:
         return grid.reshape(*values.shape[:-1], *shape)
 
 
-@dataclass(frozen=True)
-class _Metal:
-    """Radial return of a solid."""
-
-    shear_modulus: float
-    yield_stress: float
-    hardening: float
-
-    def returned(
-        self, distortion: FloatArray, strain: FloatArray, equivalent: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
-        """Plastic and equivalent strain after a step to a distortion; it is overwritten.
-
-        Parameters
-        ----------
-        distortion : ndarray
-            Total strain less its change of volume, shape (5, ...).
-        strain, equivalent : ndarray
-            Plastic ones before the step, shapes (5, ...) and (...).
-        """
-        G = self.shear_modulus
-        distortion -= strain
-        mises = G * np.sqrt(6.0 * squared_norm(distortion))
-        excess = np.maximum(mises - self.yield_stress - self.hardening * equivalent, 0.0)
-        flow = excess / (3.0 * G + self.hardening)
-        distortion *= np.divide(3.0 * G * flow, mises, out=np.zeros_like(mises), where=excess > 0.0)
-        distortion += strain
-        return distortion, equivalent + flow
-
-
 def press_elastoplastic(
     body: PeriodicHalfSpace,
     heights: ArrayLike,
@@ -228,7 +199,9 @@ def press_elastoplastic(
     >>> bool(state.flattened_volume > 0.0 and state.contact_area > 0.1)
     True
     """
-    h, path = _checked_map(body, heights), checked_pressures("pressures", pressures)
+    h, path = checked_heights(heights, "(n, m)"), checked_pressures("pressures", pressures)
+    if h.shape != body.shape:
+        raise DirectError(f"heights has shape {h.shape}: must be that of the body's grid, {body.shape}")
     nu, hard = _checked_number("poissons_ratio", poissons_ratio), _checked_number("hardening", hardening)
     if not 0.0 <= nu < 0.5:
         raise DirectError(f"poissons_ratio = {nu:g}: must be at least 0 and below 0.5 [-]")
@@ -239,82 +212,98 @@ def press_elastoplastic(
     solid = LayeredHalfSpace(body, nu, int(layers))
     if start is not None and start.body != solid:
         raise DirectError("start: belongs to another grid, modulus, Poisson's ratio or number of layers")
-    metal = _Metal(
-        solid.shear_modulus,
+    indentation = _Indentation(
+        solid,
+        h,
         positive(DirectError, "yield_stress", yield_stress, "Pa"),
         hard * solid.youngs_modulus,
+        positive(DirectError, "tolerance", tolerance, "-"),
     )
-    wanted = positive(DirectError, "tolerance", tolerance, "-")
-    return _along_path(solid, metal, h, path.tolist(), wanted, start)
-
-
-def _along_path(
-    solid: LayeredHalfSpace,
-    metal: _Metal,
-    h: FloatArray,
-    path: list[float],
-    tolerance: float,
-    start: ElastoplasticState | None,
-) -> list[ElastoplasticState]:
-    states, grid = [], (solid.layers, *solid.surface.shape)
+    states, grid = [], (solid.layers, *body.shape)
     if start is None:
-        strain, equivalent = np.zeros((5, *grid)), np.zeros(grid)
+        strain, equivalent, p, before = np.zeros((5, *grid)), np.zeros(grid), None, 0.0
     else:
-        strain, equivalent = start.field(), start.equivalent_field()
-    contact = None if start is None else start.contact
-    before, last_step, rate = None if start is None else float(start.pressure.mean()), 0.0, None
-    for pressure in path:
-        step = pressure - (before or 0.0)
-        guess = strain
-        if rate is not None and step * last_step > 0.0:
-            guess = strain + min(step / last_step, 1.0) * rate
-        found, equivalent, raised, contact = _step(
-            solid, metal, h, pressure, strain, equivalent, guess, contact, tolerance
-        )
-        rate, strain = found - strain, found
-        before, last_step = pressure, step
-        state = _state(solid, contact, raised, strain, equivalent)
-        states.append(state)
+        strain, equivalent, p = start.field(), start.equivalent_field(), start.pressure
+        before = float(p.mean())
+    rate, last_step = np.zeros_like(strain), 0.0
+    for pressure in path.tolist():
+        step = pressure - before
+        guess = strain + min(step / last_step, 1.0) * rate if step * last_step > 0.0 else strain
+        found, equivalent, raised, contact = indentation.step(pressure, strain, equivalent, guess, p)
+        rate, strain, p, before, last_step = found - strain, found, contact.pressure, pressure, step
+        states.append(_state(solid, contact, raised, strain, equivalent))
     return states
 
 
-def _step(
-    solid: LayeredHalfSpace,
-    metal: _Metal,
-    h: FloatArray,
-    pressure: float,
-    strain: FloatArray,
-    equivalent: FloatArray,
-    guess: FloatArray,
-    contact: ContactState | None,
-    tolerance: float,
-) -> tuple[FloatArray, FloatArray, FloatArray, ContactState]:
-    """Plastic strain, equivalent strain, raised surface and contact after one step of the pressure."""
-    at, last, momentum = guess, guess, 1.0
-    p = None if contact is None else contact.pressure
-    for _ in range(_MOST_STEPS):
-        response = solid.response(at)
-        raised = solid.raised(response)
-        contact = press(solid.surface, h + raised, pressure, start=p, tolerance=_CONTACT * tolerance)
-        p = contact.pressure
-        found, flowed = metal.returned(solid.distortion(response, p), strain, equivalent)
-        change = math.sqrt(float(squared_norm(found - at).sum()))
-        # nothing has flowed, or no more than rounding
-        if change <= tolerance * math.sqrt(float(squared_norm(found - strain).sum())) + _rounding(found):
-            return found, flowed, raised, contact
-        step = found - last
-        if float(np.vdot(at - found, step)) > 0.0:
-            momentum = 1.0
-        following = 0.5 * (1.0 + math.sqrt(1.0 + 4.0 * momentum**2))
-        last, at, momentum = found, found + (momentum - 1.0) / following * step, following
-    raise DirectError(
-        f"plastic flow at the mean pressure {pressure:g} Pa did not converge in {_MOST_STEPS} iterations: take smaller "
-        "steps of the pressure, or a larger tolerance"
-    )
+@dataclass(frozen=True)
+class _Indentation:
+    """A map pressed on a solid that flows; yield stress and hardening in Pa."""
+
+    solid: LayeredHalfSpace
+    heights: FloatArray
+    yield_stress: float
+    hardening: float
+    tolerance: float
+
+    def step(
+        self,
+        pressure: float,
+        strain: FloatArray,
+        equivalent: FloatArray,
+        guess: FloatArray,
+        p: FloatArray | None,
+    ) -> tuple[FloatArray, FloatArray, FloatArray, ContactState]:
+        """Plastic strain, equivalent strain, raised surface and contact after one step of the pressure."""
+        at, last, momentum = guess, guess, 1.0
+        for _ in range(_MOST_STEPS):
+            response = self.solid.response(at)
+            raised = self.solid.raised(response)
+            contact = press(
+                self.solid.surface,
+                self.heights + raised,
+                pressure,
+                start=p,
+                tolerance=_CONTACT * self.tolerance,
+            )
+            p = contact.pressure
+            found, flowed = self._returned(self.solid.distortion(response, p), strain, equivalent)
+            # nothing has flowed, or no more than rounding
+            if _norm(found - at) <= self.tolerance * _norm(found - strain) + _ROUNDING * _norm(found):
+                return found, flowed, raised, contact
+            step = found - last
+            if float(np.vdot(at - found, step)) > 0.0:
+                momentum = 1.0
+            following = 0.5 * (1.0 + math.sqrt(1.0 + 4.0 * momentum**2))
+            last, at, momentum = found, found + (momentum - 1.0) / following * step, following
+        raise DirectError(
+            f"plastic flow at the mean pressure {pressure:g} Pa did not converge in {_MOST_STEPS} iterations: take "
+            "smaller steps of the pressure, or a larger tolerance"
+        )
+
+    def _returned(
+        self, distortion: FloatArray, strain: FloatArray, equivalent: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Plastic and equivalent strain after a step to a distortion, by radial return; it is overwritten.
+
+        Parameters
+        ----------
+        distortion : ndarray
+            Total strain less its change of volume, shape (5, ...).
+        strain, equivalent : ndarray
+            Plastic ones before the step, shapes (5, ...) and (...).
+        """
+        G = self.solid.shear_modulus
+        distortion -= strain
+        mises = G * np.sqrt(6.0 * squared_norm(distortion))
+        excess = np.maximum(mises - self.yield_stress - self.hardening * equivalent, 0.0)
+        flow = excess / (3.0 * G + self.hardening)
+        distortion *= np.divide(3.0 * G * flow, mises, out=np.zeros_like(mises), where=excess > 0.0)
+        distortion += strain
+        return distortion, equivalent + flow
 
 
-def _rounding(strain: FloatArray) -> float:
-    return 1e-12 * math.sqrt(float(squared_norm(strain).sum()))
+def _norm(strain: FloatArray) -> float:
+    return math.sqrt(float(squared_norm(strain).sum()))
 
 
 def _state(
@@ -332,13 +321,6 @@ def _state(
             "map, the bottom of the grid: take a smaller pressure or a map with more waves"
         )
     return ElastoplasticState(contact, raised, points, strain.reshape(5, -1)[:, points], flat[points], solid)
-
-
-def _checked_map(body: PeriodicHalfSpace, heights: ArrayLike) -> FloatArray:
-    h = checked_heights(heights, "(n, m)")
-    if h.shape != body.shape:
-        raise DirectError(f"heights has shape {h.shape}: must be that of the body's grid, {body.shape}")
-    return h
 
 
 def _checked_number(name: str, value: float) -> float:

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from leak.arrays import FloatArray
-from leak.direct.half_space import PeriodicHalfSpace
+from leak.direct.contact import PeriodicHalfSpace
 from leak.numerics.roots import root_of_rising
 
 # The first layer is half as thick as the grid is wide, all of them reach a third of the shorter side.
@@ -34,15 +34,37 @@ def squared_norm(strain: FloatArray) -> FloatArray:
 
 
 class _Factors(NamedTuple):
-    """Block tridiagonal elimination from the bottom up; arrays (nodes or layers, ..., waves)."""
+    """Factorised stiffness, per wave, of nodes of which each knows the next ones: blocks from the lowest node up."""
 
     inverse: FloatArray
-    """Of the pivots, 2 x 2 for (U, W)."""
+    """Of the pivots, shape (layers + 1, size, size, waves)."""
     carried: FloatArray
-    """Coupling times the inverse pivot below."""
-    inverse_t: FloatArray
-    carried_t: FloatArray
-    """The same for T."""
+    """What a node hands to the one above, shape (layers, size, size, waves)."""
+
+    @classmethod
+    def of(cls, pivot: FloatArray, coupling: FloatArray) -> _Factors:
+        """Of diagonal blocks of one or two unknowns and the blocks above them, which are overwritten."""
+        for k in range(len(pivot) - 1, -1, -1):
+            if k < len(coupling):
+                coupled = coupling[k].copy()
+                coupling[k] = np.einsum("abm,bcm->acm", coupled, pivot[k + 1])
+                pivot[k] -= np.einsum("abm,cbm->acm", coupling[k], coupled)
+            if pivot.shape[1] == 1:
+                pivot[k] = 1.0 / pivot[k]
+            else:
+                (a, b), (c, d) = pivot[k]
+                pivot[k] = np.array([[d, -b], [-c, a]]) / (a * d - b * c)
+        return cls(pivot, coupling)
+
+    def solved(self, force: np.ndarray) -> np.ndarray:
+        """Displacements by nodal forces, shape (layers + 1, size, waves); the forces are overwritten."""
+        for k in range(len(self.carried) - 1, -1, -1):
+            force[k] -= (self.carried[k] * force[k + 1]).sum(axis=1)
+        for k, inverse in enumerate(self.inverse):
+            force[k] = (inverse * force[k]).sum(axis=1)
+            if k:
+                force[k] -= (self.carried[k - 1] * force[k - 1][:, None]).sum(axis=0)
+        return force
 
 
 class PlasticResponse(NamedTuple):
@@ -148,12 +170,14 @@ class LayeredHalfSpace:
         return found
 
     @cached_property
-    def _factors(self) -> _Factors:
+    def _factors(self) -> tuple[_Factors, _Factors]:
+        """Of the waves' own plane, U and W, and of T across it."""
         q, G, lame, nu = self._q, self.shear_modulus, self._lame, self.poissons_ratio
-        nodes = self.layers + 1
-        pivot, coupling = np.zeros((nodes, 2, 2, q.size)), np.zeros((self.layers, 2, 2, q.size))
-        pivot_t, coupling_t = np.zeros((nodes, q.size)), np.zeros((self.layers, q.size))
-        none = np.zeros_like(q)
+        nodes, none = self.layers + 1, np.zeros_like(self._q)
+        (pivot, coupling), (pivot_t, coupling_t) = (
+            (np.zeros((nodes, size, size, q.size)), np.zeros((self.layers, size, size, q.size)))
+            for size in (2, 1)
+        )
         for k, h in enumerate(self.thickness):
             steep = np.full_like(q, 1.0 / h)
             # e_ll, e_zz and e_lz/i by U, W at the top and U, W at the bottom of the layer
@@ -169,63 +193,19 @@ class LayeredHalfSpace:
             pivot[k] += stiffness[:2, :2]
             pivot[k + 1] += stiffness[2:, 2:]
             coupling[k] = stiffness[:2, 2:]
-            own, other = h * G * (0.25 * q * q + steep * steep), h * G * (0.25 * q * q - steep * steep)
-            pivot_t[k] += own
-            pivot_t[k + 1] += own
-            coupling_t[k] = other
-        below = 2.0 * G * q / (3.0 - 4.0 * nu)
-        pivot[-1] += (
-            below * np.array([[2.0 - 2.0 * nu, 2.0 * nu - 1.0], [2.0 * nu - 1.0, 2.0 - 2.0 * nu]])[..., None]
-        )
+            pivot_t[k : k + 2] += h * G * (0.25 * q * q + steep * steep)
+            coupling_t[k] = h * G * (0.25 * q * q - steep * steep)
+        own, other = 2.0 - 2.0 * nu, 2.0 * nu - 1.0
+        pivot[-1] += 2.0 * G * q / (3.0 - 4.0 * nu) * np.array([[own, other], [other, own]])[..., None]
         pivot_t[-1] += G * q
-        for k in range(nodes - 1, -1, -1):
-            if k < self.layers:
-                coupled = coupling[k].copy()
-                coupling[k] = np.einsum("abm,bcm->acm", coupled, pivot[k + 1])
-                pivot[k] -= np.einsum("abm,cbm->acm", coupling[k], coupled)
-                coupled_t = coupling_t[k].copy()
-                coupling_t[k] = coupled_t * pivot_t[k + 1]
-                pivot_t[k] -= coupling_t[k] * coupled_t
-            (a, b), (c, d) = pivot[k]
-            pivot[k] = np.array([[d, -b], [-c, a]]) / (a * d - b * c)
-            pivot_t[k] = 1.0 / pivot_t[k]
-        return _Factors(pivot, coupling, pivot_t, coupling_t)
-
-    def _solved(self, force: np.ndarray) -> np.ndarray:
-        """U and W of nodal forces, shape (layers + 1, 2, waves); the forces are overwritten."""
-        inverse, carried = self._factors.inverse, self._factors.carried
-        for k in range(self.layers - 1, -1, -1):
-            (a, b), (c, d) = carried[k]
-            first, second = force[k + 1]
-            force[k, 0] -= a * first + b * second
-            force[k, 1] -= c * first + d * second
-        for k in range(self.layers + 1):
-            (a, b), (c, d) = inverse[k]
-            first, second = force[k]
-            force[k] = a * first + b * second, c * first + d * second
-            if k:
-                (a, b), (c, d) = carried[k - 1]
-                above, beside = force[k - 1]
-                force[k, 0] -= a * above + c * beside
-                force[k, 1] -= b * above + d * beside
-        return force
-
-    def _solved_across(self, force: np.ndarray) -> np.ndarray:
-        """T of nodal forces, shape (layers + 1, waves); the forces are overwritten."""
-        inverse, carried = self._factors.inverse_t, self._factors.carried_t
-        for k in range(self.layers - 1, -1, -1):
-            force[k] -= carried[k] * force[k + 1]
-        force *= inverse
-        for k in range(self.layers):
-            force[k + 1] -= carried[k] * force[k]
-        return force
+        return _Factors.of(pivot, coupling), _Factors.of(pivot_t, coupling_t)
 
     @cached_property
     def _by_pressure(self) -> FloatArray:
         """U and W by a pressure of one on the surface, shape (layers + 1, 2, waves) [m/Pa]."""
         force = np.zeros((self.layers + 1, 2, self._q.size))
         force[0, 1] = 1.0
-        return self._solved(force)
+        return self._factors[0].solved(force)
 
     # ---------------------------------------------------------------- answers
 
@@ -250,10 +230,7 @@ class LayeredHalfSpace:
             return values.reshape(self.layers, -1)
 
         # stress 2 G e on the strains of the nodes' own displacement
-        force, across = (
-            np.zeros((self.layers + 1, 2, q.size), complex),
-            np.zeros((self.layers + 1, q.size), complex),
-        )
+        force, across = (np.zeros((self.layers + 1, size, q.size), complex) for size in (2, 1))
         stretch = (-G * h * q) * flat(c * c * xx + s * s * yy + 2.0 * c * s * xy)
         shear = (-2.0j * G) * flat(c * xz + s * yz)
         force[:-1, 0] = stretch - shear
@@ -263,9 +240,10 @@ class LayeredHalfSpace:
         force[1:, 1] += tilt + rise
         stretch = (-G * h * q) * flat(c * s * (yy - xx) + (c * c - s * s) * xy)
         shear = (-2.0j * G) * flat(c * yz - s * xz)
-        across[:-1] = stretch - shear
-        across[1:] += stretch + shear
-        return PlasticResponse(self._solved(force), self._solved_across(across), mean)
+        across[:-1, 0] = stretch - shear
+        across[1:, 0] += stretch + shear
+        in_plane, out_of_plane = self._factors
+        return PlasticResponse(in_plane.solved(force), out_of_plane.solved(across)[:, 0], mean)
 
     def raised(self, response: PlasticResponse) -> FloatArray:
         """Displacement of the surface by plastic strain, upwards, shape (n, m) [m].

@@ -14,10 +14,9 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from leak.arrays import FloatArray
-from leak.direct.contact import ContactState, press
+from leak.direct.contact import ContactState, PeriodicHalfSpace, press
 from leak.direct.elastoplastic import ElastoplasticState, press_elastoplastic
 from leak.direct.flow import patch_flow, rarefied_gap
-from leak.direct.half_space import PeriodicHalfSpace
 from leak.errors import DirectError, positive, um
 from leak.surfaces.random import random_map
 from leak.surfaces.spectrum import PowerSpectrum

@@ -375,14 +375,13 @@ class _Ring:
         tail = np.concatenate([place[:-1].ravel(), place.ravel()])
         head = np.concatenate([place[1:].ravel(), np.roll(place, -1, axis=1).ravel()])
         links = np.concatenate([across.ravel(), around.ravel()])
-        from_first, from_last = _reached(tail, head, links, place)
         # Share of the drop counted from either side: each is exact next to its own.
-        share, rest = _shares(tail, head, links, place, from_first, from_last)
+        share, rest, sides = _shares(tail, head, links, place)
         near = share < 0.5
         drops = np.where(near[head] & near[tail], share[head] - share[tail], rest[tail] - rest[head])
         drop, step = abs(last - first), 2.0 * np.pi / k
-        flow = float(np.sum(links * drops**2)) * step * drop if np.any(from_first & from_last) else 0.0
-        shares = np.where(from_first | from_last, np.where(near, share, 1.0 - rest), np.nan).reshape(m, k)
+        flow = float(np.sum(links * drops**2)) * step * drop if np.any(sides == 2) else 0.0
+        shares = np.where(sides > 0, np.where(near, share, 1.0 - rest), np.nan).reshape(m, k)
         return _Solved(
             flow,
             across[0] * share.reshape(m, k)[1] * drop,
@@ -391,41 +390,33 @@ class _Ring:
         )
 
 
-def _reached(
+def _shares(
     tail: NDArray[np.intp], head: NDArray[np.intp], links: FloatArray, place: NDArray[np.intp]
-) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Which places some way leads to from the first and from the last x, shape (m k,) each."""
+) -> tuple[FloatArray, FloatArray, NDArray[np.intp]]:
+    """Share of the drop between the first x and every place, and between it and the last x, shape (m k,) each.
+
+    The third array is from how many of both sides some way leads to the place.
+    """
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
-
-    count = place.size
-    known = links > 0.0
-    # the sides are one place each, which must not join the other
-    sides = [np.unique(row) for row in (place[0], place[-1])]
-    i = np.concatenate([tail[known], *(row for row in sides)])
-    j = np.concatenate([head[known], *(np.full(row.size, row[0]) for row in sides)])
-    part = connected_components(coo_array((np.ones(i.size), (i, j)), shape=(count, count)), directed=False)[1]
-    return part == part[place[0, 0]], part == part[place[-1, 0]]
-
-
-def _shares(
-    tail: NDArray[np.intp],
-    head: NDArray[np.intp],
-    links: FloatArray,
-    place: NDArray[np.intp],
-    from_first: NDArray[np.bool_],
-    from_last: NDArray[np.bool_],
-) -> tuple[FloatArray, FloatArray]:
-    """Share of the drop between the first x and every place, and between it and the last x, shape (m k,) each."""
-    from scipy.sparse import coo_array
     from scipy.sparse.linalg import splu
 
+    known = links > 0.0
+    # the sides are one place each, which must not join the other
+    i = np.concatenate([tail[known], place[0], place[-1]])
+    j = np.concatenate(
+        [head[known], np.full_like(place[0], place[0, 0]), np.full_like(place[-1], place[-1, 0])]
+    )
+    graph = coo_array((np.ones(i.size), (i, j)), shape=(place.size, place.size))
+    part = connected_components(graph, directed=False)[1]
+    from_first, from_last = part == part[place[0, 0]], part == part[place[-1, 0]]
     share, rest = np.where(from_last & ~from_first, 1.0, 0.0), np.where(from_first & ~from_last, 1.0, 0.0)
     share[place[-1]], rest[place[0]] = 1.0, 1.0
-    unknown = from_first & from_last
+    sides = from_first.astype(np.intp) + from_last
+    unknown = sides == 2
     unknown[place[[0, -1]].ravel()] = False
     if not unknown.any():
-        return share, rest
+        return share, rest, sides
     number = np.cumsum(unknown) - 1
     i, j = np.concatenate([tail, head]), np.concatenate([head, tail])
     both = np.concatenate([links, links])
@@ -433,22 +424,18 @@ def _shares(
     scale = 1.0 / np.sqrt(diagonal)
     inside = unknown[i] & unknown[j]
     rows, columns = number[i[inside]], number[j[inside]]
-    size = diagonal.size
-    matrix = coo_array(
-        (
-            np.concatenate([np.ones(size), -both[inside] * scale[rows] * scale[columns]]),
-            (np.concatenate([np.arange(size), rows]), np.concatenate([np.arange(size), columns])),
-        ),
-        shape=(size, size),
-    ).tocsc()
+    own = np.arange(diagonal.size)
+    values = np.concatenate([np.ones(own.size), -both[inside] * scale[rows] * scale[columns]])
+    ends = np.concatenate([own, rows]), np.concatenate([own, columns])
+    matrix = coo_array((values, ends), shape=(own.size, own.size)).tocsc()
     factors = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
-    for known in (share, rest):
+    for one in (share, rest):
         for _ in range(1 + _REFINEMENTS):
-            flows = links * (known[head] - known[tail])
+            flows = links * (one[head] - one[tail])
             into = np.bincount(tail, flows, place.size) - np.bincount(head, flows, place.size)
-            known[unknown] += scale * factors.solve(scale * into[unknown])
-        np.clip(known, 0.0, 1.0, out=known)
-    return share, rest
+            one[unknown] += scale * factors.solve(scale * into[unknown])
+        np.clip(one, 0.0, 1.0, out=one)
+    return share, rest, sides
 
 
 def _harmonic_mean(values: FloatArray) -> FloatArray:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -119,29 +119,14 @@ class Patch:
 
 
 @dataclass(frozen=True, eq=False)
-class _Radius:
-    """r(x), straight between points and beyond them."""
-
-    x: FloatArray
-    r: FloatArray
-
-    def __call__(self, at: FloatArray, /) -> FloatArray:
-        x, r = self.x, self.r
-        out_below, out_above = np.minimum(at - x[0], 0.0), np.maximum(at - x[-1], 0.0)
-        ends = (r[1] - r[0]) / (x[1] - x[0]), (r[-1] - r[-2]) / (x[-1] - x[-2])
-        straight = np.interp(at, x, r) + ends[0] * out_below + ends[1] * out_above
-        # A tail that runs far beyond the profile adds nothing there, whatever the radius; keep it positive.
-        return np.maximum(straight, 0.5 * self.r.min())
-
-
-@dataclass(frozen=True, eq=False)
 class ContactProfile:
     """All of the contact: patches with p > 0, open stretches between them, tails where p does not reach zero."""
 
     patches: tuple[Patch, ...]
     x: FloatArray
     """Edges of the cells [m]."""
-    radius: _Radius
+    radii: tuple[FloatArray, FloatArray]
+    """x and r of the points [m]."""
     tails: tuple[Tail | None, Tail | None]
     remembers: Callable[[FloatArray, FloatArray], FloatArray] | None = None
     """ln p* of first loading over x and ln p, of a contact that was pressed harder before."""
@@ -186,12 +171,21 @@ class ContactProfile:
             if whole
             else different(np.concatenate([part for one in patches for part in (one.ends, one.x)]))
         )
-        return cls(patches, edges, _Radius(x, r), tails)
+        return cls(patches, edges, (x, r), tails)
 
     @property
     def log_p(self) -> FloatArray:
         """ln p at the points with p > 0."""
         return np.concatenate([patch.log_p for patch in self.patches])
+
+    def radius(self, at: FloatArray) -> FloatArray:
+        """r(x), straight between points and beyond them [m]."""
+        x, r = self.radii
+        out_below, out_above = np.minimum(at - x[0], 0.0), np.maximum(at - x[-1], 0.0)
+        ends = (r[1] - r[0]) / (x[1] - x[0]), (r[-1] - r[-2]) / (x[-1] - x[-2])
+        straight = np.interp(at, x, r) + ends[0] * out_below + ends[1] * out_above
+        # A tail that runs far beyond the profile adds nothing there, whatever the radius; keep it positive.
+        return np.maximum(straight, 0.5 * r.min())
 
     def log_pressure(self, x: FloatArray) -> FloatArray:
         """ln p between the edges; as good as zero pressure between the patches."""
@@ -405,20 +399,6 @@ def _cell_slopes(x: FloatArray, log_p: FloatArray) -> FloatArray:
 def _hermite(t: FloatArray, d0: FloatArray, d1: FloatArray, rise: FloatArray) -> FloatArray:
     """Cubic on 0 <= t <= 1 that begins at 0 with slope d0 and ends at `rise` with slope d1."""
     return t * (d0 + t * (3.0 * rise - 2.0 * d0 - d1 + t * (d0 + d1 - 2.0 * rise)))
-
-
-@lru_cache(maxsize=8)
-def up_to_points(count: int) -> FloatArray:
-    """From values at Gauss points on (0, 1) times their weights: the integral of their interpolant up to each."""
-    legendre = np.polynomial.legendre
-    t, degree = gauss(count)[0], np.arange(count)
-    to_coefficients = (degree + 0.5)[:, None] * legendre.legvander(t, count - 1).T
-    P = legendre.legvander(t, count)
-    antiderivative = np.empty((count, count))
-    antiderivative[:, 0] = t + 1.0
-    for k in range(1, count):
-        antiderivative[:, k] = (P[:, k + 1] - P[:, k - 1]) / (2 * k + 1)
-    return np.asarray((antiderivative @ to_coefficients).T)
 
 
 def checked_profile(

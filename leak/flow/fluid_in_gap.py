@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import exp, inf, log
+from typing import NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -138,13 +139,11 @@ def coupled_leak_flow(
         return CoupledLeakResult(0.0, float("inf"), fluid, np.maximum(ps - fluid, 0.0), lift, blow_off)
     # A step must end at the peak, or p_f could not rise to it.
     peak = float(fine[np.argmax(log_p)])
-    path = _Path.over(profile, np.union1d(_first_steps(profile, fine, log_p, np.log(_CUT * drop), end), peak))
+    first = np.union1d(_first_steps(profile, fine, log_p, np.log(_CUT * drop), end), peak)
     liquid = None if pressure_law is None else _Thickening.of(FlowPotential(pressure_law, blow_off))
-    path = replace(path, liquid=liquid)
-    whole = drop if pressure_law is None else float(FlowPotential(pressure_law, drop)(drop))
-    guess = curve.guess(whole, path.pressures, path.log_lengths)
-    log_Q, slope = _flow_for(whole, path, curve, guess, 1.0, _ROUGH)
-    path = replace(_Path.over(profile, np.union1d(_second_steps(path, log_Q, curve), peak)), liquid=liquid)
+    path, whole = _Path.over(profile, first, liquid), FlowPotential(pressure_law, drop).whole
+    log_Q, slope = _flow_for(whole, path, curve, path.guess(whole, curve), 1.0, _ROUGH)
+    path = _Path.over(profile, np.union1d(_second_steps(path, log_Q, curve), peak), liquid)
     log_Q, _ = _flow_for(whole, path, curve, log_Q, slope, _CLOSE)
     fluid = np.interp(xs, path.x, path.fluid_pressure(log_Q, curve)[0], left=0.0, right=drop)
     with np.errstate(over="ignore"):
@@ -165,23 +164,23 @@ class _Path:
     """p at both stages of each step [Pa]."""
     log_lengths: list[tuple[float, float]]
     """ln(_STAGE h/(2 pi r)) at both stages."""
-    liquid: _Thickening | None = None
+    liquid: _Thickening | None
     """None for a liquid that pressure does not change."""
 
     @classmethod
-    def over(cls, profile: ContactProfile, x: FloatArray) -> _Path:
+    def over(cls, profile: ContactProfile, x: FloatArray, liquid: _Thickening | None) -> _Path:
         """Steps between the points x."""
         h = np.diff(x)
         stages = np.stack([x[:-1] + _STAGE * h, x[1:]], axis=1)
         p = np.exp(profile.log_pressure_anywhere(stages))
         length = _STAGE * h[:, None] / (2.0 * np.pi * profile.radius(stages))
-        return cls(x, list(map(tuple, p.tolist())), list(map(tuple, np.log(length).tolist())))
+        return cls(x, list(map(tuple, p.tolist())), list(map(tuple, np.log(length).tolist())), liquid)
 
     def fluid_pressure(self, log_Q: float, curve: ResistanceCurve) -> tuple[FloatArray, FloatArray]:
         """p_f and ln(p - p_f) at the ends of the steps for one flow, shape (N + 1,) [Pa]."""
         potential, left = self.potential(log_Q, curve)
         if self.liquid is not None:
-            potential = [self.liquid.at(y)[0] for y in potential]
+            potential = [self.liquid.pressure.at(y)[0] for y in potential]
         return np.array(potential), np.array(left)
 
     def potential(self, log_Q: float, curve: ResistanceCurve) -> tuple[list[float], list[float]]:
@@ -197,6 +196,14 @@ class _Path:
             out.append(y)
             left.append(guess)
         return out, left
+
+    def guess(self, whole: float, curve: ResistanceCurve) -> float:
+        """Rough ln Q: that of the same contact without coupling, each place as far as it conducts."""
+        total = 0.0
+        for (_, p), (_, length) in zip(self.pressures, self.log_lengths, strict=True):
+            if p > 0.0:
+                total += exp(min(curve.at(min(log(p), curve.highest))[0] + length, 600.0))
+        return log(whole) - log(total)
 
 
 def _first_steps(
@@ -327,60 +334,57 @@ _PRESSURES = 401
 
 
 @dataclass(frozen=True, eq=False)
-class _Thickening:
-    """p_f and psi of each other, number by number: cubic between values whose slopes are known."""
+class _Curve:
+    """A curve asked number by number: cubic between nodes, straight beyond them."""
 
-    pressures: list[float]
-    potentials: list[float]
-    mobilities: list[float]
-    """dpsi/dp there."""
+    nodes: list[float]
+    """Increasing."""
+    values: list[float]
+    slopes: list[float]
+
+    @classmethod
+    def through(cls, nodes: FloatArray, values: FloatArray, slopes: FloatArray) -> Self:
+        """Of arrays."""
+        return cls(nodes.tolist(), values.tolist(), slopes.tolist())
+
+    def at(self, x: float) -> tuple[float, float]:
+        """Value and slope."""
+        nodes = self.nodes
+        if not nodes[0] < x < nodes[-1]:
+            end = 0 if x <= nodes[0] else -1
+            return self.values[end] + (x - nodes[end]) * self.slopes[end], self.slopes[end]
+        k = bisect_right(nodes, x) - 1
+        t = x - nodes[k]
+        y0, d0, c2, c3 = self._cubics[k]
+        return y0 + t * (d0 + t * (c2 + t * c3)), d0 + t * (2.0 * c2 + 3.0 * t * c3)
+
+    @cached_property
+    def _cubics(self) -> list[tuple[float, float, float, float]]:
+        """Coefficients of the cubic in each cell over x less its lower node."""
+        cubics = cell_cubics(np.diff(self.nodes), np.array(self.values), np.array(self.slopes))
+        return list(map(tuple, cubics.T.tolist()))
+
+
+class _Thickening(NamedTuple):
+    """p_f and psi of each other."""
+
+    pressure: _Curve
+    """p_f over psi."""
+    potential: _Curve
+    """psi over p_f."""
 
     @classmethod
     def of(cls, potential: FlowPotential) -> _Thickening:
         p = np.linspace(0.0, potential.highest, _PRESSURES)
-        return cls(p.tolist(), potential(p).tolist(), potential.mobility(p).tolist())
-
-    def at(self, psi: float) -> tuple[float, float]:
-        """p_f and dp_f/dpsi; straight beyond the table."""
-        y = self.potentials
-        if psi <= 0.0:
-            return psi / self.mobilities[0], 1.0 / self.mobilities[0]
-        if psi >= y[-1]:
-            return self.pressures[-1] + (psi - y[-1]) / self.mobilities[-1], 1.0 / self.mobilities[-1]
-        k = bisect_right(y, psi) - 1
-        return _cubic(psi, y, self.pressures, 1.0 / self.mobilities[k], 1.0 / self.mobilities[k + 1], k)
-
-    def potential(self, pressure: float) -> float:
-        """psi at p_f."""
-        p = self.pressures
-        if not 0.0 < pressure < p[-1]:
-            end = 0 if pressure <= 0.0 else -1
-            return self.potentials[end] + (pressure - p[end]) * self.mobilities[end]
-        k = bisect_right(p, pressure) - 1
-        return _cubic(pressure, p, self.potentials, self.mobilities[k], self.mobilities[k + 1], k)[0]
-
-
-def _cubic(
-    at: float, x: list[float], y: list[float], first: float, last: float, k: int
-) -> tuple[float, float]:
-    """Value and slope of the cubic in cell k with the slopes at its ends."""
-    h = x[k + 1] - x[k]
-    t, rise, d0, d1 = (at - x[k]) / h, y[k + 1] - y[k], h * first, h * last
-    c2, c3 = 3.0 * rise - 2.0 * d0 - d1, d0 + d1 - 2.0 * rise
-    return y[k] + t * (d0 + t * (c2 + t * c3)), (d0 + t * (2.0 * c2 + 3.0 * t * c3)) / h
+        psi, mobility = potential(p), potential.mobility(p)
+        return cls(_Curve.through(psi, p, 1.0 / mobility), _Curve.through(p, psi, mobility))
 
 
 @dataclass(frozen=True, eq=False)
-class ResistanceCurve:
+class ResistanceCurve(_Curve):
     """ln(1/sigma_eff) over v = ln p: cubic between nodes; below them 1/sigma ~ u^-3 with u linear in v."""
 
-    nodes: list[float]
-    """v, increasing."""
-    values: list[float]
-    """ln(1/sigma) there."""
-    slopes: list[float]
-    """Its derivative there."""
-    sealing_pressure: float
+    sealing_pressure: float = inf
     """From here on sigma is as good as zero; infinite if not in the table's range [Pa]."""
 
     @classmethod
@@ -398,7 +402,7 @@ class ResistanceCurve:
         values = sigma(v)
         usable = np.isfinite(values) & (values > _NONE)
         v, G = v[usable], -np.log(values[usable])
-        return cls(v.tolist(), G.tolist(), np.maximum(spline_slopes(v, G), 1e-12).tolist(), sealing)
+        return replace(cls.through(v, G, np.maximum(spline_slopes(v, G), 1e-12)), sealing_pressure=sealing)
 
     @property
     def lowest(self) -> float:
@@ -412,21 +416,11 @@ class ResistanceCurve:
 
     def at(self, v: float) -> tuple[float, float]:
         """ln(1/sigma) and its derivative at v = ln p."""
-        nodes = self.nodes
-        if v <= nodes[0]:
-            s = self.slopes[0] / 3.0
-            stretch = 1.0 + s * (nodes[0] - v)
-            return self.values[0] - 3.0 * log(stretch), 3.0 * s / stretch
-        k = min(bisect_right(nodes, v), len(nodes) - 1) - 1
-        t = v - nodes[k]
-        y0, d0, c2, c3 = self._cubics[k]
-        return y0 + t * (d0 + t * (c2 + t * c3)), d0 + t * (2.0 * c2 + 3.0 * t * c3)
-
-    @cached_property
-    def _cubics(self) -> list[tuple[float, float, float, float]]:
-        """Coefficients of the cubic in each cell over v less its lower node."""
-        cubics = cell_cubics(np.diff(self.nodes), np.array(self.values), np.array(self.slopes))
-        return list(map(tuple, cubics.T.tolist()))
+        if v > self.nodes[0]:
+            return super().at(v)
+        s = self.slopes[0] / 3.0
+        stretch = 1.0 + s * (self.nodes[0] - v)
+        return self.values[0] - 3.0 * log(stretch), 3.0 * s / stretch
 
     def rise(
         self, p: float, psi: float, log_flow: float, guess: float, liquid: _Thickening | None = None
@@ -450,7 +444,7 @@ class ResistanceCurve:
         liquid : _Thickening or None
             None for a liquid that pressure does not change, psi = p_f.
         """
-        before, slope = (psi, 1.0) if liquid is None else liquid.at(psi)
+        before, slope = (psi, 1.0) if liquid is None else liquid.pressure.at(psi)
         room = p - before
         if not room > 0.0:
             return 0.0, guess
@@ -462,7 +456,7 @@ class ResistanceCurve:
             rise = exp(min(G + log_flow, 600.0))
             lift, steep = rise * slope, slope
             if liquid is not None:
-                after, steep = liquid.at(psi + rise)
+                after, steep = liquid.pressure.at(psi + rise)
                 # of a small rise the difference of two pressures would be all round-off
                 lift = after - before if rise > 1e-6 * (psi + rise) else lift
             own = exp(v)
@@ -480,18 +474,5 @@ class ResistanceCurve:
         # So little flows that w stays at the last node, next to the sealing pressure; or of two numbers that add up to
         # `room` the smaller one is the accurate one.
         if v == self.highest < target or rise * slope > w:
-            return (room - w if liquid is None else liquid.potential(p - w) - psi), v
+            return (room - w if liquid is None else liquid.potential.at(p - w)[0] - psi), v
         return rise, v
-
-    def guess(
-        self,
-        drop: float,
-        pressures: Sequence[tuple[float, float]],
-        log_lengths: Sequence[tuple[float, float]],
-    ) -> float:
-        """Rough ln Q: that of the same contact without coupling, each place as far as it conducts."""
-        total = 0.0
-        for (_, p), (_, length) in zip(pressures, log_lengths, strict=True):
-            if p > 0.0:
-                total += exp(min(self.at(min(log(p), self.highest))[0] + length, 600.0))
-        return log(drop) - log(total)

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from leak.arrays import FloatArray
 from leak.flow.conductivity import GasConductivity
-from leak.flow.contact_profile import ContactProfile, checked_profile, profile_after, up_to_points
+from leak.flow.contact_profile import ContactProfile, checked_profile, profile_after
 from leak.flow.leak_result import GasLeakResult, LeakResult
 from leak.flow.permeant import (
     Function,
@@ -26,6 +26,7 @@ from leak.flow.permeant import (
 from leak.flow.rough_contact import RoughContact
 from leak.fluids.pressure_law import PressureLaw
 from leak.fluids.properties import Gas
+from leak.numerics.gauss import integrals_up_to_nodes
 
 # Eight are usual, with a vacuum ahead of wide gaps thirty.
 _MOST_SWEEPS = 200
@@ -117,7 +118,7 @@ def leak_flow(
     largest_pressure : array_like, optional
         Largest nominal pressure that each place has carried before, shape (n,) [Pa]; it is interpolated and continued
         like p, and counts where it exceeds p. The conductivity must know what it leaves behind, as that of a
-        `RoughContact` does (`leak.flow.memory`). None: every place carries more than ever before.
+        `RoughContact` does (`leak.flow.conductivity`). None: every place carries more than ever before.
     pressure_law : PressureLaw, optional
         How the liquid thickens and is compressed; the conductivity is that at atmospheric pressure, which is on the
         low side. None: pressure does not change it.
@@ -314,7 +315,7 @@ def _settled(
         parts = zip(panels, np.split(values, cuts), strict=True)
         within = np.concatenate(
             [
-                (part.reshape(one.stretch.shape) @ up_to_points(one.stretch.shape[1])).ravel()
+                (part.reshape(one.stretch.shape) @ integrals_up_to_nodes(one.stretch.shape[1]).T).ravel()
                 for one, part in parts
             ]
         )

@@ -14,10 +14,10 @@ from leak.flow.conductivity import (
     AnyTable,
     ConductivityTable,
     GasConductivityTable,
+    LoadMemory,
     logarithmic,
     table_abscissa,
 )
-from leak.flow.memory import LoadMemory
 from leak.flow.rough_contact import RoughContact, asked_by, elastic_range, gas_conductivity_table
 from leak.numerics.curves import MonotoneCurve, cubic_spline_slopes, lagrange, spline_weights
 from leak.surfaces.spectrum import PowerSpectrum

@@ -13,21 +13,19 @@ from numpy.typing import ArrayLike, NDArray
 from leak.arrays import FloatArray
 from leak.errors import ConductivityError, SurfaceError, positive
 from leak.flow import conductivity as flow
-from leak.flow import lay, medium, percolation
-from leak.flow.conductivity import AnyTable, ConductivityTable, GasConductivityTable
-from leak.flow.effective_gap import (
+from leak.flow import medium
+from leak.flow.conductivity import AnyTable, ConductivityTable, GasConductivityTable, LoadMemory
+from leak.flow.medium import (
     area_argument_at,
     critical_gap,
     effective_gap,
     effective_gaps,
 )
-from leak.flow.memory import LoadMemory
 from leak.flow.rarefied import log_flow_factor
 from leak.numerics.curves import MonotoneCurve, spline_slopes
 from leak.numerics.roots import bisected, root_of_rising
 from leak.numerics.sampling import divided, sampled
 from leak.surfaces.spectrum import PowerSpectrum
-from leak.theory.capped import BEARING_GAP, CAPPED, VON_MISES, equivalent_pressure
 from leak.theory.gap_law import gap_law
 from leak.theory.interface_law import RoughSurfaceLaw
 from leak.theory.own_error import FlowError, flow_error
@@ -43,13 +41,18 @@ from leak.theory.persson import (
     separations,
 )
 from leak.theory.plasticity import (
+    BEARING_GAP,
+    CAPPED,
+    READINGS,
+    VON_MISES,
     AreaFractions,
     PlasticRoughness,
+    Reading,
     area_fractions,
+    equivalent_pressure,
     remaining_fraction,
     remaining_moment,
 )
-from leak.theory.reading import READINGS, Reading
 from leak.theory.separation import LostArea, SeparationGrid, density, lost_area
 
 _WIDTHS = ("effective", "plain")
@@ -85,13 +88,13 @@ class RoughContact:
         Penetration hardness of the softer surface [Pa]; None for elastic asperities.
     theory : {"paper", "corrected"}
         "paper": mean gap and flow by Persson's theory as in Fischer et al. "corrected": the mean gap by
-        `leak.theory.gap_law`, asperities that yield by von Mises (`leak.theory.capped`), and the flow through the
+        `leak.theory.gap_law`, asperities that yield by von Mises (`leak.theory.plasticity`), and the flow through the
         paper's surface of the same mean gap.
     yielding : {"conserved", "capped", "von-mises"}, optional
         What becomes of the metal that yields. In the paper's theory "conserved", the default: the spectrum C_pl
         smoothed everywhere by plastic flow at the pressure asked for, valleys included (`leak.theory.plasticity`); or
         "capped": the pressure is limited by the hardness and the surface changes only where it touches
-        (`leak.theory.capped`). In the corrected theory "von-mises".
+        (`leak.theory.plasticity`). In the corrected theory "von-mises".
     percolation_threshold : float
         Relative contact area A/A0 at which the open area stops percolating [-].
     gamma : float
@@ -101,8 +104,8 @@ class RoughContact:
     peklenik : float
         Tripp (Peklenik) number gamma_T, 0.001 to 1000: correlation length along the flow over that across it, below
         one for a lay across the flow, as on a turned seat. `spectrum` is then the angular average, which alone
-        enters the contact mechanics; gamma_T enters the flow, see `leak.flow.medium` and `leak.flow.lay`. Flow in the
-        other direction is that of 1/gamma_T [-].
+        enters the contact mechanics; gamma_T enters the flow, see `leak.flow.medium`. Flow in the other
+        direction is that of 1/gamma_T [-].
 
     Raises
     ------
@@ -279,8 +282,8 @@ class RoughContact:
     def first_loading_pressure(self, pressure: ArrayLike, largest: ArrayLike) -> FloatArray:
         """Pressure of first loading that leaves the gaps of a place which carries less than it once did.
 
-        The spring-back of direct simulation, see `leak.theory.capped.equivalent_pressure`, in either reading: of the
-        volume that yields C_pl says where it goes, but not how much of a gap comes back.
+        The spring-back of direct simulation, see `leak.theory.plasticity.equivalent_pressure`, in either reading: of
+        the volume that yields C_pl says where it goes, but not how much of a gap comes back.
 
         Parameters
         ----------
@@ -335,11 +338,8 @@ class RoughContact:
 
         With a hardness it is the sum of `elastic_area` and `plastic_area`.
         """
-        if self.hardness is not None:
-            parts = self._area_fractions(pressure, wavenumber)
-            return _scalar(parts.elastic + parts.plastic)
-        p = _checked(pressure)
-        return _scalar(relative_contact_area(p, self._slope_moment(wavenumber), self.effective_modulus))
+        parts = self._area_fractions(pressure, wavenumber)
+        return _scalar(parts.elastic + parts.plastic)
 
     def most_contact_area(self, pressure: float) -> float:
         """What `contact_area` of all the roughness does not exceed, in a few numbers.
@@ -356,7 +356,7 @@ class RoughContact:
         return float(most if self.hardness is None else most + pressure / self.hardness)
 
     def corrected_contact_area(self, pressure: ArrayLike) -> FloatArray | float:
-        """A/A0 of all the roughness, corrected as in `leak.flow.percolation.corrected_area`.
+        """A/A0 of all the roughness, corrected as in `leak.flow.medium.corrected_area`.
 
         With a hardness that of C_pl, or of the elastic surface with the gaps of the one that yields where it touches.
 
@@ -373,18 +373,18 @@ class RoughContact:
 
     def elastic_area(self, pressure: ArrayLike, wavenumber: ArrayLike | None = None) -> FloatArray | float:
         """Relative area A_el/A0 in elastic contact; all of the contact area without a hardness."""
-        if self.hardness is None:
-            return self.contact_area(pressure, wavenumber)
         return _scalar(self._area_fractions(pressure, wavenumber).elastic)
 
     def plastic_area(self, pressure: ArrayLike, wavenumber: ArrayLike | None = None) -> FloatArray | float:
         """Relative area A_pl/A0 that has yielded; zero without a hardness."""
-        if self.hardness is None:
-            return _scalar(0.0 * np.asarray(self.contact_area(pressure, wavenumber)))
         return _scalar(self._area_fractions(pressure, wavenumber).plastic)
 
     def _area_fractions(self, pressure: ArrayLike, wavenumber: ArrayLike | None) -> AreaFractions:
-        return area_fractions(*self._yield_variables(pressure, wavenumber))
+        if self.hardness is not None:
+            return area_fractions(*self._yield_variables(pressure, wavenumber))
+        moment = self._slope_moment(wavenumber)
+        elastic = relative_contact_area(_checked(pressure), moment, self.effective_modulus)
+        return AreaFractions(elastic, 0.0 * elastic, 1.0 - elastic)
 
     def _yield_variables(
         self, pressure: ArrayLike, wavenumber: ArrayLike | None
@@ -542,7 +542,7 @@ class RoughContact:
             Nominal pressure [Pa].
         method : {"bruggeman", "critical-junction", "threshold-law"}
             Effective medium over all channels, the critical junction alone (u_eff = u_c), or the effective medium that
-            goes over into the closed law of `leak.flow.percolation` from A/A0 = 0.15 on. The last two know no direction
+            goes over into the closed law of `leak.flow.medium` from A/A0 = 0.15 on. The last two know no direction
             and are refused unless peklenik = 1.
         refinement : float
             Every grid of the effective medium has so many times more points, which shows its error.
@@ -633,7 +633,7 @@ class RoughContact:
         self._check_method(method)
         if method != "threshold-law":
             return self.sealing_pressure
-        return self._sealing_pressure(percolation.argument_at(self.percolation_threshold))
+        return self._sealing_pressure(medium.argument_at(self.percolation_threshold))
 
     def _sealing_pressure(self, z: float) -> float:
         """Pressure at which p/(2 sqrt(G)) at full magnification is z [Pa]."""
@@ -755,10 +755,12 @@ class RoughContact:
         touching = relative_contact_area(p, moment_of_all(seen, p.size), self.effective_modulus)
         share = touching / self.percolation_threshold
         more = self._touching_pressure(share)
-        return self._lost_area(p * more, seen, refinement), lay.inclusion_aspect(self.peklenik, share)
+        return self._lost_area(p * more, seen, refinement), medium.inclusion_aspect(self.peklenik, share)
 
     def _touching_pressure(self, share: FloatArray) -> FloatArray:
-        of_theory = lay.touching_pressure if self.theory == "paper" else lay.touching_pressure_at_equal_gap
+        of_theory = (
+            medium.touching_pressure if self.theory == "paper" else medium.touching_pressure_at_equal_gap
+        )
         return of_theory(self.peklenik, share)
 
     def _near_threshold(self, p: FloatArray, seen: RoughnessSeen, refinement: float) -> FloatArray:
@@ -766,13 +768,11 @@ class RoughContact:
         n = medium.dimension_number(self.percolation_threshold)
         u = effective_gap(lost, self.spectrum.rms_height, n, refinement=refinement)
         mean = self._mean(p, seen).mean[:, 0]
-        return percolation.near_threshold(u, mean, self._corrected_area(p, seen), self.percolation_threshold)
+        return medium.near_threshold(u, mean, self._corrected_area(p, seen), self.percolation_threshold)
 
     def _corrected_area(self, p: FloatArray, seen: RoughnessSeen) -> FloatArray:
         """Corrected A/A0 of the roughness that is seen, at acting pressures, shape (P,)."""
-        return percolation.corrected_area(
-            area_argument(p / self.effective_modulus, moment_of_all(seen, p.size))
-        )
+        return medium.corrected_area(area_argument(p / self.effective_modulus, moment_of_all(seen, p.size)))
 
     def _critical_separation(self, p: FloatArray, seen: RoughnessSeen) -> FloatArray:
         relative = p / self.effective_modulus
@@ -780,10 +780,10 @@ class RoughContact:
 
 
 class _OfEqualGap(RoughContact):
-    """Stands in for a surface of the corrected theory, whose gaps where little touches are right without the lay."""
+    """Stands in for a surface of the corrected theory, whose gaps where little touches are right without the medium."""
 
     def _touching_pressure(self, share: FloatArray) -> FloatArray:
-        return lay.touching_pressure_at_equal_gap(self.peklenik, share)
+        return medium.touching_pressure_at_equal_gap(self.peklenik, share)
 
 
 def _parts(index: NDArray[np.intp]) -> list[NDArray[np.intp]]:
@@ -1087,18 +1087,11 @@ def _elastic_ends(surface: RoughContact, within: _Range) -> tuple[float, float]:
 # The low-pressure law holds to 1e-9 50 below p_c (in ln p); above it ubar is tabulated at this spacing, and where it is
 # all but straight at wider ones: the curve between is off by less than 1e-6 of ubar, 2e-6 for plastic asperities.
 _LAW_SPACING = 0.05
-_LAW_PLACES = np.concatenate(
-    [np.arange(-50.0, -20.0, 1.0), np.arange(-20.0, -8.0, 0.25), np.arange(-8.0, 8.0, _LAW_SPACING)]
-)
+_LAW_STEPS = ((-50.0, -20.0, 1.0), (-20.0, -8.0, 0.25), (-8.0, 8.0, _LAW_SPACING))
 # Exact slopes carry the curve further.
-_ELASTIC_LAW_PLACES = np.concatenate(
-    [
-        np.arange(-50.0, -20.0, 1.0),
-        np.arange(-20.0, -8.0, 0.4),
-        np.arange(-8.0, -5.0, 0.2),
-        np.arange(-5.0, -1.0, 0.1),
-        np.arange(-1.0, 8.0, _LAW_SPACING),
-    ]
+_ELASTIC_LAW_STEPS = (
+    *((-50.0, -20.0, 1.0), (-20.0, -8.0, 0.4), (-8.0, -5.0, 0.2), (-5.0, -1.0, 0.1)),
+    (-1.0, 8.0, _LAW_SPACING),
 )
 # The table ends where the gap is this fraction of u0: full contact for any purpose.
 _LAW_END = 1e-6
@@ -1109,11 +1102,10 @@ def _interface_law(surface: RoughContact) -> RoughSurfaceLaw:
     """Mean separation over ln p, with its exact slope for elastic asperities and a spline's for plastic ones."""
     if surface.theory == "corrected":
         return _corrected_law(surface)
-    log_p_c = np.log(surface.p_c)
-    log_p = log_p_c + (_ELASTIC_LAW_PLACES if surface.hardness is None else _LAW_PLACES)
-    if surface.hardness is not None:
-        near = _toward(surface.hardness)
-        log_p = np.concatenate([log_p[log_p < near[0] - 0.5 * _LAW_SPACING], near])
+    steps = _ELASTIC_LAW_STEPS if surface.hardness is None else _LAW_STEPS
+    log_p = _toward_hardness(
+        surface, np.log(surface.p_c) + np.concatenate([np.arange(*one) for one in steps])
+    )
     p = np.exp(log_p)
     gap, decay = np.zeros(p.shape), np.zeros(p.shape)
     for start in range(0, p.size, 64):
@@ -1136,17 +1128,19 @@ def _corrected_law(surface: RoughContact) -> RoughSurfaceLaw:
     log_p = law.log_pressure_nodes + log_modulus
     if surface.hardness is None:
         return RoughSurfaceLaw(log_p, law.gap_nodes, law.decay_nodes)
-    near = _toward(surface.hardness)
-    log_p = np.concatenate([log_p[log_p < near[0] - 0.5 * _LAW_SPACING], near])
+    log_p = _toward_hardness(surface, log_p)
     gap = law.gap(surface._log_elastic(log_p) - log_modulus)
     used = gap > _LAW_END * surface.spectrum.rms_height
     log_p, gap = log_p[used], gap[used]
     return RoughSurfaceLaw(log_p, gap, -spline_slopes(log_p, np.log(gap)) * gap)
 
 
-def _toward(hardness: float) -> FloatArray:
-    """ln p toward the hardness, where the gap closes ever faster: equal ratios of what is missing."""
-    return np.log(hardness) + np.log1p(-np.exp(np.arange(-0.5, -7.0, -_LAW_SPACING)))
+def _toward_hardness(surface: RoughContact, log_pressure: FloatArray) -> FloatArray:
+    """ln p up to the hardness, toward which the gap closes ever faster: equal ratios of what is missing."""
+    if surface.hardness is None:
+        return log_pressure
+    near = np.log(surface.hardness) + np.log1p(-np.exp(np.arange(-0.5, -7.0, -_LAW_SPACING)))
+    return np.concatenate([log_pressure[log_pressure < near[0] - 0.5 * _LAW_SPACING], near])
 
 
 def _checked(pressure: ArrayLike) -> FloatArray:
@@ -1205,5 +1199,5 @@ def _log_rarefaction(surface: RoughContact, pressure: FloatArray, method: str) -
     _, log_R = surface.rarefied_separation(pressure, _LOG_D)
     if method == "threshold-law":
         # The closed law has one gap, as a junction has; the medium's many gaps fade with the medium.
-        log_R *= 1.0 - percolation.closed_share(surface.corrected_contact_area(pressure))[:, None]
+        log_R *= 1.0 - medium.closed_share(surface.corrected_contact_area(pressure))[:, None]
     return log_R

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Generic, Protocol, TypeVar, runtime_checkable
+from typing import Any, Generic, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -284,9 +284,7 @@ def scratch_flow(
     points = checked_profile(x, p, radius)
     profile = profile_after(*points, ends, largest_pressure, conductivity)
     liquid = LiquidPermeant.of(conductivity, pressure_drop, pressure_law, viscosity)
-    return flow_along(
-        profile, *points[:2], scratches, liquid, liquid.result, effective_modulus, pressure_side
-    )
+    return flow_along(profile, *points[:2], scratches, liquid, effective_modulus, pressure_side)
 
 
 def gas_scratch_flow(
@@ -348,9 +346,7 @@ def gas_scratch_flow(
     table = None if surface is None else gas_table(surface, points[1], largest_pressure, method)
     profile = profile_after(*points, ends, largest_pressure, table)
     permeant = GasPermeant.of(table, gas, inlet_pressure, outlet_pressure)
-    return flow_along(
-        profile, *points[:2], scratches, permeant, permeant.result, effective_modulus, pressure_side
-    )
+    return flow_along(profile, *points[:2], scratches, permeant, effective_modulus, pressure_side)
 
 
 def flow_along(
@@ -359,10 +355,9 @@ def flow_along(
     p: FloatArray,
     scratches: Groove | Sequence[Groove],
     permeant: Permeant,
-    result: Callable[[float, FloatArray, int, float], _Flow],
     effective_modulus: float,
     pressure_side: str = "outer",
-) -> LeakBounds[_Flow]:
+) -> LeakBounds[Any]:
     """Flow through a profile with scratches, of any fluid.
 
     Parameters
@@ -371,8 +366,6 @@ def flow_along(
         See `leak.flow.leak_rate.flow_through`.
     scratches, effective_modulus
         See `scratch_flow`.
-    result : callable
-        `result` of the permeant, or what follows from it.
     """
     modulus = positive(ProfileError, "effective_modulus", effective_modulus, "Pa")
     grooves = _checked_grooves(scratches)
@@ -385,12 +378,17 @@ def flow_along(
     permeant = permeant.at_narrowest(gap)
     networks = _Networks(contact, permeant, modulus, grooves, deeper)
 
-    def found(lines: Sequence[Line]) -> _Flow:
+    def found(*lines: Line) -> LeakResult | GasLeakResult:
         flow = network_flow(lines, *potential_ends(permeant, pressure_side))
         potential = np.interp(x, contact.x, flow.potential[contact.nodes])
-        return result(flow.flow, permeant.potential.pressure(potential), peak, gap)
+        return permeant.result(flow.flow, permeant.potential.pressure(potential), peak, gap)
 
-    return networks.bounds(found)
+    everywhere = tuple(np.ones_like(one) for one in deeper)
+    return LeakBounds(
+        found(networks.main(everywhere)),
+        found(networks.main(tuple(~one for one in everywhere))),
+        lambda: found(networks.main(deeper), *networks.own()),
+    )
 
 
 def deepest_scratch(
@@ -582,16 +580,6 @@ class _Networks:
     deeper: tuple[NDArray[np.bool_], ...]
     """Where each groove is deeper than the rough gap is wide, shape (n,)."""
 
-    def bounds(self, result: Callable[[Sequence[Line]], _Flow]) -> LeakBounds[_Flow]:
-        """What flows through them."""
-        everywhere = tuple(np.ones_like(deep) for deep in self.deeper)
-        nowhere = tuple(~one for one in everywhere)
-        return LeakBounds(
-            result([self._main(everywhere)]),
-            result([self._main(nowhere)]),
-            lambda: result([self._main(self.deeper), *self._own()]),
-        )
-
     @cached_property
     def _rough(self) -> Callable[[FloatArray], FloatArray]:
         """Mobility of the roughness, flow over the slope of the potential, over the flow pressure (k, n)."""
@@ -621,7 +609,7 @@ class _Networks:
             self.permeant.potential(np.clip(low + self.contact.pressure - one, 0.0, high)) for one in closing
         ]
 
-    def _main(self, apart: tuple[NDArray[np.bool_], ...]) -> Line:
+    def main(self, apart: tuple[NDArray[np.bool_], ...]) -> Line:
         """The roughness, and in it the grooves where they are not apart."""
 
         def mobility(potential: FloatArray) -> FloatArray:
@@ -640,7 +628,7 @@ class _Networks:
             np.arange(count + 1), self.contact.length, mobility, np.where(np.isinf(first), -np.inf, first)
         )
 
-    def _own(self) -> list[Line]:
+    def own(self) -> list[Line]:
         """The stretches of the grooves that are apart, with nodes of their own between the ends."""
         lines, following = [], self.contact.length.size + 1
         for n, (own, opens) in enumerate(zip(self.deeper, self._opens, strict=True)):

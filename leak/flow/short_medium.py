@@ -21,8 +21,7 @@ from leak.arrays import FloatArray
 from leak.errors import ConductivityError
 from leak.flow.conductivity import AlikeTables, AnyTable, ConductivityTable
 from leak.flow.contact_profile import ContactProfile, checked_profile
-from leak.flow.effective_gap import area_argument_at
-from leak.flow.medium import dimension_number
+from leak.flow.medium import area_argument_at, dimension_number
 from leak.flow.rough_contact import RoughContact
 from leak.numerics.curves import lagrange
 from leak.numerics.roots import root_of_rising

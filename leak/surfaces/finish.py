@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 from leak.arrays import FloatArray
 from leak.errors import SpectrumError, positive
 from leak.files import own_tables
-from leak.surfaces.profile_filter import (
+from leak.surfaces.profile_parameters import (
     RA_OVER_RQ,
     ExpectedRoughness,
     ProfileFilter,

@@ -1,19 +1,20 @@
-"""From measured scans to the isotropic power spectrum of a surface, and what else the scans say about it."""
+"""A measured surface: isotropic spectrum, moments of the heights, lay, roll-off, and what to warn of."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
 from leak.arrays import FloatArray
-from leak.surfaces.estimate import estimate
-from leak.surfaces.range import share_above
-from leak.surfaces.scans import Topography
-from leak.surfaces.self_affine_fit import RollOff
-from leak.surfaces.settings import ScanSettings
-from leak.surfaces.shape import anisotropy, remarks_on_range, remarks_on_shape, shape_moments
+from leak.errors import um
+from leak.files import own_tables
+from leak.surfaces.estimate import ReliableRange, estimate, share_above
+from leak.surfaces.periodogram import Periodogram
+from leak.surfaces.scans import FoundOutliers, ScanSettings, Topography
+from leak.surfaces.self_affine_fit import CONFIDENCE, RollOff
 from leak.surfaces.spectrum import PowerSpectrum
 
 
@@ -165,3 +166,180 @@ def measure(
             *remarks_on_range(flat, finest, settings, found.rolloff, height_above),
         ),
     )
+
+
+# -------------------------------------------------------------------- key figures and remarks
+
+# Heights further than this from a Gaussian distribution are far from it: the theory is for Gaussian surfaces.
+_SKEWED, _FLAT_TOPPED, _PEAKED = 1.0, 2.0, 5.0
+# A parabola that carries more than this share of the variance is form, not roughness.
+_FORM = 0.5
+# A single wave with more than this share of the variance, and at least this many periods in the scan, is a lay.
+_ONE_WAVE, _PERIODS, _FEWEST_WAVES = 0.5, 4, 32
+# An isotropic surface shows a ratio of lengths of 1 + this over the square root of the number of waves at most (95 %).
+_SCATTER = 4.0
+# A lay that matters to the flow.
+_LAY = 1.5
+# Scans are too short for their roll-off if the rms height of the surface is not known to this factor from one end of
+# its interval to the other, and long enough with so many waves.
+_TOO_SHORT, _ENOUGH = 1.8, 20
+# A variance cut away that engineers would see in the rms height.
+_CUT = 0.01
+
+
+@dataclass(frozen=True)
+class Lay:
+    """Direction in which a surface is correlated longest.
+
+    Parameters
+    ----------
+    ratio : float
+        Correlation length along the lay over that across it, 1 or more [-].
+    angle : float
+        Direction of the crests from the x-axis [rad].
+    chance : float
+        Ratio that an isotropic surface may show in a map of this size [-].
+    """
+
+    ratio: float
+    angle: float
+    chance: float
+
+
+def shape_moments(scans: Sequence[Topography]) -> tuple[float, float]:
+    """Skewness and kurtosis of the heights of scans without form, moments averaged over the scans."""
+    second, third, fourth = (np.mean([np.mean(scan.heights**k) for scan in scans]) for k in (2, 3, 4))
+    return float(third / second**1.5), float(fourth / second**2)
+
+
+def anisotropy(modes: Sequence[Periodogram], ranges: Sequence[ReliableRange]) -> Lay | None:
+    """Mean lay of the maps among some scans, None without a map.
+
+    For C(q_x, q_y) constant on ellipses of half-axes a and b the mean of (q_x/q)^2, weighted with C, is a/(a+b): the
+    ratio of the eigenvalues of <q q^T/q^2> is a/b whatever the profile of C is.
+    """
+    tensors, waves = [], 0.0
+    for one, reliable in zip(modes, ranges, strict=True):
+        # below the first wave along the shorter side, and above the last one along each, directions are missing
+        low, high = float(one.step.max()), min(reliable.q_high, float(one.vector.max(axis=0).min()))
+        inside = (one.wavenumber > low * (1 - 1e-9)) & (one.wavenumber < high)
+        if one.dimension == 2 and np.count_nonzero(inside) > 1:
+            direction = one.vector[inside] / one.wavenumber[inside, None]
+            share = one.shares[inside] / one.shares[inside].sum()
+            tensors.append(np.einsum("n,ni,nj->ij", share, direction, direction))
+            waves += 1.0 / float(np.sum(share**2))
+    if not tensors:
+        return None
+    values, vectors = np.linalg.eigh(np.mean(tensors, axis=0))
+    across = vectors[:, 1]
+    angle = float(np.arctan2(across[1], across[0]) + 0.5 * np.pi)
+    # each wave has one direction: the two eigenvalues of n random ones differ by about 1/sqrt(n) of their mean
+    return Lay(float(values[1] / max(values[0], 1e-9)), angle % np.pi, 1.0 + _SCATTER / np.sqrt(waves))
+
+
+def remarks_on_shape(
+    scans: Sequence[Topography],
+    modes: Sequence[Periodogram],
+    settings: ScanSettings,
+    skewness: float,
+    kurtosis: float,
+    outliers: Sequence[FoundOutliers],
+    lay: Lay | None,
+) -> tuple[str, ...]:
+    """What speaks against using the spectrum of these scans as if the surface were Gaussian and isotropic."""
+    remarks = [f"{scan.name}: {remark}" if scan.name else remark for scan in scans for remark in scan.remarks]
+    if abs(skewness) > _SKEWED or not _FLAT_TOPPED <= kurtosis <= _PEAKED:
+        remarks.append(_remark("not_gaussian", skewness=skewness, kurtosis=kurtosis))
+    remarks += _on_outliers(scans, settings, outliers)
+    form = max(_parabola_share(scan) for scan in scans)
+    if settings.detrend != "curvature" and form > _FORM:
+        remarks.append(_remark("form", share=form))
+    for scan, one in zip(scans, modes, strict=True):
+        shares = one.shares / one.shares.sum()
+        # a window spreads one wave over neighbouring modes
+        together = np.convolve(shares, np.ones(3), mode="same") if one.dimension == 1 else shares
+        if shares.size < _FEWEST_WAVES:
+            continue
+        together = np.where(one.wavenumber >= _PERIODS * one.step.min(), together, 0.0)
+        strongest = int(np.argmax(together))
+        if together[strongest] > _ONE_WAVE:
+            length = um(2 * np.pi / one.wavenumber[strongest])
+            remarks.append(
+                _remark("one_wave", scan=scan.name or "scan", length=length, share=together[strongest])
+            )
+    if lay is not None and lay.ratio > max(_LAY, lay.chance):
+        remarks.append(_remark("lay", ratio=lay.ratio, across=1.0 / lay.ratio))
+    return tuple(remarks)
+
+
+def _on_outliers(
+    scans: Sequence[Topography], settings: ScanSettings, outliers: Sequence[FoundOutliers]
+) -> Iterator[str]:
+    for scan, found in zip(scans, outliers, strict=True):
+        if not found.count:
+            continue
+        several, height = "s" * (found.count != 1), _length(found.height)
+        those = _remark(
+            "outliers", scan=scan.name or "scan", count=found.count, s=several, height=height, pits=found.pits
+        )
+        yield _remark("removed" if settings.outliers == "remove" else "kept", outliers=those)
+
+
+def remarks_on_range(
+    scans: Sequence[Topography],
+    finest: ReliableRange,
+    settings: ScanSettings,
+    rolloff: RollOff,
+    height_above: float,
+) -> tuple[str, ...]:
+    """What the scans are too short or too coarse for."""
+    remarks = []
+    low, high = rolloff.height.interval
+    if high > _TOO_SHORT * low:
+        length, total = max(scan.length for scan in scans), sum(scan.length for scan in scans)
+        if rolloff.wavenumber is None:
+            holds, wanted = _remark("no_rolloff"), _remark("longer")
+        else:
+            wave = 2.0 * np.pi / rolloff.wavenumber
+            holds = _remark("few_waves", waves=total / wave, wave=_length(wave))
+            wanted = _remark("more_waves", length=_length(_ENOUGH * wave))
+        remarks.append(
+            _remark(
+                "too_short",
+                length=_length(length),
+                holds=holds,
+                low=low,
+                high=high,
+                confidence=CONFIDENCE,
+                wanted=wanted,
+            )
+        )
+    if settings.extrapolation == "cut" and finest.limit in ("tip radius", "shortest wavelength"):
+        sampled = max(np.pi / scan.resolution for scan in scans)
+        end = sampled if sampled > 1.5 * finest.q_high else 4.0 * finest.q_high
+        fitted = rolloff.hurst
+        hurst = fitted if fitted is not None and 0.0 < fitted <= 1.0 else 0.8
+        shortest = _length(2 * np.pi / finest.q_high)
+        remarks.append(_remark("too_coarse", wave=shortest, limit=finest.limit, hurst=hurst, end=end))
+    if height_above > _CUT:
+        remarks.append(_remark("cut", share=height_above))
+    return tuple(remarks)
+
+
+def _remark(name: str, **values: float | str) -> str:
+    return _remarks()[name].format(**values)
+
+
+@lru_cache(maxsize=1)
+def _remarks() -> dict[str, str]:
+    return own_tables("leak.surfaces", "remarks.toml")
+
+
+def _length(value: float) -> str:
+    unit, size = next((one for one in (("mm", 1e-3), ("um", 1e-6)) if value >= 0.1 * one[1]), ("nm", 1e-9))
+    return f"{value / size:.3g} {unit}"
+
+
+def _parabola_share(scan: Topography) -> float:
+    """Share of the variance that goes with the curvature."""
+    return 1.0 - float(np.mean(scan.without_form("curvature").heights ** 2) / np.mean(scan.heights**2))

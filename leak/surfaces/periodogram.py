@@ -5,18 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache, reduce
-from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from leak.arrays import FloatArray
-from leak.surfaces.scans import LineScan, Topography
+from leak.surfaces.scans import LineScan, Topography, Window
 
 IntArray = NDArray[np.intp]
 
-Window = Literal["hann", "none"]
-WINDOWS: tuple[str, ...] = get_args(Window)
 
 # A mode seen through a Hann window takes these shares of its power from itself and its two neighbours.
 _NEIGHBOURS = {"hann": {-1: 1 / 6, 0: 2 / 3, 1: 1 / 6}, "none": {0: 1.0}}

@@ -1,4 +1,4 @@
-"""Measured heights in metres: a line scan or a map, on an even grid, with form and tilt taken off on request."""
+"""Measured heights in metres, a line scan or a map on an even grid: form, outliers, and how they become a spectrum."""
 
 from __future__ import annotations
 
@@ -11,10 +11,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from leak.arrays import FloatArray, as_arrays, check_each
-from leak.errors import ScanError, um
+from leak.errors import ScanError, positive, um
 
 Detrend = Literal["mean", "tilt", "curvature"]
 DETRENDS: tuple[str, ...] = get_args(Detrend)
+Window = Literal["hann", "none"]
+WINDOWS: tuple[str, ...] = get_args(Window)
 
 FEWEST_POINTS = 16
 # Bridged by straight lines, gaps in up to this share of a scan hardly change its spectrum; from the larger share
@@ -309,3 +311,196 @@ def _without_polynomial(heights: FloatArray, degree: int) -> FloatArray:
     for _ in range(2):
         h = h - basis @ np.linalg.lstsq(basis, h, rcond=None)[0]
     return h.reshape(heights.shape)
+
+
+# -------------------------------------------------------------------- outliers
+
+BoolArray = NDArray[np.bool_]
+
+Outliers = Literal["keep", "remove"]
+OUTLIERS: tuple[str, ...] = get_args(Outliers)
+
+# A point is compared with those at these distances to both sides, in points: an outlier may be as wide.
+_DISTANCES = (1, 2, 4, 8)
+# Standard deviations of such steps from which on a point stands alone.
+_ALONE = 6.0
+# More than this share of all points is not an outlier but the surface.
+_MOST = 0.01
+
+
+@dataclass(frozen=True, eq=False)
+class FoundOutliers:
+    """Outliers of one scan.
+
+    Parameters
+    ----------
+    points : ndarray of bool
+        Which points, shaped as the heights.
+    count : int
+        Number of places.
+    pits : int
+        How many of them lie below their surroundings.
+    height : float
+        Largest distance from the surroundings [m].
+    """
+
+    points: BoolArray
+    count: int
+    pits: int
+    height: float
+
+
+def find_outliers(scan: Topography) -> FoundOutliers:
+    """Points that stand alone by more than a Gaussian surface allows.
+
+    Each height is compared with both at some distance; it must lie above both, or below both, by more than the steps
+    over this distance scatter. Their standard deviation is taken from their median, which outliers hardly move. In a
+    map a point must stand out along both sides: a ridge or a groove is none.
+    """
+    from scipy.ndimage import label
+
+    away = np.zeros(scan.heights.shape)
+    for distance in _DISTANCES:
+        sides = [_height_over_both(scan.heights, distance, axis) for axis in range(scan.heights.ndim)]
+        least = np.min(np.abs(sides), axis=0)
+        away = np.where(least > np.abs(away), np.copysign(least, sides[0]), away)
+    points = away != 0.0
+    if points.mean() > _MOST:
+        points[...], away[...] = False, 0.0
+    places, count = label(points, np.ones((3,) * points.ndim, bool))
+    pits = np.unique(places[points & (away < 0.0)]).size
+    return FoundOutliers(points, int(count), int(pits), float(np.abs(away).max()))
+
+
+def without_outliers(scan: Topography, found: FoundOutliers) -> Topography:
+    """The scan with its outliers, and the points beside them, replaced by what surrounds them."""
+    from scipy.ndimage import binary_dilation
+
+    if not found.count:
+        return scan
+    replaced = binary_dilation(found.points, np.ones((3,) * found.points.ndim, bool))
+    if isinstance(scan, LineScan):
+        x = np.arange(scan.heights.size)
+        heights = np.interp(x, x[~replaced], scan.heights[~replaced])
+    else:
+        heights = filled(scan.heights, replaced)
+    return replace(scan, heights=heights)
+
+
+def _height_over_both(heights: FloatArray, distance: int, axis: int) -> FloatArray:
+    """How far each point lies above, or below, both points at a distance [m].
+
+    Zero where it lies above one and below the other, at the ends, and where that is no more than chance.
+    """
+    h = np.moveaxis(heights, axis, 0)
+    out = np.zeros_like(h)
+    if h.shape[0] > 2 * distance:
+        steps = h[distance:] - h[:-distance]
+        # 0.6745: median of the absolute value of a normal variable
+        deviation = float(np.median(np.abs(steps))) / 0.6745
+        before, after = steps[:-distance], -steps[distance:]
+        nearer = np.where(np.abs(before) < np.abs(after), before, after)
+        alone = (before * after > 0.0) & (np.abs(nearer) > _ALONE * deviation) & (deviation > 0.0)
+        out[distance:-distance] = np.where(alone, nearer, 0.0)
+    return np.moveaxis(out, 0, axis)
+
+
+# -------------------------------------------------------------------- settings
+
+
+@dataclass(frozen=True)
+class SelfAffineContinuation:
+    """C ~ q^(-2 (1 + H)) outside the reliable range of a scan: an assumption, not a measurement.
+
+    Parameters
+    ----------
+    hurst : float
+        Hurst exponent H, between 0 and 1 [-].
+    q_low, q_high : float, optional
+        Where the continued spectrum begins and ends; None: the end of the reliable range [1/m].
+
+    Raises
+    ------
+    ScanError
+        A value is outside its range, or neither end is given.
+
+    Examples
+    --------
+    >>> import leak
+    >>> leak.SelfAffineContinuation(hurst=0.8, q_high=1e8).hurst
+    0.8
+    """
+
+    hurst: float
+    q_low: float | None = None
+    q_high: float | None = None
+
+    def __post_init__(self) -> None:
+        if not 0.0 < positive(ScanError, "hurst", self.hurst, "-") <= 1.0:
+            raise ScanError(f"hurst = {self.hurst}: must lie in (0, 1]")
+        for name, value in (("q_low", self.q_low), ("q_high", self.q_high)):
+            if value is not None:
+                positive(ScanError, name, value, "1/m")
+        if self.q_low is None and self.q_high is None:
+            raise ScanError(
+                "q_low and q_high are both missing: say where the continued spectrum begins or ends [1/m]"
+            )
+
+
+@dataclass(frozen=True)
+class ScanSettings:
+    """How scans become a spectrum.
+
+    Parameters
+    ----------
+    detrend : {"tilt", "mean", "curvature"}
+        What is taken off each scan first: its mean line or plane, its mean only, or its mean parabola or paraboloid
+        (for scans over a ball, a cone or another curved part).
+    window : {"hann", "none"}
+        Weight of the heights along the scan. "none" is for periodic, calculated surfaces only.
+    tip_radius : float, optional
+        Radius of the stylus tip; the file's, if it states one, unless given [m].
+    shortest_wavelength : float, optional
+        What the instrument resolves (optical resolution, filter); two points unless given [m].
+    extrapolation : "cut" or SelfAffineContinuation
+        What lies outside the reliable range: nothing, or a continuation.
+    outliers : {"keep", "remove"}
+        Points that stand alone (`leak.surfaces.scans.find_outliers`): kept, or replaced by what surrounds them.
+
+    Raises
+    ------
+    ScanError
+        A value is none of these.
+
+    Examples
+    --------
+    >>> import leak
+    >>> leak.ScanSettings(detrend="curvature", tip_radius=2e-6).window
+    'hann'
+    """
+
+    detrend: Detrend = "tilt"
+    window: Window = "hann"
+    tip_radius: float | None = None
+    shortest_wavelength: float | None = None
+    extrapolation: Literal["cut"] | SelfAffineContinuation = "cut"
+    outliers: Outliers = "keep"
+
+    def __post_init__(self) -> None:
+        for name, value, known in (
+            ("detrend", self.detrend, DETRENDS),
+            ("window", self.window, WINDOWS),
+            ("outliers", self.outliers, OUTLIERS),
+        ):
+            if value not in known:
+                raise ScanError(f"{name} = {value!r}: must be " + " or ".join(f'"{one}"' for one in known))
+        for name, length in (
+            ("tip_radius", self.tip_radius),
+            ("shortest_wavelength", self.shortest_wavelength),
+        ):
+            if length is not None:
+                positive(ScanError, name, length, "m")
+        if self.extrapolation != "cut" and not isinstance(self.extrapolation, SelfAffineContinuation):
+            raise ScanError(
+                f'extrapolation = {self.extrapolation!r}: must be "cut" or a SelfAffineContinuation'
+            )

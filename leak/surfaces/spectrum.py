@@ -18,8 +18,8 @@ from leak.surfaces.power_laws import not_zero, power_integral, power_law_moment,
 if TYPE_CHECKING:
     from leak.surfaces.periodogram import Window
     from leak.surfaces.scan_files import Unit
-    from leak.surfaces.scans import Detrend
-    from leak.surfaces.settings import SelfAffineContinuation
+    from leak.surfaces.scans import Detrend, SelfAffineContinuation
+
 
 # What a spectrum of heights can hold, and no more: densities and wavenumbers stand in products of their powers.
 _WAVENUMBERS, _DENSITIES = (1e-9, 1e18), (1e-300, 1e30)
@@ -183,8 +183,7 @@ class PowerSpectrum:
         """
         # only these two ways in need the modules of scans
         from leak.surfaces.estimate import estimate
-        from leak.surfaces.scans import line_scan
-        from leak.surfaces.settings import ScanSettings
+        from leak.surfaces.scans import ScanSettings, line_scan
 
         settings = ScanSettings(detrend, window, tip_radius, shortest_wavelength, extrapolation)
         return cls(*estimate((line_scan(x, h),), settings).continued)
@@ -219,7 +218,7 @@ class PowerSpectrum:
         """
         from leak.surfaces.estimate import estimate
         from leak.surfaces.scan_files import read_topographies
-        from leak.surfaces.settings import ScanSettings
+        from leak.surfaces.scans import ScanSettings
 
         settings = ScanSettings(detrend, window, tip_radius, shortest_wavelength, extrapolation)
         return cls(*estimate(read_topographies(path, unit=unit), settings).continued)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from leak.arrays import FloatArray
-from leak.numerics.gauss import gauss
+from leak.numerics.gauss import gauss, integrals_up_to_nodes
 from leak.surfaces.spectrum import PowerSpectrum
 from leak.theory.persson import FULL_CONTACT, RoughnessSeen, area_argument, moment_of_all, separations
 
@@ -184,7 +184,7 @@ def _integral_to_end(sizes: list[int]) -> FloatArray:
     matrix = (panel[:, None] < panel).astype(float)
     start = 0
     for size in sizes:
-        matrix[start : start + size, start : start + size] = _upward_integration(size)
+        matrix[start : start + size, start : start + size] = 1.0 - integrals_up_to_nodes(size)
         start += size
     return matrix
 
@@ -237,18 +237,6 @@ def _height_variance_above(
         return spectrum.height_variance_above(nodes.wavenumber)
     rate = 2.0 * np.pi * nodes.moment_weight * factor / nodes.wavenumber**2
     return np.maximum(rate @ nodes.to_end.T, 0.0)
-
-
-@lru_cache(maxsize=64)
-def _upward_integration(count: int) -> FloatArray:
-    """Matrix taking Gauss-weighted values at the nodes of a panel to their integral from each node to its end."""
-    t, w = gauss(count)
-    legendre = np.polynomial.legendre
-    to_coefficients = np.linalg.inv(legendre.legvander(t, count - 1))
-    antiderivative = np.stack([legendre.legint(column) for column in to_coefficients.T], axis=1)
-    at_nodes = legendre.legvander(t, count) @ antiderivative
-    at_end = np.ones(count + 1) @ antiderivative
-    return (at_end - at_nodes) / w
 
 
 def density(lost: LostArea, separation: FloatArray) -> FloatArray:

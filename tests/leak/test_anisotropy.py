@@ -240,7 +240,7 @@ def test_scale_of_a_stretched_surface_does_not_matter():
 
 
 def test_longer_patches_and_more_of_them():
-    from leak.flow.lay import inclusion_aspect, touching_pressure
+    from leak.flow.medium import inclusion_aspect, touching_pressure
 
     for share in (0.0, 0.3, 1.0):
         assert inclusion_aspect(1.0, share) == touching_pressure(1.0, share) == 1.0

@@ -17,7 +17,7 @@ from places import REFERENCE, ROOT
 from scipy import special
 
 import leak
-from leak.theory.capped import (
+from leak.theory.plasticity import (
     BEARING_GAP,
     CAPPED,
     VON_MISES,

@@ -12,7 +12,7 @@ from paper_surface import HARDNESS, E, spectrum, surface
 from scipy import special
 
 import leak
-from leak.flow.effective_gap import folded_above
+from leak.flow.medium import folded_above
 from leak.theory.separation import density, magnification_nodes
 
 # ------------------------------------------------------------------ reference numbers

@@ -12,7 +12,7 @@ from scipy.interpolate import CubicSpline, RectBivariateSpline
 
 from leak.numerics.curves import CubicSurface, cubic_spline_slopes, spline_weights
 from leak.numerics.roots import root_of_rising
-from leak.numerics.special import erf
+from leak.theory.persson import erf
 
 
 @pytest.mark.parametrize("n", [3, 4, 5, 60])

@@ -7,8 +7,13 @@ import pytest
 
 import leak
 from leak.surfaces.finish import PROCESSES, Finish, process_named
-from leak.surfaces.profile_filter import ProfileFilter, expected_roughness, implied_filter
-from leak.surfaces.profile_parameters import filtered_profile, roughness_parameters
+from leak.surfaces.profile_parameters import (
+    ProfileFilter,
+    expected_roughness,
+    filtered_profile,
+    implied_filter,
+    roughness_parameters,
+)
 
 UM = 1e-6
 

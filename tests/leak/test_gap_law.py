@@ -12,9 +12,8 @@ from hypothesis import strategies as st
 from places import REFERENCE, ROOT
 
 import leak
-from leak.numerics.stiff import stiff_steps
 from leak.theory import gap_law as solver
-from leak.theory.gap_law import gap_law
+from leak.theory.gap_law import gap_law, stiff_steps
 
 sys.path.insert(0, str(ROOT / "docs"))
 

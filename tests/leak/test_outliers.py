@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import leak
-from leak.surfaces.outliers import find_outliers, without_outliers
+from leak.surfaces.scans import find_outliers, without_outliers
 
 TRUE = leak.PowerSpectrum.self_affine(rms_height=1e-6, hurst=0.8, q_low=1e3, q_rolloff=3e4, q_high=3e6)
 PLACES = (300, 900, 1500, 2200, 3100)

@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 from scipy.special import erf
 
 import leak
-from leak.flow.percolation import argument_at, closed_share, corrected_area, near_threshold
+from leak.flow.medium import argument_at, closed_share, corrected_area, near_threshold
 
 sys.path.insert(0, str(ROOT / "docs"))
 

@@ -13,8 +13,7 @@ from scipy.integrate import quad
 from scipy.special import erf, exp1
 
 import leak
-from leak.theory.kernel import kernel
-from leak.theory.persson import ElasticRoughness, low_pressure_law, separations
+from leak.theory.persson import ElasticRoughness, kernel, low_pressure_law, separations
 
 GAMMA = 0.45
 

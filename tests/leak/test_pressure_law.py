@@ -9,8 +9,7 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 
 import leak
-from leak.fluids.library import _petroleum_law
-from leak.fluids.water import water_density, water_law, water_viscosity
+from leak.fluids.library import _petroleum_law, water_density, water_law, water_viscosity
 
 R0, WIDTH, SIGMA = 0.014, 1e-3, 1e-15
 X = np.linspace(0.0, WIDTH, 101)

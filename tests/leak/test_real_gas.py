@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 
 import leak
-from leak.fluids.dense_gas import estimated_real_gas
-from leak.fluids.library import coolprop_name
+from leak.fluids.library import coolprop_name, estimated_real_gas
 
 R0, WIDTH = 0.014, 1e-3
 X, P = np.linspace(0.0, WIDTH, 11), np.full(11, 1e9)

@@ -26,7 +26,7 @@ from fem_seal.output.pictures.style import (
 )
 from fem_seal.seal.direct import DirectTable, PressedMap
 from fem_seal.units import quantity, unit_for
-from leak.theory.reading import READINGS, Reading
+from leak.theory.plasticity import READINGS, Reading
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

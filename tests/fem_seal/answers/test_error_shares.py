@@ -17,7 +17,7 @@ from fem_seal.output.answers.uncertainty import error_sentence, error_shares_of
 from fem_seal.output.answers.verdict import verdict_sentences
 from fem_seal.output.summary import write_summary
 from fem_seal.seal.bounds import Bounds
-from leak.surfaces.line_spectrum import height_scatter
+from leak.surfaces.random import height_scatter
 
 CORRECTED = {"theory": "corrected"}
 # Waves longer than the contact is wide.

@@ -9,7 +9,7 @@ from fem_seal.seal.leak_model import RoughFlow
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.readings import FURTHER, OWN, WORDS
 from leak import Reading
-from leak.theory.reading import READINGS
+from leak.theory.plasticity import READINGS
 
 
 @pytest.mark.parametrize("reading", Reading)
