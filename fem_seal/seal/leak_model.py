@@ -30,7 +30,7 @@ if TYPE_CHECKING:
         PressureLaw,
         RoughContact,
     )
-    from leak.flow.permeant import Permeant
+    from leak.flow.leak_rate import Permeant
 
 
 # Decades between the highest pressure and the end of a table.
@@ -185,7 +185,7 @@ class Flow:
         fluid_pressure : float
             Pressure difference [Pa].
         """
-        from leak.flow.permeant import GasPermeant, LiquidPermeant
+        from leak.flow.leak_rate import GasPermeant, LiquidPermeant
 
         if isinstance(table, leak.ConductivityTable):
             sigma = table.at(self.viscosity)

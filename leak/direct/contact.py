@@ -174,7 +174,8 @@ def press(
         joins = ((p <= 0.0) & (g < 0.0)) | (capped & (g > 0.0))
         error = float(np.abs(g[free | joins]).max(initial=0.0)) / h_rms
         if error < tolerance:
-            return _state(p, g, H, error, iteration)
+            overlap = np.where(p >= H, np.maximum(-g, 0.0), 0.0)
+            return ContactState(p, np.where(p > 0.0, 0.0, np.maximum(g, 0.0)), overlap, error, iteration)
         if np.count_nonzero(free) > 1:
             r = np.where(free, g, 0.0)
             norm = float(np.vdot(r, r))
@@ -201,12 +202,6 @@ def press(
         f"contact at the mean pressure {P:g} Pa did not converge in {_MOST_ITERATIONS} iterations: "
         f"the largest error of the gap is {error:.1e} of the rms height, allowed are {tolerance:.1e}"
     )
-
-
-def _state(p: FloatArray, g: FloatArray, H: float, error: float, iterations: int) -> ContactState:
-    overlap = np.where(p >= H, np.maximum(-g, 0.0), 0.0)
-    gap = np.where(p > 0.0, 0.0, np.maximum(g, 0.0))
-    return ContactState(p, gap, overlap, error, iterations)
 
 
 def _first_guess(body: PeriodicHalfSpace, h: FloatArray, total: float, H: float) -> FloatArray:

@@ -231,7 +231,15 @@ def press_elastoplastic(
         guess = strain + min(step / last_step, 1.0) * rate if step * last_step > 0.0 else strain
         found, equivalent, raised, contact = indentation.step(pressure, strain, equivalent, guess, p)
         rate, strain, p, before, last_step = found - strain, found, contact.pressure, pressure, step
-        states.append(_state(solid, contact, raised, strain, equivalent))
+        flat = equivalent.reshape(-1)
+        points = np.flatnonzero(flat)
+        if flat[-math.prod(solid.surface.shape) :].max() > _BOTTOM * flat.max(initial=0.0) > 0.0:
+            raise DirectError(
+                f"at the mean pressure {contact.pressure.mean():g} Pa metal flows down to a third of the side of the "
+                "map, the bottom of the grid: take a smaller pressure or a map with more waves"
+            )
+        at_points = strain.reshape(5, -1)[:, points], flat[points]
+        states.append(ElastoplasticState(contact, raised, points, *at_points, solid))
     return states
 
 
@@ -304,23 +312,6 @@ class _Indentation:
 
 def _norm(strain: FloatArray) -> float:
     return math.sqrt(float(squared_norm(strain).sum()))
-
-
-def _state(
-    solid: LayeredHalfSpace,
-    contact: ContactState,
-    raised: FloatArray,
-    strain: FloatArray,
-    equivalent: FloatArray,
-) -> ElastoplasticState:
-    flat = equivalent.reshape(-1)
-    points = np.flatnonzero(flat)
-    if flat[-math.prod(solid.surface.shape) :].max() > _BOTTOM * flat.max(initial=0.0) > 0.0:
-        raise DirectError(
-            f"at the mean pressure {contact.pressure.mean():g} Pa metal flows down to a third of the side of the "
-            "map, the bottom of the grid: take a smaller pressure or a map with more waves"
-        )
-    return ElastoplasticState(contact, raised, points, strain.reshape(5, -1)[:, points], flat[points], solid)
 
 
 def _checked_number(name: str, value: float) -> float:

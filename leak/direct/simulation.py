@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from leak.arrays import FloatArray
 from leak.direct.contact import ContactState, PeriodicHalfSpace, checked_heights, checked_pressures, press
@@ -201,26 +201,21 @@ def simulate(
         )
     body = PeriodicHalfSpace(h.shape[0], L, E)
 
-    def row(state: ContactState) -> PressedPatch:
-        return PressedPatch.of(state, hardness=H, periodic=periodic, flight=length)
+    p: FloatArray | None = None
+    overlap = np.zeros_like(h)
 
-    state: ContactState | None = None
-    loaded: dict[int, PressedPatch] = {}
-    for i in np.argsort(path):
-        start = None if state is None else state.pressure
-        state = press(body, h, path[i], hardness=H, start=start, tolerance=tolerance)
-        loaded[int(i)] = row(state)
-    if back is None or state is None:
-        return DirectResult(**vars(_branch(path, loaded)), unloaded=None)
-    flattened, unloaded = h - state.overlap, {}
-    for i in np.argsort(back)[::-1]:
-        state = press(body, flattened, back[i], hardness=H, start=state.pressure, tolerance=tolerance)
-        unloaded[int(i)] = row(state)
-    return DirectResult(**vars(_branch(path, loaded)), unloaded=_branch(back, unloaded))
+    def branch(heights: FloatArray, pressures: FloatArray, order: NDArray[np.intp]) -> DirectBranch:
+        nonlocal p, overlap
+        rows: dict[int, PressedPatch] = {}
+        for i in order:
+            state = press(body, heights, pressures[i], hardness=H, start=p, tolerance=tolerance)
+            p, overlap = state.pressure, state.overlap
+            rows[int(i)] = PressedPatch.of(state, hardness=H, periodic=periodic, flight=length)
+        return DirectBranch(pressures, *np.array([rows[i] for i in range(pressures.size)]).T)
 
-
-def _branch(pressures: FloatArray, rows: dict[int, PressedPatch]) -> DirectBranch:
-    return DirectBranch(pressures, *np.array([rows[i] for i in range(pressures.size)]).T)
+    loaded = branch(h, path, np.argsort(path))
+    unloaded = None if back is None else branch(h - overlap, back, np.argsort(back)[::-1])
+    return DirectResult(**vars(loaded), unloaded=unloaded)
 
 
 def _map(heights: ArrayLike) -> FloatArray:

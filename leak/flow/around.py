@@ -11,9 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from leak.arrays import FloatArray, as_arrays
 from leak.errors import ConductivityError
-from leak.flow.conductivity import GasConductivity, log_rarefied_flow
+from leak.flow.conductivity import GasConductivity
 from leak.flow.contact_profile import checked_profile
-from leak.flow.permeant import GasPermeant, LiquidPermeant, Permeant, potential_ends
+from leak.flow.leak_rate import GasPermeant, LiquidPermeant, Permeant, gap_of, potential_ends
 from leak.fluids.pressure_law import FlowPotential, PressureLaw
 from leak.fluids.properties import Gas
 from leak.fluids.real_gas import GasPotential
@@ -244,16 +244,10 @@ def rarefied_conductivity(
     >>> bool(sigma(np.array([[1e3]]))[0, 0] > sigma(np.array([[1e6]]))[0, 0])
     True
     """
-    contact = np.asarray(log_pressure, dtype=float)
-    gap = np.asarray(table.at_log_pressure(contact), dtype=float)
-    flight = gas.viscosity * gas.molecular_speed
-    log_flow = log_rarefied_flow(table, contact)
-
-    def sigma(pressure: FloatArray) -> FloatArray:
-        D = np.maximum(gas.flow_pressure(np.maximum(pressure, _VACUUM)) * gap / flight, 1e-100)
-        return np.asarray(gap**3 * np.exp(log_flow(np.log(D))) / (12.0 * gas.viscosity))
-
-    return sigma
+    contact, permeant = np.asarray(log_pressure, dtype=float), GasPermeant(0.0, np.inf, table, gas)
+    continuum = permeant.sigma(contact)
+    gain = permeant.gain(contact, gap_of(permeant, continuum))
+    return lambda pressure: continuum * gain(gas.flow_pressure(np.maximum(pressure, _VACUUM)))
 
 
 def flow_round(

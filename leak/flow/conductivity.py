@@ -199,9 +199,8 @@ class ConductivityTable:
             memory,
             acting,
         )
-        vars(table).update(
-            _curve=self._curve.shifted(math.log(pressure)), _decay_length=self._decay_length * height
-        )
+        curve = MonotoneCurve(self._curve.x + math.log(pressure), self._curve.y, self._curve.slope)
+        vars(table).update(_curve=curve, _decay_length=self._decay_length * height)
         return table
 
     def effective_separation(self, pressure: ArrayLike) -> FloatArray | float:

@@ -20,10 +20,11 @@ from leak.arrays import FloatArray
 from leak.errors import ConductivityError
 from leak.flow.rarefied import log_flow_factor
 from leak.numerics.curves import MonotoneCurve
-from leak.numerics.gauss import gauss
+from leak.numerics.gauss import gauss_panels
 from leak.numerics.roots import bisected
 from leak.surfaces.spectrum import PowerSpectrum
-from leak.theory.persson import ElasticRoughness, RoughnessSeen, moment_of_all, separations
+from leak.theory.persson import moment_of_all, separations
+from leak.theory.plasticity import RoughnessSeen
 from leak.theory.separation import LostArea, SeparationGrid, density
 
 # ln u_eff^3 may lie this far outside the separations given; what comes as close to the lower end of that is sealed.
@@ -110,75 +111,7 @@ def anisotropic_medium(
     >>> print(f"{through[0] ** 3 * 1e18:.4f} {crossed[0] ** 3 * 1e18:.4f}")
     3.1000 1.3559
     """
-    return directional_medium_of_logarithms(np.log(separation), weight, contact, wide_open, n, peklenik, near)
-
-
-def directional_medium_of_logarithms(
-    log_separation: FloatArray,
-    weight: FloatArray,
-    contact: FloatArray,
-    wide_open: FloatArray,
-    n: float,
-    peklenik: float | FloatArray,
-    near: DirectionalGap | None = None,
-) -> DirectionalGap:
-    """`anisotropic_medium` of ln u.
-
-    Parameters
-    ----------
-    log_separation : ndarray
-        ln(u/m), increasing along the last axis, shape (P, U).
-    weight, contact, wide_open, n, peklenik, near
-        See `anisotropic_medium`.
-    """
-    gamma = np.asarray(peklenik, dtype=float)
-    if np.any(gamma < 1.0):
-        if np.any(gamma > 1.0):
-            raise ConductivityError(f"peklenik = {peklenik}: must lie on one side of 1 at all pressures [-]")
-        turned = None if near is None else DirectionalGap(near.across, near.along)
-        across, along = directional_medium_of_logarithms(
-            log_separation, weight, contact, wide_open, n, 1.0 / gamma, turned
-        )
-        return DirectionalGap(along, across)
-    medium, k, log_gamma = _Medium.of(log_separation, weight, contact, wide_open), n - 1.0, np.log(gamma)
-    if np.all(gamma == 1.0):
-        guess = medium.middle if near is None else 3.0 * np.log(near.along) - medium.log_unit
-        log_s, _ = medium.solve(np.full(contact.shape, k), guess)
-        percolated = weight.sum(axis=-1) + wide_open <= contact / k
-        same = np.where(percolated | (log_s < medium.lowest + _SEALED), 0.0, medium.gap(log_s))
-        return DirectionalGap(same, same)
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        # s_y is positive below this ln m, s_x above its negative; no room between them is percolation.
-        room = np.log(k * (weight.sum(axis=-1) + wide_open) / contact)
-    low, high = np.zeros(contact.shape), np.clip(room, 0.0, log_gamma)
-    if near is None:
-        log_m = 0.5 * high
-        isotropic, rise = medium.solve(np.full(contact.shape, k), medium.middle)
-        x, y = isotropic + rise * log_m, isotropic - rise * log_m
-    else:
-        x, y = (3.0 * np.log(gap) - medium.log_unit for gap in near)
-        log_m = log_gamma + 0.5 * (y - x)
-        log_m = np.where((log_m > low) & (log_m < high), log_m, 0.5 * high)
-    close = _FIRST_CLOSE
-    for _ in range(_OUTER_STEPS):
-        # s_x and s_y as well as the step of ln m deserves: in the end all three take one step of Newton's method each
-        x, rise_x = medium.solve(k * np.exp(log_m), x, close)
-        y, rise_y = medium.solve(k * np.exp(-log_m), y, close)
-        excess = log_m - log_gamma - 0.5 * (y - x)
-        low, high = np.where(excess < -close, log_m, low), np.where(excess > close, log_m, high)
-        newton = log_m - excess / (1.0 + 0.5 * (rise_x + rise_y))
-        following = np.where((newton >= low) & (newton <= high), newton, 0.5 * (low + high))
-        step, log_m = following - log_m, following
-        step_x, step_y = rise_x * step, -rise_y * step
-        x, y = x + step_x, y + step_y
-        largest = float(np.abs([step, step_x, step_y]).max())
-        if max(largest, close) <= _CLOSE:
-            break
-        close = min(max(_WORTH * largest, _CLOSE), _FIRST_CLOSE)
-    sealed = ~(room > 0.0)
-    return DirectionalGap(
-        *(np.where(sealed | (s < medium.lowest + _SEALED), 0.0, medium.gap(s)) for s in (x, y))
-    )
+    return _Medium.of(np.log(separation), weight, contact, wide_open).gaps(n, peklenik, near)
 
 
 class _Medium(NamedTuple):
@@ -215,6 +148,60 @@ class _Medium(NamedTuple):
 
     def gap(self, log_s: FloatArray) -> FloatArray:
         return np.exp((log_s + self.log_unit) / 3.0)
+
+    def gaps(
+        self, n: float, peklenik: float | FloatArray, near: DirectionalGap | None = None
+    ) -> DirectionalGap:
+        """See `anisotropic_medium`."""
+        gamma = np.asarray(peklenik, dtype=float)
+        if np.any(gamma < 1.0):
+            if np.any(gamma > 1.0):
+                raise ConductivityError(
+                    f"peklenik = {peklenik}: must lie on one side of 1 at all pressures [-]"
+                )
+            turned = None if near is None else DirectionalGap(near.across, near.along)
+            across, along = self.gaps(n, 1.0 / gamma, turned)
+            return DirectionalGap(along, across)
+        k, log_gamma, contact, shape = n - 1.0, np.log(gamma), self.contact, self.contact.shape
+        open_area = self.weight.sum(axis=-1) + self.wide_open
+        if np.all(gamma == 1.0):
+            guess = self.middle if near is None else 3.0 * np.log(near.along) - self.log_unit
+            log_s, _ = self.solve(np.full(shape, k), guess)
+            percolated = open_area <= contact / k
+            same = np.where(percolated | (log_s < self.lowest + _SEALED), 0.0, self.gap(log_s))
+            return DirectionalGap(same, same)
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            # s_y is positive below this ln m, s_x above its negative; no room between them is percolation.
+            room = np.log(k * open_area / contact)
+        low, high = np.zeros(shape), np.clip(room, 0.0, log_gamma)
+        if near is None:
+            log_m = 0.5 * high
+            isotropic, rise = self.solve(np.full(shape, k), self.middle)
+            x, y = isotropic + rise * log_m, isotropic - rise * log_m
+        else:
+            x, y = (3.0 * np.log(gap) - self.log_unit for gap in near)
+            log_m = log_gamma + 0.5 * (y - x)
+            log_m = np.where((log_m > low) & (log_m < high), log_m, 0.5 * high)
+        close = _FIRST_CLOSE
+        for _ in range(_OUTER_STEPS):
+            # s_x and s_y as well as the step of ln m deserves: in the end all three take one step of Newton's method
+            x, rise_x = self.solve(k * np.exp(log_m), x, close)
+            y, rise_y = self.solve(k * np.exp(-log_m), y, close)
+            excess = log_m - log_gamma - 0.5 * (y - x)
+            low, high = np.where(excess < -close, log_m, low), np.where(excess > close, log_m, high)
+            newton = log_m - excess / (1.0 + 0.5 * (rise_x + rise_y))
+            following = np.where((newton >= low) & (newton <= high), newton, 0.5 * (low + high))
+            step, log_m = following - log_m, following
+            step_x, step_y = rise_x * step, -rise_y * step
+            x, y = x + step_x, y + step_y
+            largest = float(np.abs([step, step_x, step_y]).max())
+            if max(largest, close) <= _CLOSE:
+                break
+            close = min(max(_WORTH * largest, _CLOSE), _FIRST_CLOSE)
+        sealed = ~(room > 0.0)
+        return DirectionalGap(
+            *(np.where(sealed | (s < self.lowest + _SEALED), 0.0, self.gap(s)) for s in (x, y))
+        )
 
     def solve(self, k: FloatArray, guess: FloatArray, close: float = _CLOSE) -> tuple[FloatArray, FloatArray]:
         """Root ln s of int P (sigma - s)/(sigma + k s) = 0, and its derivative with respect to ln k.
@@ -368,13 +355,6 @@ def effective_gaps(
     gaps = _gaps(lost, rms_height, refinement)
     continuum = anisotropic_medium(*gaps, n, aspect)
     flight = np.maximum(continuum.along, gaps.separation[:, 0])[:, None] / inverse_knudsen
-    return continuum.along, _gas_gap(gaps, continuum, n, aspect, flight)
-
-
-def _gas_gap(
-    gaps: _Gaps, continuum: DirectionalGap, n: float, aspect: float | FloatArray, flight: FloatArray
-) -> FloatArray:
-    log_u = np.log(gaps.separation)
     # about as much is let through as through the gap of the continuum alone, and as much more along as across
     along, across = (np.log(np.maximum(gap, gaps.separation[:, 0])) for gap in continuum)
     out = np.empty(flight.shape)
@@ -388,17 +368,19 @@ def _gas_gap(
             return (log_gap + log_flow_factor(log_gap - by_flight) / 3.0).reshape(-1, *log_gap.shape[2:])
 
         about = wider(along)
-        found = directional_medium_of_logarithms(
-            wider(log_u),
+        medium = _Medium.of(
+            wider(np.log(gaps.separation)),
             gaps.weight.repeat(lengths, axis=0),
             gaps.contact.repeat(lengths),
             gaps.wide_open.repeat(lengths),
+        )
+        found = medium.gaps(
             n,
             aspect.repeat(lengths) if isinstance(aspect, np.ndarray) else aspect,
             DirectionalGap(np.exp(about), np.exp(about + (across - along).repeat(lengths))),
         )
         out[:, start : start + lengths] = found.along.reshape(rows, lengths)
-    return out
+    return continuum.along, out
 
 
 class _Gaps(NamedTuple):
@@ -463,7 +445,7 @@ def area_argument_at(relative_area: float) -> float:
 
 def _elastic_moment(seen: RoughnessSeen, remaining: FloatArray) -> FloatArray:
     """Elastic moment M at which the remaining moment has a given value, by bisection in ln M (it rises with M)."""
-    if isinstance(seen, ElasticRoughness):
+    if not seen.kappa:
         return remaining
     ends = np.log(remaining), np.full(remaining.shape, np.log(seen.end))
     low, high = bisected(lambda log_M: seen.moment(np.exp(log_M)[:, None])[:, 0] < remaining, *ends)
@@ -606,10 +588,8 @@ def argument_at(corrected: float) -> float:
 @lru_cache(maxsize=1)
 def _variance() -> MonotoneCurve:
     """ln(G'/p^2) over ln(G/p^2)."""
-    t, w = gauss(6)
-    half = 0.5 * np.diff(_TABLE)[:, None]
-    inside = 0.5 * (_TABLE[1:] + _TABLE[:-1])[:, None] + half * t
-    cells = (half * w * np.exp(inside) / _broadening(inside)).sum(axis=1)
+    inside, weight = gauss_panels(_TABLE, 6)
+    cells = (weight * np.exp(inside) / _broadening(inside)).sum(axis=1)
     G = np.exp(_TABLE[0]) + np.concatenate([[0.0], np.cumsum(cells)])
     return MonotoneCurve(np.log(G), _TABLE, G * _broadening(_TABLE) * np.exp(-_TABLE))
 

@@ -30,9 +30,7 @@ from leak.theory.gap_law import gap_law
 from leak.theory.interface_law import RoughSurfaceLaw
 from leak.theory.own_error import FlowError, flow_error
 from leak.theory.persson import (
-    ElasticRoughness,
     LowPressureLaw,
-    RoughnessSeen,
     Separations,
     area_argument,
     low_pressure_law,
@@ -48,6 +46,7 @@ from leak.theory.plasticity import (
     AreaFractions,
     PlasticRoughness,
     Reading,
+    RoughnessSeen,
     area_fractions,
     equivalent_pressure,
     remaining_fraction,
@@ -692,7 +691,7 @@ class RoughContact:
 
     def _seen(self, p: FloatArray) -> RoughnessSeen:
         if self.hardness is None or not self._smoothed:
-            return ElasticRoughness(self.spectrum.last_moment)
+            return RoughnessSeen(self.spectrum.last_moment)
         return PlasticRoughness.at(
             p / self.hardness, self.effective_modulus, self.hardness, self.spectrum.last_moment
         )
@@ -915,16 +914,16 @@ class _Range:
         return np.concatenate([self.below[::-2][::-1], inside])
 
     def adapted(
-        self, values: Callable[[FloatArray], FloatArray], allowed: Callable[[FloatArray], FloatArray]
+        self, values: Callable[[FloatArray], FloatArray], length: float
     ) -> tuple[FloatArray, FloatArray]:
-        """Pressures that follow from the error, and the values there.
+        """Pressures that follow from the error of u_eff, and the values there.
 
         Parameters
         ----------
         values : callable
-            What is tabulated, at pressures of shape (n,) [Pa], shape (n, m).
-        allowed : callable
-            See `leak.numerics.sampling.sampled`.
+            What is tabulated, at pressures of shape (n,) [Pa]: u_eff and others, shape (n, 1 + m).
+        length : float
+            Below it u_eff is interpolated as its logarithm [m].
         """
         x = np.concatenate([self.below, self.fine])
         abscissa = flow.table_abscissa(x, np.log(self.sealing_pressure), self.method)
@@ -935,11 +934,13 @@ class _Range:
             ]
         )
 
-        def at(wanted: FloatArray) -> FloatArray:
-            return values(np.exp(np.interp(wanted, abscissa, x)))
+        def smooth(wanted: FloatArray) -> FloatArray:
+            found = values(np.exp(np.interp(wanted, abscissa, x)))
+            return np.column_stack([flow.logarithmic(found[:, 0] / length), found[:, 1:]])
 
         closest = (self._even[-1] - self._even[0]) / _MOST_INTERVALS
-        found, table = sampled(at, start, allowed, closest=closest)
+        found, table = sampled(smooth, start, _allowed, closest=closest)
+        table[:, 0] = length * np.logaddexp(0.0, table[:, 0])
         return np.exp(np.interp(found, abscissa, x)), table
 
 
@@ -971,11 +972,17 @@ def _conductivity_table(
     # ln R with u_eff, or afterwards where u_eff is positive
     with_rarefaction = of_gas and (method == "bruggeman" if stand_in is None else num is None)
     values = _values_of(surface, within, method, with_rarefaction)
-    liquid, log_R = _tabulated(surface, within, p_max, num, values)
+    if num is None:
+        pressure, found = within.adapted(values, 0.5 * surface.spectrum.rms_height)
+    else:
+        pressure = np.exp(within.spread(num))
+        found = values(pressure)
+    pressure, found = pressure[found[:, 0] > 0.0], found[found[:, 0] > 0.0]
+    memory = LoadMemory(surface)
+    liquid = ConductivityTable(pressure, found[:, 0], within.sealing_pressure, p_max, method, memory)
     if not of_gas:
         return liquid
-    if not with_rarefaction:
-        log_R = _log_rarefaction(surface, liquid.pressure, method)
+    log_R = found[:, 1:] if with_rarefaction else _log_rarefaction(surface, pressure, method)
     if not np.all(np.isfinite(log_R)):
         raise ConductivityError(
             f"p_max = {p_max}: too close to the sealing pressure {liquid.sealing_pressure} [Pa]"
@@ -1015,49 +1022,6 @@ def asked_by(surface: RoughContact, table: AnyTable) -> AnyTable:
     return table.with_liquid(
         replace(table.liquid, memory=LoadMemory(surface), acting=surface.log_acting_pressure)
     )
-
-
-def _tabulated(
-    surface: RoughContact,
-    within: _Range,
-    p_max: float,
-    num: int | None,
-    values: Callable[[FloatArray], FloatArray],
-) -> tuple[ConductivityTable, FloatArray]:
-    """Table of u_eff, and what else comes with it.
-
-    Parameters
-    ----------
-    surface, p_max, num
-        See `RoughContact.conductivity_table`.
-    within : _Range
-    values : callable
-        At pressures of shape (n,) [Pa]: u_eff [m] and what else is wanted, finite where u_eff is not zero, shape
-        (n, 1 + m). The errors of u_eff decide where.
-
-    Returns
-    -------
-    table : ConductivityTable
-    others : ndarray
-        The rest of the values at its pressures, shape (k, m).
-    """
-    if num is None:
-        length = 0.5 * surface.spectrum.rms_height
-
-        def smooth(p: FloatArray) -> FloatArray:
-            found = values(p)
-            return np.column_stack([flow.logarithmic(found[:, 0] / length), found[:, 1:]])
-
-        pressure, found = within.adapted(smooth, _allowed)
-        found[:, 0] = length * np.logaddexp(0.0, found[:, 0])
-    else:
-        pressure = np.exp(within.spread(num))
-        found = values(pressure)
-    flows = found[:, 0] > 0.0
-    table = ConductivityTable(
-        pressure[flows], found[flows, 0], within.sealing_pressure, p_max, within.method, LoadMemory(surface)
-    )
-    return table, found[flows, 1:]
 
 
 def elastic_range(

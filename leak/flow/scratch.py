@@ -21,9 +21,7 @@ from leak.flow.contact_profile import (
     profile_after,
 )
 from leak.flow.groove_section import EllipticGroove, GrooveSection
-from leak.flow.leak_result import GasLeakResult, LeakResult
-from leak.flow.network import Line, network_flow
-from leak.flow.permeant import (
+from leak.flow.leak_rate import (
     GasPermeant,
     LiquidPermeant,
     LogConductivity,
@@ -33,6 +31,8 @@ from leak.flow.permeant import (
     gas_table,
     potential_ends,
 )
+from leak.flow.leak_result import GasLeakResult, LeakResult
+from leak.flow.network import Line, network_flow
 from leak.flow.rough_contact import RoughContact
 from leak.fluids.pressure_law import PressureLaw
 from leak.fluids.properties import Gas

@@ -8,7 +8,7 @@ from difflib import get_close_matches
 from functools import lru_cache
 from importlib.util import find_spec
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,6 +21,8 @@ from leak.fluids.pressure_law import Barus, PressureLaw, PressureTable, Roelands
 from leak.fluids.properties import GAS_CONSTANT, Gas, Liquid
 from leak.fluids.real_gas import RealGas
 from leak.standards import STANDARD_PRESSURE
+
+# -------------------------------------------------------------------- water under pressure
 
 # Beyond this pressure the formulation of the density would go wild [Pa]; number of values up to it.
 _WATER_HIGHEST, _WATER_PRESSURES = 2e8, 65
@@ -111,6 +113,8 @@ def water_law(temperature: float) -> PressureTable:
     return PressureTable(tuple(p.tolist()), eta, rho)
 
 
+# -------------------------------------------------------------------- names and ranges
+
 ROOM_TEMPERATURE = 293.15
 """20 degC [K]."""
 
@@ -141,27 +145,21 @@ def checked_temperature(name: str, temperature: float, low: float, high: float) 
     return T
 
 
-# -------------------------------------------------------------------- liquids
+_Fluid = TypeVar("_Fluid", Liquid, Gas)
 
 
 @dataclass(frozen=True)
-class _LiquidEntry:
-    """One liquid of the library, its properties as functions of the temperature [K]."""
+class _Entry(Generic[_Fluid]):
+    """One fluid of the library: where its properties are known [K], from whom, and what they are there."""
 
     name: str
-    viscosity: Callable[[float], float]
-    density: Callable[[float], float]
     low: float
     high: float
     source: str
-    under_pressure: Callable[[float, float], PressureLaw] | None = None
-    """From temperature [K] and viscosity at atmospheric pressure [Pa s]."""
+    properties: Callable[[float], _Fluid]
 
-    def at(self, temperature: float) -> Liquid:
-        T = checked_temperature(self.name, temperature, self.low, self.high)
-        eta = float(self.viscosity(T))
-        law = None if self.under_pressure is None else self.under_pressure(T, eta)
-        return Liquid(self.name, eta, float(self.density(T)), T, self.source, law)
+    def at(self, temperature: float) -> _Fluid:
+        return self.properties(checked_temperature(self.name, temperature, self.low, self.high))
 
 
 # -------------------------------------------------------------------- laws of temperature
@@ -221,6 +219,12 @@ def walther(T: float, first: tuple[float, float], second: tuple[float, float]) -
     return float(10.0 ** (10.0**W) - 0.7) * 1e-6
 
 
+def _mineral_oil(points: list[list[float]], density: Callable[[float], float]) -> Callable[[float], float]:
+    """Viscosity from the kinematic one [mm^2/s] at two temperatures [degC]."""
+    first, second = ((t + 273.15, nu * 1e-6) for t, nu in points)
+    return lambda T: walther(T, first, second) * density(T)
+
+
 def _interpolated(points: tuple[tuple[float, float], ...]) -> Callable[[float], float]:
     """Viscosity from a table (degC, mPa s): ln eta as a polynomial of 1/T through all points."""
     T = np.array([t + 273.15 for t, _ in points])
@@ -261,29 +265,32 @@ def _glycol_law(T: float, viscosity: float) -> PressureLaw:
 # -------------------------------------------------------------------- the library
 
 
-def _liquid_entry(name: str, data: Mapping[str, Any]) -> _LiquidEntry:
+def _liquid_entry(name: str, data: Mapping[str, Any]) -> _Entry[Liquid]:
     """Entry of the library from its table in library.toml."""
-    low, high = data["temperature"]
     source = data["source"].format(**_SOURCES)
+    viscosity: Callable[[float], float]
+    law: Callable[[float, float], PressureLaw] | None
     if "kinematic_viscosity" in data:
-        first, second = ((t + 273.15, nu * 1e-6) for t, nu in data["kinematic_viscosity"])
         density, modulus = _thermal_expansion(*data["density"]), data["bulk_modulus"]
         source += (
             f"; {_SOURCES['thickens']}; density by the Tait equation of {_SOURCES['dymond']}, typical bulk modulus "
             f"{modulus / 1e9:g} GPa at 20 degC"
         )
+        viscosity = _mineral_oil(data["kinematic_viscosity"], density)
         law = _petroleum_law(modulus, data["highest_pressure"])
-        return _LiquidEntry(
-            name, lambda T: walther(T, first, second) * density(T), density, low, high, source, law
-        )
-    if name == "water":
-        return _LiquidEntry(
-            name, _water_viscosity, _water_density, low, high, source, lambda T, viscosity: water_law(T)
-        )
-    known = "log_viscosity" in data
-    viscosity = _exponential(*data["log_viscosity"]) if known else _interpolated(data["viscosity"])
-    law_of = {"glycol/water 50/50": _glycol_law, "ethanol": _ethanol_law}.get(name)
-    return _LiquidEntry(name, viscosity, _polynomial(*data["density"]), low, high, source, law_of)
+    elif name == "water":
+        viscosity, density, law = _water_viscosity, _water_density, lambda T, viscosity: water_law(T)
+    else:
+        known, density = "log_viscosity" in data, _polynomial(*data["density"])
+        viscosity = _exponential(*data["log_viscosity"]) if known else _interpolated(data["viscosity"])
+        law = {"glycol/water 50/50": _glycol_law, "ethanol": _ethanol_law}.get(name)
+
+    def at(T: float) -> Liquid:
+        eta = float(viscosity(T))
+        return Liquid(name, eta, float(density(T)), T, source, None if law is None else law(T, eta))
+
+    low, high = data["temperature"]
+    return _Entry(name, low, high, source, at)
 
 
 LIQUID_ENTRIES = tuple(_liquid_entry(name, data) for name, data in _DATA["liquids"].items())
@@ -293,52 +300,32 @@ FLUIDS = MappingProxyType({entry.name: entry.at(ROOM_TEMPERATURE) for entry in L
 """The library at 20 degC: name -> Liquid, read-only."""
 
 
-@dataclass(frozen=True)
-class _GasEntry:
-    """One gas of the library: eta = scale sqrt(T)/exp(sum b_i ln(T/T_e)^i) at zero density."""
-
-    name: str
-    molar_mass: float
-    scale: float
-    energy: float
-    collision: tuple[float, ...]
-    low: float
-    high: float
-    dilute_pressure: float
-    source: str
-
-    def at(self, temperature: float) -> Gas:
-        T = checked_temperature(self.name, temperature, self.low, self.high)
-        log_integral = np.polynomial.polynomial.polyval(np.log(T / self.energy), self.collision)
-        viscosity = self.scale * np.sqrt(T) * np.exp(-log_integral)
-        return Gas(self.name, self.molar_mass, float(viscosity), T, self.source, self.dilute_pressure)
-
-
 # Collision integral of Lemmon & Jacobsen (2004), and where it holds [K].
 _LEMMON, _LEMMON_RANGE = (0.431, -0.4623, 0.08406, 0.005341, -0.00331), (200.0, 1000.0)
 
 
-def _gas_entry(name: str, data: Mapping[str, Any]) -> _GasEntry:
-    """Entry of the library from its table in library.toml; of Chapman and Enskog where a diameter is known."""
-    scale = data.get("scale")
+def _gas_entry(name: str, data: Mapping[str, Any]) -> _Entry[Gas]:
+    """Entry of the library from its table in library.toml.
+
+    At zero density eta = scale sqrt(T)/exp(sum b_i ln(T/T_e)^i), with the scale of Chapman and Enskog where a diameter
+    is known.
+    """
+    scale, source = data.get("scale"), data["source"].format(**_SOURCES)
     if scale is None:
         scale = 0.0266958 * np.sqrt(data["molar_mass"]) / data["diameter"] ** 2
+
+    def at(T: float) -> Gas:
+        log_T = np.log(T / data["energy"])
+        log_integral = np.polynomial.polynomial.polyval(log_T, data.get("collision", _LEMMON))
+        viscosity = float(float(scale) * 1e-6 * np.sqrt(T) * np.exp(-log_integral))
+        return Gas(name, data["molar_mass"] / 1e3, viscosity, T, source, data["dilute_pressure"] * 1e5)
+
     low, high = data.get("temperature", _LEMMON_RANGE)
-    return _GasEntry(
-        name,
-        data["molar_mass"] / 1e3,
-        float(scale) * 1e-6,
-        data["energy"],
-        tuple(data.get("collision", _LEMMON)),
-        low,
-        high,
-        data["dilute_pressure"] * 1e5,
-        data["source"].format(**_SOURCES),
-    )
+    return _Entry(name, low, high, source, at)
 
 
 GAS_ENTRIES = tuple(_gas_entry(name, data) for name, data in _DATA["gases"].items())
-ENTRIES: tuple[_LiquidEntry | _GasEntry, ...] = (*LIQUID_ENTRIES, *GAS_ENTRIES)
+ENTRIES: tuple[_Entry[Liquid] | _Entry[Gas], ...] = (*LIQUID_ENTRIES, *GAS_ENTRIES)
 
 
 GASES = MappingProxyType({entry.name: entry.at(ROOM_TEMPERATURE) for entry in GAS_ENTRIES})
@@ -513,6 +500,9 @@ def molecular_size(fluid: str) -> float:
     name = fluid.strip().lower()
     found = [size for word, size in MOLECULAR_SIZES.items() if word in name]
     return min(found, default=min(MOLECULAR_SIZES.values()))
+
+
+# -------------------------------------------------------------------- dense gases, for warnings
 
 
 class Critical(NamedTuple):

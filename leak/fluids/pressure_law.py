@@ -20,7 +20,8 @@ from numpy.typing import ArrayLike
 from leak.arrays import FloatArray
 from leak.errors import FluidError, positive
 from leak.numerics.curves import MonotoneCurve, cubic_spline_slopes
-from leak.numerics.gauss import gauss
+from leak.numerics.gauss import gauss, gauss_panels
+from leak.numerics.roots import newton_between
 
 
 @runtime_checkable
@@ -238,7 +239,7 @@ def _density_ratio(compression: Tait | None, pressure: ArrayLike) -> FloatArray:
 # reach up to a power of two to this step, so that neighbouring pressures share them.
 _PANELS, _POINTS, _STEP = 112, 6, 0.25
 # Newton's method doubles the digits: a step of this share of the highest pressure leaves round-off.
-_NEWTON_STEPS, _NEWTON_CLOSE, _EXACT = 40, 1e-9, 1e-14
+_NEWTON_CLOSE, _EXACT = 1e-9, 1e-14
 # A liquid 1e9 times as viscous is a solid. Held there, pressures whose psi differs by round-off alone stay apart, and
 # psi is too large by no more than 1e-9 of the pressure.
 _LEAST_MOBILITY = 1e-9
@@ -299,11 +300,13 @@ class FlowPotential:
         if not exact:
             k = np.minimum(psi.searchsorted(inside, side="right") - 1, _PANELS - 1)
             low, high = np.minimum(at[k], self.highest), np.minimum(at[k + 1], self.highest)
-            p = np.minimum(np.maximum(p, low), high)
-            for _ in range(_NEWTON_STEPS):
-                before, p = p, np.clip(p + (inside - self(p)) / self.mobility(p), low, high)
-                if not np.any(np.abs(p - before) > _NEWTON_CLOSE * self.highest):
-                    break
+            p = newton_between(
+                lambda p: (self(p) - inside, self.mobility(p)),
+                np.minimum(np.maximum(p, low), high),
+                low,
+                high,
+                _NEWTON_CLOSE * self.highest,
+            )
         if (inside == target).all():
             return np.asarray(p)
         first, last = self._ends
@@ -342,15 +345,13 @@ class FlowPotential:
 def _panels(law: PressureLaw, highest: float) -> tuple[MonotoneCurve, bool]:
     """p over psi at the ends of the panels, and whether the curve between them is as good as it gets."""
     at = np.linspace(0.0, highest, _PANELS + 1)
-    nodes, weights = gauss(_POINTS)
-    half = 0.5 * np.diff(at)
-    p = at[:-1, None] + half[:, None] * (1.0 + nodes)
-    psi = np.concatenate([[0.0], np.cumsum(half * (_mobility(law, p) @ weights))])
+    p, weight = gauss_panels(at, _POINTS)
+    psi = np.concatenate([[0.0], np.cumsum(np.vecdot(_mobility(law, p), weight))])
     inverse = MonotoneCurve(psi, at, 1.0 / _mobility(law, at))
     # at the middle of a panel the cubic is farthest off
-    middle = at[:-1] + half
-    quarter = at[:-1, None] + 0.5 * half[:, None] * (1.0 + nodes)
-    there = psi[:-1] + 0.5 * half * (_mobility(law, quarter) @ weights)
+    middle = 0.5 * (at[:-1] + at[1:])
+    first_half = 0.5 * (at[:-1, None] + p)
+    there = psi[:-1] + 0.5 * np.vecdot(_mobility(law, first_half), weight)
     exact = bool(np.abs(inverse.value(there) - middle).max() < _EXACT * highest)
     return inverse, exact
 

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from leak.arrays import FloatArray
 from leak.fluids.pressure_law import check_table, cubic_of_logarithms
 from leak.numerics.curves import MonotoneCurve, cubic_spline_slopes
-from leak.numerics.gauss import gauss
+from leak.numerics.gauss import gauss_panels
 
 
 @dataclass(frozen=True)
@@ -170,10 +170,8 @@ class GasPotential:
 def _panels(real: RealGas, highest: float) -> tuple[MonotoneCurve, FloatArray]:
     """w without c, whose slope is 2 q, between the ends of the panels, and there the slope of q."""
     at = highest * np.linspace(0.0, 1.0, _PANELS + 1) ** 2
-    nodes, weights = gauss(_POINTS)
-    half = 0.5 * np.diff(at)
-    parts = 2.0 * half * (real.flow_pressure(at[:-1, None] + half[:, None] * (1.0 + nodes)) @ weights)
-    dense = np.concatenate([[0.0], np.cumsum(parts)])
+    inside, weight = gauss_panels(at, _POINTS)
+    dense = np.concatenate([[0.0], np.cumsum(2.0 * np.vecdot(real.flow_pressure(inside), weight))])
     return MonotoneCurve(at, dense, 2.0 * real.flow_pressure(at)), real.flow_pressure_slope(at)
 
 

@@ -15,9 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from leak.arrays import FloatArray
-
-# Safeguarded Newton converges in about 6 steps; the rest is for cells in which one end is almost flat.
-_INVERSE_STEPS = 60
+from leak.numerics.roots import newton_between
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,12 +36,6 @@ class MonotoneCurve:
     x: FloatArray
     y: FloatArray
     slope: FloatArray
-
-    def shifted(self, by: float) -> MonotoneCurve:
-        """The same curve at x + by, with what it has worked out already."""
-        moved = MonotoneCurve(self.x + by, self.y, self.slope)
-        vars(moved)["_cubics"] = self._cubics
-        return moved
 
     def value(self, x: FloatArray) -> FloatArray:
         """y at x."""
@@ -88,19 +80,15 @@ class MonotoneCurve:
         sign = np.sign(self.y[-1] - self.y[0])
         k = np.clip(np.searchsorted(sign * self.y, sign * y, side="right") - 1, 0, self.x.size - 2)
         h = self.x[k + 1] - self.x[k]
-        low, high = np.zeros(y.shape), np.ones(y.shape)
         inside = np.clip(sign * y, sign * self.y[0], sign * self.y[-1]) * sign
-        t = (inside - self.y[k]) / (self.y[k + 1] - self.y[k])
-        for _ in range(_INVERSE_STEPS):
+
+        def rising(t: FloatArray) -> tuple[FloatArray, FloatArray]:
             value, slope = self._cell(k, h * t)
-            error = value - inside
-            low, high = np.where(sign * error < 0.0, t, low), np.where(sign * error < 0.0, high, t)
-            newton = t - error / (slope * h)
-            following = np.where((newton >= low) & (newton <= high), newton, 0.5 * (low + high))
-            done = np.max(np.abs(following - t), initial=0.0) < 1e-14
-            t = following
-            if done:
-                break
+            return sign * (value - inside), sign * (slope * h)
+
+        guess = (inside - self.y[k]) / (self.y[k + 1] - self.y[k])
+        # in about 6 steps, and more in cells in which one end is almost flat
+        t = newton_between(rising, guess, np.zeros(y.shape), np.ones(y.shape), 1e-14)
         x = self.x[k] + h * t
         end = np.where(sign * y > sign * self.y[-1], -1, 0)
         return x + (y - inside) / self.slope[end]

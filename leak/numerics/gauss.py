@@ -17,6 +17,13 @@ def gauss(count: int) -> tuple[FloatArray, FloatArray]:
     return nodes.astype(np.float64, copy=False), weights.astype(np.float64, copy=False)
 
 
+def gauss_panels(ends: FloatArray, count: int) -> tuple[FloatArray, FloatArray]:
+    """Nodes and weights of `count` points between each of some places and the next, shape (len(ends) - 1, count)."""
+    nodes, weights = gauss(count)
+    half = 0.5 * np.diff(ends)[:, None]
+    return ends[:-1, None] + half * (1.0 + nodes), half * weights
+
+
 @lru_cache(maxsize=64)
 def integrals_up_to_nodes(count: int) -> FloatArray:
     """Matrix from values at the nodes times their weights to the integral of the interpolant from -1 to each node."""

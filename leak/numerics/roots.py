@@ -96,6 +96,39 @@ def bisected(
     return low, high
 
 
+def newton_between(
+    function: Callable[[FloatArray], tuple[FloatArray, FloatArray]],
+    start: FloatArray,
+    low: FloatArray,
+    high: FloatArray,
+    close: float,
+    steps: int = 60,
+) -> FloatArray:
+    """Roots of many rising functions, each between two ends, by Newton's method; steps beyond the ends are halvings.
+
+    Parameters
+    ----------
+    function : callable
+        Values and slopes, of the shape of `start`.
+    start, low, high : ndarray
+        First guesses and ends.
+    close : float
+        The last step is no longer.
+    steps : int
+        Most steps.
+    """
+    x = start
+    for _ in range(steps):
+        value, slope = function(x)
+        low, high = np.where(value < 0.0, x, low), np.where(value < 0.0, high, x)
+        newton = x - value / slope
+        following = np.where((newton >= low) & (newton <= high), newton, 0.5 * (low + high))
+        moved, x = np.max(np.abs(following - x), initial=0.0), following
+        if moved <= close:
+            break
+    return x
+
+
 def root_between(
     function: Callable[[float], float],
     low: float,

@@ -119,26 +119,22 @@ def _spectrum(
     held = np.array(
         [v * (1.0 - share_above(one, r.q_high)) for v, one, r in zip(variances, modes, ranges, strict=True)]
     )
-    within = np.mean([_overlap(edges, reliable) for reliable in ranges], axis=0)
+    # int q dq of each piece within the range of each scan
+    within = np.mean([np.diff(0.5 * np.clip(edges, one.q_low, one.q_high) ** 2) for one in ranges], axis=0)
     share = VarianceShare(float(held.mean()), np.sqrt(edges[1:] * edges[:-1]), 2.0 * np.pi * within)
-    fit = fit_spectrum(nodes, pooled(seen), share)
-    q, C = nodes[: count + 1], np.exp(fit.log_density[: count + 1])
+    log_density, log_error = (one[: count + 1] for one in fit_spectrum(nodes, pooled(seen), share))
+    q, C = nodes[: count + 1], np.exp(log_density)
     log_q, log_C = np.log(q), np.log(C)
     slope = slopes(log_q, log_C)
     ends = [np.log(np.clip([one.q_low, one.q_high], q[0], q[-1])) for one in ranges]
     now = 2.0 * np.pi * np.mean([power_law_moment(1, log_q, log_C, slope, *pair) for pair in ends])
-    return (q, C * held.mean() / now), fit.log_error[: count + 1], fit_rolloff(q, seen, float(held.mean()))
+    return (q, C * held.mean() / now), log_error, fit_rolloff(q, seen, float(held.mean()))
 
 
 def _edges_within(nodes: FloatArray, reliable: ReliableRange) -> FloatArray:
     """Nodes inside the range of one scan, with its ends."""
     inner = nodes[(nodes > reliable.q_low * 1.05) & (nodes < reliable.q_high / 1.05)]
     return np.concatenate([[reliable.q_low], inner, [reliable.q_high]])
-
-
-def _overlap(edges: FloatArray, reliable: ReliableRange) -> FloatArray:
-    """int q dq of each piece within the range of one scan."""
-    return np.diff(0.5 * np.clip(edges, reliable.q_low, reliable.q_high) ** 2)
 
 
 # -------------------------------------------------------------------- the fit
@@ -165,14 +161,6 @@ class VarianceShare:
 
 
 @dataclass(frozen=True, eq=False)
-class SpectrumFit:
-    """Result: ln C and its standard deviation at the nodes, shape (nodes,)."""
-
-    log_density: FloatArray
-    log_error: FloatArray
-
-
-@dataclass(frozen=True, eq=False)
 class _Terms:
     """A part of minus the log-likelihood, its gradient and its expected second derivative."""
 
@@ -181,8 +169,10 @@ class _Terms:
     curvature: FloatArray
 
 
-def fit_spectrum(nodes: FloatArray, evidence: Sequence[Evidence], variance: VarianceShare) -> SpectrumFit:
-    """Fit ln C, linear in ln q between nodes, to the binned power of scans and their variance.
+def fit_spectrum(
+    nodes: FloatArray, evidence: Sequence[Evidence], variance: VarianceShare
+) -> tuple[FloatArray, FloatArray]:
+    """ln C, linear in ln q between nodes, by the binned power of scans and their variance, and its standard error.
 
     Each bin holds the mean of `freedom` exponentially distributed numbers, so that minus the log-likelihood is
     sum of freedom (ln model + data/model). Minimised by Fisher scoring with a line search.
@@ -224,7 +214,7 @@ def fit_spectrum(nodes: FloatArray, evidence: Sequence[Evidence], variance: Vari
         else:
             break
         log_C, now = log_C + fraction * step, trial
-    return SpectrumFit(log_C, np.sqrt(np.diag(np.linalg.inv(now.curvature))))
+    return log_C, np.sqrt(np.diag(np.linalg.inv(now.curvature)))
 
 
 @dataclass(frozen=True, eq=False)

@@ -90,7 +90,9 @@ class Evidence:
 def periodogram(scan: Topography, window: Window) -> Periodogram:
     """Fourier power of a scan without form, windowed; a window of mean square 1 keeps the variance on average."""
     shape = scan.heights.shape
-    heights = _windowed(scan.heights, reduce(np.multiply.outer, [_window(n, window) for n in shape]))
+    weights = reduce(np.multiply.outer, [_window(n, window) for n in shape])
+    # no constant part may remain: through the window it would look like the longest wave
+    heights = weights * (scan.heights - np.sum(weights * scan.heights) / np.sum(weights))
     step = 2.0 * np.pi / np.array([scan.length] if isinstance(scan, LineScan) else scan.size)
     cell = 2.0 * float(np.prod(step))
     power = np.abs(np.fft.rfftn(heights)) ** 2 / heights.size**2 / np.prod(step)
@@ -102,7 +104,8 @@ def periodogram(scan: Topography, window: Window) -> Periodogram:
     vector = step * modes[half]
     q = np.hypot.reduce(vector, axis=1)
     order = np.argsort(q, kind="stable")
-    power = _above_rounding(power[half], cell)[order]
+    power = power[half]
+    power = (np.maximum(power, _ROUNDING * np.sum(power)) + np.finfo(float).tiny / cell)[order]
     return Periodogram(q[order], vector[order], power, np.full(q.shape, cell), step, window)
 
 
@@ -110,15 +113,6 @@ def _window(n: int, window: Window) -> FloatArray:
     if window == "none":
         return np.ones(n)
     return (1.0 - np.cos(2.0 * np.pi * (np.arange(n) + 0.5) / n)) / np.sqrt(1.5)
-
-
-def _windowed(heights: FloatArray, weights: FloatArray) -> FloatArray:
-    # no constant part may remain: through the window it would look like the longest wave
-    return weights * (heights - np.sum(weights * heights) / np.sum(weights))
-
-
-def _above_rounding(power: FloatArray, cell: float) -> FloatArray:
-    return np.maximum(power, _ROUNDING * np.sum(power)) + np.finfo(float).tiny / cell
 
 
 def evidence(modes: Periodogram, edges: FloatArray, beyond: FloatArray) -> Evidence:

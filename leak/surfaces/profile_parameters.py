@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from leak.arrays import FloatArray
 from leak.errors import ScanError, SpectrumError, positive
 from leak.files import own_tables
-from leak.numerics.gauss import gauss
+from leak.numerics.gauss import gauss_panels
 from leak.numerics.sampling import divided
 from leak.surfaces.scans import HeightMap, LineScan, Topography
 from leak.surfaces.spectrum import PowerSpectrum
@@ -170,10 +170,8 @@ def expected_roughness(spectrum: PowerSpectrum, band: ProfileFilter) -> Expected
     1.0000
     """
     ends = divided(np.log(np.unique(spectrum.wavenumber)), _PIECE)
-    t, w = gauss(_NODES)
-    half = 0.5 * np.diff(ends)[:, None]
-    q = np.exp(ends[:-1, None] + half * (1.0 + t)).ravel()
-    weight = (half * w).ravel()
+    log_q, weight = (one.ravel() for one in gauss_panels(ends, _NODES))
+    q = np.exp(log_q)
     share = (np.arange(_ANGLES) + 0.5) / _ANGLES
     along = q[:, None] * np.cos(0.5 * np.pi * share)
     power = band.transmission(along) ** 2

@@ -316,11 +316,10 @@ def two_units(unit: Unit | None) -> tuple[float | None, float | None]:
     """Sizes of the units of x and height, from one unit for both or from two [m]."""
     if unit is None:
         return None, None
-    if isinstance(unit, str):
-        return length_unit(unit), length_unit(unit)
-    if len(unit) != 2:
+    both = [unit, unit] if isinstance(unit, str) else unit
+    if len(both) != 2:
         raise ScanError(f'unit = {unit!r}: must be one unit, or two, those of x and height: ["mm", "um"]')
-    return length_unit(unit[0]), length_unit(unit[1])
+    return length_unit(both[0]), length_unit(both[1])
 
 
 def agreed(column: str, stated: float | None, given: float | None) -> float:

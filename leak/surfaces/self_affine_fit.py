@@ -20,6 +20,7 @@ from leak.surfaces.periodogram import Evidence, pooled
 
 CONFIDENCE = 0.9
 """Share of scans whose interval contains the truth."""
+_ENDS = (0.5 - 0.5 * CONFIDENCE, 0.5 + 0.5 * CONFIDENCE)
 
 # Above this share of the last wavenumber sampled heights hold waves that are shorter still (aliasing).
 _TRUSTED = 0.5
@@ -69,7 +70,7 @@ class TrueHeight:
     @property
     def interval(self) -> tuple[float, float]:
         """Contains the ratio with a probability of `CONFIDENCE` [-]."""
-        low, high = self.quantile([0.5 - 0.5 * CONFIDENCE, 0.5 + 0.5 * CONFIDENCE])
+        low, high = self.quantile(_ENDS)
         return float(low), float(high)
 
 
@@ -134,7 +135,7 @@ def fit_rolloff(nodes: FloatArray, evidence: Sequence[Evidence], variance: float
     hurst, error = -0.5 * lines.slopes[:, 1] - 1.0, 0.5 * _CORRELATED * np.sqrt(lines.covariance[:, 2, 2])
     error = np.hypot(error, _MISSING * np.maximum(1.0 - hurst, 0.0))
     value, probability = _mixture(lines.weight, hurst, error)
-    ends = np.interp([0.5 - 0.5 * CONFIDENCE, 0.5 + 0.5 * CONFIDENCE], probability, value)
+    ends = np.interp(_ENDS, probability, value)
     known = bool(ends[1] - ends[0] <= _WIDEST)
     mean = float(lines.weight @ hurst)
     spread = float(np.sqrt(lines.weight @ (error**2 + (hurst - mean) ** 2)))

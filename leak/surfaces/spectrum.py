@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from leak.arrays import FloatArray, as_arrays, check_each, check_order, different
 from leak.errors import SpectrumError, positive
+from leak.numerics.roots import newton_between
 from leak.surfaces.power_laws import not_zero, power_integral, power_law_moment, slopes
 
 if TYPE_CHECKING:
@@ -33,9 +34,9 @@ _KINK, _STEP = 0.05, 1e-4
 _STRONG_KINK, _STRONG_STEP = 1.5, 0.7
 # With more kinks than this (a raw Fourier spectrum) they average out, and stopping at some of them is enough.
 _MOST_BREAKS = 400
-# A coarse spectrum: what is left of a difference of moments to be a number, steepest power law over a piece, steps to
-# the exponent of one (about five are enough) and the last of them, after which Newton's method is at rounding.
-_CANCELLED, _STEEPEST, _NEWTON_STEPS, _CLOSE = 1e-9, 300.0, 60, 1e-9
+# A coarse spectrum: what is left of a difference of moments to be a number, steepest power law over a piece, and the
+# last step to the exponent of one, after which Newton's method is at rounding.
+_CANCELLED, _STEEPEST, _CLOSE = 1e-9, 300.0, 1e-9
 # Its smallest step in ln C.
 _COARSE_STEP = 0.1
 # The end of a spectrum that adds less than this fraction per e-fold of q to M; M itself resolves 1e-16.
@@ -250,7 +251,7 @@ class PowerSpectrum:
         return np.interp(log_wavenumber, self._log_q, self._log_C)
 
     def scaled(self, height: float) -> PowerSpectrum:
-        """The same surface with all heights times `height`, which knows what follows from the shape alone.
+        """The same surface with all heights times `height`, which knows that its shape is the same.
 
         Parameters
         ----------
@@ -264,20 +265,8 @@ class PowerSpectrum:
         >>> round(rougher.rms_height * 1e6, 6), rougher.shape is rough.shape
         (2.0, True)
         """
-        variance = height**2
-        other = PowerSpectrum(self.wavenumber, variance * self.density)
-        vars(other).update(
-            _shape=self.shape,
-            rms_height=height * self.rms_height,
-            _log_q=self._log_q,
-            _log_C=self._log_C + np.log(variance),
-            _length=self._length,
-            _slope=self._slope,
-            _slope_exponent=self._slope_exponent,
-            _slope_scale=variance * self._slope_scale,
-            _slope_moment=variance * self._slope_moment,
-            _height_above=variance * self._height_above,
-        )
+        other = PowerSpectrum(self.wavenumber, height**2 * self.density)
+        vars(other).update(_shape=self.shape, rms_height=height * self.rms_height)
         return other
 
     @property
@@ -597,17 +586,13 @@ def _self_affine_shape(low: float, rolloff: float, high: float, hurst: float) ->
 
 def _exponent_of(log_ratio: FloatArray, length: FloatArray) -> FloatArray:
     """x at which int_0^length exp((x + 2) t) dt over int_0^length exp(x t) dt is exp(log_ratio)."""
-    low, high = -_STEEPEST / length, _STEEPEST / length
-    x = np.zeros(length.shape)
-    for _ in range(_NEWTON_STEPS):
-        above = np.log(power_integral(x + 2.0, length) / power_integral(x, length)) - log_ratio
-        low, high = np.where(above < 0.0, x, low), np.where(above < 0.0, high, x)
-        newton = x - above / (_mean_place(x + 2.0, length) - _mean_place(x, length))
-        following = np.where((newton >= low) & (newton <= high), newton, 0.5 * (low + high))
-        step, x = np.abs(following - x).max(), following
-        if step < _CLOSE:
-            break
-    return x
+
+    def above(x: FloatArray) -> tuple[FloatArray, FloatArray]:
+        ratio = power_integral(x + 2.0, length) / power_integral(x, length)
+        return np.log(ratio) - log_ratio, _mean_place(x + 2.0, length) - _mean_place(x, length)
+
+    steepest = _STEEPEST / length
+    return newton_between(above, np.zeros(length.shape), -steepest, steepest, _CLOSE)
 
 
 def _mean_place(exponent: FloatArray, length: FloatArray) -> FloatArray:

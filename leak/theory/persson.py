@@ -8,10 +8,9 @@ and every integral becomes one over v = (elastic M(q) - M(zeta))^(1/2) of smooth
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from leak.arrays import FloatArray, different
 from leak.numerics.gauss import gauss
 from leak.surfaces.spectrum import PowerSpectrum
+from leak.theory.plasticity import RoughnessSeen
 
 # F beyond this x is below 1e-18 of any value that matters.
 KERNEL_END = 6.5
@@ -130,71 +130,6 @@ _LOG_KERNEL_END, _LOG_SMALLEST_STEP = float(np.log(KERNEL_END)), float(np.log(_S
 _LOWEST_LOG, _NOTHING = -300.0, 1e-300
 # erf(z) is 1 to the last digit here; nothing of the contact is lost at lower magnification.
 FULL_CONTACT = 6.0
-
-
-class RoughnessSeen(Protocol):
-    """The slope moments of a surface at given pressures, as a function of the elastic moment M.
-
-    Arrays start with the axis of the pressures. An elastic surface is the same at every pressure; asperity
-    plasticity (`leak.theory.plasticity`) takes short waves away as the pressure rises.
-    """
-
-    @property
-    def end(self) -> float:
-        """Elastic moment above which nothing is left, at most that of the whole spectrum [-]."""
-
-    @property
-    def last_loss(self) -> float:
-        """Elastic moment above which the contact loses less than 1e-9 of its area, at most `end` [-]."""
-
-    @property
-    def kappa(self) -> float:
-        """(pi/4) (E*/sigma_P)^2: kappa M = G/sigma_P^2, zero if nothing yields [-]."""
-
-    def moment(self, M: FloatArray) -> FloatArray:
-        """Slope moment that remains up to the elastic moment M [-]."""
-
-    def factor(self, M: FloatArray) -> FloatArray:
-        """Fraction of C that remains at the elastic moment M [-]."""
-
-    def above(self, M: FloatArray) -> Callable[[FloatArray], tuple[FloatArray, FloatArray]]:
-        """Function of a rise: remaining moment between M and M + rise, and the factor there; no cancellation."""
-
-    def at_some(self, pressures: NDArray[np.intp]) -> RoughnessSeen:
-        """The same at some of the pressures, given by their numbers."""
-
-
-@dataclass(frozen=True)
-class ElasticRoughness:
-    """The spectrum as it is."""
-
-    end: float
-
-    @property
-    def last_loss(self) -> float:
-        """The end of the spectrum."""
-        return self.end
-
-    @property
-    def kappa(self) -> float:
-        """Nothing yields."""
-        return 0.0
-
-    def moment(self, M: FloatArray) -> FloatArray:
-        """M itself."""
-        return M
-
-    def factor(self, M: FloatArray) -> FloatArray:
-        """One everywhere."""
-        return np.ones_like(M)
-
-    def above(self, M: FloatArray) -> Callable[[FloatArray], tuple[FloatArray, FloatArray]]:
-        """The rise itself."""
-        return lambda rise: (rise, np.ones(rise.shape[-1:]))
-
-    def at_some(self, pressures: NDArray[np.intp]) -> ElasticRoughness:
-        """It is the same at all."""
-        return self
 
 
 def moment_of_all(seen: RoughnessSeen, pressures: int) -> FloatArray:
@@ -419,28 +354,23 @@ class LowPressureLaw(NamedTuple):
     """p_c/E* [-]."""
 
 
-def low_pressure_law(
-    spectrum: PowerSpectrum, gamma: float, seen: RoughnessSeen | None = None
-) -> LowPressureLaw:
+def low_pressure_law(spectrum: PowerSpectrum, gamma: float) -> LowPressureLaw:
     """The exponential law that the mean separation follows at low pressure.
 
     u0 = sqrt(pi) gamma int q^2 C w dq, ln(p_c/E*) = <ln(1/w)> - gamma_Euler/2 + 3 (1-gamma) K(0)/gamma with the
-    weight q^2 C w; `seen` is the roughness at vanishing pressure, shape (1,).
+    weight q^2 C w.
 
     References
     ----------
     C. Yang, B. N. J. Persson, J. Phys.: Condens. Matter 20, 215214 (2008); B. N. J. Persson, Phys. Rev. Lett. 99,
     125502 (2007).
     """
-    seen = seen or ElasticRoughness(spectrum.last_moment)
-    M = np.zeros((1, 1))
-    parts = _parts(spectrum, seen.kappa, seen.end)
-    log_v, weight, piece = _steps(spectrum, parts, M, np.full((1, 1), -1e3), 3)
-    v2 = np.exp(2.0 * log_v)
-    log_q, _ = _point(spectrum, piece, v2)
-    y2, factor = seen.above(M[..., None])(v2)
+    parts = _parts(spectrum, 0.0, spectrum.last_moment)
+    log_y, weight, piece = _steps(spectrum, parts, np.zeros((1, 1)), np.full((1, 1), -1e3), 3)
+    y2 = np.exp(2.0 * log_y)
+    log_q, _ = _point(spectrum, piece, y2)
     y = np.sqrt(np.maximum(y2, _NOTHING))
-    measure = 2.0 * weight * v2 / y * factor * np.exp(-log_q)
+    measure = 2.0 * weight * y2 / y * np.exp(-log_q)
     total = float(measure.sum())
     mean_log = float((measure * np.log(np.sqrt(np.pi) * y)).sum()) / total
     log_p_c = mean_log - 0.5 * np.euler_gamma + 3.0 * (1.0 - gamma) * kernel(gamma).K0 / gamma

@@ -20,7 +20,7 @@ The constants are fitted to direct simulation (theory/yielding in the manual).
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import NamedTuple
 
@@ -247,16 +247,48 @@ def _mode_sum(s: FloatArray, t: FloatArray, sign: float) -> FloatArray:
 
 
 @dataclass(frozen=True)
-class PlasticRoughness:
-    """Slope moments of C_pl at given pressures (see `leak.theory.persson.RoughnessSeen`).
+class RoughnessSeen:
+    """The slope moments of a surface at given pressures, as a function of the elastic moment M.
+
+    Arrays start with the axis of the pressures. These are those of an elastic surface, the same at every pressure;
+    asperity plasticity takes short waves away as the pressure rises, see `PlasticRoughness`.
+    """
+
+    end: float
+    """Elastic moment above which nothing is left, at most that of the whole spectrum [-]."""
+    kappa: float = field(default=0.0, kw_only=True)
+    """t/M = (pi/4) (E*/sigma_P)^2: kappa M = G/sigma_P^2, zero if nothing yields [-]."""
+
+    @property
+    def last_loss(self) -> float:
+        """Elastic moment above which the contact loses less than 1e-9 of its area, at most `end` [-]."""
+        return self.end
+
+    def moment(self, M: FloatArray) -> FloatArray:
+        """Slope moment that remains up to the elastic moment M [-]."""
+        return M
+
+    def factor(self, M: FloatArray) -> FloatArray:
+        """Fraction of C that remains at the elastic moment M [-]."""
+        return np.ones_like(M)
+
+    def above(self, M: FloatArray) -> Callable[[FloatArray], tuple[FloatArray, FloatArray]]:
+        """Function of a rise: remaining moment between M and M + rise, and the factor there; no cancellation."""
+        return lambda rise: (rise, np.ones(rise.shape[-1:]))
+
+    def at_some(self, pressures: NDArray[np.intp]) -> RoughnessSeen:
+        """The same at some of the pressures, given by their numbers."""
+        return self
+
+
+@dataclass(frozen=True)
+class PlasticRoughness(RoughnessSeen):
+    """Slope moments of C_pl at given pressures.
 
     R(t) = int_t^inf C_pl/C dt' is tabulated over ln t for each pressure: counted from its far end, the moment that
     remains above a magnification keeps its relative accuracy where the spectrum has nearly vanished.
     """
 
-    kappa: float
-    """t/M = (pi/4) (E*/sigma_P)^2."""
-    end: float
     start_t: FloatArray
     """Up to this t nothing has yielded, shape (P,)."""
     step_log_t: FloatArray
@@ -282,7 +314,7 @@ class PlasticRoughness:
         # cubic Hermite in ln t: dR/dlnt = -t C_pl/C is known
         slope = -step[:, None] * integrand[:, ::2]
         cubics = cell_cubics(np.ones(1), rest.T, slope.T).swapaxes(1, 2)
-        return cls(kappa, min(end, T_END / kappa), start, step, cubics.reshape(4, -1))
+        return cls(min(end, T_END / kappa), start, step, cubics.reshape(4, -1), kappa=kappa)
 
     @property
     def last_loss(self) -> float:

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from leak.arrays import FloatArray
 from leak.numerics.gauss import gauss, integrals_up_to_nodes
 from leak.surfaces.spectrum import PowerSpectrum
-from leak.theory.persson import FULL_CONTACT, RoughnessSeen, area_argument, moment_of_all, separations
+from leak.theory.persson import FULL_CONTACT, area_argument, moment_of_all, separations
+from leak.theory.plasticity import RoughnessSeen
 
 # The first magnifications are taken in ln M, so that any small pressure is resolved: up to this step in ln q from
 # q_low, this fraction of the whole moment, and before anything yields.

@@ -13,7 +13,8 @@ from scipy.integrate import quad
 from scipy.special import erf, exp1
 
 import leak
-from leak.theory.persson import ElasticRoughness, kernel, low_pressure_law, separations
+from leak.theory.persson import kernel, low_pressure_law, separations
+from leak.theory.plasticity import RoughnessSeen
 
 GAMMA = 0.45
 
@@ -98,7 +99,7 @@ def test_mean_separation_against_quadrature(p):
 @pytest.mark.parametrize("p", [1e5, 50e6, 3e9])
 def test_lost_separation_is_the_derivative_of_separation_times_area(p):
     C = spectrum()
-    seen = ElasticRoughness(float(C.break_moments[-1]))
+    seen = RoughnessSeen(float(C.break_moments[-1]))
     for fraction in (0.6, 0.2, 0.02):
         M = (p / E) ** 2 / (np.pi * 0.3**2) if fraction == 0.6 else fraction * seen.end
         step = 1e-4

@@ -25,8 +25,7 @@ from fem_seal.studies.progress import Progress
 from fem_seal.studies.responses import evaluate_design
 from fem_seal.studies.session import run_study
 from leak import Reading
-from leak.flow.leak_rate import flow_through
-from leak.flow.permeant import LiquidPermeant
+from leak.flow.leak_rate import LiquidPermeant, flow_through
 
 CORRECTED = {"leak.theory": "corrected"}
 ONE_READING = re.compile(
