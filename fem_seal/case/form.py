@@ -8,7 +8,6 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, model_validator
 
 from fem_seal.case.fields import Quantity, Table, Whole, shown
-from fem_seal.case.traces import read_lay, read_trace
 from fem_seal.case.words import sentence, wrong
 from fem_seal.errors import TextTableError
 from fem_seal.form import (
@@ -57,6 +56,8 @@ class MeasuredTrace(Table):
 
     @model_validator(mode="after")
     def _read(self) -> MeasuredTrace:
+        from fem_seal.case.traces import read_trace
+
         try:
             trace = read_trace(self.file, self.unit)
         except TextTableError as error:
@@ -131,6 +132,8 @@ class Lay(Table):
     def _measured(cls, table: Any) -> Any:
         if not isinstance(table, dict) or not isinstance(table.get("profile"), str):
             return table
+        from fem_seal.case.traces import read_lay
+
         try:
             pitch, depth = read_lay(table["profile"])
         except TextTableError as error:

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 from fem_seal.answers.judgement import Limit, SealJudgement, Shares, Why
 from fem_seal.answers.leakage_class import OF_LEAK_RATE, limits, next_class, nominal_size, volume_of
 from fem_seal.case.leak_rate import Bubbles, NormalVolume, Throughput
-from fem_seal.output.answers.uncertainty import error_shares_of
 from fem_seal.output.prose import said
 from fem_seal.output.shown import Shown
 from fem_seal.seal.findings import YIELD_STRESS, Level
@@ -186,6 +185,9 @@ def _to_measure(result: SealSolution, found: SealJudgement) -> Iterator[str]:
     """Which measurement may turn a verdict that is open into a pass."""
     if found.number is None or found.worst.why not in (Why.INTERVAL, Why.ACCURACY):
         return
+    # loads what `check`, which asks for the other sentences, does without
+    from fem_seal.output.answers.uncertainty import error_shares_of
+
     shares = error_shares_of(result)[found.number]
     if shares.by_profiles is None:
         return
