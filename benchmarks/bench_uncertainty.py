@@ -21,7 +21,7 @@ import fem_seal
 from fem_seal import processes
 from fem_seal.answers import chain
 from fem_seal.answers.uncertainty import _Study, leak_interval
-from fem_seal.case.uncertainty import Scans, Spread, Uncertainty
+from fem_seal.case.tables import Scans, Spread, Uncertainty
 
 STEEL = {
     "youngs_modulus": "210 GPa",

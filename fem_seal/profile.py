@@ -141,15 +141,16 @@ class PressureProfile:
     def fwhm(self) -> float:
         """Full width at half maximum [m]; the flanks are interpolated in (p/p0)^2, exact for an ellipse."""
         height = (self.pressure / self.peak_pressure) ** 2 - 0.25
-        if self.pressure[0] == 0 and self.pressure[-1] == 0:
-            return self._width_of_ellipse(height)
+        ends_sharply = self.pressure[0] == 0 and self.pressure[-1] == 0
+        if ends_sharply and (width := self._width_of_ellipse(height)) is not None:
+            return width
         above = (height >= 0).nonzero()[0]
         if len(above) == 0:
             return 0.0
         return self._crossing(height, above[-1], +1) - self._crossing(height, above[0], -1)
 
-    def _width_of_ellipse(self, height: FloatArray) -> float:
-        """Width between the roots of a polynomial through the inner part of p^2.
+    def _width_of_ellipse(self, height: FloatArray) -> float | None:
+        """Width between the roots of a polynomial through the inner part of p^2; None where it has none.
 
         Where contact ends sharply p^2 is a smooth function up to the edge, but the outermost elements hold only
         part of it; they are left out.
@@ -157,10 +158,9 @@ class PressureProfile:
         inner = self.pressure > 0.4 * self.peak_pressure
         curve = np.polynomial.Polynomial.fit(self.x[inner], height[inner], min(4, int(inner.sum()) - 1))
         edges = self.x[np.flatnonzero(self.pressure)[[0, -1]]].tolist()
-        if curve(self.centroid) > 0 > max(map(curve, edges)):
-            return _root(curve, self.centroid, edges[1]) - _root(curve, edges[0], self.centroid)
-        above = np.flatnonzero(height >= 0)
-        return self._crossing(height, above[-1], +1) - self._crossing(height, above[0], -1)
+        if not curve(self.centroid) > 0 > max(map(curve, edges)):
+            return None
+        return _root(curve, self.centroid, edges[1]) - _root(curve, edges[0], self.centroid)
 
     def _crossing(self, height: FloatArray, inside: int, step: int) -> float:
         outside = inside + step

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
-    from fem_seal.case.direct import Asperities
+    from fem_seal.case.tables import Asperities
     from fem_seal.seal.direct import DirectTable
     from fem_seal.seal.direct_seal import SealRow
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -17,49 +17,38 @@ CUT_OFF = 4.0
 
 
 @dataclass(frozen=True)
-class Uniform:
-    """Every value between two bounds alike.
+class _Between:
+    """Values between two bounds.
 
     Parameters
     ----------
     low, high : float
-        Bounds, low < high [SI].
+        Bounds, low < high [SI]; positive for `LogUniform`.
     """
 
     low: float
     high: float
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """Smallest and largest value."""
+        return self.low, self.high
+
+
+class Uniform(_Between):
+    """Every value between two bounds alike."""
 
     def quantile(self, share: FloatArray) -> FloatArray:
         """Value that a share of all values stays below."""
         return self.low + (self.high - self.low) * share
 
-    @property
-    def bounds(self) -> tuple[float, float]:
-        """Smallest and largest value."""
-        return self.low, self.high
 
-
-@dataclass(frozen=True)
-class LogUniform:
-    """Every ratio between two positive bounds alike.
-
-    Parameters
-    ----------
-    low, high : float
-        Bounds, 0 < low < high [SI].
-    """
-
-    low: float
-    high: float
+class LogUniform(_Between):
+    """Every ratio between two positive bounds alike."""
 
     def quantile(self, share: FloatArray) -> FloatArray:
         """Value that a share of all values stays below."""
         return np.clip(self.low * np.exp(math.log(self.high / self.low) * share), self.low, self.high)
-
-    @property
-    def bounds(self) -> tuple[float, float]:
-        """Smallest and largest value."""
-        return self.low, self.high
 
 
 @dataclass(frozen=True)
@@ -140,17 +129,15 @@ class UncertainInput:
         Key in [uncertainty].
     distribution : {"lognormal", "normal", "uniform"}
     relative : float
-        Width, see `fem_seal.case.uncertainty.Spread`.
+        Width, see `fem_seal.case.tables.Spread`.
     """
 
     name: str
     distribution: str
     relative: float
 
-    @property
-    def dimensions(self) -> int:
-        """Number of random numbers that it takes."""
-        return 1
+    dimensions: ClassVar[int] = 1
+    """Number of random numbers that it takes."""
 
     def values(self, uniform: FloatArray) -> FloatArray:
         """Factors from numbers between 0 and 1, shape (n, 1) to (n, 1)."""

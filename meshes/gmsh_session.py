@@ -42,11 +42,9 @@ _OPTIONS = {
     "Mesh.SaveAll": 0,
 }
 
-SYSTEM_LIBRARIES = " ".join(
-    (
-        "libgl1 libglu1-mesa libxcursor1 libxfixes3 libxft2 libxinerama1",
-        "libxrender1 libxext6 libx11-6 libfontconfig1 libgomp1",
-    )
+SYSTEM_LIBRARIES = (
+    "libgl1 libglu1-mesa libxcursor1 libxfixes3 libxft2 libxinerama1 "
+    "libxrender1 libxext6 libx11-6 libfontconfig1 libgomp1"
 )
 
 

@@ -7,14 +7,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from fem_seal.answers.judgement import Limit
-from fem_seal.case.leak_rate import Bubbles
+from fem_seal.case.fields import Bubbles
 from fem_seal.seal.leak_model import ROOM_TEMPERATURE, TEST_GASES, TEST_TEMPERATURES, gas_of_test
 from fem_seal.units import LIQUID, LeakVolume, quantity
 
 if TYPE_CHECKING:
     from fem_seal.case.case import Case
     from fem_seal.case.fluid import Fluid
-    from fem_seal.case.requirement import Requirement
+    from fem_seal.case.tables import Requirement
     from fem_seal.seal.load_result import LoadResult
     from leak import LeakageClass
 

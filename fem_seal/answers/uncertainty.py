@@ -24,7 +24,7 @@ from fem_seal.case.roughness import (
     uncertain_finishes,
     uncertain_heights,
 )
-from fem_seal.case.uncertainty import Uncertainty
+from fem_seal.case.tables import Uncertainty
 from fem_seal.contact.laws import HardContact, Law, ScaledLaw
 from fem_seal.errors import ConvergenceError, InputError
 from fem_seal.processes import in_copies
@@ -212,7 +212,7 @@ def leak_interval(
 
     Examples
     --------
-    >>> from fem_seal.case.uncertainty import Spread, Uncertainty
+    >>> from fem_seal.case.tables import Spread, Uncertainty
     >>> settings = Uncertainty(samples=1024, hardness=Spread(relative=0.1))
     >>> leak_interval(fem_seal.run(case), settings).high                # doctest: +SKIP
     """

@@ -6,20 +6,18 @@ import math
 import re
 from collections.abc import Iterator
 
-from fem_seal.case.fields import shown
-from fem_seal.case.leak_rate import OF_GASES, OF_LIQUIDS, RATES
+from fem_seal.case.fields import OF_GASES, OF_LIQUIDS, RATES, shown
 from fem_seal.case.load_limits import problem_of_earlier_load, problems_of_all_loads
 from fem_seal.case.material_library import suggestion
-from fem_seal.case.requirement import Requirement
 from fem_seal.case.roughness import SHAPE, SelfAffine, scan_spectra, self_affine_part, uncertain_heights
-from fem_seal.case.tables import CaseTables, Leak, curves
+from fem_seal.case.tables import CaseTables, Leak, Requirement, Uncertainty, curves
 from fem_seal.case.temperature import Temperature
-from fem_seal.case.uncertainty import Uncertainty
-from fem_seal.case.words import problem
+from fem_seal.case.words import problem, sentence
 from fem_seal.errors import InputError, Problem
 from fem_seal.units import given as written
 from meshes import GeometryError
 from meshes.errors import mm
+from meshes.shapes.shape import NamedFace, named_face
 
 # Interference of a press fit over the radius of the wall, up to which strains are small.
 _LARGEST_FIT = 0.01
@@ -426,3 +424,25 @@ def problems_with_uncertainty(case: CaseTables, table: Uncertainty) -> Iterator[
                 yield problem("shape_of_spectrum", key=key)
     if table.spectrum is not None and not scan_spectra(case.roughness):
         yield problem("uncertainty_spectrum")
+
+
+def touched_beside(case: CaseTables) -> Iterator[str]:
+    """What is said of each body that is touched first beside the face that its shape is named after.
+
+    Parameters
+    ----------
+    case : CaseTables
+        Whose tables fit together.
+    """
+    radius = case.contact.touch_radius
+    for name, table, body in zip(("closure", "seat"), (case.closure, case.seat), case.bodies, strict=True):
+        face = named_face(body)
+        if face is not None and not face.holds(radius):
+            yield _sentence(name, table.shape, face, radius)
+
+
+def _sentence(name: str, shape: str, face: NamedFace, radius: float) -> str:
+    inside = radius < face.inner
+    end = mm(face.inner if inside else face.outer)
+    words = {"body": name, "shape": shape, "radius": mm(radius), "face": face.name, "end": end}
+    return sentence("touched_inside" if inside else "touched_outside", **words)

@@ -88,27 +88,24 @@ class _Differences:
         return entry if match is None else self._of_text(entry, match)
 
     def _of_text(self, text: str, match: re.Match[str]) -> str:
-        plain = _bare(match)
+        plain, refused = _bare(match), self._refused
         if _kind(match) == "g":
-            if self.outlet is not None and abs(self.outlet / STANDARD_PRESSURE - 1) > _NEAR:
-                self._refuse("gauge_far_outlet", text)
-            return plain
+            far = self.outlet is not None and abs(self.outlet / STANDARD_PRESSURE - 1) > _NEAR
+            return refused("gauge_far_outlet", text, plain) if far else plain
         if not self.is_gas or self.outlet is None:
-            self._refuse("absolute_without_outlet", text)
-            return plain
+            return refused("absolute_without_outlet", text, plain)
         try:
             difference = float(exact_quantity(plain, "pressure")) - self.outlet
         except (QuantityError, OverflowError):
             # which the reading of the table says
             return plain
-        if difference < 0:
-            self._refuse("absolute_below_outlet", text)
-            return plain
-        return f"{difference!r} Pa"
+        return refused("absolute_below_outlet", text, plain) if difference < 0 else f"{difference!r} Pa"
 
-    def _refuse(self, name: str, text: str) -> None:
+    def _refused(self, name: str, text: str, plain: str) -> str:
+        """The pressure as it is written, and one problem more."""
         outlet = (self.outlet or 0.0) / 1e5
         self.wrong.append(problem(name, key=self.key, outlet=outlet, value=shown(text)))
+        return plain
 
 
 def _texts(entry: object) -> Iterator[object]:

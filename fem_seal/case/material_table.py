@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import Annotated, Any, cast
+from itertools import groupby
+from operator import itemgetter
+from pathlib import Path
+from typing import Annotated, Any, NamedTuple, cast
 
 from pydantic import (
     Discriminator,
@@ -25,10 +28,10 @@ from fem_seal.case.fields import (
     Quantity,
     Table,
 )
-from fem_seal.case.input_files import TensileTest, read_stress_strain
 from fem_seal.case.material_library import LIBRARY, library_name, material, similar_names
 from fem_seal.case.words import wrong
-from fem_seal.errors import InputError
+from fem_seal.errors import InputError, TextTableError
+from fem_seal.files import Names, TextTable, column, find_columns, read_text_table
 from fem_seal.materials import (
     ROOM_TEMPERATURE,
     HardeningCurve,
@@ -52,6 +55,86 @@ Conductivity = Annotated[
 ]
 # Up to whatever was meant as per cent: the hardening curve then says what is wrong.
 _STRAIN = Number(0, 100)
+
+
+_NAMES: Names = {
+    "strain": ("strain", ("strain", "total_strain", "true_strain", "epsilon")),
+    "plastic_strain": ("strain", ("plastic_strain", "true_plastic_strain", "epsilon_p", "ep")),
+    "stress": ("pressure", ("stress", "true_stress", "flow_stress", "sigma")),
+    "temperature": ("temperature", ("temperature", "t")),
+}
+
+
+class TensileTest(NamedTuple):
+    """Strain and stress of a table.
+
+    Parameters
+    ----------
+    kind : {"plastic_strain", "strain"}
+    strain, stress : tuple of float
+        [-], [Pa].
+    temperature : float or None
+        [K]; None where the table does not say.
+    """
+
+    kind: str
+    strain: tuple[float, ...]
+    stress: tuple[float, ...]
+    temperature: float | None = None
+
+
+def read_stress_strain(file: str | Path) -> list[TensileTest]:
+    """Strain and stress of a table, or of the tables of several temperatures in one.
+
+    Parameters
+    ----------
+    file : path
+        Text with a header and the columns ``plastic_strain`` or ``strain`` (elastic and plastic together), true, as
+        numbers or in ``[%]``, and ``stress_MPa``, true. A column ``temperature_degC`` says to which of several curves,
+        one below the other, a row belongs.
+
+    Returns
+    -------
+    list of TensileTest
+        One, or one for each temperature in the order of the file.
+
+    Raises
+    ------
+    TextTableError
+        If the file is not such a table; the message names it.
+    """
+    try:
+        return _read(read_text_table(file))
+    except TextTableError as error:
+        raise TextTableError(f"{file} {error}") from None
+
+
+def _read(table: TextTable) -> list[TensileTest]:
+    places = find_columns(table, _NAMES, 'such as "plastic_strain, stress_MPa"')
+    kinds = [kind for kind in ("plastic_strain", "strain") if kind in places]
+    if len(kinds) != 1 or "stress" not in places:
+        raise TextTableError(
+            "must have a column stress with its unit and either a column plastic_strain or a column strain; its "
+            f"columns are {', '.join(table.header)}"
+        )
+
+    def read(role: str) -> list[float]:
+        found: list[float] = column(table, places[role], _NAMES[role][0]).tolist()
+        return found
+
+    strain, stress = read(kinds[0]), read("stress")
+    if "temperature" not in places:
+        return [TensileTest(kinds[0], tuple(strain), tuple(stress))]
+    rows = zip(read("temperature"), strain, stress, strict=True)
+    tests: list[TensileTest] = []
+    for temperature, group in groupby(rows, key=itemgetter(0)):
+        _, strains, stresses = zip(*group, strict=True)
+        if any(one.temperature == temperature for one in tests):
+            raise TextTableError(
+                f"the rows of {celsius(temperature)} do not stand together; write one curve below the other"
+            )
+        tests.append(TensileTest(kinds[0], strains, stresses, temperature))
+    return tests
 
 
 class StressStrain(Table):

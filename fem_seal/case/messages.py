@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import json
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -285,12 +286,8 @@ def _choice(value: object, words: list[str]) -> str:
 
 def toml(value: object) -> str:
     """An example value as it is written in the case file."""
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, str):
-        return f'"{value}"'
     if isinstance(value, list):
-        return "[" + ", ".join(toml(entry) for entry in value) + "]"
+        return "[" + ", ".join(map(toml, value)) + "]"
     if isinstance(value, dict):
         return "{ " + ", ".join(f"{key} = {toml(entry)}" for key, entry in value.items()) + " }"
-    return str(value)
+    return json.dumps(value, ensure_ascii=False)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import re
 from collections.abc import Collection, Mapping, Sequence
@@ -313,10 +314,6 @@ def _toml(value: str) -> str:
         parse_toml(f"value = {value}")
     except TomlError:
         parts = [part.strip() for part in value.split(",")]
-        quoted = [_quoted(part) for part in parts]
+        quoted = [json.dumps(part, ensure_ascii=False) for part in parts]
         return f"[{', '.join(quoted)}]" if len(parts) > 1 else quoted[0]
     return value
-
-
-def _quoted(text: str) -> str:
-    return '"' + text.replace("\\", "\\\\").replace('"', '\\"') + '"'

@@ -1,4 +1,4 @@
-"""Entries of a case by their path, such as ``seat.angle``: what may stand there and how it is written."""
+"""Entries of a case by their path, such as ``seat.angle``: what may stand there, and how it is written."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ import difflib
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
+
+from pydantic import BaseModel
 
 from fem_seal.case.drawing_words import same_entry, words_of
 from fem_seal.case.fields import Number, Quantity, Table, shown, values_of

@@ -17,11 +17,10 @@ from pydantic import Field, ValidationError, field_validator, model_validator
 
 from fem_seal.case.fields import Entry, Number, Quantity, Table, shown
 from fem_seal.case.finish import HEIGHTS, FinishKeys, FinishTable, Wavenumber, is_finish, read_finish
-from fem_seal.case.input_files import read_spectrum
 from fem_seal.case.messages import problems
 from fem_seal.case.words import sentence, wrong
-from fem_seal.errors import InputError
-from fem_seal.files import MOST_BYTES_OF_SCAN, UnreadableFileError, check_file
+from fem_seal.errors import InputError, TextTableError
+from fem_seal.files import MOST_BYTES_OF_SCAN, UnreadableFileError, check_file, read_text_table
 from leak.numerics.roots import root_between
 
 if TYPE_CHECKING:
@@ -69,6 +68,38 @@ class LengthUnits(Texts):
     def _schema(self) -> dict[str, Any]:
         several = super()._schema
         return {"anyOf": [{"type": "string"}, {**several, "minItems": 2}]}
+
+
+def read_spectrum(file: str | Path) -> tuple[FloatArray, FloatArray]:
+    """Wavenumber and density of a tabulated two-dimensional isotropic spectrum.
+
+    Parameters
+    ----------
+    file : path
+        Text with two columns, q [1/m] and C [m^4]; see `read_text_table`.
+
+    Returns
+    -------
+    q, C : ndarray, shape (n,)
+        Wavenumber [1/m], increasing, and density [m^4], positive.
+
+    Raises
+    ------
+    TextTableError
+        If the file is not such a table.
+    """
+    table = read_text_table(file)
+    if table.values.shape[1] != 2 or table.values.shape[0] < 2:
+        raise TextTableError("must hold two columns, q [1/m] and C [m^4], and at least two rows")
+    q, C = table.values.T
+    positive = (q > 0) & (C > 0)
+    if not positive.all():
+        raise TextTableError(f"q and C must be positive; line {table.lines[int(np.argmin(positive))]} is not")
+    increasing = np.diff(q) > 0
+    if not increasing.all():
+        line = table.lines[int(np.argmin(increasing)) + 1]
+        raise TextTableError(f"q must increase from row to row; line {line} does not")
+    return q, C
 
 
 class SelfAffine(Table):

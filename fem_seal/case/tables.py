@@ -11,26 +11,27 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, Union
 
-from pydantic import Field, PrivateAttr, model_validator
+from pydantic import Field, PrivateAttr, create_model, model_validator
 
 from fem_seal.case import shapes
-from fem_seal.case.direct import Asperities, Direct
 from fem_seal.case.drawn import ClosureProfile, SeatProfile
 from fem_seal.case.fields import (
+    RATES,
+    Bubbles,
+    LeakRate,
     NominalSizeEntry,
+    NormalVolume,
     Number,
     OneOrMany,
     Pressures,
     Quantity,
     Table,
+    Whole,
 )
 from fem_seal.case.fluid import Fluid
 from fem_seal.case.form import Form
-from fem_seal.case.leak_rate import RATES, Bubbles, LeakRate, NormalVolume
-from fem_seal.case.requirement import Requirement
-from fem_seal.case.roughness import Roughness
+from fem_seal.case.roughness import LengthUnits, Roughness
 from fem_seal.case.temperature import Temperature
-from fem_seal.case.uncertainty import Uncertainty
 from fem_seal.case.words import problem
 from fem_seal.errors import InputError, Problem
 from fem_seal.former_names import say_once
@@ -130,6 +131,155 @@ class Output(Table):
     """[output]: where the results are written."""
 
     folder: str | None = None
+
+
+Asperities = Literal["elastic", "capped", "von-mises"]
+CONTACT_PRESSURE = Quantity("pressure", "1 Pa", "1e6 GPa")
+
+
+class Direct(Table):
+    """[direct]: direct simulation of a rough patch, see guide/direct in the manual."""
+
+    points: Annotated[int, Whole(32, 4096)] = 256
+    samples: Annotated[int, Whole(1, 200)] = 3
+    seed: Annotated[int, Whole(0, 10**9)] = 1
+    size: Annotated[float, Quantity("length", "1 nm", "1 m")] | None = None
+    waves: Annotated[float, Number(1, 100)] = 8.0
+    points_per_wave: Annotated[float, Number(2, 100)] = 4.0
+    amplitudes: Literal["exact", "gaussian"] = "exact"
+    pressure: Annotated[tuple[float, ...], Pressures(CONTACT_PRESSURE)] | None = None
+    unload: Annotated[tuple[float, ...], Pressures(CONTACT_PRESSURE)] | None = None
+    direction: Literal["both", "x", "y"] | None = None
+    asperities: Asperities | None = None
+    yield_stress: Annotated[float, CONTACT_PRESSURE] | None = None
+    file: str | None = None
+    unit: Annotated[tuple[str, ...], LengthUnits(most=2, what='["mm", "um"]')] | None = None
+    continuation: Literal["mirror", "window"] = "mirror"
+    folder: str | None = None
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Direct:
+        if self.unload is not None and self.pressure is None:
+            raise ValueError("has unload, which needs pressure; add it")
+        if self.unload is not None and self.pressure is not None and max(self.unload) >= max(self.pressure):
+            raise ValueError("has unload above or at the largest pressure; only smaller ones come after it")
+        if self.file is None and self.unit is not None:
+            raise ValueError("has unit, which is only for a file; remove it")
+        if self.file is not None and self.size is not None:
+            raise ValueError("has size and file, whose map has its own; remove size")
+        return self
+
+
+class Spread(Table):
+    """How an input spreads about its value in the case."""
+
+    distribution: Literal["lognormal", "normal", "uniform"] = "lognormal"
+    relative: Annotated[float, Number(0, 0.9, exclusive_low=True)]
+
+
+class Scans(Table):
+    """How the spectrum spreads: by the differences between the scans that it was measured from."""
+
+    distribution: Literal["scans"]
+
+
+class Uncertainty(Table):
+    """[uncertainty]: leak rate with an interval, from inputs not known exactly; see guide/uncertainty in the manual.
+
+    The length of measured scans is always among them.
+    """
+
+    samples: Annotated[int, Whole(16, 100000)] = 256
+    seed: Annotated[int, Whole(0, 2**31 - 1)] = 1
+    confidence: Annotated[float, Number(0.5, 0.999)] = 0.9
+    viscosity: Spread | None = None
+    hardness: Spread | None = None
+    youngs_modulus: Spread | None = None
+    rms_height: Spread | None = None
+    hurst: Spread | None = None
+    q_rolloff: Spread | None = None
+    q_high: Spread | None = None
+    form: Spread | None = None
+    spectrum: Scans | None = None
+
+    @property
+    def spreads(self) -> dict[str, Spread]:
+        """The uncertain inputs with their spreads, without the spectrum between scans, in the order of the table."""
+        fields = {name: getattr(self, name) for name in type(self).model_fields}
+        return {name: value for name, value in fields.items() if isinstance(value, Spread)}
+
+
+# Pressures that are written in other units than those of the loads are the same up to rounding.
+_SAME = 1e-6
+
+
+class _Requirement(Table):
+    """[requirement]: what the seal must keep, for a verdict on every load; see guide/verdict in the manual."""
+
+    leak_rate: Annotated[float, LeakRate("leak rate", "1e-30 m^3/s", "1e3 m^3/s")] | None = None
+    standard: str | None = Field(None, max_length=40)
+    rated_capacity: Annotated[float, LeakRate("leak rate", "1e-12 m^3/s", "1e6 m^3/s")] | None = None
+    bubble_volume: Annotated[float, Quantity("volume", "1e-6 ml", "100 ml")] | None = None
+    fluid_pressure: Annotated[float | tuple[float, ...], OneOrMany("pressure", "0 Pa", "10 GPa")] | None = (
+        None
+    )
+
+    @property
+    def class_name(self) -> str | None:
+        """What stands at `class`, which Python has another use for."""
+        return getattr(self, "class", None)
+
+    @property
+    def standard_and_class(self) -> tuple[str, str] | None:
+        """Standard and class by their own names; None where none is required."""
+        from leak.standards import classes_of, standard_named
+
+        standard = None if self.standard is None else standard_named(self.standard)
+        if standard is None:
+            return None
+        known = dict.fromkeys((*classes_of(standard, gas=True), *classes_of(standard, gas=False)))
+        if self.class_name is None:
+            # API 598 has but one
+            return (standard, next(iter(known))) if len(known) == 1 else None
+        found = [one for one in known if one.lower() == self.class_name.strip().lower()]
+        return (standard, found[0]) if found else None
+
+    @property
+    def volume_of_bubble(self) -> float | None:
+        """Its own, or that of its standard [m^3]; None where neither says it."""
+        from leak.standards import STANDARDS, standard_named
+
+        standard = None if self.standard is None else standard_named(self.standard)
+        if self.bubble_volume is not None or standard is None:
+            return self.bubble_volume
+        return STANDARDS[standard].bubble_volume
+
+    @property
+    def pressures(self) -> tuple[float, ...]:
+        """Fluid pressures of the loads that are judged [Pa]; empty if all are."""
+        given = self.fluid_pressure
+        if given is None:
+            return ()
+        return given if isinstance(given, tuple) else (given,)
+
+    def judges(self, fluid_pressure: float) -> bool:
+        """Whether it holds for a load with this fluid pressure [Pa]."""
+        return not self.pressures or any(
+            math.isclose(fluid_pressure, one, rel_tol=_SAME) for one in self.pressures
+        )
+
+
+if TYPE_CHECKING:
+    Requirement = _Requirement
+else:
+    # `class` is no name that the body of a class could give to a field
+    Requirement = create_model(
+        "Requirement",
+        __base__=_Requirement,
+        __module__=__name__,
+        **{"class": (Annotated[str, Field(max_length=40)] | None, None)},
+    )
+    Requirement.__doc__ = _Requirement.__doc__
 
 
 if TYPE_CHECKING:

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
+from fem_seal.errors import printable
 from fem_seal.files import as_json
-from fem_seal.printable import printable
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence

@@ -19,8 +19,7 @@ from dash.exceptions import DependencyException, InvalidResourceError, PreventUp
 from flask import Response, abort, request
 from werkzeug.exceptions import HTTPException
 
-from fem_seal.errors import unexpected
-from fem_seal.printable import printable
+from fem_seal.errors import printable, unexpected
 
 if TYPE_CHECKING:
     from dash import Dash

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from fem_seal.case.direct import Direct
-from fem_seal.case.tables import CaseTables
+from fem_seal.case.tables import CaseTables, Direct
 
 # Processor seconds of the examples: a load on bodies that are there; the bodies and table of a problem that shares
 # none; conduction of heat in both bodies.

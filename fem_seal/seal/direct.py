@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_seal.arrays import FloatArray
-from fem_seal.case.direct import Asperities
+from fem_seal.case.tables import Asperities
 from fem_seal.errors import InputError, Problem
 from fem_seal.seal.pieces import work
 from leak import ConductivityTable, DirectError, RoughContact

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fem_seal.arrays import FloatArray
-from fem_seal.case.direct import Asperities
+from fem_seal.case.tables import Asperities
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.profile import PressureProfile
 from fem_seal.seal.direct import HARDNESS_OVER_YIELD_STRESS, LOAD_STEP, DirectSettings

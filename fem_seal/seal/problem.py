@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from fem_seal.bodies.supports import Supports
+from fem_seal.case.checks import touched_beside
 from fem_seal.case.load_limits import refused_loads
-from fem_seal.case.touched_face import touched_beside
 from fem_seal.contact.laws import HardContact, Law
 from fem_seal.contact.refit import rounded
 from fem_seal.contact.sizing import ContactWidth, Expected, Opening, element_sizes, for_yielding
@@ -29,8 +29,7 @@ from meshes import ContactGeometry, SealMesh, Sizing, build_contact
 if TYPE_CHECKING:
     from fem_seal.arrays import FloatArray
     from fem_seal.bodies.held_body import LoadName
-    from fem_seal.case.direct import Direct
-    from fem_seal.case.tables import CaseTables, Interface
+    from fem_seal.case.tables import CaseTables, Direct, Interface
     from fem_seal.contact.model import ContactModel
     from fem_seal.contact.other_loads import FurtherLoads
     from fem_seal.contact.solution import ContactSolution

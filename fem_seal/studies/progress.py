@@ -6,7 +6,7 @@ import sys
 import time
 from typing import Any
 
-from fem_seal.printable import printable
+from fem_seal.errors import printable
 from fem_seal.units import duration
 
 # Seconds between two lines where there is no terminal.

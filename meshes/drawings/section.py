@@ -85,13 +85,11 @@ def _section(
 ) -> Profile:
     """What `read_section` returns, by this process."""
     try:
-        if path.suffix.lower() == ".dxf":
-            from meshes.drawings.dxf import read_dxf
+        from meshes.drawings.curves import read_dxf, read_step
 
+        if path.suffix.lower() == ".dxf":
             pieces, unit = read_dxf(path, axis, length_unit, layer, tolerance)
         else:
-            from meshes.drawings.step import read_step
-
             pieces, unit = read_step(path, axis, tolerance), None
     except GeometryError as error:
         # a curve does not know the file that it is from

@@ -16,7 +16,6 @@ import numpy as np
 from meshes.geometry.contact_geometry import ContactGeometry
 from meshes.geometry.outline import Outline
 from meshes.gmsh_session import gmsh_session
-from meshes.mesh.measures import section_area, triangle_shape
 from meshes.mesh.sizing import Sizing
 
 if TYPE_CHECKING:
@@ -98,6 +97,8 @@ class SealMesh:
     @cached_property
     def quality(self) -> Quality:
         """Shape of the elements and error of the areas."""
+        from meshes.mesh.triangles import section_area, triangle_shape
+
         shape = triangle_shape(self.mesh.p, self.mesh.t)
         errors = [abs(section_area(getattr(self, o.name)) / o.area - 1) for o in self.outlines]
         return Quality(

@@ -14,8 +14,14 @@ from skfem import MeshTri
 
 import meshes
 from meshes import Ball, ConicalSeat, GeometryError, MeshingError, SealMesh, Sizing
-from meshes.mesh.measures import doubled_area, section_area, triangle_shape
-from meshes.mesh.triangles import Triangles, facets_between, smoothed
+from meshes.mesh.triangles import (
+    Triangles,
+    doubled_area,
+    facets_between,
+    section_area,
+    smoothed,
+    triangle_shape,
+)
 
 SIZING = Sizing(20e-6, 0.3e-3, (-0.8e-3, 0.8e-3), 0.1, 0.25, 2.5e-3)
 CLOSURE_NAMES = {"closure_contact", "closure_inner", "closure_outer", "closure_top", "closure_axis"}

@@ -9,7 +9,7 @@ import pytest
 from places import EXAMPLES
 
 import leak
-from fem_seal.case.input_files import read_spectrum
+from fem_seal.case.roughness import read_spectrum
 from fem_seal.cli import app as cli
 from fem_seal.output.surface import surface_lines, surface_numbers
 from fem_seal.units import number

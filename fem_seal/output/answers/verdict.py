@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from fem_seal.answers.judgement import Limit, SealJudgement, Shares, Why
 from fem_seal.answers.leakage_class import OF_LEAK_RATE, limits, next_class, nominal_size, volume_of
-from fem_seal.case.leak_rate import Bubbles, NormalVolume, Throughput
+from fem_seal.case.fields import Bubbles, NormalVolume, Throughput
 from fem_seal.output.prose import said
 from fem_seal.output.shown import Shown
 from fem_seal.seal.findings import YIELD_STRESS, Level

@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING, Any, Literal, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fem_seal.errors import printable
 from fem_seal.files import own_tables
 from fem_seal.output.prose import said
-from fem_seal.printable import printable
 from fem_seal.units import superscript
 
 if TYPE_CHECKING:

@@ -35,7 +35,7 @@ from fem_seal.answers.uncertainty import (
 )
 from fem_seal.answers.variants import theory_variants
 from fem_seal.case.roughness import UncertainHeight
-from fem_seal.case.uncertainty import Spread, Uncertainty
+from fem_seal.case.tables import Spread, Uncertainty
 from fem_seal.errors import InputError
 from fem_seal.output.answers.variants import VARIANT_COLUMNS, variant_rows
 from fem_seal.output.report.page import report

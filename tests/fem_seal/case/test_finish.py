@@ -177,7 +177,7 @@ def test_given_profiles_say_that_they_know_the_usual_surface_only(solved):
 
 def test_samples_with_tables_from_that_of_the_case_are_those_with_their_own(solved):
     from fem_seal.answers.uncertainty import _Study
-    from fem_seal.case.uncertainty import Uncertainty
+    from fem_seal.case.tables import Uncertainty
 
     study = _Study.of(solved, Uncertainty(samples=16, seed=2))
     assert study.leak_rates(range(2)) == pytest.approx(
@@ -210,7 +210,7 @@ def test_an_interval_at_few_loads_goes_through_all(base):
 
 def test_what_the_user_knows_is_no_longer_uncertain(base):
     from fem_seal.answers.uncertainty import uncertain_inputs
-    from fem_seal.case.uncertainty import Spread, Uncertainty
+    from fem_seal.case.tables import Spread, Uncertainty
 
     known = base.replace_written({"roughness": {**LAPPED, "hurst": 0.8, "q_high": "6e6 1/m"}})
     names = [one.name for one in uncertain_inputs(known, known.sampled)]

@@ -12,9 +12,9 @@ from sample_results import run_loads
 from typer.testing import CliRunner
 
 from fem_seal import InputError, load_case, run
+from fem_seal.case.checks import touched_beside
 from fem_seal.case.new_case import QUESTIONS, TEMPLATES, asked, read_text_case, template, with_entries
 from fem_seal.case.schema import case_schema
-from fem_seal.case.touched_face import touched_beside
 from fem_seal.cli.app import app, main
 from fem_seal.cli.new import CLASSES as LISTED
 from fem_seal.cli.new import _with_options

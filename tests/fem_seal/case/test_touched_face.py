@@ -9,7 +9,7 @@ from places import EXAMPLES
 
 import fem_seal
 import meshes
-from fem_seal.case.touched_face import touched_beside
+from fem_seal.case.checks import touched_beside
 from fem_seal.cli.app import main
 from meshes.shapes.shape import named_face
 

@@ -16,7 +16,7 @@ import leak
 from fem_seal.answers.uncertainty import _Study
 from fem_seal.bodies.elasticity import boundary_dofs, node_dofs
 from fem_seal.bodies.supports import Supports
-from fem_seal.case.uncertainty import Spread, Uncertainty
+from fem_seal.case.tables import Spread, Uncertainty
 from fem_seal.contact.laws import HardContact, Law
 from fem_seal.contact.load_path import ElastoplasticContact, LoadPath, load_path
 from fem_seal.contact.model import ContactModel

@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from sample_results import case
 
+from fem_seal.case.fields import Bubbles, LeakRate, NormalVolume, Throughput
 from fem_seal.case.gauge import as_differences
-from fem_seal.case.leak_rate import Bubbles, LeakRate, NormalVolume, Throughput
 from fem_seal.errors import InputError
 
 RATE = LeakRate("leak rate", "1e-30 m^3/s", "1e3 m^3/s")
