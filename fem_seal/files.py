@@ -99,6 +99,16 @@ def own_tables(name: str) -> dict[str, Any]:
     return tomllib.loads(files("fem_seal").joinpath("templates", name).read_text(encoding="utf-8"))
 
 
+def sentence(name: str, /, **values: object) -> str:
+    """The text of a problem, by its name in templates/problems.toml; see `fem_seal.case.words.problem`."""
+    text: str = own_tables("problems.toml")[name]["text"]
+    return text.format(**values)
+
+
+def _wrong_table(name: str, /, **values: object) -> TextTableError:
+    return TextTableError(sentence(name, **values))
+
+
 class TomlError(SealError, ValueError):
     """A text is no TOML, or none that a person has written."""
 
@@ -227,17 +237,13 @@ def read_text_table(file: str | Path) -> TextTable:
         raise TextTableError("has a header but no rows of numbers")
     for number, line in rows:
         if _has_decimal_commas(line):
-            raise TextTableError(
-                f'line {number} ("{line[:40]}") has decimal commas; write decimal points, such as 0.1; 200.5'
-            )
+            raise _wrong_table("decimal_commas", number=number, line=line[:40])
     values = [_numbers(line) for _, line in rows]
     columns = len(values[0]) or len(header)
     for (number, line), row in zip(rows, values, strict=True):
         if len(row) != columns:
             found = f"{len(row)}" if row else "something else"
-            raise TextTableError(
-                f'line {number} ("{line[:40]}") must hold {columns} finite numbers, it holds {found}'
-            )
+            raise _wrong_table("row_of_table", number=number, line=line[:40], columns=columns, found=found)
     numbers = np.array(values)
     lines_of_rows = tuple(number for number, _ in rows)
     _check_sizes(numbers, lines_of_rows, _BEYOND)
@@ -261,9 +267,7 @@ def _check_sizes(
     if beyond.size:
         row = values.reshape(len(values), -1)[beyond[0]]
         number = float(row[int(np.argmax(np.abs(row)))])
-        raise TextTableError(
-            f"line {lines[int(beyond[0])]} holds {number:.3g}, which is no {what}; correct it, or its unit"
-        )
+        raise _wrong_table("beyond_measure", line=lines[int(beyond[0])], number=number, what=what)
 
 
 def _read_lines(file: str | Path) -> list[str]:
@@ -344,10 +348,7 @@ def find_columns(table: TextTable, names: Names, example: str) -> dict[str, int]
     if not table.header:
         raise TextTableError(f"has no header; name the columns and their units, {example}")
     if len(table.header) != table.values.shape[1]:
-        raise TextTableError(
-            f"has {len(table.header)} column names over {table.values.shape[1]} columns; name every column, and write "
-            "numbers with a decimal point, not a comma"
-        )
+        raise _wrong_table("column_names", names=len(table.header), columns=table.values.shape[1])
     words = [name_and_unit(header)[0] for header in table.header]
     places = {
         role: next((n for n, word in enumerate(words) if word in known), None)
@@ -379,16 +380,11 @@ def _in_si(table: TextTable, place: int, dimension: str) -> NDArray[np.float64]:
     unit = name_and_unit(header)[1]
     if dimension == "strain":
         if unit.lower() not in _STRAINS:
-            raise TextTableError(
-                f'column "{header}": unit "{unit}" does not fit a strain; write a plain number without unit, 0.1, or '
-                "per cent, [%]"
-            )
+            raise _wrong_table("unit_of_strain", header=header, unit=unit)
         return values * _STRAINS[unit.lower()]
     if not unit:
         example = {"length": "mm", "temperature": "degC"}.get(dimension, "MPa")
-        raise TextTableError(
-            f'column "{header}" has no unit; write it as "{header}_{example}" or "{header} [{example}]"'
-        )
+        raise _wrong_table("column_without_unit", header=header, example=example)
     try:
         if dimension == "temperature":
             # whose scales begin at different places

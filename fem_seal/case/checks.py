@@ -17,7 +17,7 @@ from fem_seal.errors import InputError, Problem
 from fem_seal.units import given as written
 from meshes import GeometryError
 from meshes.errors import mm
-from meshes.shapes.shape import NamedFace, named_face
+from meshes.shapes.shape import named_face
 
 # Interference of a press fit over the radius of the wall, up to which strains are small.
 _LARGEST_FIT = 0.01
@@ -134,30 +134,30 @@ def _temperature(case: CaseTables, heat: Temperature) -> Iterator[Problem]:
             yield problem("without_housing", name=name)
     if heat.faces:
         for name in ("closure", "seat"):
-            material = getattr(case, name).material
-            for number, unit in (("thermal_conductivity", "W/(m K)"), ("thermal_expansion", "1/K")):
-                if getattr(material, number) is None and material.table(number) is None:
-                    remedy = suggestion(material.name, number, unit)
-                    yield problem(
-                        "material_number", name=name, number=number, material=material, remedy=remedy
-                    )
+            yield from _unknown(case, "material_number", name, "thermal_conductivity", "W/(m K)")
+            yield from _unknown(case, "material_number", name, "thermal_expansion", "1/K")
         return
     strains = []
     for name in ("closure", "seat") if case.expands or fixed else ():
         try:
             strains.append(case.thermal_strain(name))
         except InputError as error:
-            material = getattr(case, name).material
-            if material.thermal_expansion is None and material.table("thermal_expansion") is None:
-                remedy = suggestion(material.name, "thermal_expansion", "1/K")
-                yield problem("no_expansion", name=name, material=material, remedy=remedy)
-            else:
-                yield Problem(f"{name}.material.thermal_expansion", f"{material.name}: {error.message}")
+            material = getattr(case, name).material.name
+            beyond = Problem(f"{name}.material.thermal_expansion", f"{material}: {error.message}")
+            yield from [*_unknown(case, "no_expansion", name, "thermal_expansion", "1/K")] or [beyond]
     for name, strain in zip(("closure", "seat"), strains, strict=False):
         if abs(strain) > _LARGEST_STRAIN:
             yield problem("thermal_strain", name=name, strain=100 * strain, limit=100 * _LARGEST_STRAIN)
     if len(strains) == 2 and fixed:
         yield from _fit(case)
+
+
+def _unknown(case: CaseTables, name: str, body: str, number: str, unit: str) -> Iterator[Problem]:
+    """The problem of this name where a number of a body's material is not known at any temperature."""
+    material = getattr(case, body).material
+    if getattr(material, number) is None and material.table(number) is None:
+        remedy = suggestion(material.name, number, unit)
+        yield problem(name, name=body, number=number, material=material, remedy=remedy)
 
 
 def _fit(case: CaseTables) -> Iterator[Problem]:
@@ -184,14 +184,10 @@ def _geometry_problem(message: str) -> Problem:
 def _spectrum(case: CaseTables) -> Iterator[Problem]:
     for name, spectrum in case.roughness.parts.items() if case.roughness else ():
         if isinstance(spectrum, SelfAffine):
-            yield from _wavenumbers(f"roughness.{name}", spectrum)
-
-
-def _wavenumbers(key: str, spectrum: SelfAffine) -> Iterator[Problem]:
-    if spectrum.q_low >= spectrum.q_high:
-        yield problem("q_low", key=key, spectrum=spectrum)
-    elif not spectrum.q_low <= spectrum.q_rolloff <= spectrum.q_high:
-        yield problem("q_rolloff", key=key, spectrum=spectrum)
+            increasing = spectrum.q_low < spectrum.q_high
+            if not increasing or not spectrum.q_low <= spectrum.q_rolloff <= spectrum.q_high:
+                wrong = "q_rolloff" if increasing else "q_low"
+                yield problem(wrong, key=f"roughness.{name}", spectrum=spectrum)
 
 
 def _interface(case: CaseTables) -> Iterator[Problem]:
@@ -438,11 +434,6 @@ def touched_beside(case: CaseTables) -> Iterator[str]:
     for name, table, body in zip(("closure", "seat"), (case.closure, case.seat), case.bodies, strict=True):
         face = named_face(body)
         if face is not None and not face.holds(radius):
-            yield _sentence(name, table.shape, face, radius)
-
-
-def _sentence(name: str, shape: str, face: NamedFace, radius: float) -> str:
-    inside = radius < face.inner
-    end = mm(face.inner if inside else face.outer)
-    words = {"body": name, "shape": shape, "radius": mm(radius), "face": face.name, "end": end}
-    return sentence("touched_inside" if inside else "touched_outside", **words)
+            side, end = ("inside", face.inner) if radius < face.inner else ("outside", face.outer)
+            words = {"body": name, "shape": table.shape, "face": face.name}
+            yield sentence(f"touched_{side}", **words, radius=mm(radius), end=mm(end))

@@ -17,6 +17,7 @@ from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, GetJsonSchemaH
 from pydantic.fields import FieldInfo
 from pydantic_core import CoreSchema, core_schema
 
+from fem_seal.case.words import wrong
 from fem_seal.errors import QuantityError, printable
 from fem_seal.files import own_tables
 from fem_seal.units import DIMENSIONS, NUMBER, parse_quantity, short_text
@@ -251,9 +252,7 @@ class Pressures(Entry):
         if spacing not in ("linear", "log"):
             raise ValueError(f'spacing, {shown(spacing)}, must be "linear" or "log"')
         if start >= stop:
-            raise ValueError(
-                f"start must be below stop, but start = {shown(table['start'])}, stop = {shown(table['stop'])}"
-            )
+            raise wrong("falling_range", start=shown(table["start"]), stop=shown(table["stop"]))
         if spacing == "linear":
             return (*(start + (stop - start) * n / (num - 1) for n in range(num - 1)), stop)
         return (start, *(start * (stop / start) ** (n / (num - 1)) for n in range(1, num - 1)), stop)
@@ -299,9 +298,7 @@ class OverTemperatureTable(Entry):
         if set(value) != {"temperature", "value"} or not all(
             isinstance(column, (list, tuple)) and column for column in value.values()
         ):
-            raise ValueError(
-                'a table over temperature is { temperature = ["20 degC", "300 degC"], value = [...] }, two lists'
-            )
+            raise wrong("over_temperature")
         return (
             _read_each(TEMPERATURE, value["temperature"], "temperature"),
             _read_each(self.one, value["value"], "value"),
@@ -437,9 +434,7 @@ class Whole(Number):
     def read(self, value: object) -> int:
         """Value as int; ValueError if it is no whole number in the range."""
         if isinstance(value, bool) or not isinstance(value, int):
-            raise ValueError(
-                f"is not a whole number; write one {self.range}, without quotes and without unit"
-            )
+            raise wrong("no_whole_number", range=self.range)
         super().read(value)
         return value
 

@@ -17,6 +17,7 @@ from fem_seal.case.fields import (
     Table,
     shown,
 )
+from fem_seal.case.words import wrong
 from fem_seal.errors import InputError, QuantityError
 from fem_seal.units import LIQUID, LeakVolume, parse_quantity
 from leak.standards import STANDARD_PRESSURE
@@ -88,9 +89,7 @@ class Fluid(Table):
         entry = _entry(name, temperature) if temperature is not None else None
         if entry is None:
             if "viscosity" not in table and name and temperature is not None:
-                raise ValueError(
-                    f"name = {shown(name)} is not in the library; {_known(name)}, or give its viscosity"
-                )
+                raise wrong("unknown_fluid", name=shown(name), known=_known(name))
             return table
         filled = {"viscosity": f"{entry.viscosity!r} Pa s", **table, "name": entry.name}
         if hasattr(entry, "molar_mass"):

@@ -29,7 +29,7 @@ from fem_seal.case.fields import (
     Table,
 )
 from fem_seal.case.material_library import LIBRARY, library_name, material, similar_names
-from fem_seal.case.words import wrong
+from fem_seal.case.words import sentence, wrong
 from fem_seal.errors import InputError, TextTableError
 from fem_seal.files import Names, TextTable, column, find_columns, read_text_table
 from fem_seal.materials import (
@@ -113,10 +113,7 @@ def _read(table: TextTable) -> list[TensileTest]:
     places = find_columns(table, _NAMES, 'such as "plastic_strain, stress_MPa"')
     kinds = [kind for kind in ("plastic_strain", "strain") if kind in places]
     if len(kinds) != 1 or "stress" not in places:
-        raise TextTableError(
-            "must have a column stress with its unit and either a column plastic_strain or a column strain; its "
-            f"columns are {', '.join(table.header)}"
-        )
+        raise TextTableError(sentence("curve_columns", columns=", ".join(table.header)))
 
     def read(role: str) -> list[float]:
         found: list[float] = column(table, places[role], _NAMES[role][0]).tolist()
@@ -130,9 +127,7 @@ def _read(table: TextTable) -> list[TensileTest]:
     for temperature, group in groupby(rows, key=itemgetter(0)):
         _, strains, stresses = zip(*group, strict=True)
         if any(one.temperature == temperature for one in tests):
-            raise TextTableError(
-                f"the rows of {celsius(temperature)} do not stand together; write one curve below the other"
-            )
+            raise TextTableError(sentence("curve_rows", temperature=celsius(temperature)))
         tests.append(TensileTest(kinds[0], strains, stresses, temperature))
     return tests
 

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from functools import cache
-
 from fem_seal.errors import LoadProblem, Problem
-from fem_seal.files import own_tables
+from fem_seal.files import own_tables, sentence
 
 
 def problem(name: str, /, **values: object) -> Problem:
@@ -18,7 +16,7 @@ def problem(name: str, /, **values: object) -> Problem:
     **values
         What the words have in braces.
     """
-    words = _problems()[name]
+    words = own_tables("problems.toml")[name]
     return Problem(*(words[part].format(**values) for part in ("key", "text", "value") if part in words))
 
 
@@ -28,16 +26,6 @@ def load_problem(name: str, kind: str = "open", /, **values: object) -> LoadProb
     return LoadProblem(found.key, found.message, found.value, kind)
 
 
-def sentence(name: str, /, **values: object) -> str:
-    """The text of that name alone; see `problem`."""
-    return _problems()[name]["text"].format(**values)
-
-
 def wrong(name: str, /, **values: object) -> ValueError:
     """What the validation of a table says of it, in the words of that name."""
     return ValueError(sentence(name, **values))
-
-
-@cache
-def _problems() -> dict[str, dict[str, str]]:
-    return own_tables("problems.toml")
