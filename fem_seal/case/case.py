@@ -66,7 +66,11 @@ class Case(CaseTables):
             known.discard("fluid")
         if before.get("fluid") is not tables.get("fluid"):
             # whose outlet makes differences of absolute pressures
-            known -= {name for name in ("load", "requirement") if name in known and _one_sided(tables[name])}
+            known -= {
+                name
+                for name in ("load", "requirement")
+                if name in known and is_said_of_one_side(tables[name])
+            }
         written, wrong = _in_keys({name: table for name, table in tables.items() if name not in known})
         written, without = as_differences(written, tables.get("fluid"))
         wrong += without
@@ -294,11 +298,6 @@ def _named_files(entry: Any, name: str = "") -> Iterator[str]:
         yield entry
 
 
-def _one_sided(table: object) -> bool:
-    """Whether a table has gauge or absolute pressures."""
-    return isinstance(table, Mapping) and any(map(is_said_of_one_side, table.values()))
-
-
 def _changed(tables: dict[str, Any], new: Mapping[str, Any]) -> dict[str, Any]:
     """All tables of a case with changes merged in."""
     if "roughness" not in new:
@@ -336,17 +335,14 @@ def _merged(old: dict[str, Any], new: Mapping[str, Any]) -> dict[str, Any]:
             same = isinstance(before, dict) and all(
                 value.get(k, before.get(k)) == before.get(k) for k in ("shape", "kind")
             )
-            if key == "material" and isinstance(before, str) and not _whole_material(value):
+            whole = "name" in value or {"youngs_modulus", "poissons_ratio"} <= value.keys()
+            if key == "material" and isinstance(before, str) and not whole:
                 # some numbers of a material that stands there by its name
                 before, same = library_table(before), True
             merged[key] = _merged(before if same and before else {}, value)
         else:
             merged[key] = value
     return merged
-
-
-def _whole_material(table: Mapping[str, Any]) -> bool:
-    return "name" in table or {"youngs_modulus", "poissons_ratio"} <= table.keys()
 
 
 def _nested(old: Any, path: Sequence[str], value: Any, before: tuple[str, ...] = ()) -> Any:

@@ -100,27 +100,14 @@ def _read(
         missing = needed("drawings", ImportError(name="ezdxf"))
         return GeometryError(f'{name} file = "{path.name}": reading it {missing}')
     try:
+        both = {"axis": axis, "time_limit": time_limit}
         if path.suffix.lower() in _MESHES:
-            return MeshedBody.read(
-                path, name, axis=axis, length_unit=length_unit or 1.0, time_limit=time_limit
-            )
-        return read_section(
-            path,
-            name,
-            axis=axis,
-            length_unit=length_unit,
-            layer=layer,
-            tolerance=tolerance,
-            time_limit=time_limit,
-        )
+            return MeshedBody.read(path, name, length_unit=length_unit or 1.0, **both)
+        return read_section(path, name, length_unit=length_unit, layer=layer, tolerance=tolerance, **both)
     except GeometryError as error:
-        return _at_file(error, path, name)
-
-
-def _at_file(error: GeometryError, path: Path, name: str) -> GeometryError:
-    """The error at the key of the file, where its message begins with it."""
-    _, found, what = str(error).partition(f"{path.name}: ")
-    return GeometryError(f'{name} file = "{path.name}": {what}') if found else error
+        # at the key of the file, where the message begins with the file's name
+        _, found, what = str(error).partition(f"{path.name}: ")
+        return GeometryError(f'{name} file = "{path.name}": {what}') if found else error
 
 
 def _written(name: str, pieces: list[Piece]) -> Profile:

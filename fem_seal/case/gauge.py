@@ -28,7 +28,7 @@ _NEAR = 0.05
 
 
 def is_said_of_one_side(entry: object) -> bool:
-    """Whether a pressure, a list or a range of them is gauge or absolute anywhere.
+    """Whether a pressure, a list, a range or a table of them is gauge or absolute anywhere.
 
     Parameters
     ----------

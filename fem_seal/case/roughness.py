@@ -398,8 +398,6 @@ def read_roughness(entries: object) -> object:
     found = dict(entries)
     for key in PARTS:
         part = found.get(key)
-        if part is None:
-            continue
         if isinstance(part, str):
             try:
                 found[key] = read_finish(part)

@@ -193,10 +193,5 @@ def _described(word: str, tables: list[Mapping[str, Any]]) -> dict[str, Any]:
         for key, entry in table["properties"].items():
             if key != word:
                 said = {name: entry[name] for name in ("description", "examples") if name in entry}
-                keys.setdefault(key, {**said, **(_OPEN if _is_table(entry) else {})})
+                keys.setdefault(key, {**said, **({} if entry.get("type") == "string" else _OPEN)})
     return keys
-
-
-def _is_table(entry: Mapping[str, Any]) -> bool:
-    """Whether a table may stand at a key, alone or in a list."""
-    return entry.get("type") != "string"

@@ -77,13 +77,13 @@ def with_film_temperature(fluid: Any, temperature: Any) -> Any:
     if not isinstance(fluid, Mapping) or not isinstance(temperature, Mapping) or "temperature" in fluid:
         return fluid
     try:
-        given = {name: _read(temperature.get(name)) for name in ("uniform", "closure", "seat")}
+        given = {
+            name: parse_quantity(temperature[name], "temperature")
+            for name in ("uniform", "closure", "seat")
+            if temperature.get(name) is not None
+        }
     except (QuantityError, ValueError):
         return fluid
-    bodies = [given[name] or given["uniform"] for name in ("closure", "seat")]
+    bodies = [given.get(name) or given.get("uniform") for name in ("closure", "seat")]
     known = [one for one in bodies if one is not None]
     return {**fluid, "temperature": f"{sum(known) / 2!r} K"} if len(known) == 2 else fluid
-
-
-def _read(value: object) -> float | None:
-    return None if value is None else parse_quantity(value, "temperature")

@@ -55,7 +55,11 @@ def _arc(start: FloatArray, direction: FloatArray, end: FloatArray) -> Segment:
 
 
 def fitted(
-    curve: Callable[[float], tuple[FloatArray, FloatArray]], start: float, end: float, tolerance: float
+    curve: Callable[[float], tuple[FloatArray, FloatArray]],
+    start: float,
+    end: float,
+    tolerance: float,
+    depth: int = 0,
 ) -> list[Segment]:
     """Chain of arcs that follows a smooth curve.
 
@@ -67,22 +71,14 @@ def fitted(
         Range of the parameter; no kink inside.
     tolerance : float
         Largest distance between curve and arcs [m].
+    depth : int
+        How often the curve that is meant was halved to this one.
 
     Raises
     ------
     GeometryError
         If arcs cannot follow the curve, for example because it has a cusp.
     """
-    return _fitted(curve, start, end, tolerance, 0)
-
-
-def _fitted(
-    curve: Callable[[float], tuple[FloatArray, FloatArray]],
-    start: float,
-    end: float,
-    tolerance: float,
-    depth: int,
-) -> list[Segment]:
     places = np.linspace(start, end, _SAMPLES)
     points, tangents = zip(*(curve(float(t)) for t in places), strict=True)
     p = np.array(points)
@@ -101,8 +97,8 @@ def _fitted(
         )
     middle = 0.5 * (start + end)
     return [
-        *_fitted(curve, start, middle, tolerance, depth + 1),
-        *_fitted(curve, middle, end, tolerance, depth + 1),
+        *fitted(curve, start, middle, tolerance, depth + 1),
+        *fitted(curve, middle, end, tolerance, depth + 1),
     ]
 
 
