@@ -10,17 +10,16 @@ from fem_seal.errors import QuantityError
 from fem_seal.materials import ROOM_TEMPERATURE
 from fem_seal.units import parse_quantity
 
-_KELVIN = Quantity("temperature", "50 K", "1500 K")
-Kelvin = Annotated[float, _KELVIN]
+Kelvin = Annotated[float, Quantity("temperature", "50 K", "1500 K")]
+HeatTransfer = Annotated[float, Quantity("heat transfer", "1e-3 W/(m^2 K)", "1e7 W/(m^2 K)")]
+Conductance = Annotated[float, Quantity("heat transfer", "1e-3 W/(m^2 K)", "1e9 W/(m^2 K)")]
 
 
 class Face(Table):
     """A face of the seal and what warms it, where temperatures are calculated: guide/temperature in the manual."""
 
     temperature: Kelvin
-    heat_transfer: Annotated[float, Quantity("heat transfer", "1e-3 W/(m^2 K)", "1e7 W/(m^2 K)")] | None = (
-        None
-    )
+    heat_transfer: HeatTransfer | None = None
 
 
 # Names of the faces, as they stand in the table.
@@ -45,9 +44,7 @@ class Temperature(Table):
     top: Face | None = None
     bottom: Face | None = None
     wall: Face | None = None
-    contact_conductance: (
-        Annotated[float, Quantity("heat transfer", "1e-3 W/(m^2 K)", "1e9 W/(m^2 K)")] | None
-    ) = None
+    contact_conductance: Conductance | None = None
 
     @property
     def faces(self) -> dict[str, Face]:
