@@ -200,16 +200,6 @@ def _parsed(stripped: str, dimension: str) -> float:
         raise QuantityError(f"is not a finite number; write {DIMENSIONS[dimension].wanted}") from None
 
 
-# Zero of each scale and size of its degree in kelvin.
-_SCALES = {
-    "K": ("0", "1"),
-    "degC": ("273.15", "1"),
-    "°C": ("273.15", "1"),
-    "degF": ("459.67", "5/9"),
-    "°F": ("459.67", "5/9"),
-}
-
-
 def _exact(stripped: str, dimension: str) -> Fraction:
     """Number times unit; of a temperature above the zero of its scale, so that it is no product."""
     wanted, is_temperature = DIMENSIONS[dimension].wanted, dimension == "temperature"
@@ -219,9 +209,9 @@ def _exact(stripped: str, dimension: str) -> Fraction:
         raise QuantityError(f"{_what_is_wrong(stripped)}; write {wanted}")
     if not is_temperature:
         return Fraction(match[1]) * _factor(match[2], dimension)
-    if match[2] not in _SCALES:
+    if match[2] not in _TABLES["scales"]:
         raise QuantityError(f'unit "{match[2]}" is no temperature; write {wanted}')
-    zero, degree = (Fraction(part) for part in _SCALES[match[2]])
+    zero, degree = (Fraction(part) for part in _TABLES["scales"][match[2]])
     # degF counts its zero in its own degrees
     return (Fraction(match[1]) + zero) * degree
 

@@ -170,9 +170,8 @@ class Number(Entry):
         # compared before the conversion: an integer of 400 digits is no float
         inside = self.low < value <= self.high if self.exclusive_low else self.low <= value <= self.high
         if not inside:
-            raise ValueError(
-                f"out of range; {wanted}" if value == value else f"is not a finite number; {wanted}"
-            )
+            wrong_number = "out of range" if value == value else "is not a finite number"
+            raise ValueError(f"{wrong_number}; {wanted}")
         return float(value)
 
     @property
