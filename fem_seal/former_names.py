@@ -81,29 +81,34 @@ def _level_of_caller() -> int:
     return level
 
 
-def in_present_entries(entries: Mapping[str, Any]) -> dict[str, Any]:
+def in_present_entries(entries: Mapping[str, Any], table: str = "") -> dict[str, Any]:
     """Entries of a case, nested tables or dotted keys, under their present names.
 
     A former name beside the present one stays: it is no key any more, which the check of the case says.
+
+    Parameters
+    ----------
+    entries : mapping
+    table : str
+        In which they stand; empty for those of the whole case.
 
     Examples
     --------
     >>> in_present_entries({"load": {"fluid_pressure": "1 bar"}})
     {'load': {'fluid_pressure': '1 bar'}}
     """
-    found = dict(entries)
-    for former, present in ENTRIES.items():
-        found = _renamed(found, former, present, former, present)
-        table, _, key = former.rpartition(".")
-        inside = found.get(table)
-        if isinstance(inside, Mapping):
-            found[table] = _renamed(inside, key, present.rpartition(".")[2], former, present)
-    for path, values in VALUES.items():
-        table, _, key = path.rpartition(".")
-        if path in found:
-            found[path] = _present_value(path, found[path], values)
-        if isinstance(found.get(table), Mapping) and key in found[table]:
-            found[table] = {**found[table], key: _present_value(path, found[table][key], values)}
+    found: dict[str, Any] = {}
+    for name, value in entries.items():
+        path, key = f"{table}.{name}".lstrip("."), name
+        present = ENTRIES.get(path, path).removeprefix(f"{table}.")
+        if path in ENTRIES and present not in entries:
+            say_once(path, ENTRIES[path])
+            path, key = ENTRIES[path], present
+        if path in VALUES:
+            value = _present_value(path, value, VALUES[path])
+        elif isinstance(value, Mapping) and not table:
+            value = in_present_entries(value, path)
+        found[key] = value
     return found
 
 
@@ -115,14 +120,6 @@ def _present_value(path: str, given: Any, values: Mapping[str, str]) -> Any:
         return given
     say_once(f'{path} = "{given}"', f'"{values[given]}"')
     return values[given]
-
-
-def _renamed(entries: Mapping[str, Any], key: str, other: str, former: str, present: str) -> Any:
-    """The same mapping unless the key is in it."""
-    if key not in entries or other in entries:
-        return entries
-    say_once(former, present)
-    return {other if name == key else name: value for name, value in entries.items()}
 
 
 def in_present_words(value: Any, *, aloud: bool = True) -> Any:
