@@ -242,8 +242,8 @@ class Pressures(Entry):
         unknown = [shown(key) for key in table if key not in known]
         missing = [key for key in known[:3] if key not in table]
         if unknown or missing:
-            wrong = f"unknown key {unknown[0]}" if unknown else f"{missing[0]} is missing"
-            raise ValueError(f'{wrong}; write a range as {{ start = "1 bar", stop = "20 bar", num = 20 }}')
+            what = f"unknown key {unknown[0]}" if unknown else f"{missing[0]} is missing"
+            raise ValueError(f'{what}; write a range as {{ start = "1 bar", stop = "20 bar", num = 20 }}')
         start, stop = (self.one.read_part(table[key], key) for key in ("start", "stop"))
         num, spacing = table["num"], table.get("spacing", "linear")
         if not isinstance(num, int) or isinstance(num, bool) or not 2 <= num <= MOST_PRESSURES:
