@@ -162,7 +162,7 @@ class SealResult(SealSolution):
         ['Contact pressure']
         >>> figure.savefig("seal.png")  # doctest: +SKIP
         """
-        from fem_seal.output.pictures.figure import result_figure
+        from fem_seal.output.pictures.leak import result_figure
 
         return result_figure(self, figure)
 

@@ -59,7 +59,7 @@ def _version(
     cite: Annotated[bool, option("common", "cite")] = False,
 ) -> None:
     if cite:
-        from fem_seal.output.citation import citation
+        from fem_seal.output.sources import citation
 
         say(*citation().split("\n"))
         raise typer.Exit(DONE)
@@ -129,8 +129,7 @@ def check(
     """Check a case file and print the closed-form results, without solving."""
     from fem_seal.answers.closed_forms import closed_form_limits, derive, nearly_open, strain_limit
     from fem_seal.output.answers.verdict import requirement_lines
-    from fem_seal.output.case_words import finish_rows, temperature_rows
-    from fem_seal.output.derived import derived_numbers, requirement_numbers
+    from fem_seal.output.case_words import derived_numbers, finish_rows, requirement_numbers, temperature_rows
     from fem_seal.seal.heating import warmed
 
     case = warmed(fem_seal.load_case(case_file))

@@ -1,22 +1,39 @@
-"""The result files of one calculation, in one folder."""
+"""The result files of one calculation, in one folder, and what summary.json holds."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import asdict, replace
+from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from fem_seal.answers.closed_forms import derive
+from fem_seal.case.case import input_tables
+from fem_seal.contact.load_path import ElastoplasticContact, Unloaded
+from fem_seal.contact.yielding import PlasticZone, YieldedZone, yielding_of
+from fem_seal.files import as_json, write_text
 from fem_seal.output import shown_answers
+from fem_seal.output.case_words import chosen_dimensions, derived_numbers
 from fem_seal.output.folders import replaced_together
 from fem_seal.output.report.page import write_report
-from fem_seal.output.summary import write_summary
-from fem_seal.output.tables import imprint_rows, write_leak_csv, write_profile_csv, write_rows_csv
+from fem_seal.output.sources import sources
+from fem_seal.output.tables import (
+    imprint_rows,
+    leak_rows,
+    leakage_table,
+    write_leak_csv,
+    write_profile_csv,
+    write_rows_csv,
+)
 from fem_seal.output.vtk import write_around, write_contact, write_contact_line, write_unloaded
 from fem_seal.seal.optional_steps import OptionalSteps
+from fem_seal.seal.problem import exponential_law
+from fem_seal.version import __version__
 
 if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
+    from fem_seal.seal.load_result import LoadResult
 
 
 def write(result: SealSolution, folder: Path) -> tuple[str, ...]:
@@ -74,3 +91,152 @@ _FILES: dict[str, Callable[[SealSolution, Path], object]] = {
     "VTK files": _vtk,
     "report.html": lambda result, folder: write_report(result, folder / "report.html"),
 }
+
+
+# Raised when a key of summary.json changes its meaning or goes away; new keys do not count.
+FORMAT_VERSION = 1
+
+
+def summary(result: SealSolution) -> dict[str, Any]:
+    """Everything about a result except its fields, in SI, ready for JSON.
+
+    Parameters
+    ----------
+    result : SealSolution
+
+    Returns
+    -------
+    dict
+        ``format_version``, ``program``, ``created``, ``title``, ``case_file``, ``input``, ``derived``, ``mesh``,
+        ``loads`` (rows of leak.csv with their validity and a list of reasons), ``leakage`` (other units and classes,
+        one entry per load; no class outside the theory), ``yielding`` (one entry
+        per load; null for a body that does not pass its yield stress), ``imprint`` (of each body that has yielded;
+        null if both bodies are elastic), ``convergence`` (one entry per load), ``discretisation_error``, ``far_field``
+        (relative changes, and what they say), ``form`` (answers about the form error at the highest load; null for a
+        round seal), ``requirement`` (verdict, margin and what they rest on; null without one), ``verdict_force``
+        (force with which the verdict passes or why none does, one entry per load; empty unless asked), ``levers`` (what
+        changes the leak rate, the strongest first), ``particles`` (answers about particles in the fluid, one entry per
+        load that leaks),
+        ``theories`` (what the other theory gives, and why), ``interface_variants``, ``uncertainty`` (null unless asked
+        for), ``error_shares`` (what makes the interval of each load as wide as it is),
+        ``theory_variants`` (rows of variants.csv), ``warnings``, ``wall_times_s``, ``sources``.
+    """
+    case = result.case
+    return {
+        "format_version": FORMAT_VERSION,
+        "program": {"name": "fem-seal", "version": __version__},
+        "created": datetime.now(UTC).isoformat(timespec="seconds"),
+        "title": case.title,
+        "case_file": None if case.file is None else str(case.file),
+        "input": resolved_input(result),
+        "derived": derived_numbers(case, derive(case)),
+        "mesh": mesh_numbers(result),
+        "loads": leak_rows(result),
+        "leakage": leakage_table(result),
+        "yielding": [_yielding(load) for load in result.loads],
+        "imprint": None if result.unloaded is None else _imprints(result.unloaded),
+        "convergence": [_convergence(load) for load in result.loads],
+        **{key: value for shown in shown_answers.SHOWN for key, value in shown.summary(result).items()},
+        "warnings": list(result.warnings),
+        "wall_times_s": dict(result.timings),
+        "sources": [asdict(source) for source in sources(result)],
+    }
+
+
+def write_summary(result: SealSolution, path: Path, folder: Path | None = None) -> Path:
+    """Write summary.json, atomically; numbers that JSON does not know (NaN, infinity) are null.
+
+    Parameters
+    ----------
+    result : SealSolution
+    path : pathlib.Path
+    folder : pathlib.Path, optional
+        Where the results will stand; that of `path` unless given.
+    """
+    content = summary(result)
+    content["input"]["output"]["folder"] = str((folder or path.parent).absolute())
+    return write_text(path, as_json(content) + "\n")
+
+
+def resolved_input(result: SealSolution) -> dict[str, Any]:
+    """The case as nested tables in SI, with what was sized from the problem in place of what it leaves open."""
+    case = result.case
+    tables = input_tables(case)
+    for name in ("closure", "seat"):
+        tables[name] |= chosen_dimensions(case, name)
+    tables["mesh"]["contact_size"] = result.seal_mesh.sizing.contact_size
+    if case.interface.law == "exponential":
+        tables["interface"]["u0"], tables["interface"]["p_c"] = exponential_law(
+            case.interface, result.surface
+        )
+    return tables
+
+
+def mesh_numbers(result: SealSolution) -> dict[str, Any]:
+    """Size and quality of the mesh."""
+    quality, sizing, model = result.seal_mesh.quality, result.seal_mesh.sizing, result.model
+    return {
+        "triangles": quality.elements,
+        "vertices": quality.vertices,
+        "unknowns": {name: body.held.size for name, body in model.bodies.items()},
+        "contact_elements": sum(len(line.vertices) - 1 for line in model.lines),
+        "contact_points": sum(len(line.x) for line in model.lines),
+        "contact_size_m": sizing.contact_size,
+        "contact_zone_m": list(sizing.zone),
+        "far_size_m": sizing.far_size,
+        "smallest_shape": quality.smallest,
+        "mean_shape": quality.mean,
+        "area_error": quality.area_error,
+    }
+
+
+def _yielding(load: LoadResult) -> dict[str, Any]:
+    """Where the bodies yield or, solved as elastic, pass their yield stress."""
+    found = yielding_of(load.contact)
+    zones = {name: found.get(name) for name in ("closure", "seat")}
+    return {
+        "fluid_pressure_Pa": load.fluid_pressure,
+        **{name: None if zone is None else _zone(zone) for name, zone in zones.items()},
+    }
+
+
+def _zone(zone: YieldedZone | PlasticZone) -> dict[str, Any]:
+    worst: dict[str, Any] = (
+        {"solved_as": "elastoplastic", "max_accumulated_plastic_strain": zone.strain}
+        if isinstance(zone, PlasticZone)
+        else {"solved_as": "elastic", "von_mises_Pa": zone.von_mises, "over_yield_stress": zone.excess}
+    )
+    return {
+        "yield_stress_Pa": zone.yield_stress,
+        **worst,
+        "at_r_m": zone.place[0],
+        "at_z_m": zone.place[1],
+        "depth_m": zone.depth,
+        "yielded_down_to_m": zone.deepest,
+    }
+
+
+def _imprints(unloaded: Unloaded) -> dict[str, Any]:
+    return {
+        name: {
+            "depth_m": imprint.deepest,
+            "at_x_m": imprint.deepest_at,
+            "width_m": imprint.width,
+            "rim_m": imprint.rim,
+        }
+        for name, imprint in unloaded.imprints.items()
+    }
+
+
+def _convergence(load: LoadResult) -> dict[str, Any]:
+    contact = load.contact
+    plastic = contact if isinstance(contact, ElastoplasticContact) else None
+    return {
+        "fluid_pressure_Pa": load.fluid_pressure,
+        "iterations": contact.iterations,
+        "residual": contact.residuals[-1] if contact.residuals else None,
+        "force_error": contact.force_error,
+        "approach_m": contact.approach,
+        "load_steps": None if plastic is None else plastic.load_steps,
+        "equilibrium_residual": None if plastic is None else plastic.equilibrium_residuals[-1],
+    }

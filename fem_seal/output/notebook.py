@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from fem_seal.answers.solution import SealSolution
-    from fem_seal.output.readable import ReadableTable
+    from fem_seal.output.shown import ReadableTable
 
 # Loads that a text names one by one, and rows that a notebook shows.
 _NAMED = 5
@@ -44,10 +44,9 @@ def result_html(result: SealSolution) -> str:
     ----------
     result : SealSolution
     """
-    from fem_seal.output.answers.findings import marks_in_words
-    from fem_seal.output.pictures.figure import result_figure
+    from fem_seal.output.pictures.leak import result_figure
     from fem_seal.output.pictures.style import Picture, svg
-    from fem_seal.output.report.tables import load_table
+    from fem_seal.output.report.tables import load_table, marks_in_words
     from fem_seal.output.report.words import headline
 
     picture = Picture(

@@ -1,18 +1,20 @@
-"""What an answer adds to the files of a result."""
+"""What an answer adds to the files of a result: sections and tables of the report, keys, pictures, lines."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from fem_seal.answers.leakage_class import volume_of
+from fem_seal.output.columns import COLUMNS, Column
 from fem_seal.output.prose import filled, prose
 from fem_seal.seal.readings import FURTHER
+from fem_seal.units import LIQUID, LeakVolume, Unit, trimmed, unit_for, worth
 
 if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
     from fem_seal.output.pictures.style import Picture
-    from fem_seal.output.readable import ReadableTable
     from fem_seal.output.tables import CsvTable
 
 
@@ -109,3 +111,114 @@ def by_reading(value: Any) -> Any:
     return found | {
         f"{_READ[name]}_{one}": others.get(one) for name, others in read.items() for one in FURTHER
     }
+
+
+@dataclass(frozen=True)
+class ReadableTable:
+    """A table for the page.
+
+    Parameters
+    ----------
+    headings : tuple of str
+    rows : tuple of tuple of str
+    """
+
+    headings: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+
+
+def worded_table(
+    name: str, rows: Iterable[Mapping[str, object]], *, without: Collection[str] = (), **values: object
+) -> ReadableTable:
+    """A table whose headings and cells are sentences of words.toml.
+
+    Parameters
+    ----------
+    name : str
+        Of the table in words.toml, under "tables".
+    rows : iterable of mapping
+        What stands for {names} in the cells of each row.
+    without : collection of str
+        Headings of columns that are left out, as they stand in the file.
+    **values
+        What stands for {names} in headings and all rows.
+    """
+    columns = {key: cell for key, cell in prose()["tables"][name].items() if key not in without}
+    return ReadableTable(
+        tuple(filled(heading, values) for heading in columns),
+        tuple(tuple(filled(cell, {**values, **row}) for cell in columns.values()) for row in rows),
+    )
+
+
+@dataclass(frozen=True)
+class Filled:
+    """A column with its values.
+
+    Parameters
+    ----------
+    column : Column
+    values : list of float or None
+        One per row, SI.
+    digits : list of int
+        Significant digits that the values are worth.
+    volume : LeakVolume
+        What a volume is that leaks.
+    """
+
+    column: Column
+    values: list[float | None]
+    digits: list[int]
+    volume: LeakVolume = LIQUID
+
+    @property
+    def some(self) -> bool:
+        """Whether any row has a value."""
+        return any(value is not None for value in self.values)
+
+    @property
+    def unit(self) -> Unit:
+        """The one that suits the largest of the values."""
+        largest = max(abs(value) for value in self.values if value is not None)
+        found = unit_for(self.column.kind, largest)
+        return self.volume.named(found) if self.column.kind == "flow" else found
+
+
+def filled_column(name: str, result: SealSolution) -> Filled:
+    """A column of leak.csv with the values of a result."""
+    column = COLUMNS[name]
+    return Filled(
+        column,
+        [column.of(load) for load in result.loads],
+        [column.digits(load) for load in result.loads],
+        volume_of(result.case),
+    )
+
+
+def columns_table(columns: Sequence[Filled]) -> ReadableTable:
+    """Columns side by side, one unit in each, without those that no row fills.
+
+    Parameters
+    ----------
+    columns : sequence of Filled
+    """
+    shown = [one for one in columns if one.some]
+    own = {one.column.name: one.unit for one in shown}
+    units = [own.get(one.column.unit_like, own[one.column.name]) for one in shown]
+    return ReadableTable(
+        tuple(f"{one.column.heading} [{unit.name}]" for one, unit in zip(shown, units, strict=True)),
+        tuple(
+            tuple(_cell(one, unit, n) for one, unit in zip(shown, units, strict=True))
+            for n in range(len(columns[0].values))
+        ),
+    )
+
+
+def _cell(column: Filled, unit: Unit, n: int) -> str:
+    value = column.values[n]
+    if value is None:
+        return "–"
+    if column.column.name == "fluid_pressure_Pa":
+        return trimmed(unit.of(value))
+    if column.column.kind == "flow" and value and not column.volume.measurable(value):
+        return "none measurable"
+    return worth(unit.of(value), column.digits[n])

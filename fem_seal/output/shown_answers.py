@@ -2,7 +2,6 @@
 
 from fem_seal.output.answers import (
     accuracy,
-    findings,
     form,
     particles,
     sensitivities,
@@ -15,5 +14,5 @@ from fem_seal.output.answers import (
 from fem_seal.output.shown import Shown
 
 # In the order in which they are told.
-_TOLD = accuracy, target, form, particles, theories, variants, findings, uncertainty, verdict, sensitivities
+_TOLD = accuracy, target, form, particles, theories, variants, uncertainty, verdict, sensitivities
 SHOWN: tuple[Shown, ...] = tuple(one.SHOWN for one in _TOLD)

@@ -1,4 +1,4 @@
-"""The publications behind the numbers of a result: only those whose formulas it used."""
+"""The publications behind the numbers of a result, as far as it used their formulas, and how to cite the program."""
 
 from __future__ import annotations
 
@@ -6,8 +6,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from fem_seal.output.prose import prose
+from fem_seal.output.prose import prose, said
 from fem_seal.output.tables import standards_used
+from fem_seal.version import __version__
 
 if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
@@ -108,3 +109,17 @@ def _own_sources(result: SealSolution, what: str) -> Iterator[Source]:
 
 def _chosen(parts: Mapping[str, str], used: set[str]) -> Iterator[str]:
     return (text for name, text in parts.items() if name == "always" or name in used)
+
+
+# Of this version.
+_YEAR = 2026
+_NAMES = ("program", "paper")
+
+
+def citation() -> str:
+    """Both references as text, and as BibTeX below."""
+    values = {"version": __version__, "year": _YEAR}
+    program, paper = (
+        [said(f"citation.{name}", form, **values) for form in ("text", "bibtex")] for name in _NAMES
+    )
+    return "\n\n".join([f"{program[0]}\n{paper[0]}", program[1], paper[1]])

@@ -13,8 +13,7 @@ from fem_seal.answers.leakage_class import OF_LEAK_RATE, volume_of
 from fem_seal.answers.solution import SealSolution
 from fem_seal.output.columns import AROUND_COLUMNS
 from fem_seal.output.prose import other_reading, said
-from fem_seal.output.readable import ReadableTable, worded_table
-from fem_seal.output.shown import Section, Shown, by_reading, worded_section
+from fem_seal.output.shown import ReadableTable, Section, Shown, by_reading, worded_section, worded_table
 from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.load_result import LoadResult

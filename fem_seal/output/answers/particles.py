@@ -24,8 +24,7 @@ from fem_seal.output.pictures.style import (
     panels,
 )
 from fem_seal.output.prose import said
-from fem_seal.output.readable import ReadableTable, worded_table
-from fem_seal.output.shown import Section, Shown, worded_section
+from fem_seal.output.shown import ReadableTable, Section, Shown, worded_section, worded_table
 from fem_seal.seal.load_names import load_name
 from fem_seal.units import quantity, unit_for
 

@@ -7,8 +7,7 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 from fem_seal.output.prose import said
-from fem_seal.output.readable import ReadableTable, worded_table
-from fem_seal.output.shown import Shown
+from fem_seal.output.shown import ReadableTable, Shown, worded_table
 from fem_seal.seal.load_names import load_name
 from fem_seal.units import range_text, trimmed, unit_for, worth
 

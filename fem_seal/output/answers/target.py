@@ -12,8 +12,7 @@ from fem_seal.answers.solution import SealSolution
 from fem_seal.output.answers.verdict import force_to_pass, verdict_force_sentences
 from fem_seal.output.columns import SHOWN_COLUMNS
 from fem_seal.output.prose import other_reading, said
-from fem_seal.output.readable import ReadableTable, columns_table, filled_column
-from fem_seal.output.shown import Shown
+from fem_seal.output.shown import ReadableTable, Shown, columns_table, filled_column
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.units import given, quantity, range_text, unit_for, worth
 

@@ -11,8 +11,7 @@ import numpy as np
 from fem_seal.answers.error_shares import ErrorShares, error_shares, measured_profiles
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.output.prose import prose, said
-from fem_seal.output.readable import ReadableTable
-from fem_seal.output.shown import Shown
+from fem_seal.output.shown import ReadableTable, Shown
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.load_result import highest_load
 from fem_seal.units import percent, unit_for, worth

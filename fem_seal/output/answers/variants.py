@@ -10,8 +10,7 @@ from fem_seal.answers.solution import SealSolution
 from fem_seal.answers.variants import ratio_to_case
 from fem_seal.output.columns import VARIANT_COLUMNS
 from fem_seal.output.prose import prose, said
-from fem_seal.output.readable import ReadableTable, worded_table
-from fem_seal.output.shown import Shown, by_reading
+from fem_seal.output.shown import ReadableTable, Shown, by_reading, worded_table
 from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.load_result import LoadResult, highest_load

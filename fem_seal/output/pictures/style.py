@@ -9,7 +9,7 @@ import re
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from io import StringIO
+from io import BytesIO
 from typing import TYPE_CHECKING, Any, Literal, cast
 
 import numpy as np
@@ -110,15 +110,11 @@ def panels(
     """A figure with `count` axes side by side, `head` inches of room above them and `side` on the right."""
     from matplotlib.figure import Figure
 
-    from fem_seal.output.pictures.axes import BareAxes
-
     figure = (kind or Figure)(figsize=(width, height))
     axes = figure.subplots(
         1,
         count,
         squeeze=False,
-        # a figure handed to the user needs ordinary axes
-        subplot_kw=None if kind else {"axes_class": BareAxes},
         gridspec_kw={
             "left": _LEFT / width,
             "right": 1 - side / width,
@@ -163,22 +159,9 @@ def captioned(
 
 
 def _drawn(figure: Figure) -> bytes:
-    """What `figure.savefig` writes; the figure is of no use afterwards."""
-    from matplotlib.backends.backend_mixed import MixedModeRenderer
-
-    from fem_seal.output.pictures.renderer import Renderer
-
-    width, height = figure.get_size_inches()
-    figure.dpi = INCH
-    out = StringIO()
-    lines = Renderer(
-        INCH * width, INCH * height, out, image_dpi=_DOTS, metadata={"Date": None, "Creator": None}
-    )
-    # images apart, all is lines
-    whole = cast(Any, MixedModeRenderer)(figure, width, height, _DOTS, lines)
-    figure.draw(whole)
-    whole.finalize()
-    return out.getvalue().encode()
+    out = BytesIO()
+    figure.savefig(out, format="svg", dpi=_DOTS, metadata={"Date": None, "Creator": None})
+    return out.getvalue()
 
 
 # Length of the marks of an axis, and from there to their numbers [pt].

@@ -185,6 +185,8 @@ def _words(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes]) -
         "facts": words.facts(result),
         "reasons": words.reasons(result, derived),
         "loads": tables.load_table(result),
+        "marks": tables.marks_in_words(result),
+        "validity": tables.validity_table(result),
         "comparison_note": tables.comparison_note(result),
         "comparison": tables.comparison_table(result, sizes),
         "yielding": tables.yielding_table(result),

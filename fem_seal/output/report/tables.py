@@ -13,7 +13,8 @@ from fem_seal.contact.yielding import PlasticZone, yielding_of
 from fem_seal.output.case_words import law_word
 from fem_seal.output.columns import SHOWN_COLUMNS, own_theory
 from fem_seal.output.prose import said
-from fem_seal.output.readable import ReadableTable, columns_table, filled_column, worded_table
+from fem_seal.output.shown import ReadableTable, columns_table, filled_column, worded_table
+from fem_seal.seal.findings import Level
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.units import given, percent, quantity_worth
@@ -134,3 +135,17 @@ def curve_in_words(curve: HardeningCurve) -> str:
     if len(curve.stress) == 1:
         return f"{first}, perfectly plastic"
     return f"{first} to {last} at {percent(curve.last_strain)} plastic strain"
+
+
+def marks_in_words(result: SealSolution) -> str:
+    """What the marks in the table of the loads mean; empty without any."""
+    found = [level for level in Level if any(load.validity.level is level for load in result.loads)]
+    told = [f"{level.mark} {level}" for level in found if level.mark]
+    return f" {', '.join(told)}." if told else ""
+
+
+def validity_table(result: SealSolution) -> ReadableTable:
+    """Every reason why the numbers of a load are not simply valid; no rows if all are."""
+    loads = result.loads
+    rows = ({"load": load_name(load, loads), "one": one} for load in loads for one in load.validity.cautions)
+    return worded_table("validity", rows)

@@ -15,7 +15,7 @@ import leak
 from fem_seal.answers.error_shares import ErrorShares, error_shares, measured_profiles
 from fem_seal.output.answers.uncertainty import error_sentence, error_shares_of
 from fem_seal.output.answers.verdict import verdict_sentences
-from fem_seal.output.summary import write_summary
+from fem_seal.output.files import write_summary
 from fem_seal.seal.bounds import Bounds
 from leak.surfaces.random import height_scatter
 

@@ -14,7 +14,7 @@ import fem_seal
 from fem_seal.answers.chain import solve
 from fem_seal.answers.sensitivities import _round_step, levers
 from fem_seal.output.answers.sensitivities import lever_lines, ratio_in_words, step_in_words, told_levers
-from fem_seal.output.summary import summary
+from fem_seal.output.files import summary
 from leak import Reading
 
 LOAD = {"fluid_pressure": "20 bar"}

@@ -19,9 +19,9 @@ from fem_seal.explore.screen import shown_load
 from fem_seal.explore.words import leak_words
 from fem_seal.output.answers.uncertainty import interval_table
 from fem_seal.output.answers.verdict import verdict_sentences
+from fem_seal.output.files import summary
 from fem_seal.output.report.page import report
 from fem_seal.output.report.words import facts, headline, leakage_lines
-from fem_seal.output.summary import summary
 from fem_seal.output.tables import leak_rows
 from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.findings import Caution, Level, Validity

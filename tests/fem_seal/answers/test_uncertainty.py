@@ -38,8 +38,8 @@ from fem_seal.case.roughness import UncertainHeight
 from fem_seal.case.tables import Spread, Uncertainty
 from fem_seal.errors import InputError
 from fem_seal.output.answers.variants import VARIANT_COLUMNS, variant_rows
+from fem_seal.output.files import summary
 from fem_seal.output.report.page import report
-from fem_seal.output.summary import summary
 from fem_seal.sampling import LogNormal, Normal, UncertainInput
 from fem_seal.seal.conductivity_tables import family_table
 from fem_seal.seal.leak_model import Flow

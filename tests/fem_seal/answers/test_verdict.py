@@ -25,9 +25,9 @@ from fem_seal.output.answers.verdict import (
     verdict_lines,
     verdict_sentences,
 )
+from fem_seal.output.files import summary
 from fem_seal.output.report.page import report
 from fem_seal.output.report.words import facts, leakage_lines
-from fem_seal.output.summary import summary
 from fem_seal.output.tables import leak_table
 from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.findings import Caution, Level, Validity

@@ -17,8 +17,8 @@ from fem_seal.answers.judgement import VerdictForce
 from fem_seal.answers.verdict_force import _begins
 from fem_seal.output.answers.target import valve_facts
 from fem_seal.output.answers.verdict import force_to_pass, verdict_force_sentences, verdict_lines
+from fem_seal.output.files import summary
 from fem_seal.output.report.words import reasons
-from fem_seal.output.summary import summary
 from leak import Reading
 
 DRAWN = {"Ra": "0.4 um", "process": "lapped"}

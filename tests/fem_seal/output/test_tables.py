@@ -18,9 +18,9 @@ from fem_seal.answers.judgement import Why
 from fem_seal.errors import OutputError
 from fem_seal.files import write_bytes, write_text
 from fem_seal.output.columns import PROFILE_COLUMNS
+from fem_seal.output.files import summary, write_summary
 from fem_seal.output.prose import prose, said
 from fem_seal.output.sources import used
-from fem_seal.output.summary import summary, write_summary
 from fem_seal.output.tables import leak_table, profile_array, write_leak_csv, write_profile_csv
 from fem_seal.units import given, leak_rate_text, number, percent, quantity, trimmed, unit_for
 

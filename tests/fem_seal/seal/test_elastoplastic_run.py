@@ -27,12 +27,12 @@ from fem_seal.contact.path_loads import PathLoad
 from fem_seal.contact.yielding import plastic_zone, yielding_of
 from fem_seal.errors import InputError
 from fem_seal.loads import contact_force
+from fem_seal.output.files import summary
 from fem_seal.output.pictures import contact as pictures_contact
 from fem_seal.output.pictures import fields as pictures_fields
 from fem_seal.output.pictures import leak as pictures_leak
 from fem_seal.output.pictures.style import style
 from fem_seal.output.report import words
-from fem_seal.output.summary import summary
 from fem_seal.result import SealResult
 from fem_seal.seal import load_solver
 from fem_seal.seal.evaluate import evaluate
