@@ -303,12 +303,8 @@ def _draw(plotter: Any, files: LoadFiles, scale: bool) -> None:
     size = float(np.ptp(grid.points[:, :2], axis=0).max())
     for number, (name, turn) in enumerate((("closure", _CLOSURE), ("seat", _SEAT))):
         face, cut = _COLOURS[name]
-        section = _Section.of(grid, number)
-        for what, mesh, colour in (
-            ("face", section.revolved(turn), face),
-            ("cut", section.cuts(turn), cut),
-            ("edges", section.edges(turn), _INK),
-        ):
+        meshes = _swept(_section(grid, number), turn)
+        for what, mesh, colour in zip(("face", "cut", "edges"), meshes, (face, cut, _INK), strict=True):
             plotter.add_mesh(mesh, color=colour, name=f"{name} {what}", render=False, **layout[what])
     surface = _pressure(files, size)
     unit = unit_for("contact pressure", float(surface["pressure"].max()))
@@ -338,78 +334,32 @@ def _draw(plotter: Any, files: LoadFiles, scale: bool) -> None:
         )
 
 
-@dataclass(frozen=True)
-class _Section:
-    """The section of a body, as it is under the load.
+def _section(grid: Any, body: int) -> Any:
+    """The section of body 0 or 1 in the grid of both as triangles, displaced by what the load does, at angle 0."""
+    import pyvista
 
-    Parameters
-    ----------
-    points : ndarray, shape (n, 2)
-        (r, z) [m].
-    triangles : ndarray of int, shape (m, 3)
-    outline : ndarray of int, shape (k, 2)
-        Edges of the triangles that no second one shares.
-    """
+    place = np.array(grid.points + _array(grid.point_data, "displacement_m"))[:, [0, 2, 1]]
+    place[:, 0] = np.maximum(place[:, 0], 0.0)
+    triangles = grid.cells.reshape(-1, 7)[:, 1:][grid["body"] == body][:, QUARTERS].reshape(-1, 3)
+    return pyvista.PolyData(place, faces=np.insert(triangles, 0, 3, axis=1))
 
-    points: FloatArray
-    triangles: IntArray
-    outline: IntArray
 
-    @classmethod
-    def of(cls, grid: Any, body: int) -> _Section:
-        """Of body 0 or 1 in the grid of both, displaced by what the load does."""
-        place = np.asarray(grid.points + _array(grid.point_data, "displacement_m"))[:, :2]
-        cells = grid.cells.reshape(-1, 7)[:, 1:][grid["body"] == body]
-        triangles = cells[:, QUARTERS].reshape(-1, 3)
-        edges = np.sort(np.vstack([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
-        once, count = np.unique(edges, axis=0, return_counts=True)
-        return cls(np.maximum(place, [0.0, -np.inf]), triangles, once[count == 1])
+def _swept(section: Any, turn: tuple[float, float]) -> tuple[Any, Any, Any]:
+    """Faces of a body over a part of the turn [deg], the cuts at both ends, and edges: of the cuts and at corners."""
+    import pyvista
 
-    def revolved(self, turn: tuple[float, float]) -> Any:
-        """The faces, over a part of the turn [deg]."""
-        touching_axis = (self.points[self.outline, 0] < 1e-9).all(axis=1)
-        used, edges = np.unique(self.outline[~touching_axis], return_inverse=True)
-        surface = _swept(self.points[used], edges.reshape(-1, 2), _angles(turn))
-        return surface.compute_normals(feature_angle=_CORNER, split_vertices=True, cell_normals=False)
-
-    def cuts(self, turn: tuple[float, float]) -> Any:
-        """The section at both ends of the turn."""
-        import pyvista
-
-        points = np.vstack([_in_space(self.points, np.radians([end])) for end in turn])
-        faces = np.vstack([self.triangles, self.triangles + len(self.points)])
-        return pyvista.PolyData(points, faces=np.insert(faces, 0, 3, axis=1))
-
-    def edges(self, turn: tuple[float, float]) -> Any:
-        """Outlines of the cuts, and circles where the outline has a corner."""
-        import pyvista
-
-        blocks = [(_in_space(self.points, np.radians([end])), self.outline) for end in turn]
-        angles = _angles(turn)
-        along = np.arange(len(angles))
-        for corner in self._corners():
-            circle = np.column_stack([along[:-1], along[1:]])
-            blocks.append((_in_space(self.points[[corner]], angles), circle))
-        starts = np.cumsum([0, *(len(points) for points, _ in blocks)])
-        lines = np.vstack([pairs + start for (_, pairs), start in zip(blocks, starts, strict=False)])
-        return pyvista.PolyData(
-            np.vstack([points for points, _ in blocks]), lines=np.insert(lines, 0, 2, axis=1)
-        )
-
-    def _corners(self) -> list[int]:
-        """Points of the outline, off the axis, where it turns sharply."""
-        neighbours: dict[int, list[int]] = {}
-        for a, b in self.outline.tolist():
-            neighbours.setdefault(a, []).append(b)
-            neighbours.setdefault(b, []).append(a)
-        found = []
-        for corner, ends in neighbours.items():
-            if len(ends) == 2 and self.points[corner, 0] > 1e-9:
-                ways = self.points[ends] - self.points[corner]
-                straight = -(ways[0] @ ways[1]) / np.prod(np.linalg.norm(ways, axis=1))
-                if straight < math.cos(math.radians(_CORNER)):
-                    found.append(corner)
-        return found
+    alone = {"manifold_edges": False, "non_manifold_edges": False}
+    outline = section.extract_feature_edges(feature_edges=False, **alone)
+    cut, edges = (pyvista.merge([one.rotate_z(end) for end in turn]) for one in (section, outline))
+    first, last = turn
+    steps = round((last - first) / _STEP)
+    whole = outline.extrude_rotate(resolution=steps, angle=last - first, capping=False).rotate_z(first)
+    # without the lines that are left of triangles on the axis, and all seen from the same side
+    faces = pyvista.PolyData(whole.points, faces=whole.triangulate().faces).clean()
+    faces = pyvista.PolyData(faces.points, faces=faces.faces).compute_normals(split_vertices=False)
+    corners = faces.extract_feature_edges(_CORNER, boundary_edges=False, **alone)
+    normals = faces.compute_normals(feature_angle=_CORNER, split_vertices=True, cell_normals=False)
+    return normals, cut, edges.merge(corners)
 
 
 def _array(data: Any, name: str) -> FloatArray:
@@ -426,7 +376,9 @@ def _pressure(files: LoadFiles, size: float) -> Any:
     line = pyvista.read(files.line)
     section = np.asarray(line.points[:, :2])
     if files.around is None:
-        angles, pressure = _angles(_SEAT), _array(line.point_data, "contact_pressure_Pa")[None, :]
+        first, last = _SEAT
+        angles = np.radians(np.linspace(first, last, round((last - first) / _STEP) + 1))
+        pressure = np.tile(_array(line.point_data, "contact_pressure_Pa"), (len(angles), 1))
     else:
         around = pyvista.read(files.around)
         shape = -1, len(section)
@@ -437,29 +389,8 @@ def _pressure(files: LoadFiles, size: float) -> Any:
         angles, pressure = angle[kept, 0], pressure[kept]
     tangent = section[-1] - section[0]
     up = np.array([-tangent[1], tangent[0]]) / np.linalg.norm(tangent)
-    along = np.arange(len(section))
-    surface = _swept(section + _ABOVE * size * up, np.column_stack([along[:-1], along[1:]]), angles)
-    surface["pressure"] = np.broadcast_to(pressure, (len(angles), len(section))).ravel().astype(float)
+    r, z = (section + _ABOVE * size * up).T
+    across = np.outer(z, np.ones(len(angles)))
+    surface = pyvista.StructuredGrid(np.outer(r, np.cos(angles)), np.outer(r, np.sin(angles)), across)
+    surface["pressure"] = pressure.ravel().astype(float)
     return surface
-
-
-def _angles(turn: tuple[float, float]) -> FloatArray:
-    first, last = turn
-    return np.radians(np.linspace(first, last, round((last - first) / _STEP) + 1))
-
-
-def _in_space(points: FloatArray, angles: FloatArray) -> FloatArray:
-    """(r, z) at each angle, one angle after the other."""
-    r, z = points.T
-    return np.vstack([np.column_stack([r * math.cos(a), r * math.sin(a), z]) for a in angles.tolist()])
-
-
-def _swept(points: FloatArray, edges: IntArray, angles: FloatArray) -> Any:
-    """The surface of quadrilaterals that edges of a section sweep."""
-    import pyvista
-
-    n = len(points)
-    steps = n * np.arange(len(angles) - 1)[:, None, None]
-    first = edges + steps
-    quads = np.concatenate([first, (first + n)[..., ::-1]], axis=2).reshape(-1, 4)
-    return pyvista.PolyData(_in_space(points, angles), faces=np.insert(quads, 0, 4, axis=1))

@@ -112,20 +112,16 @@ def test_closed_sections_of_both_bodies(folder):
     result = rough_result()
     grid = pyvista.read(three_d.loads_in(folder)[0].bodies)
     for number, outline in enumerate(result.seal_mesh.outlines):
-        section = three_d._Section.of(grid, number)
-        half = section.cuts((0.0, 180.0))
+        section = three_d._section(grid, number)
+        faces, half, _ = three_d._swept(section, (0.0, 180.0))
         assert half.area == pytest.approx(2 * outline.area, rel=2 * result.seal_mesh.quality.area_error)
         # Pappus: volume of half a turn, closed by the two cuts
-        r = np.array([section.points[t, 0].mean() for t in section.triangles])
-        a, b, c = (section.points[section.triangles[:, k]] for k in range(3))
+        corners = section.points[section.faces.reshape(-1, 4)[:, 1:]][..., [0, 2]]
+        r = corners[..., 0].mean(axis=1)
+        a, b, c = corners.transpose(1, 0, 2)
         (ab_r, ab_z), (ac_r, ac_z) = (b - a).T, (c - a).T
         area = 0.5 * np.abs(ab_r * ac_z - ab_z * ac_r)
-        body = (
-            section.revolved((0.0, 180.0))
-            .merge(half)
-            .extract_surface(algorithm="dataset_surface")
-            .triangulate()
-        )
+        body = faces.merge(half).extract_surface(algorithm="dataset_surface").triangulate()
         volume = body.clean().compute_normals(auto_orient_normals=True).volume
         assert volume == pytest.approx(np.pi * float(area @ r), rel=1e-3)
 
@@ -134,8 +130,8 @@ def test_deformation_is_not_exaggerated(folder):
     pyvista = pytest.importorskip("pyvista")
     files = three_d.loads_in(folder)[-1]
     grid = pyvista.read(files.bodies)
-    section = three_d._Section.of(grid, 0)
-    moved = section.points - grid.points[:, :2]
+    section = three_d._section(grid, 0)
+    moved = section.points[:, [0, 2]] - grid.points[:, :2]
     np.testing.assert_allclose(
         moved[grid.points[:, 0] > 1e-6], grid["displacement_m"][grid.points[:, 0] > 1e-6, :2], atol=1e-12
     )
