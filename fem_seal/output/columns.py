@@ -9,6 +9,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
+from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,7 +22,7 @@ from leak import Reading
 
 if TYPE_CHECKING:
     from fem_seal.seal.load_result import LoadResult
-    from leak import CoupledLeakResult, LeakResult
+    from leak import LeakResult
 
 
 @dataclass(frozen=True)
@@ -142,20 +143,10 @@ def _knudsen_number(load: LoadResult) -> float | None:
     return number if number is not None and math.isfinite(number) else None
 
 
-def _coupled(load: LoadResult) -> CoupledLeakResult | None:
+def _blow_off_pressure(load: LoadResult) -> float | None:
     from leak import CoupledLeakResult
 
-    return load.leak if isinstance(load.leak, CoupledLeakResult) else None
-
-
-def _lift_off_x(load: LoadResult) -> float | None:
-    coupled = _coupled(load)
-    return None if coupled is None else coupled.lift_off_x
-
-
-def _blow_off_pressure(load: LoadResult) -> float | None:
-    coupled = _coupled(load)
-    return load.blow_off_pressure if coupled is None else coupled.blow_off_pressure
+    return (load.leak if isinstance(load.leak, CoupledLeakResult) else load).blow_off_pressure
 
 
 def _plastic_strain(load: LoadResult) -> float | None:
@@ -172,13 +163,6 @@ def _plastic_strain(load: LoadResult) -> float | None:
     )
 
 
-def _load_steps(load: LoadResult) -> float | None:
-    from fem_seal.contact.load_path import ElastoplasticContact
-
-    contact = load.contact
-    return float(contact.load_steps) if isinstance(contact, ElastoplasticContact) else None
-
-
 def _interval_end(load: LoadResult, which: int) -> float | None:
     """Lower (0) or upper (1) end of the leak rate's interval [m^3/s]; None where nothing makes one."""
     ends = load.leak_interval
@@ -192,33 +176,24 @@ def _of_scratches(load: LoadResult, which: int) -> float | None:
 
 # What is said of the columns of all tables.
 _SAID = own_tables("columns.toml")
-# The number of each column, in the order of leak.csv.
+# The number of a column that is not the property of the load which its name without the unit says.
 _OF: dict[str, Callable[[LoadResult], float | None]] = {
-    "fluid_pressure_Pa": lambda load: load.fluid_pressure,
-    "contact_force_N": lambda load: load.contact_force,
-    "line_load_N_per_m": lambda load: load.line_load,
-    "peak_pressure_Pa": lambda load: load.peak_pressure,
     "contact_radius_m": _contact_radius,
-    "fwhm_m": lambda load: load.fwhm,
-    "std_m": lambda load: load.std,
     "leak_rate_m3_per_s": lambda load: _rate(load.leak),
     "leak_rate_elastic_m3_per_s": lambda load: _rate(load.reading(Reading.ELASTIC).leak),
-    "critical_separation_m": lambda load: load.critical_separation,
     "critical_separation_elastic_m": lambda load: load.reading(Reading.ELASTIC).critical_separation,
-    "max_von_mises_Pa": lambda load: load.max_von_mises,
     "leak_rate_low_m3_per_s": lambda load: _interval_end(load, 0),
     "leak_rate_high_m3_per_s": lambda load: _interval_end(load, 1),
-    "leak_rate_kg_per_s": lambda load: None if load.leak is None else load.leak.mass_flow,
-    "leak_rate_Pa_m3_per_s": lambda load: None if load.leak is None else load.leak.throughput,
-    "leak_rate_standard_m3_per_s": lambda load: None if load.leak is None else load.leak.standard_leak_rate,
+    "leak_rate_kg_per_s": lambda load: getattr(load.leak, "mass_flow", None),
+    "leak_rate_Pa_m3_per_s": lambda load: getattr(load.leak, "throughput", None),
+    "leak_rate_standard_m3_per_s": lambda load: getattr(load.leak, "standard_leak_rate", None),
     "knudsen_number": _knudsen_number,
-    "lift_off_x_m": _lift_off_x,
+    "lift_off_x_m": lambda load: getattr(load.leak, "lift_off_x", None),
     "blow_off_pressure_Pa": _blow_off_pressure,
-    "applied_force_N": lambda load: load.applied_force,
     "effective_seal_radius_m": lambda load: load.effective_radius,
     "force_for_target_leak_N": lambda load: load.force_for_target,
     "max_accumulated_plastic_strain": _plastic_strain,
-    "load_steps": _load_steps,
+    "load_steps": lambda load: getattr(load.contact, "load_steps", None),
     "opening_margin_N": lambda load: None if load.opening is None else load.opening.force,
     "opening_margin_Pa": lambda load: None if load.opening is None else load.opening.pressure,
     "opening_margin": lambda load: None if load.opening is None else load.opening.share,
@@ -230,14 +205,12 @@ _OF: dict[str, Callable[[LoadResult], float | None]] = {
     "leak_rate_scratches_low_m3_per_s": lambda load: _of_scratches(load, 0),
     "leak_rate_scratches_high_m3_per_s": lambda load: _of_scratches(load, 1),
     "force_for_verdict_N": lambda load: load.force_for_verdict if isinstance(load, JudgedLoad) else None,
-    "contact_temperature_K": lambda load: load.contact_temperature,
-    "effective_viscosity_Pa_s": lambda load: load.effective_viscosity,
     "margin": lambda load: load.margin if isinstance(load, JudgedLoad) else None,
 }
 
 
 def _columns() -> Iterator[Column]:
-    for name, of in _OF.items():
+    for name, said in _SAID["loads"].items():
         if name == "force_for_verdict_N":
             for reading in (OWN, *FURTHER):
                 kind = "own_leak_rate" if reading == OWN else "leak_rate"
@@ -246,7 +219,7 @@ def _columns() -> Iterator[Column]:
             for reading in FURTHER:
                 words = {"reading": str(reading), **asdict(WORDS[reading])}
                 yield _worded(force_column(reading), "force", partial(_force_read, reading), words)
-        yield Column(name, of=of, **_SAID["loads"][name])
+        yield Column(name, of=_OF.get(name) or attrgetter(split_unit(name)[0]), **said)
     for theory, meaning in THEORIES.items():
         words = {"theory": theory, "meaning": meaning}
         yield _worded(leak_rate_column(theory), "theory", partial(_leak_rate_by, theory), words)
