@@ -17,6 +17,8 @@ from fem_seal.output import shown_answers
 from fem_seal.output.case_words import chosen_dimensions, derived_numbers
 from fem_seal.output.folders import replaced_together
 from fem_seal.output.report.page import write_report
+from fem_seal.output.report.words import far_field_sentence
+from fem_seal.output.shown import by_reading
 from fem_seal.output.sources import sources
 from fem_seal.output.tables import (
     imprint_rows,
@@ -136,6 +138,11 @@ def summary(result: SealSolution) -> dict[str, Any]:
         "yielding": [_yielding(load) for load in result.loads],
         "imprint": None if result.unloaded is None else _imprints(result.unloaded),
         "convergence": [_convergence(load) for load in result.loads],
+        "discretisation_error": asdict(result.discretisation_error),
+        "far_field": {
+            "changes": [by_reading(asdict(change)) for change in result.far_field],
+            "says": far_field_sentence(result),
+        },
         **{key: value for shown in shown_answers.SHOWN for key, value in shown.summary(result).items()},
         "warnings": list(result.warnings),
         "wall_times_s": dict(result.timings),

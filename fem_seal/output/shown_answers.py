@@ -1,7 +1,6 @@
 """What all answers add to files, report and terminal."""
 
 from fem_seal.output.answers import (
-    accuracy,
     form,
     particles,
     sensitivities,
@@ -14,5 +13,5 @@ from fem_seal.output.answers import (
 from fem_seal.output.shown import Shown
 
 # In the order in which they are told.
-_TOLD = accuracy, target, form, particles, theories, variants, uncertainty, verdict, sensitivities
+_TOLD = target, form, particles, theories, variants, uncertainty, verdict, sensitivities
 SHOWN: tuple[Shown, ...] = tuple(one.SHOWN for one in _TOLD)

@@ -10,7 +10,6 @@ import math
 import re
 import sys
 from collections.abc import Callable, Mapping, Sequence
-from html import escape
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
@@ -315,7 +314,7 @@ def write_cells(
             number = values.dtype.name.capitalize().replace("Uint", "UInt")
             # without the number of tuples a reader cannot tell the length of an array that belongs to no point
             tags.append(
-                f'<DataArray type="{number}" Name={_quoted(array)} NumberOfTuples="{len(values)}" '
+                f'<DataArray type="{number}" Name="{array}" NumberOfTuples="{len(values)}" '
                 f'NumberOfComponents="{values.shape[1] if values.ndim == 2 else 1}" '
                 f'format="appended" offset="{sum(map(len, chunks))}"/>\n'
             )
@@ -346,7 +345,7 @@ def write_cells(
 def write_series(path: Path, files: Sequence[str], times: Sequence[float]) -> Path:
     """Write a .pvd that lists one file per time, replacing `path` in one step."""
     entries = "".join(
-        f'<DataSet timestep="{time:.12g}" group="" part="0" file={_quoted(file)}/>\n'
+        f'<DataSet timestep="{time:.12g}" group="" part="0" file="{file}"/>\n'
         for file, time in zip(files, times, strict=True)
     )
     return write_text(path, f"{_head('Collection')}<Collection>\n{entries}</Collection>\n</VTKFile>\n")
@@ -358,8 +357,3 @@ def _head(kind: str) -> str:
         '<?xml version="1.0"?>\n'
         f'<VTKFile type="{kind}" version="1.0" byte_order="{order}" header_type="UInt64">\n'
     )
-
-
-def _quoted(text: str) -> str:
-    """An attribute's value in quotes."""
-    return f'"{escape(text)}"'

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -99,14 +99,10 @@ def all_profiles(axes: Axes, loads: Sequence[LoadResult], order: Sequence[int], 
     drawn = few(len(order), _DRAWN_LOADS)
     named = [drawn[n] for n in few(len(drawn), _NAMED_LOADS if len(drawn) <= _NAMED_LOADS else 4)]
     for n in drawn:
-        for number, profile in enumerate(loads[order[n]].profiles):
-            axes.plot(
-                profile.x / length.size,
-                profile.pressure / pressure.size,
-                color=colour(n),
-                linewidth=1.2,
-                label=over.names[order[n]] if n in named and not number else None,
-            )
+        name = over.names[order[n]] if n in named else None
+        _plot_profiles(
+            axes, loads[order[n]], "pressure", length, pressure, name, color=colour(n), linewidth=1.2
+        )
     reach = _reach(loads) / length.size
     axes.set_xlim(-reach, reach)
     axes.set_ylim(0.0)
@@ -117,6 +113,15 @@ def all_profiles(axes: Axes, loads: Sequence[LoadResult], order: Sequence[int], 
     if len(order) == 1:
         title = load_name(loads[order[0]], loads)
     label(axes, title, f"x  [{length.name}]", f"contact pressure  [{pressure.name}]")
+
+
+def _plot_profiles(
+    axes: Axes, load: LoadResult, measure: str, length: Unit, unit: Unit, name: str | None, **how: Any
+) -> None:
+    """Pressure or gap of a load across its contact lines, which have one name in the legend."""
+    for number, profile in enumerate(load.profiles):
+        x, y = profile.x / length.size, getattr(profile, measure) / unit.size
+        axes.plot(x, y, label=None if number else name, **how)
 
 
 def _against_closed_forms(axes: Axes, load: LoadResult, name: str, closed: DerivedLoad, length: Unit) -> None:
@@ -133,23 +138,9 @@ def _against_closed_forms(axes: Axes, load: LoadResult, name: str, closed: Deriv
             x, y = np.append(-half[:0:-1], half), np.append(right[:0:-1], right)
             cut = form.peak_pressure > top
             peak = f", peak {quantity('contact pressure', form.peak_pressure)}" if cut else ""
-            axes.plot(
-                x / length.size,
-                y,
-                color=colour,
-                linestyle=dashes,
-                linewidth=1.4,
-                label=form_name + peak,
-                zorder=3,
-            )
-    for profile in load.profiles:
-        axes.plot(
-            profile.x / length.size,
-            profile.pressure / pressure.size,
-            color=BLUE,
-            linewidth=2.4,
-            label="calculated",
-        )
+            how: dict[str, Any] = {"color": colour, "linestyle": dashes, "linewidth": 1.4, "zorder": 3}
+            axes.plot(x / length.size, y, label=form_name + peak, **how)
+    _plot_profiles(axes, load, "pressure", length, pressure, "calculated", color=BLUE, linewidth=2.4)
     axes.set_xlim(-reach / length.size, reach / length.size)
     axes.set_ylim(0.0, top / pressure.size)
     axes.legend(loc="upper right", handlelength=1.9, borderpad=0.1)
@@ -169,18 +160,17 @@ def size_picture(result: SealSolution, sizes: Mapping[str, Sizes]) -> Picture | 
         return None
     over = load_axis(result.loads)
     figure, axes = panels(2, height=3.3)
-    _sizes(axes[0], over, sizes, "peak_pressure", "contact pressure")
-    _sizes(axes[1], over, sizes, "fwhm", "length")
-    peak, width = (axis.get_ylabel() for axis in axes)
-    label(axes[0], "Peak contact pressure", over.label, f"peak pressure  [{peak}]")
-    label(axes[1], "Width of the contact", over.label, f"full width at half maximum  [{width}]")
+    peak = _draw_sizes(axes[0], over, sizes, "peak_pressure", "contact pressure")
+    label(axes[0], "Peak contact pressure", over.label, f"peak pressure  [{peak.name}]")
+    width = _draw_sizes(axes[1], over, sizes, "fwhm", "length")
+    label(axes[1], "Width of the contact", over.label, f"full width at half maximum  [{width.name}]")
     return captioned(
         figure, "sizes", "all", "gaussian" if "gaussian" in sizes else "", over.order, over=over.name
     )
 
 
-def _sizes(axes: Axes, over: LoadAxis, sizes: Mapping[str, Sizes], measure: str, kind: str) -> None:
-    """One measure of the profiles; leaves its unit as label of the y axis."""
+def _draw_sizes(axes: Axes, over: LoadAxis, sizes: Mapping[str, Sizes], measure: str, kind: str) -> Unit:
+    """One measure of the profiles over the loads; returns its unit."""
     x, order = over.shown, np.argsort(over.values)
     calculated = getattr(sizes["calculated"], measure)
     unit = unit_for(kind, float(calculated.max()))
@@ -202,7 +192,7 @@ def _sizes(axes: Axes, over: LoadAxis, sizes: Mapping[str, Sizes], measure: str,
     if over.returns:
         number_dots(axes, x, calculated / unit.size, range(1, len(x) + 1))
     axes.legend(loc="best")
-    axes.set_ylabel(unit.name)
+    return unit
 
 
 def gap_picture(result: SealSolution) -> Picture:
@@ -225,8 +215,7 @@ def gap_picture(result: SealSolution) -> Picture:
     gap = unit_for("length", widest)
     for n, load in enumerate(chosen):
         name = over.names[drawn[n]]
-        for profile in load.profiles:
-            axes[0].plot(profile.x / length.size, profile.gap / gap.size, color=colour(n), label=name)
+        _plot_profiles(axes[0], load, "gap", length, gap, name, color=colour(n))
         if load in flowing and load.leak is not None:
             x = np.concatenate([profile.x for profile in load.profiles])
             share = load.leak.fluid_pressure / load.fluid_pressure

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem_seal.answers.solution import SealSolution
 from fem_seal.arrays import FloatArray
 from fem_seal.output.pictures.style import (
     BLUE,
@@ -40,19 +39,16 @@ _MOST_CELLS = 512
 _FAINT = 1e-3
 
 
-def simulation_pictures(result: SealSolution) -> tuple[Picture, ...]:
-    """Curves, and the map nearest to the peak pressure of the highest load; none if nothing was simulated.
+def simulation_pictures(table: DirectTable, pressure: float) -> tuple[Picture, ...]:
+    """Curves, and the map at the simulated pressure that is nearest to another.
 
     Parameters
     ----------
-    result : SealSolution
+    table : DirectTable
+    pressure : float
+        [Pa]
     """
-    flow, surface = result.problem.flow, result.surface
-    if flow is None or flow.simulated is None or surface is None:
-        return ()
-    table = flow.simulated.table(surface)
-    peak = result.highest.peak_pressure
-    nearest = min(table.simulation.settings.pressures, key=lambda pressure: abs(np.log(pressure / peak)))
+    nearest = min(table.simulation.settings.pressures, key=lambda one: abs(np.log(one / pressure)))
     return curves_picture(table), map_picture(table, nearest)
 
 

@@ -284,13 +284,10 @@ def _set_scene(plotter: Any, files: LoadFiles, scale: bool) -> None:
     plotter.set_background("white")
     plotter.enable_anti_aliasing("ssaa")
     _draw(plotter, files, scale)
-    azimuth, elevation = (math.radians(angle) for angle in _FROM)
-    way = (
-        math.cos(elevation) * math.cos(azimuth),
-        math.cos(elevation) * math.sin(azimuth),
-        math.sin(elevation),
-    )
+    azimuth, elevation = np.radians(_FROM)
+    across = math.cos(elevation)
     plotter.camera.parallel_projection = False
+    way = across * math.cos(azimuth), across * math.sin(azimuth), math.sin(elevation)
     plotter.view_vector(way, viewup=(0.0, 0.0, 1.0))
     plotter.camera.zoom(1.4)
 

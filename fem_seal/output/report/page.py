@@ -143,12 +143,12 @@ def _around(result: SealSolution) -> tuple[Picture | None, ...]:
 
 def _simulated(result: SealSolution) -> tuple[Picture, ...]:
     """Pictures of a direct simulation; none without one."""
-    flow = result.problem.flow
-    if flow is None or flow.simulated is None:
+    flow, surface = result.problem.flow, result.surface
+    if flow is None or flow.simulated is None or surface is None:
         return ()
     from fem_seal.output.pictures.direct import simulation_pictures
 
-    return simulation_pictures(result)
+    return simulation_pictures(flow.simulated.table(surface), result.highest.peak_pressure)
 
 
 def _of_case(result: SealSolution) -> dict[str, Any]:
@@ -184,6 +184,7 @@ def _words(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes]) -
         "headline": words.headline(result),
         "facts": words.facts(result),
         "reasons": words.reasons(result, derived),
+        "far_field": words.far_field_sentence(result),
         "loads": tables.load_table(result),
         "marks": tables.marks_in_words(result),
         "validity": tables.validity_table(result),

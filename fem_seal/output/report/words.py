@@ -20,7 +20,7 @@ from fem_seal.output.prose import said
 from fem_seal.output.report.tables import imprint_in_words, what_yielded
 from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.findings import Level, Validity
-from fem_seal.seal.load_names import load_values
+from fem_seal.seal.load_names import load_name, load_values
 from fem_seal.seal.load_result import LoadResult, highest_load, rate_of
 from fem_seal.seal.readings import WORDS
 from fem_seal.units import (
@@ -57,6 +57,8 @@ _MIDDLE = (0.1, 0.9)
 _ABOVE_HERTZ = 1.05
 # Ratio of leak rates that two digits tell from one.
 _NOTICED = 1.05
+# Relative changes below this are not worth a number.
+_LEAST = 1e-5
 
 
 @dataclass(frozen=True)
@@ -412,6 +414,29 @@ def _samples_in_words(case: Case, load: LoadResult) -> str:
     return said("readings.sampled", what + also, share=case.sampled.confidence)
 
 
+def far_field_sentence(result: SealSolution) -> str:
+    """The influence of the far field in one sentence; empty if nothing was compared."""
+    if not result.far_field:
+        return ""
+    changes = "; ".join(
+        said(
+            "notes.far_field",
+            "peak" if change.leak_rate is None else "both",
+            change=change.name,
+            peak=_change_in_words(change.peak_pressure),
+            leak_rate="" if change.leak_rate is None else _change_in_words(change.leak_rate),
+        )
+        for change in result.far_field
+    )
+    which = "one" if len(result.loads) == 1 else "strongest"
+    load = load_name(result.strongest, result.loads)
+    return said("notes.far_field", which, load=load, changes=changes)
+
+
+def _change_in_words(change: float) -> str:
+    return f"{100 * change:+.2g} %" if abs(change) >= _LEAST else f"less than {100 * _LEAST:g} %"
+
+
 def _contact(load: LoadResult) -> str:
     return f"{in_words(load, 'fwhm_m')} wide under {_peak(load)} peak pressure"
 
@@ -514,8 +539,10 @@ def _less_by_yielding(load: LoadResult) -> tuple[str, str]:
     return factor, "never" if elastic / low > _NOTICED else "hardly"
 
 
-def leakage_text(load: LoadResult, volume: LeakVolume = LIQUID) -> str:
-    """The leak rate of a load in the units of its kind: "1.2 to 3.4 ml/min = 19 to 54 drops/min".
+def leakage_text(
+    load: LoadResult, volume: LeakVolume = LIQUID, rate: float | tuple[float, float] | None = None
+) -> str:
+    """A leak rate of a load in the units of its kind: "1.2 to 3.4 ml/min = 19 to 54 drops/min".
 
     Parameters
     ----------
@@ -523,12 +550,10 @@ def leakage_text(load: LoadResult, volume: LeakVolume = LIQUID) -> str:
         With a leak rate.
     volume : LeakVolume
         What leaks.
+    rate : float or tuple of float, optional
+        Another one than its own, or both ends of it [m^3/s].
     """
-    return _text_of(load, rate_of(load), volume)
-
-
-def _text_of(load: LoadResult, rate: float | tuple[float, float], volume: LeakVolume) -> str:
-    """A leak rate of a load, or both of its ends [m^3/s], in the units of its kind."""
+    rate = rate_of(load) if rate is None else rate
     assert load.leak is not None
     if not volume.measurable(rate[1] if isinstance(rate, tuple) else rate):
         return leak_range_text(rate, claimed=not load.validity.outside, volume=volume)
@@ -612,5 +637,5 @@ def leakage_lines(case: Case, load: LoadResult, loads: Sequence[LoadResult]) -> 
 def _as_given(case: Case, load: LoadResult) -> str:
     """The leak rate without what is uncertain, in both readings of yielding asperities."""
     # in the unit of the line above
-    rate = _text_of(load, usual_rate_of(load), volume_of(case)).split(" = ")[0]
+    rate = leakage_text(load, volume_of(case), usual_rate_of(load)).split(" = ")[0]
     return said("readings.as_given", "finish" if has_finish(case) else "inputs", rate=rate)

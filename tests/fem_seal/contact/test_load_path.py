@@ -23,10 +23,9 @@ from fem_seal.contact.model import condense
 from fem_seal.contact.other_loads import FurtherLoads
 from fem_seal.errors import InputError
 from fem_seal.loads import contact_force
-from fem_seal.output.answers.accuracy import far_field_sentence
 from fem_seal.output.files import summary
 from fem_seal.output.report.page import report
-from fem_seal.output.report.words import headline, leakage_lines
+from fem_seal.output.report.words import far_field_sentence, headline, leakage_lines
 from fem_seal.output.tables import write_profile_csv
 from fem_seal.seal.load_names import different, load_axis, load_name
 from fem_seal.seal.load_result import LoadResult
