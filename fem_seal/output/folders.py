@@ -179,7 +179,8 @@ def _move(draft: Path, folder: Path, whole: bool) -> None:
     new = {path.name for path in draft.iterdir()}
     there = {path.name for path in folder.iterdir() if not path.is_dir()}
     others = {name for name in there - new if _OF_A_RUN.fullmatch(name)}
-    if not whole and _equal(draft, folder, new):
+    # the same files may stand there already
+    if not whole and not any(filecmp.cmpfiles(draft, folder, new, shallow=False)[1:]):
         return
     before = unfinished(folder)
     _mark(folder, _KILLED)
@@ -197,11 +198,6 @@ def _mark(folder: Path, text: str | None) -> None:
         (folder / UNFINISHED).unlink(missing_ok=True)
     else:
         write_text(folder / UNFINISHED, text + "\n")
-
-
-def _equal(draft: Path, folder: Path, names: Collection[str]) -> bool:
-    """Whether all the files stand in the folder already."""
-    return not any(filecmp.cmpfiles(draft, folder, names, shallow=False)[1:])
 
 
 def _exchange(draft: Path, folder: Path, new: Collection[str], old: Collection[str]) -> None:

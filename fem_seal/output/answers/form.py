@@ -38,10 +38,10 @@ _DIRECTIONS = {"radial": "roundness", "axial": "flatness"}
 def form_in_words(result: SealSolution) -> list[str]:
     """What an engineer asks of a form error, a sentence or two for each question; empty for a round seal."""
     answers = result.form
-    return [] if answers is None else [text for text in _said(result, answers) if text]
+    return [] if answers is None else [text for text in _sentences(result, answers) if text]
 
 
-def _said(result: SealSolution, answers: FormAnswers) -> Iterator[str]:
+def _sentences(result: SealSolution, answers: FormAnswers) -> Iterator[str]:
     load = result.highest
     at = load_name(load, result.loads)
     if load.leak is not None and load.leak_round is not None:
@@ -195,7 +195,7 @@ def _of_load(load: LoadResult, result: SealSolution) -> Iterator[str]:
     around, name = load.around, load_name(load, result.loads)
     assert around is not None
     angles, width = least_loaded(around)
-    at = _named(angles)
+    at = _angles_text(angles)
     if around.line_load.min() == 0:
         yield said("notes.around", "parted", load=name, at=at, width=_degrees(width))
     else:
@@ -241,7 +241,7 @@ def turn_that_leaks(leak_rate: FloatArray, share: float) -> float | None:
     return float(np.interp(share, passed, np.arange(len(passed)))) * 2 * math.pi / len(leak_rate)
 
 
-def _named(angles: list[float]) -> str:
+def _angles_text(angles: list[float]) -> str:
     """The angles: "90° and 270°"; of many, their number."""
     if not angles:
         return "every angle"

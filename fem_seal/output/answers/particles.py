@@ -44,10 +44,10 @@ def particles_in_words(result: SealSolution) -> list[str]:
     result : SealSolution
     """
     answers = answers_of(result.highest, result.particles)
-    return [] if answers is None else list(_said(result, answers))
+    return [] if answers is None else list(_sentences(result, answers))
 
 
-def _said(result: SealSolution, answers: ParticleAnswers) -> Iterator[str]:
+def _sentences(result: SealSolution, answers: ParticleAnswers) -> Iterator[str]:
     at = load_name(result.highest, result.loads)
     yield said("particles.narrow", "from", load=at, sizes=answers.narrowest)
     yield _filter(answers)

@@ -23,7 +23,7 @@ def _rate(load: LoadResult) -> float:
     return 0.0 if load.leak is None else load.leak.leak_rate
 
 
-def _told(result: SealSolution, load: LoadResult) -> str:
+def _rate_text(result: SealSolution, load: LoadResult) -> str:
     return leak_range_text(rate_of(load), min(result.highest.leak_digits, 2), volume=volume_of(result.case))
 
 
@@ -43,7 +43,7 @@ def corrected_beside(result: SealSolution) -> str:
     other = load.in_theory("corrected")
     if load.in_theory("paper") is not load or other is None:
         return ""
-    rate, at = _told(result, other) if _rate(other) else "nothing", load_name(load, result.loads)
+    rate, at = _rate_text(result, other) if _rate(other) else "nothing", load_name(load, result.loads)
     return said("theories.beside", "headline", rate=rate, load=at, inputs=_inputs(load))
 
 
@@ -74,7 +74,7 @@ def _compared(result: SealSolution, load: LoadResult, theory: str, other: LoadRe
         theory=THEORIES[theory],
         load=load_name(load, result.loads),
         inputs=_inputs(load),
-        rate=_told(result, other) if rate else "",
+        rate=_rate_text(result, other) if rate else "",
         factor=rate / own if own else None,
         own=leak_range_text(own, min(load.leak_digits, 2), volume=volume_of(result.case)) if own else "",
     )

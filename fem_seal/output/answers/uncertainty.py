@@ -27,7 +27,7 @@ _NARROW, _NAMED, _LEAST = 1.25, 4, 0.01
 _NARROWER = 1.1
 
 
-def _named(name: str) -> str:
+def _input_name(name: str) -> str:
     """An uncertain input in words; one of several measured spectra is called by its key."""
     names: dict[str, str] = prose()["sources_of_error"]
     if name in names or name.startswith("accuracy: "):
@@ -50,7 +50,7 @@ def interval_table(result: SealSolution) -> ReadableTable:
         f"leak rate [{unit.name}]",
         f"{span}: from [{unit.name}]",
         f"to [{unit.name}]",
-        *(f"{_named(name)} [%]" for name in interval.inputs),
+        *(f"{_input_name(name)} [%]" for name in interval.inputs),
     )
     rows = []
     for load, both, shares in zip(result.loads, ends, interval.shares, strict=True):
@@ -84,7 +84,7 @@ def interval_note(result: SealSolution) -> str:
         "held",
         "" if result.highest.flow_error is None else "own",
         interval=interval,
-        inputs=", ".join(_named(name) + spreads.get(name, "") for name in interval.inputs),
+        inputs=", ".join(_input_name(name) + spreads.get(name, "") for name in interval.inputs),
         sealed=sealed,
     )
 
@@ -119,8 +119,8 @@ def error_sentence(result: SealSolution) -> str:
         measured=measured,
         load=load_name(result.loads[number], result.loads),
         factor=found.factor,
-        shares=", ".join(f"{_named(name)} {percent(share, 1)}" for name, share in told),
-        largest=_named(largest),
+        shares=", ".join(f"{_input_name(name)} {percent(share, 1)}" for name, share in told),
+        largest=_input_name(largest),
         left=found.left[largest],
     )
 

@@ -76,7 +76,7 @@ def verdict_sentences(result: SealSolution) -> list[str]:
     doubted = found.worst.verdict != "inconclusive" and _doubt(result, found)
     at = f"{place}, with doubt" if doubted else place
     told = _verdict(found, at, _digits(result, found), volume_of(result.case))
-    return [told, *_besides(result, found)]
+    return [told, *_further_sentences(result, found)]
 
 
 def _digits(result: SealSolution, found: SealJudgement) -> int:
@@ -163,7 +163,7 @@ def _as_written(leak_rate: float) -> str:
     return ""
 
 
-def _besides(result: SealSolution, found: SealJudgement) -> Iterator[str]:
+def _further_sentences(result: SealSolution, found: SealJudgement) -> Iterator[str]:
     volume = volume_of(result.case)
     if volume.state and found.worst.why not in _WITHOUT_RATES and not _in_mbar(found.worst.limit):
         yield said("verdict.said", "volume", state=volume.state)

@@ -297,12 +297,12 @@ def _how_sure(result: SealSolution) -> str:
         found = [load for load in result.loads if load.validity.level is level]
         if found:
             highest = found[highest_load(found)]
-            at = "" if len(result.loads) == 1 else f" at {_named(found, result.loads)}"
-            told.append(f"{level}{at} ({_why(highest.validity)})")
+            at = "" if len(result.loads) == 1 else f" at {_names_of_loads(found, result.loads)}"
+            told.append(f"{level}{at} ({_worst_reason(highest.validity)})")
     return f" The result is {', '.join(told)}." if told else ""
 
 
-def _named(loads: Sequence[LoadResult], among: Sequence[LoadResult]) -> str:
+def _names_of_loads(loads: Sequence[LoadResult], among: Sequence[LoadResult]) -> str:
     """A few loads by their names, of more the number."""
     if len(loads) == len(among):
         return "every load"
@@ -311,7 +311,7 @@ def _named(loads: Sequence[LoadResult], among: Sequence[LoadResult]) -> str:
     return ", ".join(load_values(load, among) for load in loads)
 
 
-def _why(validity: Validity) -> str:
+def _worst_reason(validity: Validity) -> str:
     """The worst reason, and how many there are besides."""
     others = len(validity.reasons) - 1
     more = f" and {others} more {'reason' if others == 1 else 'reasons'}" if others else ""
