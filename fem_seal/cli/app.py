@@ -248,7 +248,7 @@ def direct(
             strips = seal_result.direct_seal(case, folder=folder, jobs=processes, progress=progress)
             progress("drawing")
             samples.write_direct_seal(strips, folder)
-            numbers: dict[str, Any] = {"strips": samples.seal_rows(strips)}
+            numbers: dict[str, Any] = {"strips": [samples.seal_numbers(one) for one in strips]}
             title, keys = "Simulated seal", 4
             lines, shown = samples.seal_lines(strips), samples.shown_seal_rows(strips)
         else:

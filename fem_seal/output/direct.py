@@ -220,17 +220,13 @@ def _cell(value: float, digits: int) -> str:
     return "-" if math.isnan(value) else number(value, digits)
 
 
-def seal_rows(rows: Sequence[SealRow]) -> list[dict[str, Any]]:
-    """Rows of direct_seal.csv: names with units, numbers in SI.
+def seal_numbers(row: SealRow) -> dict[str, Any]:
+    """A row of direct_seal.csv: names with units, numbers in SI.
 
     Parameters
     ----------
-    rows : sequence of SealRow
+    row : SealRow
     """
-    return [_seal_row(row) for row in rows]
-
-
-def _seal_row(row: SealRow) -> dict[str, Any]:
     place, (peak, fwhm) = row.place, row.measures
     low, high = place.interval or (math.nan, math.nan)
     return {
@@ -292,7 +288,7 @@ def write_direct_seal(rows: Sequence[SealRow], folder: Path) -> None:
     from fem_seal.output.pictures.direct import seal_picture
     from fem_seal.output.pictures.style import style
 
-    _write(folder / SEAL_TABLE, seal_rows(rows))
+    _write(folder / SEAL_TABLE, [seal_numbers(row) for row in rows])
     with style():
         write_bytes(folder / "direct_seal.svg", seal_picture(rows).svg)
 
@@ -305,9 +301,9 @@ def shown_seal_rows(rows: Sequence[SealRow]) -> tuple[list[str], list[list[str]]
     rows : sequence of SealRow
     """
     shown = []
-    for row, numbers in zip(rows, seal_rows(rows), strict=True):
+    for row in rows:
         mean, leaks = row.leak_rate, row.leak_rate > 0.0
         error = row.deviation / math.sqrt(len(row.leak_rates)) / mean if leaks else math.nan
         ratio = number(row.chain_held / mean, 3) if leaks else "tight"
-        shown.append({**numbers, "error": error, "chain_over_simulated": ratio})
+        shown.append({**seal_numbers(row), "error": error, "chain_over_simulated": ratio})
     return _on_terminal("seal", shown)
