@@ -28,9 +28,8 @@ import leak
 import meshes
 from fem_seal.contact.load_path import ElastoplasticContact, load_path
 from fem_seal.contact.model import condense
-from fem_seal.contact.path_loads import PathLoad
 from fem_seal.contact.penetration import FlowThrough
-from fem_seal.contact.plastic_step import PlasticSettings
+from fem_seal.contact.plastic_step import PathLoad, PlasticSettings
 from fem_seal.contact.sizing import element_sizes, for_yielding
 from fem_seal.loads import line_load
 from fem_seal.materials import HardeningCurve, Material, effective_modulus

@@ -13,8 +13,7 @@ from fem_seal.contact.laws import HardContact, Law
 from fem_seal.contact.model import condense
 from fem_seal.contact.newton import solve
 from fem_seal.contact.other_loads import FurtherLoads
-from fem_seal.contact.refit import solve_fitted
-from fem_seal.contact.sizing import element_sizes
+from fem_seal.contact.sizing import element_sizes, solve_fitted
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.materials import Material, effective_modulus
 from meshes import (

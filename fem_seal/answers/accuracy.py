@@ -16,10 +16,9 @@ from fem_seal.contact.plastic_step import PlasticSettings
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError, InputError
 from fem_seal.profile import tightest
-from fem_seal.seal.load_result import DiscretisationError, strongest_load
+from fem_seal.seal.load_result import DiscretisationError, SolvedSeal, strongest_load
 from fem_seal.seal.load_solver import LoadSolver, solve_load
 from fem_seal.seal.problem import SealProblem, condensed
-from fem_seal.seal.solved_seal import SolvedSeal
 from meshes import GeometryError, MeshingError, SealMesh, Sizing, build_contact
 
 if TYPE_CHECKING:

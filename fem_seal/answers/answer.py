@@ -8,10 +8,9 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, Generic, TypeVar, overload
 
-from fem_seal.seal.load_result import LoadResult
+from fem_seal.seal.lazy import OptionalSteps
+from fem_seal.seal.load_result import LoadResult, SolvedSeal
 from fem_seal.seal.load_solver import Clock, LoadSolver
-from fem_seal.seal.optional_steps import OptionalSteps
-from fem_seal.seal.solved_seal import SolvedSeal
 
 T = TypeVar("T")
 

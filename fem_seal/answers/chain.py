@@ -18,23 +18,20 @@ from fem_seal.answers.particles import PARTICLES
 from fem_seal.answers.sensitivities import LEVERS
 from fem_seal.answers.solution import SealSolution
 from fem_seal.answers.target import TARGET
-from fem_seal.answers.theories import THEORIES
 from fem_seal.answers.uncertainty import UNCERTAINTY
-from fem_seal.answers.variants import INTERFACE_VARIANTS, THEORY_VARIANTS
-from fem_seal.answers.verdict import VERDICT
-from fem_seal.answers.verdict_force import VERDICT_FORCE
+from fem_seal.answers.variants import INTERFACE_VARIANTS, THEORIES, THEORY_VARIANTS
+from fem_seal.answers.verdict import VERDICT, VERDICT_FORCE
 from fem_seal.case.case import Case
 from fem_seal.contact.solution import move_together
 from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.heating import warmed
+from fem_seal.seal.lazy import OptionalSteps
 from fem_seal.seal.leak_model import RoughFlow
 from fem_seal.seal.load_names import left_out
-from fem_seal.seal.load_result import LoadResult
+from fem_seal.seal.load_result import LoadResult, SolvedSeal
 from fem_seal.seal.load_solver import Clock, LoadSolver, Progress
-from fem_seal.seal.optional_steps import OptionalSteps
 from fem_seal.seal.problem import SealProblem
 from fem_seal.seal.readings import WORDS
-from fem_seal.seal.solved_seal import SolvedSeal
 from fem_seal.units import given
 from leak import LeakError, Reading
 

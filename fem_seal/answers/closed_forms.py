@@ -15,8 +15,8 @@ from fem_seal.contact.laws import HardContact, InterfaceLaw
 from fem_seal.errors import InputError
 from fem_seal.former_names import former_attribute
 from fem_seal.loads import blow_off_of_sealed_area, contact_force, expected_force, line_load
+from fem_seal.seal.load_result import SolvedSeal
 from fem_seal.seal.problem import LARGEST_TURNING, TURNED, SealProblem, exponential_law
-from fem_seal.seal.solved_seal import SolvedSeal
 from fem_seal.validity.words import sentence
 from leak import (
     CrossoverLine,
@@ -271,7 +271,7 @@ def _force_for_target(problem: SealProblem, fluid_pressure: float) -> float | No
     target = problem.loads.target_leak_rate
     if target is None:
         return None
-    from fem_seal.answers.expected_force import expected_contact_force
+    from fem_seal.answers.target import expected_contact_force
     from fem_seal.seal.load_solver import SealFlow
 
     flow = SealFlow.of(problem)

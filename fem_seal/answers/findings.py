@@ -9,8 +9,7 @@ from functools import partial
 from fem_seal.answers.answer import Answer, Inquiry
 from fem_seal.answers.target import TARGET
 from fem_seal.seal.findings import NOT_JUDGED, Caution, Validity, worst_first
-from fem_seal.seal.load_result import LoadResult, highest_load
-from fem_seal.seal.solved_seal import SolvedSeal
+from fem_seal.seal.load_result import LoadResult, SolvedSeal, highest_load
 from fem_seal.units import given
 from fem_seal.validity.checks import contact_cautions, earlier_cautions, load_validity
 

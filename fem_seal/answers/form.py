@@ -16,10 +16,9 @@ from fem_seal.errors import ConvergenceError, OpenSealError
 from fem_seal.form import FormError, Wave, WaveTolerance
 from fem_seal.seal.circumference import Around, LeakCurve, around_after
 from fem_seal.seal.leak_model import as_first_loaded
-from fem_seal.seal.load_result import LoadResult
+from fem_seal.seal.load_result import LoadResult, SolvedSeal
 from fem_seal.seal.load_solver import LoadSolver
 from fem_seal.seal.problem import largest_force
-from fem_seal.seal.solved_seal import SolvedSeal
 from leak import Reading, Scratch, deepest_scratch
 from leak.numerics.roots import root_between
 

@@ -13,10 +13,9 @@ from fem_seal.answers.answer import Answer, Inquiry
 from fem_seal.arrays import FloatArray
 from fem_seal.contact.penetration import effective_radius
 from fem_seal.loads import PressureSide, blow_off_of_sealed_area
-from fem_seal.seal.load_result import LoadResult, OpeningMargin
+from fem_seal.seal.load_result import LoadResult, OpeningMargin, SolvedSeal
 from fem_seal.seal.load_solver import LoadSolver
 from fem_seal.seal.problem import SealProblem, condensed, sizing
-from fem_seal.seal.solved_seal import SolvedSeal
 from meshes import build_contact
 
 

@@ -16,8 +16,7 @@ from fem_seal.arrays import FloatArray
 from fem_seal.profile import PressureProfile
 from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.leak_model import RoughFlow, as_first_loaded
-from fem_seal.seal.load_result import LoadResult
-from fem_seal.seal.solved_seal import SolvedSeal
+from fem_seal.seal.load_result import LoadResult, SolvedSeal
 
 if TYPE_CHECKING:
     from leak import GapDistribution, ParticleCounts, Paths

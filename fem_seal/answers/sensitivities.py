@@ -26,10 +26,9 @@ from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import SealError
 from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.leak_model import Conductivity, Flow, RoughFlow, log_peaks
-from fem_seal.seal.load_result import LoadResult, highest_load
+from fem_seal.seal.load_result import LoadResult, SolvedSeal, highest_load
 from fem_seal.seal.load_solver import LoadSolver, solve_load
 from fem_seal.seal.problem import SealProblem, build_mesh, condensed
-from fem_seal.seal.solved_seal import SolvedSeal
 from leak import LeakError, RoughContact
 from meshes import GeometryError, MeshingError
 

@@ -11,12 +11,10 @@ from fem_seal.answers.form import FORM
 from fem_seal.answers.judgement import JudgedLoad, Judgement, SealJudgement, Verdict
 from fem_seal.answers.particles import PARTICLES
 from fem_seal.answers.sensitivities import LEVERS
-from fem_seal.answers.theories import THEORIES
 from fem_seal.answers.uncertainty import UNCERTAINTY
-from fem_seal.answers.variants import INTERFACE_VARIANTS, THEORY_VARIANTS
+from fem_seal.answers.variants import INTERFACE_VARIANTS, THEORIES, THEORY_VARIANTS
 from fem_seal.answers.verdict import VERDICT
-from fem_seal.seal.load_result import DiscretisationError, highest_load, strongest_load
-from fem_seal.seal.solved_seal import SolvedSeal
+from fem_seal.seal.load_result import DiscretisationError, SolvedSeal, highest_load, strongest_load
 
 
 @dataclass(frozen=True, kw_only=True)

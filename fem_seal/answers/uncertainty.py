@@ -31,10 +31,9 @@ from fem_seal.processes import in_copies
 from fem_seal.sampling import UncertainInput, sobol_points
 from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.leak_model import Conductivity, Flow, log_peaks, range_around
-from fem_seal.seal.load_result import LoadResult, leak_rates
+from fem_seal.seal.load_result import LoadResult, SolvedSeal, leak_rates
 from fem_seal.seal.load_solver import LoadSolver, linearised_again, path_again, solved_again
 from fem_seal.seal.problem import SealProblem, condensed, interface_law
-from fem_seal.seal.solved_seal import SolvedSeal
 
 if TYPE_CHECKING:
     from fem_seal.case.case import Case

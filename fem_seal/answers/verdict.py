@@ -1,19 +1,42 @@
-"""Verdict on the requirement: each load against its limits, and all loads together."""
+"""Verdict on the requirement, of each load and of all together, and the force at which it passes."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+from functools import partial
 
-from fem_seal.answers.answer import Answer, Inquiry
-from fem_seal.answers.judgement import JudgedLoad, Judgement, SealJudgement, Shares, Verdict, Why, severity
+from fem_seal.answers.accuracy import discretisation_error, on_coarser_mesh
+from fem_seal.answers.answer import Answer, Inquiry, Wanted
+from fem_seal.answers.judgement import (
+    JudgedLoad,
+    Judgement,
+    SealJudgement,
+    Shares,
+    Verdict,
+    VerdictForce,
+    Why,
+    severity,
+)
 from fem_seal.answers.leakage_class import limit_of_rate, limits
-from fem_seal.answers.uncertainty import UNCERTAINTY
+from fem_seal.answers.target import expected_contact_force
+from fem_seal.answers.uncertainty import UNCERTAINTY, leak_interval
 from fem_seal.case.case import Case
-from fem_seal.errors import LoadProblem
-from fem_seal.seal.load_result import LoadResult
-from fem_seal.seal.solved_seal import SolvedSeal
+from fem_seal.contact.sizing import solve_fitted
+from fem_seal.contact.solution import ContactSolution
+from fem_seal.errors import ConvergenceError, InputError, LoadProblem, OpenSealError
+from fem_seal.seal.evaluate import evaluate
+from fem_seal.seal.leak_model import RoughFlow
+from fem_seal.seal.load_result import LoadResult, SolvedSeal
+from fem_seal.seal.load_solver import Clock, LoadSolver, Progress, SealFlow
+from fem_seal.seal.problem import SealProblem, condensed, largest_force, sizing
+from fem_seal.units import briefly
+from fem_seal.validity.checks import earlier_cautions, load_validity
+from fem_seal.validity.words import sentence
+from leak.numerics.roots import root_between
+from meshes import Sizing, build_contact
 
 
 def judged(case: Case, load: LoadResult, *, sampled: bool = True) -> Judgement | None:
@@ -184,4 +207,335 @@ VERDICT = Answer[Judgements](
     Judgements(),
     lambda seal, wanted: seal.case.requirement is not None,
     lambda load, n, found: load.knowing(judgement=found.of_loads[n]) if found.of_loads else load,
+)
+
+
+# ln of the upper end over the limit is kept within this: sealed and open are something, too.
+_FAR = 20.0
+# The force that is told passes, this much less in ln F (three per cent) does not, and it stands so far above the root.
+_LESS, _ABOVE_ROOT = 0.0304, 0.01
+# Accuracy of a root and of the edge of the theory in ln F; steps on the way to them.
+_ACCURACY, _EDGE = 5e-4, 2e-3
+_STEPS, _SLOPE = (0.03, 0.2), 6.0
+# Change over ln F of what samples and mesh add, at most.
+_STEEPEST = 3.0
+_MOST_STEPS, _MOST_RUNS = 60, 8
+# Forces that share a mesh, over the one that asks for it.
+_SHARED = (0.85, 1.5)
+
+Alone = Callable[[float, float], LoadResult]
+# ln of a contact force, and what samples and mesh add there to ln of the upper end.
+Added = tuple[float, float]
+
+
+def forces_for_verdict(
+    result: SolvedSeal, alone: Alone, *, progress: Progress = lambda text: None
+) -> list[VerdictForce]:
+    """The smallest force of spring or actuator with which the verdict passes, for each load's fluid pressure.
+
+    The verdict is that on the requirement of the case; where there is none at a pressure, on its target leak rate.
+
+    Parameters
+    ----------
+    result : SolvedSeal
+        With a leak rate and the target that asks for the force.
+    alone : callable
+        The same seal under one fluid pressure [Pa] and applied force [N] alone, as a run of such a case gives it: with
+        validity, mesh error and samples.
+    progress : callable
+        Called with a status message before each trial.
+
+    Notes
+    -----
+    The upper end of both readings of asperities that yield, with the factors that count there, is looked for on
+    contacts of bodies that several forces share, a root in ln F. What samples and mesh add is taken from runs with the
+    force that was found, and the root looked for again with that, until such a run passes and one with 3 % less force
+    would not.
+    """
+    known: dict[float, VerdictForce] = {}
+    benches: list[_Bench] = []
+    for load in result.loads:
+        if load.fluid_pressure not in known:
+            search = _Search(result, load, alone, benches, progress)
+            known[load.fluid_pressure] = replace(search.found(), begins=_begins(result.problem))
+    return [known[load.fluid_pressure] for load in result.loads]
+
+
+@dataclass(frozen=True)
+class _Bench:
+    """Bodies on a mesh that fits the contacts of some forces.
+
+    Parameters
+    ----------
+    solver : LoadSolver
+    low, high : float
+        Contact forces between which it fits [N].
+    """
+
+    solver: LoadSolver
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class _Search:
+    """The search at the fluid pressure of one load.
+
+    Parameters
+    ----------
+    result : SolvedSeal
+    load : LoadResult
+    alone : callable
+        See `forces_for_verdict`.
+    benches : list of _Bench
+        Made so far.
+    progress : callable
+        Told each force that is tried.
+    """
+
+    result: SolvedSeal
+    load: LoadResult
+    alone: Alone
+    benches: list[_Bench]
+    progress: Progress
+    tried: dict[float, LoadResult | None] = field(default_factory=dict)
+    """Loads by ln of their contact force, without samples and mesh error; None of what cannot be solved."""
+
+    @property
+    def problem(self) -> SealProblem:
+        return self.result.problem
+
+    def found(self) -> VerdictForce:
+        """The smallest force that passes, or why there is none."""
+        if self.problem.usual_only or (self.result.case.sampled is not None and self.load.sampled is None):
+            return VerdictForce(None, sentence("verdict_force", "no_interval"))
+        start = self._start()
+        if start is None:
+            return VerdictForce(None, self._outside_everywhere())
+        added, low, high = [self._added_at_first()], -math.inf, math.inf
+        passes: LoadResult | None = None
+        for _ in range(_MOST_RUNS):
+            root = self._root(start, added)
+            if isinstance(root, str):
+                return VerdictForce(None, root) if passes is None else VerdictForce(passes.applied_force)
+            at = min(root + _ABOVE_ROOT, high - _LESS)
+            at = at if low < at else 0.5 * (low + high) if math.isfinite(high) else low + _ABOVE_ROOT
+            run = self._run(at)
+            value = _FAR if run is None or run.validity.outside else self._excess(run)
+            if run is not None and value <= 0.0:
+                high, passes = at, run
+            else:
+                low = at
+            added.append((at, value - self._value(at)))
+            less = self._value(at - _LESS) + _along(added, at - _LESS) > 0.0
+            if passes is not None and (high - low <= 1.01 * _LESS or (high == at and less)):
+                return VerdictForce(passes.applied_force)
+            start = at
+        if passes is None:
+            return VerdictForce(None, sentence("verdict_force", "not_found"))
+        return VerdictForce(passes.applied_force)
+
+    def _run(self, at: float) -> LoadResult | None:
+        load = self._load(at)
+        if load is None:
+            return None
+        self._tell(f"the whole run with {briefly('force', load.applied_force)} applied")
+        try:
+            return self.alone(load.fluid_pressure, load.applied_force)
+        except (ConvergenceError, InputError):
+            return None
+
+    def _added_at_first(self) -> Added:
+        """What the samples add at the load of the case."""
+        at = math.log(max(self.load.contact_force, 1e-9 * largest_force(self.problem)))
+        sampled, calculated = self.load.sampled, self.load.leak_range
+        rate = math.nan if self.load.leak is None else self.load.leak.leak_rate
+        most = self.load.theory_error.high * (rate if calculated is None else calculated[1])
+        if sampled is None or not (0.0 < most < math.inf and 0.0 < sampled[1] < math.inf):
+            return at, 0.0
+        return at, max(math.log(sampled[1] / most), 0.0)
+
+    def _excess(self, load: LoadResult) -> float:
+        """ln of the upper end over the limit, of several limits the largest; positive unless the verdict passes."""
+        return max(map(_excess, judgements(self.result.case, load)))
+
+    def _value(self, at: float) -> float:
+        """The same at ln of a contact force, without samples and mesh error."""
+        load = self._load(at)
+        return self._excess(load) if load is not None and self._inside(at) else _FAR
+
+    def _inside(self, at: float) -> bool:
+        load = self._load(at)
+        return load is not None and not load.validity.outside
+
+    def _load(self, at: float) -> LoadResult | None:
+        if at not in self.tried:
+            self.tried[at] = self._made(math.exp(at))
+        return self.tried[at]
+
+    def _made(self, force: float) -> LoadResult | None:
+        pressure, problem = self.load.fluid_pressure, self.problem
+        self._tell(f"a contact force of {briefly('force', force)}")
+        try:
+            solver = self._bench(force).solver
+            contact, applied = solver.at_contact_force(pressure, force, progress=self.progress)
+            load = LoadResult(pressure, applied, contact, formed=problem.around(contact))
+        except (ConvergenceError, InputError, OpenSealError):
+            return None
+        load = load.knowing(rough=RoughFlow.of(problem.surface, problem.flow, load.contacts))
+        return load.knowing(validity=load_validity(problem, load))
+
+    def _tell(self, tried: str) -> None:
+        at = briefly("fluid pressure", self.load.fluid_pressure)
+        self.progress(f"force with which the verdict passes at {at}: trying {tried}")
+
+    def _bench(self, force: float) -> _Bench:
+        known = [one for one in self.benches if one.low <= force <= one.high]
+        if known:
+            return known[0]
+        low, high = (share * force for share in _SHARED)
+        problem, solvers = self.problem, []
+
+        def solve_on(wanted: Sizing) -> Sequence[ContactSolution]:
+            solvers.append(LoadSolver(problem, condensed(problem, build_contact(problem.contact, wanted))))
+            pressure = self.load.fluid_pressure
+            return [solvers[-1].at_contact_force(pressure, force, progress=self.progress)[0]]
+
+        size_given = problem.contact_size is not None
+        solve_fitted(sizing(problem, forces=[low, high]), problem.contact, solve_on, size_given=size_given)
+        self.benches.append(_Bench(solvers[-1], low, high))
+        return self.benches[-1]
+
+    @property
+    def _highest(self) -> float:
+        return math.log(largest_force(self.problem))
+
+    def _start(self) -> float | None:
+        """A force within the theory, near the one that is expected for the target; None if there is none."""
+        flow, target = SealFlow.of(self.problem), self.problem.loads.target_leak_rate
+        at = math.log(max(self.load.contact_force, 1e-9 * largest_force(self.problem)))
+        if flow is not None and target is not None:
+            with suppress(InputError):
+                at = math.log(expected_contact_force(flow, self.load.fluid_pressure, target))
+        at = min(at, self._highest)
+        return next((one for one in self._near(at) if self._inside(one)), None)
+
+    def _near(self, at: float) -> Iterator[float]:
+        """Downwards first: what is expected to keep a tight limit may crush the seat."""
+        step = _STEPS[1]
+        yield at
+        yield from (at - n * step for n in range(1, 9))
+        yield from (at + n * step for n in range(1, 9) if at + n * step <= self._highest)
+
+    def _root(self, start: float, added: Sequence[Added]) -> float | str:
+        """ln of the contact force where the upper end comes down to the limit, or why it does not."""
+
+        def excess(at: float) -> float:
+            return min(self._value(at) + _along(added, at), _FAR)
+
+        at, value, ends = start, excess(start), False
+        for _ in range(_MOST_STEPS):
+            if ends and value > 0.0:
+                return self._why_none(at)
+            step = min(max(abs(value) / _SLOPE, _STEPS[0]), _STEPS[1])
+            if value <= 0.0:
+                ahead = at - step
+                if ahead < self._highest - _FAR:
+                    return sentence("verdict_force", "any")
+            else:
+                ahead = min(at + step, self._highest)
+                ends = ahead == self._highest
+                if not self._inside(ahead):
+                    ahead, ends = self._edge(at, ahead), True
+            beyond = excess(ahead)
+            if (beyond <= 0.0) != (value <= 0.0):
+                return root_between(excess, at, ahead, xtol=_ACCURACY)
+            at, value = ahead, beyond
+        return self._why_none(at)
+
+    def _edge(self, inside: float, outside: float) -> float:
+        """The last place within the theory."""
+        while outside - inside > 0.5 * _EDGE:
+            middle = 0.5 * (inside + outside)
+            inside, outside = (middle, outside) if self._inside(middle) else (inside, middle)
+        return inside
+
+    def _why_none(self, at: float) -> str:
+        load, after = self._load(at), self._load(min(at + _EDGE, self._highest))
+        force = "that" if load is None else briefly("force", load.applied_force)
+        outside = after is not None and after.validity.outside
+        ends = sentence("verdict_force", "outside" if outside else "strains", load=after)
+        why = "" if load is None else load.leak_validity.leak_reason(more=True)
+        off = sentence("verdict_force", "off", why=why) if why else ""
+        return sentence("verdict_force", "more_leaks", force=force, off=off, ends=ends)
+
+    def _outside_everywhere(self) -> str:
+        reasons = [one.validity.reasons[0] for one in self.tried.values() if one and one.validity.outside]
+        return sentence("verdict_force", "nowhere", why=reasons[0] if reasons else "no contact converges")
+
+
+def _begins(problem: SealProblem) -> str:
+    """What every force meets that is tried, where loads leave something behind."""
+    if problem.loads.earlier is not None:
+        return sentence("verdict_force", "after_earlier")
+    return sentence("verdict_force", "on_new") if problem.curves else ""
+
+
+def _along(added: Sequence[Added], at: float) -> float:
+    """What samples and mesh add at ln of a force, on a line through the last two that are known."""
+    last, value = added[-1]
+    if len(added) < 2 or abs(last - added[-2][0]) < _ABOVE_ROOT:
+        return value
+    slope = (value - added[-2][1]) / (last - added[-2][0])
+    return value + min(max(slope, -_STEEPEST), _STEEPEST) * (at - last)
+
+
+def _excess(judged: Judgement) -> float:
+    if judged.verdict is Verdict.PASS:
+        return -min(math.log(judged.margin), _FAR) if judged.margin < math.inf else -_FAR
+    if not 0.0 < judged.margin < 1.0:
+        # of what must not be seen there is no margin
+        return 1.0 if math.isnan(judged.margin) else _FAR
+    return min(-math.log(judged.margin), _FAR)
+
+
+def _forces(seal: SolvedSeal, ask: Inquiry) -> Sequence[VerdictForce]:
+    if ask.wanted.verdict_force is None and seal.problem.curves:
+        # where a body yields the force takes minutes
+        return [VerdictForce(None, sentence("verdict_force", "too_dear"), looked_for=False)] * len(seal.loads)
+    progress = ask.clock.progress
+    with ask.clock.step("verdict force", VERDICT_FORCE.what):
+        return forces_for_verdict(seal, partial(_alone, seal, progress), progress=progress)
+
+
+def _alone(seal: SolvedSeal, progress: Progress, fluid_pressure: float, applied_force: float) -> LoadResult:
+    """One load of a case that has no other, with validity, mesh error and samples."""
+    point = fluid_pressure, applied_force
+    loads = replace(seal.problem.loads, points=(point,), refused={}, target_leak_rate=None)
+    problem = replace(seal.problem, loads=loads)
+    clock = Clock(progress)
+    alone = evaluate(problem, clock=clock).seal(seal.case)
+    problem, sizing, (load,) = alone.problem, alone.seal_mesh.sizing, alone.loads
+    with clock.step("error", "estimating the discretisation error"):
+        error = discretisation_error(load.contact, on_coarser_mesh(problem, sizing, 0), sizing)
+    load = load.knowing(mesh_error=error)
+    validity = load_validity(problem, load, earlier_cautions(problem, alone.earlier, error))
+    load = load.knowing(validity=validity)
+    if seal.case.sampled is None or validity.outside:
+        return load
+    return leak_interval(alone.with_loads([load]), progress=progress).of_load(load, 0)
+
+
+def _applies(seal: SolvedSeal, wanted: Wanted) -> bool:
+    asked = wanted.verdict_force is not False and seal.case.load.target_leak_rate is not None
+    return asked and seal.problem.leaks
+
+
+VERDICT_FORCE = Answer[Sequence[VerdictForce]](
+    "verdict_force",
+    "force with which the verdict passes",
+    _forces,
+    (),
+    _applies,
+    lambda load, number, found: load.knowing(verdict_force=found[number]) if found else load,
 )

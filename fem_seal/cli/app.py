@@ -202,11 +202,10 @@ def leak(
 ) -> None:
     """Leak rate of a given pressure profile, such as one exported from another finite-element code."""
     from fem_seal.answers.leakage_class import volume_of
-    from fem_seal.answers.profile_leak import leak_of_profiles
+    from fem_seal.answers.profile_leak import leak_of_profiles, read_profiles
     from fem_seal.output.folders import alone, replaced_together
     from fem_seal.output.tables import profile_leak_rows, write_rows
     from fem_seal.seal.problem import SealProblem
-    from fem_seal.seal.profile_file import read_profiles
 
     case = fem_seal.load_case(case_file)
     profiles = read_profiles(profile_file)
@@ -384,7 +383,7 @@ def _remarks(case: Case) -> list[str]:
     remarks.extend(one.text for one in temperature_cautions(problem))
     remarks.extend(one.text for one in left_out(problem.loads, problem.loads.refused))
     if case.load.target_leak_rate is not None:
-        from fem_seal.answers.expected_force import target_remarks
+        from fem_seal.answers.target import target_remarks
 
         remarks.extend(target_remarks(problem))
     return remarks

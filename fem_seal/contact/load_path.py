@@ -15,8 +15,14 @@ from fem_seal.bodies.fields import BodyField, elastoplastic_field
 from fem_seal.contact.laws import Law
 from fem_seal.contact.model import ContactModel
 from fem_seal.contact.other_loads import NO_LOADS, FurtherLoads
-from fem_seal.contact.path_loads import PathLoad
-from fem_seal.contact.plastic_step import Equilibrium, PlasticSettings, YieldingBody, press, unloading_model
+from fem_seal.contact.plastic_step import (
+    Equilibrium,
+    PathLoad,
+    PlasticSettings,
+    YieldingBody,
+    press,
+    unloading_model,
+)
 from fem_seal.contact.solution import ContactSolution, body_fields, fields_at_rest
 from fem_seal.errors import ConvergenceError, OpenSealError
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from fem_seal.answers.closed_forms import derive
 from fem_seal.case.case import input_tables
 from fem_seal.contact.load_path import ElastoplasticContact, Unloaded
-from fem_seal.contact.yielding import PlasticZone, YieldedZone, yielding_of
+from fem_seal.contact.solution import PlasticZone, YieldedZone, yielding_of
 from fem_seal.files import as_json, write_text
 from fem_seal.output import shown_answers
 from fem_seal.output.case_words import chosen_dimensions, derived_numbers
@@ -29,7 +29,7 @@ from fem_seal.output.tables import (
     write_rows_csv,
 )
 from fem_seal.output.vtk import write_around, write_contact, write_contact_line, write_unloaded
-from fem_seal.seal.optional_steps import OptionalSteps
+from fem_seal.seal.lazy import OptionalSteps
 from fem_seal.seal.problem import exponential_law
 from fem_seal.version import __version__
 

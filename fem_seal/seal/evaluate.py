@@ -6,25 +6,115 @@ solved side by side: one kind of work for all of them, then the next.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+import time
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import TypeAlias, TypeVar
 
 from fem_seal.case.case import Case
 from fem_seal.contact.model import ContactModel
 from fem_seal.contact.newton import Pressing, solve_together
-from fem_seal.contact.refit import MeshFit
-from fem_seal.contact.sizing import widths_together
+from fem_seal.contact.sizing import MeshFit, widths_together
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError, LoadProblem, NoLoadLeftError
-from fem_seal.seal.batch import Batch
 from fem_seal.seal.leak_model import RoughFlow
-from fem_seal.seal.load_result import LoadResult
+from fem_seal.seal.load_result import LoadResult, SolvedSeal
 from fem_seal.seal.load_solver import Clock, LoadSolver, SolvedLoads, solve_loads
 from fem_seal.seal.problem import Loads, SealProblem, expected_contacts, sizing
-from fem_seal.seal.solved_seal import SolvedSeal
 from fem_seal.seal.sources import EXACT, Source
 from meshes import MeshingError, SealMesh
+
+T = TypeVar("T")
+Asked = TypeVar("Asked")
+
+# Entered while work is done for the design of that number, None for what is done for several at once.
+Turn: TypeAlias = Callable[[int | None], AbstractContextManager[None]]
+
+
+def untimed(number: int | None) -> AbstractContextManager[None]:
+    """No-op: no time limit."""
+    return nullcontext()
+
+
+@dataclass
+class Batch:
+    """Designs by number: how long each has taken, and which of them failed.
+
+    Parameters
+    ----------
+    turn : callable
+        Entered with the number of a design while work is done for it.
+
+    Examples
+    --------
+    >>> batch = Batch()
+    >>> batch.each([0, 1, 2], lambda number: 1 / number)
+    {1: 1.0, 2: 0.5}
+    >>> batch.failed
+    {0: ZeroDivisionError('division by zero')}
+    """
+
+    turn: Turn = untimed
+    seconds: dict[int, float] = field(default_factory=dict)
+    failed: dict[int, Exception] = field(default_factory=dict)
+
+    def each(self, numbers: Iterable[int], step: Callable[[int], T]) -> dict[int, T]:
+        """What a step finds for each design that has not failed; one that fails now is left out from here on.
+
+        Parameters
+        ----------
+        numbers : iterable of int
+        step : callable
+            Given the number of a design.
+        """
+        found: dict[int, T] = {}
+        for number in numbers:
+            if number in self.failed:
+                continue
+            start = time.perf_counter()
+            with self.turn(number):
+                try:
+                    found[number] = step(number)
+                except Exception as error:  # its own affair: the others go on
+                    self.failed[number] = error
+            self._spent(number, time.perf_counter() - start)
+        return found
+
+    def at_once(
+        self, asked: Mapping[int, Asked], answers: Callable[[Sequence[Asked]], Sequence[T | Exception]]
+    ) -> dict[int, T | Exception]:
+        """Answers to what designs ask, found for all of them at once; an error is the answer of the one it belongs to.
+
+        Parameters
+        ----------
+        asked : mapping
+            By the number of the design.
+        answers : callable
+            Given all that is asked.
+        """
+        if not asked:
+            return {}
+        start = time.perf_counter()
+        with self.turn(next(iter(asked)) if len(asked) == 1 else None):
+            found = _answers(list(asked.values()), answers)
+        for number in asked:
+            self._spent(number, (time.perf_counter() - start) / len(asked))
+        return dict(zip(asked, found, strict=True))
+
+    def _spent(self, number: int, seconds: float) -> None:
+        self.seconds[number] = self.seconds.get(number, 0.0) + seconds
+
+
+def _answers(
+    asked: Sequence[Asked], answers: Callable[[Sequence[Asked]], Sequence[T | Exception]]
+) -> list[T | Exception]:
+    try:
+        return list(answers(asked))
+    except Exception as error:
+        return [error] if len(asked) == 1 else [found for one in asked for found in _answers([one], answers)]
+
 
 # Tells nobody what is being done.
 SILENT = Clock(lambda text: None)

@@ -1,9 +1,10 @@
-"""Result of one load: contact and leak rate."""
+"""Results: a load with its contact and leak rate, and a seal with its solved loads."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Self
 
@@ -18,14 +19,20 @@ from fem_seal.units import DIGITS, digits_within, given, leak_range_text, quanti
 from leak import Reading
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable
 
     from numpy.typing import NDArray
 
+    from fem_seal.case.case import Case
+    from fem_seal.contact.load_path import Unloaded
+    from fem_seal.contact.model import ContactModel
     from fem_seal.contact.solution import ContactSolution
+    from fem_seal.errors import LoadProblem
     from fem_seal.profile import PressureProfile
     from fem_seal.seal.circumference import Around
+    from fem_seal.seal.problem import SealProblem
     from leak import FlowError, LeakResult, RoughContact
+    from meshes import SealMesh
 
 
 _NINE_OF_TEN = 0.05, 0.95
@@ -526,3 +533,72 @@ def digits_near_opening(share: float) -> int:
         See `OpeningMargin.share`.
     """
     return min(max(DIGITS + round(math.log10(share)), 1), DIGITS) if share > 0 else 1
+
+
+@dataclass(frozen=True)
+class SolvedSeal:
+    """A case, its bodies on their mesh and its loads.
+
+    Parameters
+    ----------
+    case : Case
+        Without the loads that could not be calculated.
+    problem : SealProblem
+        The same as the calculation knows it.
+    seal_mesh : SealMesh
+    model : ContactModel
+    loads : tuple of LoadResult
+        In the order of the case.
+    unloaded : Unloaded or None
+        Residual stress and imprint after the last load; None if both bodies are elastic.
+    earlier : ContactSolution or None
+        At the largest load before those of the case; None without one.
+    missing : mapping
+        Fluid pressure [Pa] and applied force [N] of each load without a result, with the reason.
+    left_out : tuple of Caution
+        The same in words.
+    """
+
+    case: Case
+    problem: SealProblem = field(repr=False)
+    seal_mesh: SealMesh
+    model: ContactModel
+    loads: tuple[LoadResult, ...]
+    unloaded: Unloaded | None = None
+    earlier: ContactSolution | None = None
+    missing: Mapping[tuple[float, float], LoadProblem] = field(default_factory=dict)
+    left_out: tuple[Caution, ...] = ()
+
+    def with_loads(self, loads: Sequence[LoadResult]) -> Self:
+        """The same seal, whose loads know more."""
+        return replace(self, loads=tuple(loads))
+
+    @property
+    def surface(self) -> RoughContact | None:
+        """With the hardness if asperities yield; None without roughness."""
+        return self.problem.surface
+
+    @property
+    def strongest(self) -> LoadResult:
+        """The load with the largest closing force; for it error, far field and interface laws are compared."""
+        return self.loads[strongest_load(self.loads)]
+
+    @property
+    def highest(self) -> LoadResult:
+        """The load with the highest fluid pressure, which headline, report and terminal explain."""
+        return self.loads[highest_load(self.loads)]
+
+    @property
+    def profiles(self) -> tuple[PressureProfile, ...]:
+        """Pressure profile of each load."""
+        return tuple(load.contact.profile for load in self.loads)
+
+    @property
+    def contact(self) -> tuple[ContactSolution, ...]:
+        """Contact solution of each load."""
+        return tuple(load.contact for load in self.loads)
+
+    @property
+    def leak_ranges(self) -> tuple[tuple[float, float] | None, ...]:
+        """`LoadResult.leak_interval` of each load [m^3/s]; None where nothing makes one."""
+        return tuple(load.leak_interval if load.has_interval else None for load in self.loads)

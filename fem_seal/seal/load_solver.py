@@ -23,7 +23,6 @@ from fem_seal.contact.load_path import (
     yielding_bodies,
 )
 from fem_seal.contact.newton import Pressing, solve
-from fem_seal.contact.path_loads import PathLoad
 from fem_seal.contact.penetration import (
     FlowThrough,
     FluidAndContact,
@@ -34,7 +33,7 @@ from fem_seal.contact.penetration import (
     solve_at_contact_force,
     solve_penetration,
 )
-from fem_seal.contact.plastic_step import PlasticSettings
+from fem_seal.contact.plastic_step import PathLoad, PlasticSettings
 from fem_seal.contact.sizing import Opening, contact_widths
 from fem_seal.contact.solution import DEFAULT_SETTINGS, ContactSettings, ContactSolution
 from fem_seal.errors import (

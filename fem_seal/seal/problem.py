@@ -17,8 +17,7 @@ from fem_seal.bodies.supports import Supports
 from fem_seal.case.checks import touched_beside
 from fem_seal.case.load_limits import refused_loads
 from fem_seal.contact.laws import HardContact, Law
-from fem_seal.contact.refit import rounded
-from fem_seal.contact.sizing import ContactWidth, Expected, Opening, element_sizes, for_yielding
+from fem_seal.contact.sizing import ContactWidth, Expected, Opening, element_sizes, for_yielding, rounded
 from fem_seal.errors import InputError, LoadProblem
 from fem_seal.loads import PressureSide, expected_force, line_load, plastic_half_width
 from fem_seal.materials import HardeningCurve, Material, effective_modulus

@@ -20,14 +20,12 @@ from fem_seal.answers.findings import FINDINGS
 from fem_seal.answers.judgement import JudgedLoad, Verdict
 from fem_seal.answers.opening import OPENING
 from fem_seal.answers.target import TARGET
-from fem_seal.answers.theories import THEORIES
 from fem_seal.answers.uncertainty import UNCERTAINTY
-from fem_seal.answers.verdict import VERDICT, judged
-from fem_seal.answers.verdict_force import VERDICT_FORCE
+from fem_seal.answers.variants import THEORIES
+from fem_seal.answers.verdict import VERDICT, VERDICT_FORCE, judged
 from fem_seal.case.case import Case
 from fem_seal.output.columns import COLUMNS
-from fem_seal.seal.batch import Batch
-from fem_seal.seal.evaluate import SILENT, Evaluation, evaluate_many
+from fem_seal.seal.evaluate import SILENT, Batch, Evaluation, evaluate_many
 from fem_seal.seal.findings import Validity
 from fem_seal.seal.heating import warmed
 from fem_seal.seal.load_result import LoadResult

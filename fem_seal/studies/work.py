@@ -15,7 +15,7 @@ import numpy as np
 from fem_seal.arrays import FloatArray
 from fem_seal.case.words import problem
 from fem_seal.errors import InputError
-from fem_seal.seal.batch import Batch, Turn, untimed
+from fem_seal.seal.evaluate import Batch, Turn, untimed
 from fem_seal.studies.cost import design_seconds
 from fem_seal.studies.expressions import Expression
 from fem_seal.studies.parameters import Parameter, entries

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem_seal.contact.load_path import yielding_bodies
-from fem_seal.contact.yielding import PlasticZone, YieldedZone, yielding_of
+from fem_seal.contact.solution import PlasticZone, YieldedZone, yielding_of
 from fem_seal.materials import creep_remarks
 from fem_seal.seal.bounds import EXACT, Bounds
 from fem_seal.seal.findings import ORDERS_OF_MAGNITUDE, Caution, Level, Validity

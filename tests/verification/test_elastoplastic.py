@@ -28,8 +28,7 @@ from skfem import Basis, LinearForm
 
 from fem_seal.bodies.elasticity import pressure_load
 from fem_seal.contact.load_path import load_path
-from fem_seal.contact.path_loads import PathLoad
-from fem_seal.contact.plastic_step import PlasticSettings
+from fem_seal.contact.plastic_step import PathLoad, PlasticSettings
 from fem_seal.materials import HardeningCurve, Material
 
 sys.path.insert(0, str(ROOT / "benchmarks"))

@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 from fem_seal.contact.laws import HardContact, Law
 from fem_seal.contact.model import ContactModel, condense
 from fem_seal.contact.newton import solve
-from fem_seal.contact.refit import solve_fitted
-from fem_seal.contact.sizing import element_sizes
+from fem_seal.contact.sizing import element_sizes, solve_fitted
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.loads import line_load
 from fem_seal.materials import Material, effective_modulus

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fem_seal.bodies.fields import BodyField, ElastoplasticField
-from fem_seal.contact.yielding import plastic_zone
+from fem_seal.contact.solution import plastic_zone
 from fem_seal.output.columns import in_words
 from fem_seal.output.pictures.style import BLUE, INK, ORANGE, Picture, captioned, label, panels
 from fem_seal.output.prose import said

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from fem_seal.answers.closed_forms import Sizes, closed_form_limits, derive
 from fem_seal.answers.solution import SealSolution
 from fem_seal.contact.load_path import ElastoplasticContact
-from fem_seal.contact.yielding import PlasticZone, yielding_of
+from fem_seal.contact.solution import PlasticZone, yielding_of
 from fem_seal.output.case_words import law_word
 from fem_seal.output.columns import SHOWN_COLUMNS, own_theory
 from fem_seal.output.prose import said

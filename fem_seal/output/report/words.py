@@ -11,7 +11,7 @@ import numpy as np
 
 from fem_seal.answers.leakage_class import leakage_classes, nominal_size, test_of, volume_of
 from fem_seal.answers.solution import SealSolution
-from fem_seal.contact.yielding import PlasticZone, yielding_of
+from fem_seal.contact.solution import PlasticZone, yielding_of
 from fem_seal.output.answers.target import TARGET_FORCE, opens_at, valve_facts, what_opens
 from fem_seal.output.answers.theories import corrected_beside
 from fem_seal.output.case_words import earlier_load

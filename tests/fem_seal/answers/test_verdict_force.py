@@ -14,7 +14,7 @@ import fem_seal
 from fem_seal.answers.accuracy import NOT_ESTIMATED
 from fem_seal.answers.closed_forms import derive
 from fem_seal.answers.judgement import VerdictForce
-from fem_seal.answers.verdict_force import _begins
+from fem_seal.answers.verdict import _begins
 from fem_seal.output.answers.target import valve_facts
 from fem_seal.output.answers.verdict import force_to_pass, verdict_force_sentences, verdict_lines
 from fem_seal.output.files import summary
@@ -137,7 +137,7 @@ def test_of_a_body_that_yields_it_is_not_looked_for_unless_asked(monkeypatch):
         if told[-2:-1] == ["trying"]:
             raise _LeaveError
 
-    monkeypatch.setattr("fem_seal.answers.verdict_force.forces_for_verdict", search)
+    monkeypatch.setattr("fem_seal.answers.verdict.forces_for_verdict", search)
     plain = run_loads(of)
     assert all(not one.verdict_force.looked_for and one.force_for_verdict is None for one in plain.loads)
     (said,) = verdict_force_sentences(plain.loads)

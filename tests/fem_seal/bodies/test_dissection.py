@@ -18,7 +18,7 @@ from fem_seal.bodies.elastoplastic import ElastoplasticBody, Flow
 from fem_seal.bodies.held_body import HeldBody, held_body
 from fem_seal.contact.load_path import load_path
 from fem_seal.contact.model import line_points
-from fem_seal.contact.path_loads import PathLoad
+from fem_seal.contact.plastic_step import PathLoad
 
 
 def chain(size: int, springs: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -29,9 +29,8 @@ from fem_seal.contact.laws import HardContact, Law
 from fem_seal.contact.load_path import Imprint, LoadPath, load_path
 from fem_seal.contact.newton import solve
 from fem_seal.contact.other_loads import FurtherLoads
-from fem_seal.contact.path_loads import PathLoad
-from fem_seal.contact.plastic_step import PlasticSettings
-from fem_seal.contact.yielding import yielded_zone
+from fem_seal.contact.plastic_step import PathLoad, PlasticSettings
+from fem_seal.contact.solution import yielded_zone
 from fem_seal.errors import ConvergenceError, InputError
 from fem_seal.materials import HardeningCurve, Material
 

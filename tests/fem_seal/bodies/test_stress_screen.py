@@ -8,7 +8,7 @@ import meshes
 from fem_seal.bodies.fields import von_mises
 from fem_seal.contact.model import screened
 from fem_seal.contact.other_loads import FurtherLoads
-from fem_seal.contact.yielding import yielding_of
+from fem_seal.contact.solution import yielding_of
 
 STEEL = fem_seal.Material("steel", 210e9, 0.3, yield_stress=400e6)
 

@@ -9,12 +9,11 @@ import pytest
 from places import EXAMPLES
 
 import fem_seal
-from fem_seal.answers.profile_leak import leak_of_profiles
+from fem_seal.answers.profile_leak import ImportedProfile, leak_of_profiles
 from fem_seal.case.finish import ProcessName, read_finish
 from fem_seal.output.case_words import finish_numbers, finish_rows
 from fem_seal.output.report.words import facts, headline, leakage_lines
 from fem_seal.seal.problem import SealProblem
-from fem_seal.seal.profile_file import ImportedProfile
 from fem_seal.units import leak_range_text
 from leak import Reading
 from leak.surfaces.finish import PROCESSES

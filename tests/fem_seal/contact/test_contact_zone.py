@@ -13,8 +13,7 @@ from contact_models import STEEL
 import meshes
 from fem_seal.contact.model import condense
 from fem_seal.contact.newton import solve
-from fem_seal.contact.refit import better_sizing, solve_fitted
-from fem_seal.contact.sizing import element_sizes
+from fem_seal.contact.sizing import better_sizing, element_sizes, solve_fitted
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError
 from fem_seal.materials import effective_modulus

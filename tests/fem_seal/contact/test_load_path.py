@@ -16,7 +16,8 @@ from sample_results import STEEL as STEEL_TABLE
 import fem_seal
 import meshes
 from fem_seal.answers.closed_forms import derive
-from fem_seal.answers.expected_force import target_remarks
+from fem_seal.answers.profile_leak import read_profiles
+from fem_seal.answers.target import target_remarks
 from fem_seal.bodies.elasticity import node_dofs, quadratic_nodes
 from fem_seal.bodies.supports import Supports
 from fem_seal.contact.model import condense
@@ -30,7 +31,6 @@ from fem_seal.output.tables import write_profile_csv
 from fem_seal.seal.load_names import different, load_axis, load_name
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.problem import SealProblem
-from fem_seal.seal.profile_file import read_profiles
 from leak import LeakResult, Reading
 
 VALVE = {

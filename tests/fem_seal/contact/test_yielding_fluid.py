@@ -22,7 +22,6 @@ from fem_seal.contact.load_path import ElastoplasticContact, LoadPath, load_path
 from fem_seal.contact.model import ContactModel
 from fem_seal.contact.newton import solve
 from fem_seal.contact.other_loads import FurtherLoads
-from fem_seal.contact.path_loads import PathLoad
 from fem_seal.contact.penetration import (
     FlowThrough,
     FluidAndContact,
@@ -32,15 +31,14 @@ from fem_seal.contact.penetration import (
     effective_radius,
     solve_penetration,
 )
-from fem_seal.contact.plastic_step import PlasticSettings
+from fem_seal.contact.plastic_step import PathLoad, PlasticSettings
 from fem_seal.loads import PressureSide
 from fem_seal.materials import HardeningCurve
 from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.leak_model import RoughFlow
-from fem_seal.seal.load_result import LoadResult
+from fem_seal.seal.load_result import LoadResult, SolvedSeal
 from fem_seal.seal.load_solver import LoadSolver, SealFlow, SolvedLoads, linearised_again
 from fem_seal.seal.problem import SealProblem
-from fem_seal.seal.solved_seal import SolvedSeal
 from fem_seal.studies.responses import evaluate_design
 
 STRONG = replace(STEEL, hardening=HardeningCurve((0.0,), (50e9,)))

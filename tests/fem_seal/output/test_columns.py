@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 from sample_results import case, rough_result
 
-from fem_seal.answers.profile_leak import leak_of_profiles
+from fem_seal.answers.profile_leak import leak_of_profiles, read_profiles
 from fem_seal.cli import app as cli
 from fem_seal.errors import InputError
 from fem_seal.output.answers.target import valve_table
@@ -22,7 +22,6 @@ from fem_seal.output.report.tables import load_table
 from fem_seal.output.report.words import headline
 from fem_seal.output.tables import leak_rows, profile_leak_rows, write_profile_csv
 from fem_seal.seal.load_result import highest_load
-from fem_seal.seal.profile_file import read_profiles
 from fem_seal.studies.study import Study
 from fem_seal.units import kind_of, parse_quantity, split_unit, unit_for
 

@@ -23,8 +23,8 @@ from fem_seal.case.case import load_case
 from fem_seal.contact.load_path import ElastoplasticContact, load_path
 from fem_seal.contact.newton import solve
 from fem_seal.contact.other_loads import FurtherLoads
-from fem_seal.contact.path_loads import PathLoad
-from fem_seal.contact.yielding import plastic_zone, yielding_of
+from fem_seal.contact.plastic_step import PathLoad
+from fem_seal.contact.solution import plastic_zone, yielding_of
 from fem_seal.errors import InputError
 from fem_seal.loads import contact_force
 from fem_seal.output.files import summary

@@ -11,13 +11,12 @@ from sample_results import SPECTRUM, STEEL, ball, case, cone, rough_result, run_
 
 import fem_seal
 import leak
-from fem_seal.answers.profile_leak import leak_of_profiles
+from fem_seal.answers.profile_leak import leak_of_profiles, read_profiles
 from fem_seal.answers.variants import theory_variants
 from fem_seal.errors import InputError
 from fem_seal.output.tables import write_profile_csv
 from fem_seal.result import SealResult
 from fem_seal.seal.problem import rough_contact
-from fem_seal.seal.profile_file import read_profiles
 
 
 def stretched(gamma: float) -> dict[str, dict[str, object]]:

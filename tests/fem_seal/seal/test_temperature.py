@@ -33,7 +33,7 @@ from fem_seal.contact.conduction import Face, Surroundings, conduct
 from fem_seal.contact.load_path import load_path
 from fem_seal.contact.model import ContactModel, line_points
 from fem_seal.contact.other_loads import FurtherLoads
-from fem_seal.contact.path_loads import PathLoad
+from fem_seal.contact.plastic_step import PathLoad
 from fem_seal.contact.solution import fields_at_rest
 from fem_seal.errors import InputError
 from fem_seal.materials import HardeningCurve, Material, OverTemperature

@@ -15,7 +15,7 @@ from fem_seal.contact.laws import ScaledLaw
 from fem_seal.contact.newton import Pressing, solve, solve_together
 from fem_seal.contact.sizing import Expected, Opening, widths_together
 from fem_seal.errors import ConvergenceError
-from fem_seal.seal.batch import Batch
+from fem_seal.seal.evaluate import Batch
 from fem_seal.studies.time_limit import Block, Watch
 from leak import PowerSpectrum, RoughContact
 
