@@ -25,7 +25,6 @@ from fem_seal.validity.words import caution
 # Pressures of a table where the case itself has fewer, and over which range below its highest.
 _PRESSURES, _LEAST, _RANGE = 8, 3, 20.0
 _MOST = 2000
-_ATMOSPHERE = 101325.0
 
 
 @dataclass(frozen=True)

@@ -15,8 +15,7 @@ from fem_seal.contact.penetration import effective_radius
 from fem_seal.loads import PressureSide, blow_off_of_sealed_area
 from fem_seal.seal.load_result import LoadResult, OpeningMargin, SolvedSeal
 from fem_seal.seal.load_solver import LoadSolver
-from fem_seal.seal.problem import SealProblem, condensed, sizing
-from meshes import build_contact
+from fem_seal.seal.problem import SealProblem, sizing
 
 
 @dataclass(frozen=True)
@@ -94,8 +93,7 @@ def blow_off_pressures(problem: SealProblem) -> FloatArray:
     if problem.loads.closing == "sealed-area" or not forces:
         radius, side = problem.touch_radius, problem.loads.pressure_side
         return np.array([blow_off_of_sealed_area(radius, force, side) for force in applied])
-    mesh = build_contact(problem.contact, sizing(problem, forces=forces))
-    solver = LoadSolver(problem, condensed(problem, mesh))
+    solver = LoadSolver.on_mesh(problem, sizing(problem, forces))
     known = {force: solver.blow_off_pressure(force) for force in dict.fromkeys(applied)}
     return np.array([known[force] for force in applied])
 

@@ -13,13 +13,11 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from pydantic import BaseModel
-
 from fem_seal.answers.answer import Answer, Inquiry, Wanted
 from fem_seal.answers.uncertainty import changed_surface, stiffer, stiffer_bodies
 from fem_seal.answers.verdict import VERDICT
 from fem_seal.case.case import Case
-from fem_seal.case.fields import Quantity, quantities_of
+from fem_seal.case.fields import quantities_of
 from fem_seal.case.roughness import self_affine_part
 from fem_seal.contact.model import ContactModel
 from fem_seal.contact.solution import ContactSolution
@@ -145,11 +143,6 @@ class _Bench:
     number: int
 
     @property
-    def yields(self) -> bool:
-        """Whether the load is the end of a path."""
-        return bool(self.problem.curves)
-
-    @property
     def problem(self) -> SealProblem:
         return self.result.problem
 
@@ -169,7 +162,7 @@ class _Bench:
         self, problem: SealProblem, model: ContactModel, force: float, start: ContactSolution | None
     ) -> LoadResult:
         """The load on another problem or model; its own table of conductivities as long as it will do."""
-        if self.yields:
+        if self.problem.curves:
             points = (*problem.loads.points[: self.number], (self.load.fluid_pressure, force))
             path = replace(problem, loads=replace(problem.loads, points=points))
             contact = solve_load(LoadSolver(path, model), self.number)
@@ -177,17 +170,13 @@ class _Bench:
             contact = LoadSolver(problem, model).solve(self.load.fluid_pressure, force, start=start)
         bare = LoadResult(self.load.fluid_pressure, force, contact, formed=problem.around(contact))
         peaks = log_peaks(bare.contacts)
-        own = self.load.rough
-        if problem.surface is self.problem.surface and own is not None and self._reaches(peaks):
-            return bare.knowing(rough=own)
-        surface = problem.surface
+        surface, rough = problem.surface, self.load.rough
         assert surface is not None  # of `usable`
-        short = RoughFlow(surface, problem.flow, lambda flow, of: _short_table(peaks, flow, of))
-        return bare.knowing(rough=short)
-
-    def _reaches(self, peaks: Sequence[float]) -> bool:
-        """Whether the tables of the load reach so far: they go on to the next decade."""
-        return max(peaks) <= max(log_peaks(self.load.contacts)) + 0.25
+        # the tables of the load go on to the next decade
+        reached = max(log_peaks(self.load.contacts)) + 0.25
+        if surface is not self.problem.surface or max(peaks) > reached:
+            rough = RoughFlow(surface, problem.flow, lambda flow, of: _short_table(peaks, flow, of))
+        return bare.knowing(rough=rough)
 
     def lever(
         self,
@@ -198,7 +187,7 @@ class _Bench:
         value: float | None = None,
     ) -> Iterator[Lever]:
         """The lever of a factor: a small step up says which way, and a large one how far."""
-        small = max(small, _SMALL_PATH) if self.yields else small
+        small = max(small, _SMALL_PATH) if self.problem.curves else small
         with suppress(*_FAILURES):
             near = _rates(solved(1.0 + small))
             if len(near) != len(self.rates):
@@ -253,7 +242,7 @@ class _Bench:
         def solved(factor: float) -> LoadResult:
             surface, stiffness = self._changed(key, factor), factor if key == "youngs_modulus" else 1.0
             problem, model = replace(self.problem, surface=surface), self.result.model
-            if stiffness != 1.0 and self.yields:
+            if stiffness != 1.0 and self.problem.curves:
                 problem = replace(problem, materials=stiffer_bodies(problem.materials, stiffness))
                 model = condensed(problem, self.result.seal_mesh)
             else:
@@ -309,7 +298,7 @@ class _Bench:
         for body in ("closure", "seat"):
             table = getattr(self.case, body)
             for key in table.model_fields_set - set(_NO_LEVERS):
-                marker = _quantity(type(table), key)
+                marker = next(quantities_of(type(table).model_fields[key]), None)
                 value = getattr(table, key)
                 if marker is None or not value:
                     continue
@@ -328,22 +317,18 @@ class _Bench:
             yield (path,), *listed[path]
 
     def _with_dimensions(self, entries: dict[str, float]) -> LoadResult:
-        points = self.problem.loads.points[: self.number] if self.yields else ()
+        points = self.problem.loads.points[: self.number] if self.problem.curves else ()
         pressures, forces = zip(*points, self.load.point, strict=True)
         of_load = {"load.fluid_pressure": list(pressures), "load.applied_force": list(forces)}
         case = self.case.replace({**of_load, "requirement": None, **entries})
         size = self.result.seal_mesh.sizing.contact_size
         problem = replace(SealProblem.of(case), surface=self.problem.surface, contact_size=size)
-        if self.yields:
+        if self.problem.curves:
             model, start = condensed(problem, build_mesh(problem)), None
         else:
             evaluated = evaluate(problem)
             model, start = evaluated.model, evaluated.solved.contacts[0]
         return self.solved(problem, model, self.load.applied_force, start)
-
-
-def _quantity(table: type[BaseModel], key: str) -> Quantity | None:
-    return next(quantities_of(table.model_fields[key]), None)
 
 
 def _round_step(length: float) -> float:

@@ -8,7 +8,6 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 
 from fem_seal.answers.answer import Answer, Inquiry
-from fem_seal.contact.sizing import solve_fitted
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import InputError
 from fem_seal.loads import contact_force
@@ -16,14 +15,13 @@ from fem_seal.seal.findings import Caution, Level, Validity
 from fem_seal.seal.leak_model import RoughFlow
 from fem_seal.seal.load_result import LoadResult, SolvedSeal
 from fem_seal.seal.load_solver import LoadSolver, SealFlow
-from fem_seal.seal.problem import SealProblem, condensed, largest_force, sizing
+from fem_seal.seal.problem import SealProblem, largest_force
 from fem_seal.seal.readings import WORDS
 from fem_seal.units import briefly, given, quantity
 from fem_seal.validity.checks import target_cautions, target_validity
 from fem_seal.validity.words import sentence
 from leak import Reading
 from leak.numerics.roots import root_between
-from meshes import Sizing, build_contact
 
 # Step of the force while a target is looked for, and how far down from the largest sensible force.
 _STEP = 4.0
@@ -166,16 +164,13 @@ def contacts_at_target(
     expected = {pressure: expected_contact_force(flow, pressure, target) for pressure in pressures}
     found: dict[float, LoadResult] = {}
 
-    def solve_on(sizing: Sizing) -> Sequence[ContactSolution]:
-        solver = LoadSolver(problem, condensed(problem, build_contact(problem.contact, sizing)))
+    def solve(solver: LoadSolver) -> Sequence[ContactSolution]:
         for pressure, force in expected.items():
             found[pressure] = _on_model(solver, flow, pressure, force, target)
         before = () if solver.earlier is None else (solver.earlier,)
         return [*(contact for one in found.values() for contact in one.contacts), *before]
 
-    forces = [share * force for force in expected.values() for share in _MARGIN]
-    size_given = problem.contact_size is not None
-    solve_fitted(sizing(problem, forces=forces), problem.contact, solve_on, size_given=size_given)
+    LoadSolver.fitted(problem, [share * force for force in expected.values() for share in _MARGIN], solve)
     return [found[pressure] for pressure in problem.loads.fluid_pressure]
 
 

@@ -24,19 +24,17 @@ from fem_seal.answers.leakage_class import limit_of_rate, limits
 from fem_seal.answers.target import expected_contact_force
 from fem_seal.answers.uncertainty import UNCERTAINTY, leak_interval
 from fem_seal.case.case import Case
-from fem_seal.contact.sizing import solve_fitted
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError, InputError, LoadProblem, OpenSealError
 from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.leak_model import RoughFlow
 from fem_seal.seal.load_result import LoadResult, SolvedSeal
 from fem_seal.seal.load_solver import Clock, LoadSolver, Progress, SealFlow
-from fem_seal.seal.problem import SealProblem, condensed, largest_force, sizing
+from fem_seal.seal.problem import SealProblem, largest_force
 from fem_seal.units import briefly
 from fem_seal.validity.checks import earlier_cautions, load_validity
 from fem_seal.validity.words import sentence
 from leak.numerics.roots import root_between
-from meshes import Sizing, build_contact
 
 
 def judged(case: Case, load: LoadResult, *, sampled: bool = True) -> Judgement | None:
@@ -394,16 +392,11 @@ class _Search:
         if known:
             return known[0]
         low, high = (share * force for share in _SHARED)
-        problem, solvers = self.problem, []
 
-        def solve_on(wanted: Sizing) -> Sequence[ContactSolution]:
-            solvers.append(LoadSolver(problem, condensed(problem, build_contact(problem.contact, wanted))))
-            pressure = self.load.fluid_pressure
-            return [solvers[-1].at_contact_force(pressure, force, progress=self.progress)[0]]
+        def solve(solver: LoadSolver) -> Sequence[ContactSolution]:
+            return [solver.at_contact_force(self.load.fluid_pressure, force, progress=self.progress)[0]]
 
-        size_given = problem.contact_size is not None
-        solve_fitted(sizing(problem, forces=[low, high]), problem.contact, solve_on, size_given=size_given)
-        self.benches.append(_Bench(solvers[-1], low, high))
+        self.benches.append(_Bench(LoadSolver.fitted(self.problem, [low, high], solve), low, high))
         return self.benches[-1]
 
     @property

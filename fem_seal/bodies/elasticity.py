@@ -131,48 +131,15 @@ def strain_matrix(mesh: MeshTri) -> FloatArray:
 
 
 def element_stiffness(mesh: MeshTri, material: Material) -> FloatArray:
-    """Stiffness int 2 pi r sigma(u) : epsilon(v) dr dz of every element [N/m]; shape (elements, shapes, shapes).
+    """Stiffness int 2 pi r sigma(u) : epsilon(v) dr dz of every element [N/m]; shape (elements, shapes, shapes)."""
+    B = strain_matrix(mesh)
+    return contracted(B, ring_volume(mesh)[..., None, None] * (elasticity_matrix(material) @ B))
 
-    The gradients of straight triangles are those of the reference triangle times one matrix, so that integrals over the
-    reference triangle serve all of them (Kirby and Logg, ACM Trans. Math. Softw. 32, 417 (2006)): for the gradients i
-    and j along its sides int phi_k N_i,c N_j,d with the corner functions phi_k of r, and int N_i N_j,c. What is divided
-    by r is added up over the quadrature points.
-    """
-    if not mesh.affine:
-        raise ValueError("stiffness of curved triangles")
-    points, weights = quadrature()
-    w, (N, dN) = 2 * np.pi * weights, shape_functions(points)
-    phi = np.stack([1 - points[0] - points[1], *points], axis=1)
-    gradients = np.einsum("q,qk,qic,qjd->kcdij", w, phi, dN, dN).reshape(-1, 36)
-    mixed = np.einsum("q,qi,qjc->cij", w, N, dN).reshape(-1, 36)
-    values = np.einsum("q,qi,qj->qij", w, N, N).reshape(-1, 36)
 
-    (a, b), (c, d) = mesh.p[:, mesh.t[1:]] - mesh.p[:, mesh.t[:1]]  # dr/ds, dr/dt, dz/ds, dz/dt
-    area = np.abs(a * d - b * c)
-    along_r, along_z = np.array([[d, -c], [-b, a]]) / (a * d - b * c)  # of s and t
-    corner_r = mesh.p[0, mesh.t] * area
-
-    def rotated(first: FloatArray, second: FloatArray) -> FloatArray:
-        """Factors of `gradients` that make int r N_i,x N_j,y of them."""
-        return corner_r[:, None, None] * first[:, None] * second
-
-    lam, mu = lame_parameters(material)
-    stiff = lam + 2 * mu
-    rr, zz, rz = rotated(along_r, along_r), rotated(along_z, along_z), rotated(along_r, along_z)
-
-    def of(factors: FloatArray) -> FloatArray:
-        return factors.reshape(-1, mesh.nelements).T
-
-    hoop = stiff * area / (phi @ mesh.p[0, mesh.t])
-    cross = (lam * of(area * along_r) @ mixed).reshape(-1, 6, 6)
-    K = np.empty((mesh.nelements, 12, 12))
-    K[:, ::2, ::2] = (of(stiff * rr + mu * zz) @ gradients + of(hoop) @ values).reshape(-1, 6, 6)
-    K[:, ::2, ::2] += cross + cross.transpose(0, 2, 1)
-    K[:, 1::2, 1::2] = (of(stiff * zz + mu * rr) @ gradients).reshape(-1, 6, 6)
-    coupled = of(lam * rz + mu * rz.swapaxes(1, 2)) @ gradients + of(lam * area * along_z) @ mixed
-    K[:, ::2, 1::2] = coupled.reshape(-1, 6, 6)
-    K[:, 1::2, ::2] = K[:, ::2, 1::2].transpose(0, 2, 1)
-    return K
+def contracted(strain: FloatArray, stress: FloatArray) -> FloatArray:
+    """Sum of stress : strain over the points of each element, both (elements, points, components, shapes)."""
+    flat = (len(strain), -1, strain.shape[-1])
+    return np.asarray(strain.reshape(flat).transpose(0, 2, 1) @ stress.reshape(flat))
 
 
 def stiffness_matrix(mesh: MeshTri, material: Material) -> csr_matrix:

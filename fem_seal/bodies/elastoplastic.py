@@ -17,6 +17,7 @@ from scipy.sparse import csr_matrix
 from fem_seal.arrays import FloatArray
 from fem_seal.bodies.elasticity import (
     NODES,
+    contracted,
     elasticity_matrix,
     element_dofs,
     lame_parameters,
@@ -254,9 +255,7 @@ class ElastoplasticBody:
     def element_stiffness(self, elements: NDArray[np.int64], tangent: FloatArray) -> FloatArray:
         """Stiffness of some elements [N/m], shape (k, shapes, shapes), with their tangent, (k, points, 4, 4) [Pa]."""
         shapes = self.strain_shapes[elements]
-        stress = (self.weight[elements][..., None, None] * tangent) @ shapes
-        count, _, _, size = shapes.shape
-        return shapes.reshape(count, -1, size).transpose(0, 2, 1) @ stress.reshape(count, -1, size)
+        return contracted(shapes, (self.weight[elements][..., None, None] * tangent) @ shapes)
 
     @cached_property
     def nodal_average(self) -> csr_matrix:

@@ -24,6 +24,7 @@ from fem_seal.bodies.dissection import Dissection
 from fem_seal.bodies.elasticity import (
     AXIS,
     boundary_dofs,
+    contracted,
     elasticity_matrix,
     element_dofs,
     node_dofs,
@@ -80,11 +81,9 @@ def harmonic_stiffness(mesh: MeshTri, material: Material) -> tuple[FloatArray, F
     D[:4, :4] = elasticity_matrix(material)
     D[4, 4] = D[5, 5] = D[3, 3]
     constant, linear = harmonic_strains(mesh)
-    flat = (len(constant), -1, constant.shape[-1])
 
     def element(left: FloatArray, right: FloatArray) -> FloatArray:
-        weighted = ring_volume(mesh)[..., None, None] * (D @ right)
-        return np.asarray(left.reshape(flat).transpose(0, 2, 1) @ weighted.reshape(flat))
+        return contracted(left, ring_volume(mesh)[..., None, None] * (D @ right))
 
     mixed = element(constant, linear)
     return element(constant, constant), mixed + mixed.transpose(0, 2, 1), element(linear, linear)

@@ -16,13 +16,16 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property, partial
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fem_seal.arrays import FloatArray
 from fem_seal.contact.model import ContactModel
 from fem_seal.errors import ConvergenceError
+
+if TYPE_CHECKING:
+    from fem_seal.contact.local_contact import LocalContact
 
 
 @dataclass(frozen=True)
@@ -120,22 +123,8 @@ _SOLVED, _MOST_PRODUCTS = 1e-7, 400
 _LEAST = 1e-60
 
 
-class Local(Protocol):
-    """The axisymmetric contact at the line load of each place; see `fem_seal.contact.local_contact`."""
-
-    @property
-    def opens(self) -> bool:
-        """Whether the surfaces part at a definite approach."""
-
-    def approach(self, line_load: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Approach along the normal [m] and its derivative over ln f [m]."""
-
-    def line_load(self, approach: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Line load [N/m] at an approach [m] and its derivative [N/m^2], of a contact that opens."""
-
-
 def line_load_around(
-    local: Local,
+    local: LocalContact,
     stiffening: Callable[[int], float],
     gap: FloatArray,
     mean: float,
@@ -148,7 +137,7 @@ def line_load_around(
 
     Parameters
     ----------
-    local : Local
+    local : LocalContact
     stiffening : callable
         c_n - c_0 of harmonic n [m per N/m]; that of the first is asked for only if the closure is guided.
     gap : ndarray, shape (m,)
@@ -199,7 +188,7 @@ def line_load_around(
 
 
 Found = tuple[FloatArray, FloatArray]
-Iteration = Callable[[Local, "_Ring", FloatArray, float, FloatArray], Found | None]
+Iteration = Callable[["LocalContact", "_Ring", FloatArray, float, FloatArray], Found | None]
 
 
 def _put_on(tried: Callable[[float, FloatArray], Found | None], start: FloatArray) -> Found | None:
@@ -289,7 +278,7 @@ class _Ring:
 
 
 def _in_logarithms(
-    local: Local, ring: _Ring, gap: FloatArray, mean: float, start: FloatArray
+    local: LocalContact, ring: _Ring, gap: FloatArray, mean: float, start: FloatArray
 ) -> Found | None:
     """Newton's method in ln f, for a contact that never opens; None if it does not converge.
 
@@ -320,7 +309,7 @@ def _in_logarithms(
     return None
 
 
-def _solvable(local: Local, v: FloatArray, step: FloatArray) -> float:
+def _solvable(local: LocalContact, v: FloatArray, step: FloatArray) -> float:
     """The largest share of a step in ln f whose line loads can be solved; ConvergenceError if that is none."""
     for share in _OF_STEP:
         try:
@@ -334,7 +323,7 @@ def _solvable(local: Local, v: FloatArray, step: FloatArray) -> float:
 
 
 def _in_line_loads(
-    local: Local, ring: _Ring, gap: FloatArray, mean: float, start: FloatArray
+    local: LocalContact, ring: _Ring, gap: FloatArray, mean: float, start: FloatArray
 ) -> Found | None:
     """Newton's method for a line load that may be nothing at some places; None if it fails."""
     motion = np.full(len(gap), np.mean(local.approach(start)[0] + gap))
@@ -363,7 +352,13 @@ class _Balance:
 
     @classmethod
     def of(
-        cls, local: Local, ring: _Ring, gap: FloatArray, mean: float, guess: FloatArray, motion: FloatArray
+        cls,
+        local: LocalContact,
+        ring: _Ring,
+        gap: FloatArray,
+        mean: float,
+        guess: FloatArray,
+        motion: FloatArray,
     ) -> _Balance:
         approach = motion - ring.opening(guess) - gap
         with np.errstate(over="ignore"):
@@ -390,7 +385,13 @@ class _Balance:
         return math.hypot(worst * math.sqrt(np.mean((self.off / worst) ** 2)), self.lacks)
 
     def after(
-        self, change: FloatArray, moved: FloatArray, local: Local, ring: _Ring, gap: FloatArray, mean: float
+        self,
+        change: FloatArray,
+        moved: FloatArray,
+        local: LocalContact,
+        ring: _Ring,
+        gap: FloatArray,
+        mean: float,
     ) -> _Balance:
         """The balance after a step, or after the share of it that leads nearer."""
         best, refused = None, None

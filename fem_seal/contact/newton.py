@@ -162,18 +162,10 @@ def _solve_alike(pressings: Sequence[Pressing]) -> list[ContactSolution | Conver
         if len(pressings) > 1:
             return [own for one in pressings for own in _solve_alike([one])]
         found = [(None, [np.inf])]
-    gaps = iter(_gaps(rows, [state for state, _ in found]))
     return [
-        _softened_first(one) if state is None else _solution(one, state, residuals, next(gaps))
-        for n, (one, (state, residuals)) in enumerate(zip(pressings, found, strict=True))
+        _softened_first(one) if state is None else _solution(one, state, residuals)
+        for one, (state, residuals) in zip(pressings, found, strict=True)
     ]
-
-
-def _gaps(rows: _Rows, states: Sequence[State | None]) -> FloatArray:
-    """Gap in each state that there is, shape (states, m) [m]."""
-    there = np.array([state is not None for state in states])
-    v = [state[0] for state in states if state is not None]
-    return rows.law.rows(there).gap(np.stack(v)) if v else np.empty((0, 0))
 
 
 def _softened_first(one: Pressing) -> ContactSolution | ConvergenceError:
@@ -197,22 +189,15 @@ def _softened_first(one: Pressing) -> ContactSolution | ConvergenceError:
             )
         states = [state]
     assert state is not None  # the last of them is that of the law
-    return _solution(one, state, residuals, *_gaps(rows, [state]))
+    return _solution(one, state, residuals)
 
 
-def _solution(one: Pressing, state: State, residuals: Sequence[float], gap: FloatArray) -> ContactSolution:
-    v, d = state
+def _solution(one: Pressing, state: State, residuals: Sequence[float]) -> ContactSolution:
+    assert not isinstance(one.law, HardContact)  # that has no states
+    (v, d), loads = state, one.loads or FurtherLoads()
     # the last residual is that of the solution, after which no step is taken
-    return ContactSolution(
-        one.model,
-        one.contact_force,
-        d,
-        v,
-        gap,
-        len(residuals) - 1,
-        tuple(residuals),
-        one.loads or FurtherLoads(),
-    )
+    steps = len(residuals) - 1
+    return ContactSolution(one.model, one.contact_force, d, v, one.law.gap(v), steps, tuple(residuals), loads)
 
 
 State = tuple[FloatArray, float]

@@ -246,17 +246,11 @@ def coupled_contact(
         pressure, force = balance(seal.loads(1.0, at).lift(seal.model))
         if not force > 0:
             raise OpenSealError(f"nothing is left for the solid contact at {pressure / 1e5:.6g} bar")
-        solution = solve(
-            seal.model,
-            seal.law,
-            contact_force=force,
-            loads=seal.loads(pressure, at),
-            start=solution,
-        )
+        loads = seal.loads(pressure, at)
+        solution = solve(seal.model, seal.law, contact_force=force, loads=loads, start=solution)
         return seal.path.found(solution.profile, pressure)
 
     low, high = seal.path.bounds(seal.model.line)
-    tolerance = _TOLERANCE * (high - low)
     try:
         if unknowns.size == 1:
             # The place up to which the fluid gets moves from element to element.
@@ -268,26 +262,16 @@ def coupled_contact(
                 jump=float(elements.max()),
             )
         else:
-            _smooth_fixed_point(seal, image, unknowns, tolerance, (low, high))
+            try:
+                fixed_point(image, unknowns, tolerance=_TOLERANCE * (high - low), bounds=(low, high))
+            except ConvergenceError:
+                if not isinstance(seal.law, HardContact):
+                    raise
+                fixed_point(image, unknowns, tolerance=_HARD_TOLERANCE, bounds=(low, high))
     except ConvergenceError as error:
         raise ConvergenceError(f"contact and fluid pressure in the gap: {error}", solution) from error
     assert solution is not None
     return solution
-
-
-def _smooth_fixed_point(
-    seal: FluidAndContact,
-    image: Callable[[FloatArray], FloatArray],
-    unknowns: FloatArray,
-    tolerance: float,
-    bounds: tuple[float, float],
-) -> None:
-    try:
-        fixed_point(image, unknowns, tolerance=tolerance, bounds=bounds)
-    except ConvergenceError:
-        if not isinstance(seal.law, HardContact):
-            raise
-        fixed_point(image, unknowns, tolerance=_HARD_TOLERANCE, bounds=bounds)
 
 
 def dry_unknowns(
@@ -423,7 +407,7 @@ def effective_radius(solution: ContactSolution, fluid_pressure: float) -> float:
     return math.sqrt(abs(solution.loads.lift(solution.model)) / (math.pi * fluid_pressure))
 
 
-def _under(applied_force: float, fluid_pressure: float) -> Callable[[float], tuple[float, float]]:
+def _under(applied_force: float, fluid_pressure: float) -> Balance:
     """Fluid pressure, and the force that is left to the solid contact [N] for the fluid's lift [m^2]."""
     return lambda lift: (fluid_pressure, applied_force - fluid_pressure * lift)
 

@@ -321,7 +321,7 @@ class _Step:
 
     def _at(self, displacements: Mapping[str, FloatArray], forces: Mapping[str, FloatArray]) -> _Iterate:
         flows = {
-            name: body.solid.respond(displacements[name], self.before[name], self._free_strain(name))
+            name: body.solid.respond(displacements[name], self.before[name], self._free_strain[name])
             for name, body in self.bodies.items()
         }
         worst = max(self._imbalance(name, flows[name], forces[name]) for name in flows)
@@ -381,12 +381,9 @@ class _Step:
             found[name] = at_rest[name] + loads.displacement(linear.bodies[name], linear, pressed)
         return found
 
-    def _free_strain(self, name: str) -> FloatArray | float:
-        """Strain of a body at its quadrature points that takes no stress."""
-        return self._free_strains[name]
-
     @cached_property
-    def _free_strains(self) -> dict[str, FloatArray | float]:
+    def _free_strain(self) -> dict[str, FloatArray | float]:
+        """Strain of each body at its quadrature points that takes no stress."""
         found: dict[str, FloatArray | float] = {}
         for name, body in self.bodies.items():
             held = body.held
@@ -409,7 +406,7 @@ class _Step:
         found = {}
         for name, body in self.bodies.items():
             # what grows freely has no stress to measure by, only the one that would keep it from growing
-            stresses = [np.abs(self.before[name].stress), body.solid.hindered(self._free_strain(name))]
+            stresses = [np.abs(self.before[name].stress), body.solid.hindered(self._free_strain[name])]
             found[name] = max(float(np.abs(body.solid.internal_forces(one)).max()) for one in stresses)
         return found
 

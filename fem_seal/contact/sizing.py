@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem_seal.arrays import FloatArray
-from fem_seal.contact.laws import HardContact, Law, ScaledLaw
+from fem_seal.contact.laws import HardContact, Law
 from fem_seal.errors import ConvergenceError, InputError
 from fem_seal.loads import plastic_half_width
 from meshes import ContactGeometry, MeshingError, Sizing
@@ -130,7 +130,7 @@ class ContactWidth:
 
 
 def contact_widths(
-    law: Law, line_loads: Sequence[float], opening: Opening, effective_modulus: float | FloatArray
+    law: Law, line_loads: Sequence[float], opening: Opening, effective_modulus: float
 ) -> list[ContactWidth]:
     """Widths of line contacts before they are solved.
 
@@ -145,7 +145,7 @@ def contact_widths(
     law : InterfaceLaw or HardContact
     line_loads : sequence of float
         f_N of each [N/m].
-    effective_modulus : float or ndarray, shape (line_loads,)
+    effective_modulus : float
         E* [Pa].
     """
     f = np.array(line_loads, dtype=float)
@@ -173,53 +173,12 @@ def contact_widths(
     ]
 
 
-@dataclass(frozen=True)
-class Expected:
-    """Contacts whose widths are asked for, see `contact_widths`.
-
-    Parameters
-    ----------
-    law, line_loads, opening, effective_modulus
-    """
-
-    law: Law
-    line_loads: tuple[float, ...]
-    opening: Opening
-    effective_modulus: float
-
-    @property
-    def widths(self) -> list[ContactWidth]:
-        """Of each line load."""
-        return contact_widths(self.law, self.line_loads, self.opening, self.effective_modulus)
-
-
-def widths_together(expected: Sequence[Expected]) -> list[list[ContactWidth]]:
-    """`Expected.widths` of several, in less time where faces and the shape of the law are the same.
-
-    Parameters
-    ----------
-    expected : sequence of Expected
-    """
-    scaled = [one.law for one in expected if isinstance(one.law, ScaledLaw) and len(one.line_loads) == 1]
-    kinds = {(id(law.law), id(one.opening)) for law, one in zip(scaled, expected, strict=False)}
-    if len(scaled) < len(expected) or len(kinds) != 1:
-        return [one.widths for one in expected]
-    found = contact_widths(
-        ScaledLaw.of(scaled),
-        [load for one in expected for load in one.line_loads],
-        expected[0].opening,
-        np.array([one.effective_modulus for one in expected]),
-    )
-    return [[one] for one in found]
-
-
 def element_sizes(
     law: Law,
     line_loads: Sequence[float],
     contact: ContactGeometry,
     effective_modulus: float,
     contact_size: float | None = None,
-    widths: Sequence[ContactWidth] | None = None,
 ) -> Sizing:
     """Sizes that resolve every load on one mesh: fine enough for the narrowest contact, wide enough for the widest.
 
@@ -232,16 +191,13 @@ def element_sizes(
         E* [Pa].
     contact_size : float, optional
         Element size along the contact line [m], instead of the one found.
-    widths : sequence of ContactWidth, optional
-        `contact_widths` of the line loads, if they are known already.
 
     Raises
     ------
     InputError
         If `contact_size` cannot resolve the narrowest profile, or needs an unreasonable number of elements.
     """
-    if widths is None:
-        widths = contact_widths(law, line_loads, Opening.of(contact), effective_modulus)
+    widths = contact_widths(law, line_loads, Opening.of(contact), effective_modulus)
     std = min(w.std for w in widths)
     far_size = contact.closure.largest_radius / _PER_LARGEST_RADIUS
     size = min(min(w.std / w.per_std for w in widths), far_size)

@@ -413,11 +413,11 @@ def yielding_of(
         if limit is None or contact.stays_below(name, limit):
             continue
         field = contact.fields[name]
-        zone: YieldedZone | PlasticZone | None
-        if isinstance(field, ElastoplasticField):
-            zone = plastic_zone(field, material)
-        else:
-            zone = yielded_zone(field, limit)
+        zone: YieldedZone | PlasticZone | None = (
+            plastic_zone(field, material)
+            if isinstance(field, ElastoplasticField)
+            else yielded_zone(field, limit)
+        )
         if zone is not None:
             found[name] = zone
     return found

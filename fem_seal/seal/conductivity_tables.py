@@ -75,7 +75,7 @@ def family_table(
 @lru_cache(maxsize=64)
 def _table_from(surface: RoughContact, method: str, of_gas: bool) -> Conductivity:
     """The table of one surface, which the loads of a grid share."""
-    return _between(surface, _all_made(_names(_member(surface)[0], method, of_gas)))
+    return _between(surface, tuple(map(_made, _names(_member(surface)[0], method, of_gas))))
 
 
 def _between(surface: RoughContact, tables: tuple[Conductivity, ...]) -> Conductivity:
@@ -107,12 +107,6 @@ def _names(member: RoughContact, method: str, of_gas: bool) -> tuple[FamilyTable
         return (FamilyTable(member.stand_in or member, method, of_gas),)
     first = _on_lattice(member)[0]
     return tuple(FamilyTable(member.elastic, method, of_gas, place) for place in range(first, first + 4))
-
-
-# Of neighbouring surfaces, mostly the same: to look for each table by itself takes longer than to read it.
-@lru_cache(maxsize=64)
-def _all_made(names: tuple[FamilyTable, ...]) -> tuple[Conductivity, ...]:
-    return tuple(name.made() for name in names)
 
 
 def _on_lattice(member: RoughContact) -> tuple[int, float]:

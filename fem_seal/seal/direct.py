@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from fem_seal.arrays import FloatArray
 from fem_seal.case.tables import Asperities
-from fem_seal.errors import InputError, Problem
+from fem_seal.errors import InputError
 from fem_seal.seal.pieces import work
 from leak import ConductivityTable, DirectError, RoughContact
 from leak.direct import (
@@ -134,7 +134,7 @@ class DirectSettings:
                 peklenik=surface.peklenik,
             )
         except DirectError as error:
-            raise InputError(Problem("direct", str(error))) from None
+            raise InputError.at("direct", str(error)) from None
         settings = replace(
             self,
             samples=self.samples if heights is None else 1,
@@ -216,11 +216,8 @@ class DirectSimulation:
     @property
     def load_step(self) -> float | None:
         """Longest of metal that flows [Pa]; None where every pressure is pressed by itself."""
-        return (
-            None
-            if self.settings.yield_stress is None
-            else LOAD_STEP * HARDNESS_OVER_YIELD_STRESS * self.settings.yield_stress
-        )
+        stress = self.settings.yield_stress
+        return None if stress is None else LOAD_STEP * HARDNESS_OVER_YIELD_STRESS * stress
 
     @property
     def held(self) -> RoughContact:
@@ -251,23 +248,14 @@ class DirectSimulation:
         The first sample is also pressed without its shorter half of the waves, to see what the cutoff does. Metal that
         flows remembers its path, which is then one piece.
         """
-        if self.settings.yield_stress is not None:
-            path, back = sorted(set(self.settings.pressures)), sorted(set(self.settings.unload), reverse=True)
-            whole = [
-                Piece(sample, "load", tuple(path), tuple(back)) for sample in range(self.settings.samples)
-            ]
-            return [*whole, Piece(0, "cutoff", tuple(path))]
-        found = [
-            Piece(sample, "load", (p,))
-            for p in self.settings.pressures
-            for sample in range(self.settings.samples)
-        ]
-        found += [Piece(0, "cutoff", (p,)) for p in self.settings.pressures]
-        if self.settings.unload:
-            found += [
-                Piece(sample, "unload", self.settings.unload) for sample in range(self.settings.samples)
-            ]
-        return found
+        pressures, unload = self.settings.pressures, self.settings.unload
+        samples = range(self.settings.samples)
+        if self.takes_minutes:
+            path, back = tuple(sorted(set(pressures))), tuple(sorted(set(unload), reverse=True))
+            return [*(Piece(sample, "load", path, back) for sample in samples), Piece(0, "cutoff", path)]
+        found = [Piece(sample, "load", (p,)) for p in pressures for sample in samples]
+        found += [Piece(0, "cutoff", (p,)) for p in pressures]
+        return found + [Piece(sample, "unload", unload) for sample in samples if unload]
 
     def key(self, piece: Piece) -> str:
         """Hash of everything that a piece depends on."""
@@ -567,11 +555,8 @@ class DirectTable:
         """
         rows = self.loading
         if not rows:
-            raise InputError(
-                Problem(
-                    "direct.pressure",
-                    "the patch is tight at all of them; give smaller ones, or larger patches",
-                )
+            raise InputError.at(
+                "direct.pressure", "the patch is tight at all of them; give smaller ones, or larger patches"
             )
         return rows[0].pressure, rows[-1].pressure
 

@@ -311,7 +311,7 @@ def _place(
     peaks = log_peaks([contact])
     whole = flow.table_around(surface, peaks)
     tables = (flow.in_contact(flow.table_around(one, peaks), one, profile) for one in (surface, held))
-    through = [_conductance(flow, table, profile, load.fluid_pressure) for table in tables]
+    through, through_held = (_conductance(flow, table, profile, load.fluid_pressure) for table in tables)
     leak = flow.leak_of(whole, surface, profile, load.fluid_pressure).leak_rate
     mean = flow.outlet_pressure + 0.5 * load.fluid_pressure
     gas = flow.gas
@@ -322,17 +322,7 @@ def _place(
     )
     interval = load.leak_interval if name == "round" and load.has_interval else None
     return SealPlace(
-        name,
-        load.fluid_pressure,
-        load.applied_force,
-        contact.line_load,
-        profile,
-        strip,
-        through[0],
-        through[1],
-        leak,
-        interval,
-        flight,
+        name, *load.point, contact.line_load, profile, strip, through, through_held, leak, interval, flight
     )
 
 
@@ -362,11 +352,7 @@ def _strip(contact: ContactSolution, surface: RoughContact, settings: DirectSett
         away = np.abs(x[outside] - line.x[end])
         gap[outside] = profile.gap[end] + slope * away
     lower, upper = profile.ends
-    off_face = np.zeros(len(x), bool)
-    if lower is not None:
-        off_face |= x < lower
-    if upper is not None:
-        off_face |= x > upper
+    off_face = (x < (-math.inf if lower is None else lower)) | (x > (math.inf if upper is None else upper))
     rest = rest_gap(gap, p, width, surface.effective_modulus)
     rest[off_face] = np.maximum(rest[off_face], rest[~off_face].max() + _APART * surface.spectrum.rms_height)
     return Strip(

@@ -16,13 +16,13 @@ from typing import TypeAlias, TypeVar
 from fem_seal.case.case import Case
 from fem_seal.contact.model import ContactModel
 from fem_seal.contact.newton import Pressing, solve_together
-from fem_seal.contact.sizing import MeshFit, widths_together
+from fem_seal.contact.sizing import MeshFit
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError, LoadProblem, NoLoadLeftError
 from fem_seal.seal.leak_model import RoughFlow
 from fem_seal.seal.load_result import LoadResult, SolvedSeal
 from fem_seal.seal.load_solver import Clock, LoadSolver, SolvedLoads, solve_loads
-from fem_seal.seal.problem import Loads, SealProblem, expected_contacts, sizing
+from fem_seal.seal.problem import Loads, SealProblem, sizing
 from fem_seal.seal.sources import EXACT, Source
 from meshes import MeshingError, SealMesh
 
@@ -239,17 +239,13 @@ def evaluate_many(
     """
     sources = {number: sources[number].suited(problem) for number, problem in problems.items()}
     problems = batch.each(problems, lambda n: sources[n].problem(problems[n]))
-    asked = batch.each(problems, lambda n: expected_contacts(problems[n]))
-    widths = batch.at_once(asked, widths_together)
 
     def begun(number: int) -> MeshFit:
-        problem, found = problems[number], widths[number]
-        if isinstance(found, Exception):
-            raise found
-        wanted = sizing(problem, widths=found)
-        return MeshFit.begun(wanted, problem.contact, size_given=problem.contact_size is not None)
+        problem = problems[number]
+        size_given = problem.contact_size is not None
+        return MeshFit.begun(sizing(problem), problem.contact, size_given=size_given)
 
-    fits, done = batch.each(widths, begun), dict[int, Evaluation]()
+    fits, done = batch.each(problems, begun), dict[int, Evaluation]()
 
     def with_bodies(number: int) -> tuple[LoadSolver, SealMesh | None] | MeshingError:
         problem, wanted = problems[number], fits[number].sizing

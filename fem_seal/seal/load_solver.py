@@ -34,7 +34,7 @@ from fem_seal.contact.penetration import (
     solve_penetration,
 )
 from fem_seal.contact.plastic_step import PathLoad, PlasticSettings
-from fem_seal.contact.sizing import Opening, contact_widths
+from fem_seal.contact.sizing import Opening, contact_widths, solve_fitted
 from fem_seal.contact.solution import DEFAULT_SETTINGS, ContactSettings, ContactSolution
 from fem_seal.errors import (
     ConvergenceError,
@@ -48,8 +48,9 @@ from fem_seal.errors import (
 from fem_seal.loads import blow_off_of_sealed_area, contact_force, line_load, plastic_half_width
 from fem_seal.profile import PressureProfile, remembered
 from fem_seal.seal.leak_model import MARGIN, Conductivity, Flow, ProfileFlow, as_first_loaded
-from fem_seal.seal.problem import SealProblem, expected_forces
+from fem_seal.seal.problem import SealProblem, condensed, expected_forces, sizing
 from fem_seal.units import briefly
+from meshes import Sizing, build_contact
 
 if TYPE_CHECKING:
     from fem_seal.arrays import FloatArray
@@ -181,6 +182,35 @@ class LoadSolver:
     problem: SealProblem
     model: ContactModel
 
+    @classmethod
+    def on_mesh(cls, problem: SealProblem, wanted: Sizing) -> LoadSolver:
+        """On a mesh made with these sizes."""
+        return cls(problem, condensed(problem, build_contact(problem.contact, wanted)))
+
+    @classmethod
+    def fitted(
+        cls,
+        problem: SealProblem,
+        forces: Sequence[float],
+        solve: Callable[[LoadSolver], Sequence[ContactSolution]],
+    ) -> LoadSolver:
+        """On a mesh sized for contact forces F_N [N] that fits the contacts which `solve` finds on it.
+
+        Raises
+        ------
+        ConvergenceError, MeshingError
+            See `fem_seal.contact.sizing.solve_fitted`.
+        """
+        solvers: list[LoadSolver] = []
+
+        def solve_on(wanted: Sizing) -> Sequence[ContactSolution]:
+            solvers.append(cls.on_mesh(problem, wanted))
+            return solve(solvers[-1])
+
+        size_given = problem.contact_size is not None
+        solve_fitted(sizing(problem, forces), problem.contact, solve_on, size_given=size_given)
+        return solvers[-1]
+
     def solve(
         self, fluid_pressure: float, applied_force: float, start: ContactSolution | None = None
     ) -> ContactSolution:
@@ -194,10 +224,26 @@ class LoadSolver:
             If these leave the seal open.
         ConvergenceError
         """
-        if self._on_sealed_area:
-            force = applied_force + self._closes(fluid_pressure)
-            return self._sealed_area(force, start).after(self.earlier)
-        return self._penetrated(self.seal, fluid_pressure, applied_force, start).after(self.earlier)
+        return self._solved(fluid_pressure, applied_force, start).after(self.earlier)
+
+    def _solved(
+        self,
+        fluid_pressure: float,
+        applied_force: float,
+        start: ContactSolution | None,
+        *,
+        first: bool = False,
+    ) -> ContactSolution:
+        """`solve` without memory; as the first load of all, or after the largest one before those of the problem."""
+        if fluid_pressure == 0.0 or self._on_sealed_area:
+            return self._sealed_area(applied_force + self._closes(fluid_pressure), start)
+        seal = self._first_seal if first else self.seal
+        try:
+            return solve_penetration(
+                seal, applied_force=applied_force, fluid_pressure=fluid_pressure, start=start
+            )
+        except OpenSealError as error:
+            raise self._open_seal(seal, fluid_pressure, applied_force, error) from error
 
     def pressings(self, settings: ContactSettings = DEFAULT_SETTINGS) -> dict[int, Pressing]:
         """What is to be pressed of each load, where each is a question of its own: no path, no way of the fluid."""
@@ -233,11 +279,8 @@ class LoadSolver:
         point = self.problem.loads.earlier
         if point is None:
             return None
-        fluid_pressure, applied_force = point
         try:
-            if fluid_pressure == 0.0 or self._on_sealed_area:
-                return self._sealed_area(applied_force + self._closes(fluid_pressure), None)
-            return self._penetrated(self._first_seal, fluid_pressure, applied_force, None)
+            return self._solved(*point, None, first=True)
         except ConvergenceError as error:
             raise ConvergenceError(f"the largest earlier load: {error}") from error
 
@@ -245,20 +288,6 @@ class LoadSolver:
     def _on_sealed_area(self) -> bool:
         """Whether the fluid acts on the circle of first touch: its way between the surfaces is not asked for."""
         return self.problem.loads.closing == "sealed-area"
-
-    def _penetrated(
-        self,
-        seal: FluidAndContact,
-        fluid_pressure: float,
-        applied_force: float,
-        start: ContactSolution | None,
-    ) -> ContactSolution:
-        try:
-            return solve_penetration(
-                seal, applied_force=applied_force, fluid_pressure=fluid_pressure, start=start
-            )
-        except OpenSealError as error:
-            raise self._open_seal(seal, fluid_pressure, applied_force, error) from error
 
     def open_on_path(self, point: tuple[float, float], opened: OpenLoad) -> InputError:
         """What is said of a load that opens the seal on the path of bodies that yield."""
@@ -309,7 +338,7 @@ class LoadSolver:
         if self.yields:
             applied = contact_force - self._closes(fluid_pressure)
             return _end_of_path(self, [(fluid_pressure, applied)], progress=progress), applied
-        if self.problem.loads.closing == "sealed-area":
+        if self._on_sealed_area:
             contact = self._sealed_area(contact_force, start).after(self.earlier)
             return contact, contact_force - self._closes(fluid_pressure)
         contact = solve_at_contact_force(
@@ -328,17 +357,18 @@ class LoadSolver:
             From which the pressure rises, the force staying as it is: bodies that yield keep what they have gone
             through. Without it they are as new.
         """
-        loads = self.problem.loads
-        if loads.closing == "penetration":
+        if not self._on_sealed_area:
             return blow_off_pressure(self._seal_after(contact), applied_force=applied_force)
-        return blow_off_of_sealed_area(self.problem.touch_radius, applied_force, loads.pressure_side)
+        return blow_off_of_sealed_area(
+            self.problem.touch_radius, applied_force, self.problem.loads.pressure_side
+        )
 
     def opening_force(self, fluid_pressure: float, contact: ContactSolution | None = None) -> float | None:
         """Force of spring or actuator [N] below which the seal is open at a fluid pressure [Pa]; None if not found.
 
         `contact` as in `blow_off_pressure`.
         """
-        if self.problem.loads.closing == "penetration":
+        if not self._on_sealed_area:
             return least_applied_force(self._seal_after(contact), fluid_pressure)
         return -self._closes(fluid_pressure)
 

@@ -17,7 +17,7 @@ from fem_seal.bodies.supports import Supports
 from fem_seal.case.checks import touched_beside
 from fem_seal.case.load_limits import refused_loads
 from fem_seal.contact.laws import HardContact, Law
-from fem_seal.contact.sizing import ContactWidth, Expected, Opening, element_sizes, for_yielding, rounded
+from fem_seal.contact.sizing import element_sizes, for_yielding, rounded
 from fem_seal.errors import InputError, LoadProblem
 from fem_seal.loads import PressureSide, expected_force, line_load, plastic_half_width
 from fem_seal.materials import HardeningCurve, Material, effective_modulus
@@ -489,27 +489,7 @@ def build_mesh(problem: SealProblem) -> SealMesh:
     return build_contact(problem.contact, sizing(problem))
 
 
-def expected_contacts(problem: SealProblem, forces: Sequence[float] | None = None) -> Expected:
-    """The contacts whose widths `sizing` needs.
-
-    Parameters
-    ----------
-    problem, forces
-        See `sizing`.
-    """
-    contact = problem.contact
-    forces = [*(expected_forces(problem) if forces is None else forces)]
-    if problem.loads.earlier is not None:
-        forces.append(_expected_force(problem, *problem.loads.earlier))
-    line_loads = tuple(line_load(force, contact.touch_radius, contact.angle) for force in forces)
-    return Expected(problem.law, line_loads, Opening.of(contact), problem.effective_modulus)
-
-
-def sizing(
-    problem: SealProblem,
-    forces: Sequence[float] | None = None,
-    widths: Sequence[ContactWidth] | None = None,
-) -> Sizing:
+def sizing(problem: SealProblem, forces: Sequence[float] | None = None) -> Sizing:
     """Element sizes and contact zone for all loads of a problem, and for the largest one before them.
 
     Parameters
@@ -517,25 +497,25 @@ def sizing(
     problem : SealProblem
     forces : sequence of float, optional
         Forces F_N of the contact [N] instead of those of the loads.
-    widths : sequence of ContactWidth, optional
-        Those of the `expected_contacts`, if they are known already.
 
     Raises
     ------
     InputError
         If [mesh] contact_size is out of range for this contact.
     """
-    asked = expected_contacts(problem, forces)
     contact, size = problem.contact, problem.contact_size
-    widths = asked.widths if widths is None else widths
+    forces = [*(expected_forces(problem) if forces is None else forces)]
+    if problem.loads.earlier is not None:
+        forces.append(_expected_force(problem, *problem.loads.earlier))
+    line_loads = [line_load(force, contact.touch_radius, contact.angle) for force in forces]
     try:
-        found = element_sizes(asked.law, asked.line_loads, contact, asked.effective_modulus, size, widths)
+        found = element_sizes(problem.law, line_loads, contact, problem.effective_modulus, size)
     except InputError as error:
         raise error.in_file(problem.file) from None
     size_given = size is not None
     if problem.curves:
         softest = min(curve.yield_stress for curve in problem.curves)
-        found = for_yielding(found, contact, softest, max(asked.line_loads), size_given=size_given)
+        found = for_yielding(found, contact, softest, max(line_loads), size_given=size_given)
     return rounded(found, contact, size_given=size_given)
 
 

@@ -13,7 +13,6 @@ from places import EXAMPLES
 import fem_seal
 from fem_seal.contact.laws import ScaledLaw
 from fem_seal.contact.newton import Pressing, solve, solve_together
-from fem_seal.contact.sizing import Expected, Opening, widths_together
 from fem_seal.errors import ConvergenceError
 from fem_seal.seal.evaluate import Batch
 from fem_seal.studies.time_limit import Block, Watch
@@ -68,16 +67,6 @@ def test_a_contact_that_has_no_solution_leaves_the_others_theirs(model, laws):
     for one, law in ((first, laws[2]), (last, laws[1])):
         own = solve(model, law, contact_force=1257.0, settings=settings)
         assert np.array_equal(one.log_pressure, own.log_pressure)
-
-
-def test_widths_that_are_expected_together_are_those_of_each_alone(laws):
-    case = fem_seal.load_case(EXAMPLES / "ball_cone.toml")
-    opening = Opening.of(case.contact)
-    asked = [Expected(law, (load,), opening, load * 1e7) for law in laws for load in (2e3, 9e3)]
-    assert widths_together(asked) == [one.widths for one in asked]
-    mixed = [*asked, Expected(fem_seal.HardContact(), (2e3, 4e3), opening, 115e9)]
-    assert widths_together(mixed) == [one.widths for one in mixed]
-    assert widths_together([]) == []
 
 
 def test_a_design_fails_alone():
