@@ -27,12 +27,12 @@ from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.heating import warmed
 from fem_seal.seal.lazy import OptionalSteps
 from fem_seal.seal.leak_model import RoughFlow
-from fem_seal.seal.load_names import left_out
 from fem_seal.seal.load_result import LoadResult, SolvedSeal
 from fem_seal.seal.load_solver import Clock, LoadSolver, Progress
 from fem_seal.seal.problem import SealProblem
 from fem_seal.seal.readings import WORDS
 from fem_seal.units import given
+from fem_seal.validity.words import left_out
 from leak import LeakError, Reading
 
 # All that is asked of a solved seal, each after those whose answers it uses.

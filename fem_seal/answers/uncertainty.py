@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial, reduce
+from operator import add
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -768,25 +769,9 @@ class UncertainScans:
         return values[:, :-1]
 
     def spectrum(self, weights: FloatArray) -> PowerSpectrum:
-        """Mean spectrum with weights, shape (scans,)."""
-        return weighted_mean(self.scans, weights)
-
-
-def weighted_mean(spectra: Sequence[PowerSpectrum], weights: FloatArray) -> PowerSpectrum:
-    """Weighted mean of spectra.
-
-    Parameters
-    ----------
-    spectra : sequence of PowerSpectrum
-    weights : ndarray
-        One for each; those of 1e-6 or less are left out.
-    """
-    parts = [
-        scaled(one, float(np.sqrt(weight)))
-        for one, weight in zip(spectra, weights, strict=True)
-        if weight > 1e-6
-    ]
-    return reduce(lambda total, one: total + one, parts)
+        """Mean spectrum with weights, shape (scans,); those of 1e-6 or less are left out."""
+        known = [(scan, weight) for scan, weight in zip(self.scans, weights, strict=True) if weight > 1e-6]
+        return reduce(add, (scaled(scan, float(np.sqrt(weight))) for scan, weight in known))
 
 
 def scaled(spectrum: PowerSpectrum, factor: float) -> PowerSpectrum:

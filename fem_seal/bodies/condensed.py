@@ -1,12 +1,6 @@
-"""A body condensed on its contact line: its compliance under any contact pressure.
+"""A body condensed on its contact line: its compliance there, and its answers to all other loads.
 
-The pressure acts at quadrature points of the contact line along the contact normal n; the same point forces,
-with opposite sign, act on both bodies. A body answers with the normal displacement of its quadratic trace, so
-the compliance between quadrature points is T S T^T with T the trace and S the compliance of the trace's
-nodes. Where the normal turns it is that of the trace's nodes, interpolated by T like the displacement. The closure
-floats: its axial rigid motion is an unknown of the contact problem, and its closing force is a pressure on its top
-that balances whatever acts elsewhere. Fluid on the wetted surfaces, a housing pressed into a bore and thermal
-expansion are further columns of the same factorisation.
+`fem_seal.contact.model` says how two of them make a contact.
 """
 
 from __future__ import annotations

@@ -363,9 +363,9 @@ def _made(folder: Path) -> Path:
 
 def _remarks(case: Case) -> list[str]:
     from fem_seal.materials import creep_remarks
-    from fem_seal.seal.load_names import left_out
     from fem_seal.seal.problem import SealProblem
     from fem_seal.validity.materials import temperature_cautions
+    from fem_seal.validity.words import left_out
 
     remarks = []
     if case.roughness is None:

@@ -21,7 +21,7 @@ from fem_seal.units import DIGITS, beside, briefly, number, rounded, share_text
 from fem_seal.validity.fluid import fluid_cautions, molecule_cautions
 from fem_seal.validity.form import LARGEST_EXCESS, form_cautions
 from fem_seal.validity.materials import temperature_cautions
-from fem_seal.validity.words import caution
+from fem_seal.validity.words import caution, sentence
 from leak import ConductivityTable
 from leak.numerics.roots import root_between
 
@@ -300,8 +300,9 @@ def _near_opening(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator
     if close:
         margin, load = min(close, key=lambda item: item[0].share)
         share = max(margin.share, 0.0)
-        others = f" ({len(close)} loads are closer than {100 * _NEAR_OPENING:g} %)" if len(close) > 1 else ""
-        counts = f"{number(1 / share, 2)} times" if share > 0 else "any number of times"
+        more = {"count": len(close), "limit": 100 * _NEAR_OPENING}
+        others = sentence("near_opening", "others", **more) if len(close) > 1 else ""
+        times = number(1 / share, 2) if share > 0 else ""
         yield caution(
             "near_opening",
             load,
@@ -311,7 +312,7 @@ def _near_opening(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator
             applied=load.applied_force,
             pressure=number(margin.pressure / 1e5, 2),
             others=others,
-            counts=counts,
+            counts=sentence("near_opening", "times" if times else "any", times=times),
         )
 
 
@@ -340,7 +341,7 @@ def _yielding(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Cau
             depth=_um(zone.depth, load, 3),
             deepest=_um(zone.deepest, load, 3),
             first=first,
-            closing=' together with [load] closing = "sealed-area"' if penetrates else "",
+            closing=sentence("yield_stress", "closing") if penetrates else "",
         )
 
 
@@ -481,11 +482,8 @@ def _highest_pressure(load: LoadResult) -> float:
 def _named_pressure(load: LoadResult) -> str:
     """What `_highest_pressure` is, in words."""
     profile = load.tightest
-    return (
-        "peak pressure"
-        if profile.highest <= profile.peak_pressure * (1.0 + 1e-9)
-        else "largest pressure before"
-    )
+    now = profile.highest <= profile.peak_pressure * (1.0 + 1e-9)
+    return sentence("pressures", "now" if now else "before")
 
 
 def _above_hardness(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Caution]:
@@ -494,11 +492,6 @@ def _above_hardness(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterat
     if hardness is None or peak <= (_NEAR_HARDNESS if problem.asperities_yield else 1.0) * hardness:
         return
     share = peak / hardness
-    why = (
-        "no body carries a mean pressure above its hardness"
-        if share > 1
-        else "the theory of yielding asperities is valid only far below the hardness"
-    )
     yield caution(
         "hardness",
         load,
@@ -507,7 +500,7 @@ def _above_hardness(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterat
         pressure=_named_pressure(load),
         told=_times(share, load),
         peak=_mpa(peak, load, rounded(hardness / 1e6, DIGITS)),
-        why=why,
+        why=sentence("hardness", "above" if share > 1 else "near"),
     )
 
 
@@ -565,10 +558,10 @@ def _nearly_sealed(
     lay = _lay_factor(area, surface.peklenik)
     if lay > _WORTH_SAYING and area <= _DIRECT_END:
         lay = max(lay, factor)
-        unknown = [f"A/A0 = {_LAY_KNOWN:g}"] if area > _LAY_KNOWN else []
-        if max(surface.peklenik, 1.0 / surface.peklenik) > _LAY_LONGEST:
-            unknown.append(f"a ratio of {_LAY_LONGEST:g} of the correlation lengths")
-        beyond = f"; beyond {' and '.join(unknown)} there are none" if unknown else ""
+        long = max(surface.peklenik, 1.0 / surface.peklenik) > _LAY_LONGEST
+        ends = [name for name, unknown in (("area", area > _LAY_KNOWN), ("length", long)) if unknown]
+        known = [sentence("lay", one, known=_LAY_KNOWN, longest=_LAY_LONGEST) for one in ends]
+        beyond = sentence("lay", "beyond", known=" and ".join(known)) if known else ""
         yield caution(
             "lay",
             load,
@@ -589,9 +582,11 @@ def _nearly_sealed(
             area=area,
             surface=surface,
             direct_end=_DIRECT_END,
-            bound=f"pressed no harder it would leak {number(most, 2)} times as much, and it leaks no more than that"
-            if most < ORDERS_OF_MAGNITUDE
-            else "no bound on the error is known",
+            bound=sentence(
+                "close_to_threshold",
+                "bounded" if most < ORDERS_OF_MAGNITUDE else "unbounded",
+                times=number(most, 2),
+            ),
         )
     elif area > _FEW_CHANNELS and surface.theory == "paper":
         # the corrected theory has this in its own error
@@ -639,11 +634,7 @@ def _simulated(table: DirectTable, load: LoadResult, loads: Sequence[LoadResult]
         yield caution("tight_patches", load, loads, n=n, of=of, pressed=pressed, at=at)
     row = min(table.loading, key=lambda row: abs(math.log(row.pressure / peak)))
     down, up = (math.exp(one) for one in table.log_error(row))
-    octave = (
-        f"changes the conductivity by a factor {1.0 / row.cutoff_ratio:.2g}"
-        if row.cutoff_ratio > 0.0
-        else "decides whether the first patch is tight"
-    )
+    octave = 1.0 / row.cutoff_ratio if row.cutoff_ratio > 0.0 else math.inf
     if max(down, up) > _UNSURE:
         yield caution(
             "direct_scatter",
@@ -653,8 +644,8 @@ def _simulated(table: DirectTable, load: LoadResult, loads: Sequence[LoadResult]
             down=down,
             up=up,
             at=at,
-            samples="1 sample" if row.samples == 1 else f"{row.samples} samples",
-            octave=octave,
+            samples=sentence("direct_scatter", "samples" if row.samples > 1 else "sample", row=row),
+            octave=sentence("direct_scatter", "changes" if row.cutoff_ratio > 0.0 else "decides", by=octave),
         )
 
 
@@ -687,7 +678,7 @@ def _long_waves(surface: RoughContact, loads: Sequence[LoadResult]) -> Iterator[
     factors, more = EXACT, ""
     if surface.theory == "corrected":
         factors = Bounds(1.0 / (1.0 + _LESS_OF_LONG * share), 1.0 + _MORE_OF_LONG * share)
-        more = f": up to {factors.high:.2g} times as much leaks"
+        more = sentence("long_waves", "more", factors=factors)
     told = share_text(share)
     yield caution("long_waves", load, loads, leak_factor=factors, share=told, std=_um(std, load), more=more)
 
@@ -699,7 +690,7 @@ def _fluid_opens(problem: SealProblem, flow: Flow, loads: Sequence[LoadResult]) 
         load = max(loads, key=lambda load: load.fluid_pressure / load.peak_pressure)
         share = load.fluid_pressure / load.peak_pressure
         times = 1.0 + 1.7 * share if share < _FLUID_LIFTS else math.inf
-        most = "several times as much" if math.isinf(times) else f"about {times:.2g} times as much"
+        most = sentence("fluid_opens", "several" if math.isinf(times) else "about", times=times)
         if share > FLUID_OPENS:
             yield caution(
                 "fluid_opens",

@@ -15,7 +15,7 @@ from fem_seal.seal.leak_model import Flow, as_first_loaded
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.units import rounded, share_text
-from fem_seal.validity.words import caution
+from fem_seal.validity.words import caution, sentence
 
 if TYPE_CHECKING:
     from leak import Gas, GasInertia, LeakResult
@@ -147,11 +147,9 @@ def _not_ideal(flow: Flow, gas: Gas, highest: float) -> Iterator[Caution]:
     leaks, there, ratio = "", "", 1.0
     if real is not None:
         ratio = real_gas_flow_ratio(real, highest, flow.outlet_pressure)
-        leaks = f": about {ratio:.2g} times as much leaks"
-        there = (
-            f". There the compressibility factor is about {float(real.factor(highest)):.2g} and the viscosity "
-            f"{float(real.viscosity_ratio(highest)):.2g} times that of the dilute gas{leaks}"
-        )
+        leaks = sentence("not_ideal_gas", "leaks", ratio=ratio)
+        factors = {"factor": float(real.factor(highest)), "viscosity": float(real.viscosity_ratio(highest))}
+        there = sentence("not_ideal_gas", "there", leaks=leaks, **factors)
     yield caution(
         "not_ideal_gas",
         leak_factor=Bounds(min(ratio, 1.0), max(ratio, 1.0)),
@@ -160,7 +158,7 @@ def _not_ideal(flow: Flow, gas: Gas, highest: float) -> Iterator[Caution]:
         dilute=f"{gas.dilute_pressure / 1e5:.4g} bar",
         leaks=leaks,
         there=there,
-        remedy="" if other is None else f'. [fluid] name = "{other}" calculates with the real gas',
+        remedy="" if other is None else sentence("not_ideal_gas", "remedy", other=other),
     )
 
 
@@ -199,7 +197,7 @@ def _fastest_gas(
         limit=100 * _ACCELERATED,
         reduced=_two(reduced),
         most=_REDUCED,
-        chokes="it chokes, and " if numbers.mach > _CHOKES else "",
+        chokes=sentence("gas_inertia", "chokes") if numbers.mach > _CHOKES else "",
     )
 
 
@@ -262,11 +260,9 @@ def _where_most_leaks(load: LoadResult) -> tuple[PressureProfile, LeakResult] | 
 
 def _where(load: LoadResult, loads: Sequence[LoadResult], *, end: bool) -> str:
     """At which load and place that is, and in which reading; see `_fastest_gas`."""
-    clauses = [f"at {load_name(load, loads)}"]
-    if load.formed is not None and load.formed.form.felt:
-        clauses.append("where most leaks around the axis")
-    if end:
-        clauses.append("if yielding asperities change the surface only where it touches")
+    around = load.formed is not None and bool(load.formed.form.felt)
+    parts = [name for name, told in (("load", True), ("around", around), ("end", end)) if told]
+    clauses = [sentence("inertia_at", part, name=load_name(load, loads)) for part in parts]
     return ", ".join(clauses) + ("," if len(clauses) > 1 else "")
 
 

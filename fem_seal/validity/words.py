@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 
+from fem_seal.errors import LoadProblem
 from fem_seal.files import own_tables
 from fem_seal.seal.bounds import EXACT, Bounds
 from fem_seal.seal.findings import Caution, Level
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.load_result import LoadResult
+from fem_seal.seal.problem import Loads
 
 
 def caution(
@@ -53,3 +55,51 @@ def sentence(name: str, part: str = "text", /, **values: object) -> str:
     """
     words: str = own_tables("findings.toml")[name][part]
     return words.format(**values)
+
+
+def left_out(loads: Loads, problems: Mapping[int, LoadProblem]) -> Iterator[Caution]:
+    """Which loads have no result: one sentence for each reason and force, or for all forces under one pressure.
+
+    Parameters
+    ----------
+    loads : Loads
+    problems : mapping
+        Number of each load that is left out, with the reason.
+    """
+    for kind in dict.fromkeys(problem.kind for problem in problems.values()):
+        # they say nothing against the loads that are left
+        yield from _alike(loads, {number: one for number, one in problems.items() if one.kind == kind}, kind)
+
+
+def _alike(loads: Loads, problems: Mapping[int, LoadProblem], kind: str) -> Iterator[Caution]:
+    """Loads with one kind of problem; the sentence gives the reason of the one that is nearest to a result."""
+    points = {number: loads.points[number] for number in problems}
+    # whose pressure is lowest; of an open seal whose applied force is largest; of those without a solution the first
+    direction = {"open": -1, "strain": 1}.get(kind, 0)
+    if len(set(loads.fluid_pressure)) == 1:
+        nearest = min(points, key=lambda number: direction * points[number][1])
+        forces = {force for _, force in points.values()} - {points[nearest][1]}
+        yield _left_out(loads, nearest, problems[nearest], "with", forces)
+        return
+    for applied_force in dict.fromkeys(force for _, force in points.values()):
+        numbers = [number for number, (_, force) in points.items() if force == applied_force]
+        nearest = min(numbers, key=lambda number: abs(direction) * loads.fluid_pressure[number])
+        pressures = {loads.fluid_pressure[number] / 1e5 for number in numbers}
+        others = pressures - {loads.fluid_pressure[nearest] / 1e5}
+        yield _left_out(loads, nearest, problems[nearest], "at", others)
+
+
+def _left_out(
+    loads: Loads, number: int, problem: LoadProblem, how: str, others: Collection[float]
+) -> Caution:
+    pressure, force = loads.points[number]
+    several = len({applied_force for _, applied_force in loads.points}) > 1
+    load = sentence("left_out", "load_of_forces" if several else "load", bar=pressure / 1e5, force=force)
+    values = ", ".join(f"{value:.6g}" for value in sorted(others))
+    return caution(
+        "left_out",
+        # a seal that opens says itself at which pressure and under which force
+        load="" if problem.kind == "open" else load,
+        problem=problem,
+        others=sentence("left_out", how, values=values) if others else "",
+    )

@@ -26,10 +26,10 @@ from fem_seal.output.columns import LEAK_COLUMNS
 from fem_seal.output.tables import leak_table
 from fem_seal.seal.lazy import OptionalSteps
 from fem_seal.seal.leak_model import Flow, RoughFlow
-from fem_seal.seal.load_names import left_out
 from fem_seal.seal.load_result import LoadResult, digits_near_opening
 from fem_seal.seal.load_solver import LoadSolver, SolvedLoads
 from fem_seal.seal.problem import Loads
+from fem_seal.validity.words import left_out
 
 # 20 bar lift a closure that touches at 14.142 mm with 1256.64 N.
 OPENS = math.pi * case().touch_radius ** 2 * 20e5
