@@ -16,7 +16,7 @@ from fem_seal.errors import InputError
 from fem_seal.former_names import former_attribute
 from fem_seal.loads import blow_off_of_sealed_area, contact_force, expected_force, line_load
 from fem_seal.seal.load_result import SolvedSeal
-from fem_seal.seal.problem import LARGEST_TURNING, TURNED, SealProblem, exponential_law
+from fem_seal.seal.problem import LARGEST_TURNING, TURNED, SealFlow, SealProblem, exponential_law
 from fem_seal.validity.words import sentence
 from leak import (
     CrossoverLine,
@@ -272,7 +272,6 @@ def _force_for_target(problem: SealProblem, fluid_pressure: float) -> float | No
     if target is None:
         return None
     from fem_seal.answers.target import expected_contact_force
-    from fem_seal.seal.load_solver import SealFlow
 
     flow = SealFlow.of(problem)
     if flow is None:

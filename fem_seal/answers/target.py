@@ -14,8 +14,8 @@ from fem_seal.loads import contact_force
 from fem_seal.seal.findings import Caution, Level, Validity
 from fem_seal.seal.leak_model import RoughFlow
 from fem_seal.seal.load_result import LoadResult, SolvedSeal
-from fem_seal.seal.load_solver import LoadSolver, SealFlow
-from fem_seal.seal.problem import SealProblem, largest_force
+from fem_seal.seal.load_solver import LoadSolver
+from fem_seal.seal.problem import SealFlow, SealProblem, largest_force
 from fem_seal.seal.readings import WORDS
 from fem_seal.units import briefly, given, quantity
 from fem_seal.validity.checks import target_cautions, target_validity

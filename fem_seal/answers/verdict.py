@@ -29,8 +29,8 @@ from fem_seal.errors import ConvergenceError, InputError, LoadProblem, OpenSealE
 from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.leak_model import RoughFlow
 from fem_seal.seal.load_result import LoadResult, SolvedSeal
-from fem_seal.seal.load_solver import Clock, LoadSolver, Progress, SealFlow
-from fem_seal.seal.problem import SealProblem, largest_force
+from fem_seal.seal.load_solver import Clock, LoadSolver, Progress
+from fem_seal.seal.problem import SealFlow, SealProblem, largest_force
 from fem_seal.units import briefly
 from fem_seal.validity.checks import earlier_cautions, load_validity
 from fem_seal.validity.words import sentence

@@ -83,7 +83,7 @@ _WIDE_GAP = 20e-9
 
 
 def contact_cautions(problem: SealProblem, loads: Sequence[LoadResult]) -> tuple[Caution, ...]:
-    """Everything that a user should know before believing the result, one caution of each kind for all loads.
+    """All cautions of a result, one of each kind for all its loads.
 
     Parameters
     ----------
@@ -99,13 +99,13 @@ def contact_cautions(problem: SealProblem, loads: Sequence[LoadResult]) -> tuple
 def load_cautions(
     problem: SealProblem, loads: Sequence[LoadResult], sealing: float | None = None
 ) -> Iterator[Caution]:
-    """What the numbers of the loads themselves say against them, without mesh and roughness.
+    """Cautions that follow from the loads themselves, without those of mesh and roughness.
 
     Parameters
     ----------
     problem : SealProblem
     loads : sequence of LoadResult
-        What is said is about the worst of them.
+        Each caution is about the worst of them.
     sealing : float, optional
         See `load_validity`.
     """
@@ -146,7 +146,7 @@ def _interface_cautions(
 def load_validity(
     problem: SealProblem, load: LoadResult, before: Iterable[Caution] = (), sealing: float | None = None
 ) -> Validity:
-    """How far the numbers of one load can be trusted, by its own checks and what is said of the load before it.
+    """Validity of one load, from its own checks and those of the largest earlier load.
 
     Parameters
     ----------
@@ -166,7 +166,7 @@ def load_validity(
 def validity_of(
     found: Evaluation, load: LoadResult, *, by_table: bool = True, usual_only: bool = False
 ) -> Validity:
-    """How far the numbers of an evaluated load can be trusted, by its own checks and those of the load before it.
+    """Validity of a load of an evaluation, from its own checks and those of the largest earlier load.
 
     Parameters
     ----------
@@ -198,7 +198,7 @@ def validity_of(
 
 
 def profile_validity(problem: SealProblem, load: GivenLoad) -> Validity:
-    """How far the leak rate of a given pressure profile can be trusted; of its bodies nothing is known.
+    """Validity of the leak rate of a given pressure profile, whose bodies are not known.
 
     Parameters
     ----------
@@ -221,7 +221,7 @@ def profile_validity(problem: SealProblem, load: GivenLoad) -> Validity:
 def earlier_cautions(
     problem: SealProblem, earlier: ContactSolution | None, error: DiscretisationError | None = None
 ) -> tuple[Caution, ...]:
-    """What the largest load before those of a problem says against what is remembered of it.
+    """Cautions about the largest load before those of a problem, whose contact the loads remember.
 
     Parameters
     ----------
@@ -246,7 +246,7 @@ def earlier_cautions(
 
 
 def target_cautions(problem: SealProblem, answers: Sequence[LoadResult]) -> Iterator[Caution]:
-    """What a user should know before believing the force for a target leak rate.
+    """Cautions about the force for a target leak rate.
 
     Parameters
     ----------
@@ -264,7 +264,7 @@ def target_cautions(problem: SealProblem, answers: Sequence[LoadResult]) -> Iter
 
 
 def target_validity(problem: SealProblem, answer: LoadResult) -> Validity:
-    """How far the force for a target leak rate can be trusted at one fluid pressure.
+    """Validity of the force for a target leak rate at one fluid pressure.
 
     Parameters
     ----------
@@ -427,7 +427,7 @@ def _slides(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Cauti
 
 
 def _moved_by_heat(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Caution]:
-    """How far the faces slide along each other: the place of contact is that of the drawing."""
+    """Heat slides the faces along each other, but the contact is calculated where the drawing has it."""
     if not problem.temperatures:
         return
     model = loads[0].contact.model
@@ -474,13 +474,13 @@ def _um(length: float, load: LoadResult, most: int = DIGITS) -> str:
 
 
 def _highest_pressure(load: LoadResult) -> float:
-    """Also before, where it is remembered; of a seal that is not round the highest around its axis [Pa]."""
+    """Highest contact pressure, now or remembered; of a seal that is not round, around its axis [Pa]."""
     before = load.tightest.highest
     return before if load.formed is None else max(before, float(load.formed.peak_pressure.max()))
 
 
 def _named_pressure(load: LoadResult) -> str:
-    """What `_highest_pressure` is, in words."""
+    """Name of `_highest_pressure`."""
     profile = load.tightest
     now = profile.highest <= profile.peak_pressure * (1.0 + 1e-9)
     return sentence("pressures", "now" if now else "before")
@@ -509,7 +509,7 @@ def _sealing_pressure(problem: SealProblem, surface: RoughContact) -> float:
 
 
 def _is_sealed(load: LoadResult, sealing: float) -> bool:
-    """By the pressure that it carries, or by what a larger one before has left."""
+    """Whether a load is sealed by its own pressure, or by what a larger load before has left."""
     profile = load.tightest
     stays = profile.highest >= sealing and load.leak is not None and load.leak.leak_rate == 0.0
     return profile.peak_pressure >= sealing or stays
@@ -619,7 +619,7 @@ def _most_leak(load: LoadResult, surface: RoughContact) -> float:
 
 
 def _simulated(table: DirectTable, load: LoadResult, loads: Sequence[LoadResult]) -> Iterator[Caution]:
-    """What a direct simulation says against the conductivity that was taken from it."""
+    """Cautions about a conductivity from direct simulation: its range, tight patches, scatter."""
     peak, (low, high) = load.peak_pressure, table.range
     ends = [rounded(one / 1e6, DIGITS) for one in (low, high)]
     at = f"{_mpa(peak, load, min(ends, key=lambda end: abs(end - peak / 1e6)))} MPa"
@@ -712,7 +712,7 @@ def _blown_open(loads: Sequence[LoadResult]) -> Iterator[Caution]:
 
 
 def _coarse(load: LoadResult) -> Iterator[Caution]:
-    """What the mesh says, the same of all loads; nothing where it is not known at all."""
+    """Caution about the mesh, the same for all loads; none where its error is not known."""
     error, model = load.mesh_error, load.contact.model
     if error is None:
         return

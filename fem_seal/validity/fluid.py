@@ -42,20 +42,20 @@ _NO_PRESSURE = 1e-200
 
 
 def fluid_cautions(flow: Flow, loads: Sequence[LoadResult]) -> Iterator[Caution]:
-    """What the fluid itself says against the leak rates.
+    """Cautions about the fluid: gaps as narrow as molecules, thickening or dense gas, inertia.
 
     Parameters
     ----------
     flow : Flow
     loads : sequence of LoadResult
-        What is said is about the worst of them.
+        Each caution is about the worst of them.
     """
     own = _thickening if flow.gas is None else _dense_gas
     yield from (one for check in (molecule_cautions, own, _inertia) for one in check(flow, loads))
 
 
 def molecule_cautions(flow: Flow, loads: Sequence[LoadResult]) -> Iterator[Caution]:
-    """Where the critical separation is narrower than a molecule.
+    """Caution where the critical separation is narrower than a molecule.
 
     Parameters
     ----------
@@ -163,7 +163,7 @@ def _not_ideal(flow: Flow, gas: Gas, highest: float) -> Iterator[Caution]:
 
 
 def _inertia(flow: Flow, loads: Sequence[LoadResult]) -> Iterator[Caution]:
-    """Where the fluid goes too fast through the gap for viscous flow, in the result or else in its upper end."""
+    """Caution where flow is too fast to be viscous, in the result or else in its upper end."""
     fastest = _fastest_liquid if flow.gas is None else _fastest_gas
     # with the other readings of yielding asperities as far as somebody has asked for their leak
     others = [(load, other) for load in loads for other in load.others.values() if _leak_known(other)]
@@ -177,7 +177,7 @@ def _inertia(flow: Flow, loads: Sequence[LoadResult]) -> Iterator[Caution]:
 def _fastest_gas(
     flow: Flow, loads: Sequence[LoadResult], readings: Sequence[tuple[LoadResult, LoadResult]], *, end: bool
 ) -> Caution | None:
-    """What inertia says against the loads in some reading; None if nothing. `end`: only against one end of the leak."""
+    """Caution about the inertia of a gas in a reading; None below the limits. `end`: of one end of the interval only."""
     found = [(inertia, load) for load, read in readings if (inertia := _inertia_of(flow, read))]
     if not found:
         return None
@@ -204,7 +204,7 @@ def _fastest_gas(
 def _fastest_liquid(
     flow: Flow, loads: Sequence[LoadResult], readings: Sequence[tuple[LoadResult, LoadResult]], *, end: bool
 ) -> Caution | None:
-    """The same of a liquid."""
+    """`_fastest_gas` for a liquid."""
     found = [(*numbers, load) for load, read in readings if (numbers := _of_liquid(flow, read))]
     # a turbulent flow before any other
     worst = max(found, key=lambda one: (one[0] > _TURBULENT, one[1]), default=(0.0, 0.0, None))
@@ -259,7 +259,7 @@ def _where_most_leaks(load: LoadResult) -> tuple[PressureProfile, LeakResult] | 
 
 
 def _where(load: LoadResult, loads: Sequence[LoadResult], *, end: bool) -> str:
-    """At which load and place that is, and in which reading; see `_fastest_gas`."""
+    """Load, place and reading of the fastest flow, in words."""
     around = load.formed is not None and bool(load.formed.form.felt)
     parts = [name for name, told in (("load", True), ("around", around), ("end", end)) if told]
     clauses = [sentence("inertia_at", part, name=load_name(load, loads)) for part in parts]

@@ -29,13 +29,13 @@ _FLUID_OPENS = 0.5
 
 
 def form_cautions(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Caution]:
-    """What a user should know before believing the numbers of a seal that is not round.
+    """Cautions about a seal that is not round.
 
     Parameters
     ----------
     problem : SealProblem
     loads : sequence of LoadResult
-        What is said is about the worst of them.
+        Each caution is about the worst of them.
     """
     if problem.form is None:
         return

@@ -26,7 +26,7 @@ _OF_SURFACE = ("youngs_modulus", "hardness")
 
 
 def temperature_cautions(problem: SealProblem, *, bodies: bool = True) -> Iterator[Caution]:
-    """What the temperatures of the bodies say against the numbers of their materials, the nearer ones without doubt.
+    """Cautions about material numbers known at other temperatures than the body has; nearby ones leave it valid.
 
     Parameters
     ----------

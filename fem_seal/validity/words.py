@@ -23,16 +23,16 @@ def caution(
     leak_factor: Bounds = EXACT,
     **values: object,
 ) -> Caution:
-    """One thing that a user should know before believing a result.
+    """A caution in the words of its entry.
 
     Parameters
     ----------
     name : str
-        Of its words: kind, reason and text.
+        Of the entry, which has kind, reason and text.
     load, loads
-        About which load it is, and those from which its name tells it.
+        The load that it is about, and all loads, among which its name is unique.
     outside : bool
-        Whether it makes the numbers worse than doubtful.
+        Whether it puts the numbers outside the theory.
     leak_factor
         See `Caution`.
     **values
@@ -45,7 +45,7 @@ def caution(
 
 
 def sentence(name: str, part: str = "text", /, **values: object) -> str:
-    """One of the words of an entry.
+    """A sentence of an entry, its values filled in.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ def left_out(loads: Loads, problems: Mapping[int, LoadProblem]) -> Iterator[Caut
 
 
 def _alike(loads: Loads, problems: Mapping[int, LoadProblem], kind: str) -> Iterator[Caution]:
-    """Loads with one kind of problem; the sentence gives the reason of the one that is nearest to a result."""
+    """Of loads with one kind of problem: the sentence gives the reason of the one that is nearest to a result."""
     points = {number: loads.points[number] for number in problems}
     # whose pressure is lowest; of an open seal whose applied force is largest; of those without a solution the first
     direction = {"open": -1, "strain": 1}.get(kind, 0)

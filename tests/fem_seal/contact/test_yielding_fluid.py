@@ -37,8 +37,8 @@ from fem_seal.materials import HardeningCurve
 from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.leak_model import RoughFlow
 from fem_seal.seal.load_result import LoadResult, SolvedSeal
-from fem_seal.seal.load_solver import LoadSolver, SealFlow, SolvedLoads, linearised_again
-from fem_seal.seal.problem import SealProblem
+from fem_seal.seal.load_solver import LoadSolver, SolvedLoads, linearised_again
+from fem_seal.seal.problem import SealFlow, SealProblem
 from fem_seal.studies.responses import evaluate_design
 
 STRONG = replace(STEEL, hardening=HardeningCurve((0.0,), (50e9,)))
