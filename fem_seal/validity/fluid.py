@@ -177,7 +177,7 @@ def _inertia(flow: Flow, loads: Sequence[LoadResult]) -> Iterator[Caution]:
 def _fastest_gas(
     flow: Flow, loads: Sequence[LoadResult], readings: Sequence[tuple[LoadResult, LoadResult]], *, end: bool
 ) -> Caution | None:
-    """Caution about the inertia of a gas in a reading; None below the limits. `end`: of one end of the interval only."""
+    """Caution about the inertia of a gas; None below the limits. `end`: it concerns one end of the interval only."""
     found = [(inertia, load) for load, read in readings if (inertia := _inertia_of(flow, read))]
     if not found:
         return None
