@@ -11,7 +11,14 @@ from fem_seal.answers.answer import Answer, Inquiry
 from fem_seal.contact.newton import solve_together
 from fem_seal.seal.leak_model import RoughFlow
 from fem_seal.seal.load_result import LoadResult, SolvedSeal, highest_load, leak_rates, strongest_load
-from fem_seal.seal.load_solver import LoadSolver, linearised_again, solve_load, solve_loads, solved_again
+from fem_seal.seal.load_solver import (
+    LoadSolver,
+    linearised_again,
+    path_again,
+    solve_load,
+    solve_loads,
+    solved_again,
+)
 from fem_seal.seal.problem import SealProblem
 from fem_seal.units import given
 from leak import Reading
@@ -212,8 +219,8 @@ def _with_law(problem: SealProblem, plastic: bool) -> SealProblem:
 
 def _loads_with_law(result: SolvedSeal, problem: SealProblem) -> Sequence[LoadResult]:
     """The loads of a result with another interface law."""
-    if result.unloaded is not None:
-        contacts = solve_loads(LoadSolver(problem, result.model)).contacts
+    if problem.curves:
+        contacts = path_again(LoadSolver(problem, result.model))
     else:
         contacts = solved_again(result.contact, result.model, problem.law, result.earlier)
     return [

@@ -7,7 +7,8 @@ is taken at the contact, and then on that of the problem, for the field that str
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, TypeVar
@@ -68,18 +69,16 @@ class Heating:
         """
         from fem_seal.bodies.held_body import Heat
 
-        try:
+        with _at_temperature():
             found = self.field(seal_mesh, materials)
             base = materials["seat"].thermal_strain(found.faces["seat"], self.reference)
-            strains = {
-                name: materials[name].thermal_strain(nodes, self.reference) - base
+            heat = {
+                name: Heat(nodes, materials[name].thermal_strain(nodes, self.reference) - base)
                 for name, nodes in found.nodes.items()
             }
             for name, nodes in found.nodes.items():
                 _check_curves(name, materials[name], nodes)
-        except InputError as error:
-            raise InputError(*(Problem("temperature", str(one)) for one in error.problems)) from None
-        return {name: Heat(nodes, strains[name]) for name, nodes in found.nodes.items()}
+        return heat
 
     def wall_motion(self, seat: HeldBody, material: Material) -> float:
         """How far a held wall is moved inwards because the bore grows less than the seat at the contact [m].
@@ -107,6 +106,15 @@ class Heating:
         else:
             around = self.housing_expansion * (housing - self.reference)
         return (base - around) * float(seat.mesh.p[0].max())
+
+
+@contextmanager
+def _at_temperature() -> Iterator[None]:
+    """Name the temperatures as the key of what is wrong with the input."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(*(Problem("temperature", str(one)) for one in error.problems)) from None
 
 
 def _check_curves(name: str, material: Material, temperature: FloatArray) -> None:
@@ -183,24 +191,14 @@ def warmed(case: AnyCase) -> AnyCase:
     if found is None or case.body_temperatures:
         return case
     materials = {"closure": case.closure.material, "seat": case.seat.material}
-    faces = _contact_temperatures(case, found, materials)
+    modulus = effective_modulus(materials["closure"], materials["seat"])
+    sizing = element_sizes(HardContact(), _line_loads(case), case.contact, modulus)
     try:
+        with _at_temperature():
+            faces = found.field(_mesh(case.contact, sizing), materials).faces
         return case.warmed(faces["closure"], faces["seat"])
     except InputError as error:
         raise error.in_file(case.file) from None
-
-
-def _contact_temperatures(
-    case: CaseTables, found: Heating, materials: Mapping[str, Material]
-) -> Mapping[str, float]:
-    modulus = effective_modulus(materials["closure"], materials["seat"])
-    sizing = element_sizes(HardContact(), _line_loads(case), case.contact, modulus, None)
-    try:
-        return found.field(_mesh(case.contact, sizing), materials).faces
-    except InputError as error:
-        raise InputError(
-            *(Problem("temperature", str(one)) for one in error.problems), file=case.file
-        ) from None
 
 
 @lru_cache(maxsize=4)
