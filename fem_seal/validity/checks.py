@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -80,6 +80,10 @@ _TURNS, _NEAR_END, _TINY = 0.02, 0.2, 1e-12
 _NARROW = 0.2
 # u_eff [m] above which u_c, which is of its size, need not be compared with molecules of half a nanometre.
 _WIDE_GAP = 20e-9
+
+
+# What is said of a problem and its loads, about the worst of them.
+Check = Callable[[SealProblem, Sequence[LoadResult]], Iterator[Caution]]
 
 
 def contact_cautions(problem: SealProblem, loads: Sequence[LoadResult]) -> tuple[Caution, ...]:
@@ -371,16 +375,6 @@ def _table_left(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[C
             yield caution("large_strain", load, loads, outside=True, name=name, strain=strain, limit=limit)
 
 
-def _turned(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Caution]:
-    load = max(loads, key=lambda load: load.contact.turning)
-    turned = load.contact.turning
-    if turned > TURNED:
-        much = turned > LARGEST_TURNING
-        yield caution(
-            "small_strain", load, loads, outside=much, turned=turned, limit=TURNED, largest=LARGEST_TURNING
-        )
-
-
 def _cut_off(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Caution]:
     for end, side in ((0, "bore"), (-1, "outer")):
         ends = [load.profiles[end] for load in loads]
@@ -393,37 +387,42 @@ def _cut_off(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Caut
             yield caution("cut_off", load, loads, outside=much, side=side, share=max(shares), x=x)
 
 
-def _wide(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Caution]:
-    load = max(loads, key=lambda load: load.std)
-    share = 2 * load.std / load.contact.model.touch_radius
-    if share > _NARROW:
-        yield caution("wide_contact", load, loads, share=share)
+def _over(name: str, share: Callable[[LoadResult], float], limit: float, much: float = math.inf) -> Check:
+    """Check of a number of each load against a limit, from which on it is doubtful, and one where theory ends."""
 
+    def check(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+        load = max(loads, key=share)
+        worst = share(load)
+        if worst > limit:
+            apart, outside = 1e6 * _gap_at_peak(load), worst > much
+            yield caution(
+                name, load, loads, outside=outside, share=worst, limit=limit, largest=much, apart=apart
+            )
 
-def _thick_layer(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Caution]:
-    bend = np.concatenate([line.bend for line in loads[0].contact.model.lines])
-    shares = []
-    for load in loads:
-        forces = load.contact.point_forces
-        shares.append(float(np.maximum(load.contact.gap, 0.0) * bend @ forces / forces.sum()))
-    share = max(shares)
-    if share > _THICK_LAYER:
-        load = loads[shares.index(share)]
-        apart, outside = 1e6 * _gap_at_peak(load), share > _NO_LAYER
-        yield caution("thick_layer", load, loads, outside=outside, share=share, apart=apart)
+    return check
 
 
 def _gap_at_peak(load: LoadResult) -> float:
     return float(load.contact.gap[int(np.argmax(load.contact.pressure))])
 
 
-def _slides(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Caution]:
-    load = max(loads, key=_gap_at_peak)
-    model, apart = load.contact.model, _gap_at_peak(load)
+def _gap_over_bend(load: LoadResult) -> float:
+    """Separation over the radius to which the faces bend, in the mean over the contact pressure."""
+    forces, bend = load.contact.point_forces, [line.bend for line in load.contact.model.lines]
+    return float(np.maximum(load.contact.gap, 0.0) * np.concatenate(bend) @ forces / forces.sum())
+
+
+def _slide_of_gap(load: LoadResult) -> float:
+    """Way by which the separation moves closest approach along the seat, over the radius of first touch."""
+    model = load.contact.model
     slope = math.sqrt(1 - model.touch_normal_z**2) / model.touch_normal_z / model.touch_radius
-    share = slope * apart
-    if share > _SLIDES:
-        yield caution("steep_seat", load, loads, share=share, apart=1e6 * apart)
+    return slope * _gap_at_peak(load)
+
+
+_turned = _over("small_strain", lambda load: load.contact.turning, TURNED, LARGEST_TURNING)
+_wide = _over("wide_contact", lambda load: 2 * load.std / load.contact.model.touch_radius, _NARROW)
+_thick_layer = _over("thick_layer", _gap_over_bend, _THICK_LAYER, _NO_LAYER)
+_slides = _over("steep_seat", _slide_of_gap, _SLIDES)
 
 
 def _moved_by_heat(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Caution]:
