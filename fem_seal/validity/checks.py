@@ -113,7 +113,7 @@ def load_cautions(
     sealing : float, optional
         See `load_validity`.
     """
-    bodies = (
+    bodies: tuple[Check, ...] = (
         _touched_beside,
         _near_opening,
         _yielding,
@@ -238,13 +238,14 @@ def earlier_cautions(
     if earlier is None or problem.loads.earlier is None:
         return ()
     load = LoadResult(*problem.loads.earlier, earlier, mesh_error=error)
+    bodies: tuple[Check, ...] = (_yielding, _table_left, _turned, _cut_off)
     return tuple(
         replace(
             one,
             reason=f"largest earlier load: {one.reason}",
             text=f"at the largest earlier load: {one.text}",
         )
-        for check in (_yielding, _table_left, _turned, _cut_off)
+        for check in bodies
         for one in check(problem, [load])
     )
 
@@ -279,7 +280,7 @@ def target_validity(problem: SealProblem, answer: LoadResult) -> Validity:
 
 
 def _at_target(problem: SealProblem, answers: Sequence[LoadResult]) -> Iterator[Caution]:
-    bodies = (_yielding, _turned, _cut_off, _wide, _above_hardness)
+    bodies: tuple[Check, ...] = (_yielding, _turned, _cut_off, _wide, _above_hardness)
     yield from (one for check in bodies for one in check(problem, answers))
     if problem.surface is not None and problem.flow is not None:  # of a leak rate
         sealing = _sealing_pressure(problem, problem.surface)
