@@ -8,7 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from places import EXAMPLES
 
 import fem_seal
 from fem_seal.contact.laws import ScaledLaw
