@@ -22,7 +22,7 @@ from fem_seal.files import as_json
 from fem_seal.output.columns import COLUMNS, MEANINGS, PROFILE_LEAK_COLUMNS
 from fem_seal.output.library import material_cells, material_rows, over_temperature_lines
 from fem_seal.studies.cost import FORCE_FOR_VERDICT, INTERVAL, is_target
-from fem_seal.studies.schema import study_schema
+from fem_seal.studies.tables import study_schema
 from fem_seal.units import DIMENSIONS, split_unit
 from leak import FLUIDS, GASES
 from leak.surfaces.finish import PROCESSES, SHORTEST_WAVE, SOURCES, Spread

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import errno
-import math
 import os
-import shutil
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+import traceback
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -18,25 +16,37 @@ from typer.core import TyperCommand
 
 import fem_seal
 from fem_seal.case.words import problem, sentence
-from fem_seal.cli.explore import explore
 from fem_seal.cli.library import fluids, materials
 from fem_seal.cli.new import new
-from fem_seal.cli.options import CaseFile, Debug, Json, Quiet, ResultsFolder, argument, option, output_option
-from fem_seal.cli.pdf import pdf
 from fem_seal.cli.study import app as study_app
 from fem_seal.cli.table import table
-from fem_seal.cli.terminal import cell, complain, note, numbers_table, say, say_json, show, warn
+from fem_seal.cli.terminal import (
+    CaseFile,
+    Debug,
+    Json,
+    Quiet,
+    ResultsFolder,
+    argument,
+    cell,
+    complain,
+    note,
+    option,
+    output_option,
+    say,
+    say_json,
+    show_answers,
+    show_derived,
+    show_leak_table,
+    show_leakage,
+    show_table,
+    warn,
+)
 from fem_seal.errors import ConvergenceError, InputError, NoLoadLeftError, SealError, unexpected
 from fem_seal.former_names import said_to
-from fem_seal.units import DIGITS, LIQUID, LeakVolume, Unit, fixed_unit, rounded
 from fem_seal.version import __version__
-from leak.standards import STANDARD_PRESSURE
 
 if TYPE_CHECKING:
-    from fem_seal.answers.solution import SealSolution
     from fem_seal.case.case import Case
-    from fem_seal.output.columns import Shown
-    from fem_seal.seal.load_result import LoadResult
 
 DONE, OTHER_FAILURE, WRONG_INPUT, NO_RESULT, INTERRUPTED = 0, 1, 2, 3, 130
 
@@ -49,7 +59,7 @@ app = typer.Typer(
 )
 
 app.add_typer(study_app, name="study")
-for _command in (new, materials, fluids, table, pdf, explore):
+for _command in (new, materials, fluids, table):
     app.command()(_command)
 
 
@@ -66,6 +76,64 @@ def _version(
     if version:
         say(f"fem-seal {__version__}")
         raise typer.Exit(DONE)
+
+
+@app.command()
+def pdf(
+    folder: ResultsFolder,
+    output: Annotated[Path | None, output_option("DIR/report.pdf", "PDF file.", "FILE")] = None,
+    quiet: Quiet = False,
+    debug: Debug = False,
+) -> None:
+    """Print the report of a results folder into a PDF file, with Chromium, Chrome or Edge."""
+    from fem_seal.output.pdf import print_pdf
+
+    page = folder / "report.html"
+    if not page.is_file():
+        raise InputError.at(str(folder), "holds no report.html; `fem-seal run CASE.toml -o DIR` writes one")
+    written = print_pdf(page, output or folder / "report.pdf")
+    if not quiet:
+        say(f"PDF in {written}")
+
+
+@app.command()
+def explore(
+    case_file: CaseFile,
+    port: Annotated[int, option("explore", "port")] = 8050,
+    no_browser: Annotated[bool, option("explore", "no_browser")] = False,
+    output: Annotated[
+        Path | None,
+        output_option(
+            "that of the case file", "Folder for case files and reports that are written from the page."
+        ),
+    ] = None,
+    quiet: Quiet = False,
+    debug: Debug = False,
+) -> None:
+    """Open a live page of a case on this machine: sliders, and the leak rate that follows them. Ctrl-C ends it."""
+    case = fem_seal.load_case(case_file)
+    folder = (output or case_file.parent).absolute()
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError.at("--output", f"cannot be created ({error.strerror})", str(folder)) from None
+    from fem_seal.explore.server import serve
+
+    def opened(address: str) -> None:
+        if no_browser or not quiet:
+            # without the token in it nobody can open the page
+            say(f"{case.title}: {address}   (Ctrl-C ends it)")
+        if not no_browser:
+            import webbrowser
+
+            webbrowser.open(address)
+
+    def failed(error: BaseException) -> None:
+        if debug:
+            traceback.print_exception(error)
+        complain(unexpected(error))
+
+    serve(case, folder, port, opened, failed)
 
 
 @app.command()
@@ -338,7 +406,7 @@ def schema(
 ) -> None:
     """Print the JSON Schema of the case file, for completion and checks in an editor."""
     if study:
-        from fem_seal.studies.schema import study_schema
+        from fem_seal.studies.tables import study_schema
 
         say_json(study_schema())
         return
@@ -478,198 +546,3 @@ def _said_by_system(error: OSError) -> str:
     if error.errno in (errno.ENOSPC, getattr(errno, "EDQUOT", errno.ENOSPC)):
         return f"{error.filename or 'output'}: cannot be written ({reason})"
     return f"{error.filename or 'file'}: {reason}"
-
-
-# Wider than any table.
-_ENDLESS = 100_000
-
-
-def show_leak_table(
-    rows: Sequence[Mapping[str, Any]],
-    title: str,
-    loads: Sequence[LoadResult],
-    volume: LeakVolume = LIQUID,
-) -> None:
-    """Print rows of leak.csv as a table, without the columns that no row fills, and a legend of its marks.
-
-    Parameters
-    ----------
-    rows : sequence of mapping
-    title : str
-    loads : sequence of LoadResult
-        Of the rows: they know how many digits a number is worth.
-    volume : LeakVolume, optional
-        What a volume is that leaks; that of a liquid unless given.
-    """
-    from fem_seal.output.columns import COLUMNS, LEAK_ON_TERMINAL, own_theory
-    from fem_seal.output.report.words import volume_notes
-    from fem_seal.seal.findings import Level
-
-    twice = own_theory(loads)
-    columns = [
-        column
-        for column in LEAK_ON_TERMINAL
-        if column.name not in twice and any(_filled(row.get(column.name)) for row in rows)
-    ]
-    table = [
-        (
-            f"{column.heading}\n{column.unit.name}",
-            [
-                _leak_cell(row.get(column.name), column, load, volume)
-                for row, load in zip(rows, loads, strict=True)
-            ],
-        )
-        for column in columns
-    ]
-    flows = [column.unit.name for column in columns if COLUMNS[column.name].kind == "flow"]
-    unmeasured = any("<" in texts for _, texts in table)
-    levels = [Level(row["validity"]) for row in rows]
-    # what tells the rows apart stays beside every part of a table that is too wide
-    several_forces = len({row["fluid_pressure_Pa"] for row in rows}) < len(rows)
-    keys = 2 if several_forces and columns[1].name == "contact_force_N" else 1
-    if any(level.mark for level in levels):
-        table.insert(keys, ("", [level.mark for level in levels]))
-        keys += 1
-    if any(row.get("verdict") for row in rows):
-        table.append(("verdict\n", [row.get("verdict") or "-" for row in rows]))
-    headings, texts = zip(*table, strict=True)
-    show_table(title, headings, list(zip(*texts, strict=True)), keys)
-    for level in Level:
-        if level.mark and level in levels:
-            what = "nothing may be claimed" if level is Level.OUTSIDE else "uncertain"
-            say(f"  {level.mark} {level}: {what}; for the reasons see validity_reasons in leak.csv")
-    for told in volume_notes(volume, flows, unmeasured=unmeasured):
-        say(f"  {told}")
-
-
-def _leak_cell(value: float | None, shown: Shown, load: LoadResult, volume: LeakVolume) -> str:
-    """A cell of a load: "<" for less than anybody could measure, and a margin that is read, none above a million."""
-    from fem_seal.output.columns import COLUMNS
-
-    column = COLUMNS[shown.name]
-    if value is not None and column.kind in ("flow", "throughput"):
-        # a throughput is its volume times 101325 Pa
-        rate = value / STANDARD_PRESSURE if column.kind == "throughput" else value
-        if rate > 0 and not volume.measurable(rate):
-            return "<"
-    if value is not None and shown.name == "margin" and value > 1e6:
-        return "sealed" if math.isinf(value) else ">1e6"
-    return _cell(value, shown.unit, column.digits(load))
-
-
-def show_leakage(case: Case, loads: Sequence[LoadResult]) -> None:
-    """Print the leak rate of the highest load in the units of leak testing, and its classes.
-
-    Parameters
-    ----------
-    case : Case
-    loads : sequence of LoadResult
-    """
-    from fem_seal.output.report.words import leakage_lines
-    from fem_seal.seal.load_result import highest_load
-
-    for line in leakage_lines(case, loads[highest_load(loads)], loads):
-        say(line)
-
-
-def show_answers(result: SealSolution) -> None:
-    """Print in words after which larger load the results hold, and what form, particles, verdict and levers say.
-
-    Parameters
-    ----------
-    result : SealSolution
-    """
-    from fem_seal.output import shown_answers
-    from fem_seal.output.report.words import remembered
-
-    told = (remembered(result), *(one.lines(result) for one in shown_answers.SHOWN))
-    for line in chain.from_iterable(told):
-        say(line)
-
-
-def show_table(title: str, headings: Sequence[str], rows: Sequence[Sequence[str]], keys: int = 1) -> None:
-    """Print a table, numbers to the right and none of them cut.
-
-    A terminal that is too narrow gets it in parts below each other. What is no terminal has no width.
-
-    Parameters
-    ----------
-    title : str
-    headings : sequence of str
-        Of two lines at most.
-    rows : sequence of sequence of str
-    keys : int
-        So many first columns say which row it is; they stand in every part.
-    """
-    from rich.console import Console
-
-    # the terminal's own width decides how many columns stand side by side, never how many digits of one
-    console = Console(width=_ENDLESS, highlight=False)
-    # above the table and not its title, which would be broken to the width of the table
-    say(title, bold=True)
-    widths = [
-        max(len(line) for cell in (heading, *column) for line in cell.split("\n"))
-        for heading, *column in zip(headings, *rows, strict=True)
-    ]
-    for part in _parts(widths, keys):
-        show(numbers_table([headings[n] for n in part], [[row[n] for n in part] for row in rows]), console)
-
-
-def _parts(widths: Sequence[int], keys: int) -> Iterator[list[int]]:
-    """Columns that stand side by side: as many as fit beside the keys, and one at least."""
-    room = shutil.get_terminal_size().columns if sys.stdout.isatty() else _ENDLESS
-    # a blank on either side of each column, one between two and one at either end
-    taken = [width + 3 for width in widths]
-    alone = 1 + sum(taken[:keys])
-    part, used = list(range(keys)), alone
-    for n in range(keys, len(widths)):
-        if len(part) > keys and used + taken[n] > room:
-            yield part
-            part, used = list(range(keys)), alone
-        part.append(n)
-        used += taken[n]
-    yield part
-
-
-def _filled(value: float | None) -> bool:
-    return value is not None and not math.isnan(value)
-
-
-def _cell(value: float | None, unit: Unit, digits: int = DIGITS) -> str:
-    if value is None or math.isnan(value):
-        return "-"
-    shown = unit.of(value)
-    if digits < DIGITS and math.isfinite(value) and value:
-        exponent = math.floor(math.log10(abs(rounded(shown, digits))) + 1e-12)
-        if -4 <= exponent < DIGITS:
-            return f"{rounded(shown, digits):.{max(digits - 1 - exponent, 0)}f}"
-    # so many digits, also when they are zeros: columns stay aligned
-    return f"{shown:#.{digits}g}".removesuffix(".")
-
-
-def _dimension(key: str, value: float) -> str:
-    return f"{math.degrees(value):.4g} deg" if key.endswith("angle") else f"{1e3 * value:.4g} mm"
-
-
-def show_derived(numbers: Mapping[str, Any]) -> None:
-    """Print the derived numbers of a case."""
-    from fem_seal.output.case_words import section_text
-    from fem_seal.output.columns import CHECK_OF_CASE, CHECK_ON_TERMINAL
-
-    for body, lengths in numbers["dimensions"].items():
-        shown = [f"{key} {_dimension(key, value)}" for key, value in lengths.items()]
-        if body in numbers["sections"]:
-            shown += section_text(numbers["sections"][body]).values()
-        say(f"  {body:10}" + ", ".join(shown))
-    for name, (words, unit) in CHECK_OF_CASE.items():
-        value = numbers[name]
-        if value is not None and math.isfinite(value):
-            say(f"  {words:30}{_cell(value, fixed_unit(unit))} {unit}".rstrip())
-    rows = numbers["loads"]
-    columns = [column for column in CHECK_ON_TERMINAL if any(row[column.name] is not None for row in rows)]
-    closed = any(row["hertz_peak_pressure_Pa"] is not None for row in rows)
-    show_table(
-        "Closed-form pressure profiles" if closed else "Loads (no closed-form profiles: the faces conform)",
-        [f"{column.heading}\n{column.unit.name}" for column in columns],
-        [[_cell(row[column.name], column.unit) for column in columns] for row in rows],
-    )

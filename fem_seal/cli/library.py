@@ -7,8 +7,17 @@ import sys
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Annotated, Any
 
-from fem_seal.cli.options import Debug, argument, json_option, option
-from fem_seal.cli.terminal import cell, numbers_table, say, say_json, show
+from fem_seal.cli.terminal import (
+    Debug,
+    argument,
+    cell,
+    json_option,
+    numbers_table,
+    option,
+    say,
+    say_json,
+    show,
+)
 from fem_seal.files import own_tables
 
 if TYPE_CHECKING:

@@ -7,8 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from fem_seal.case.words import problem
-from fem_seal.cli.options import Debug, option, output_option
-from fem_seal.cli.terminal import complain, prompt, say
+from fem_seal.cli.terminal import Debug, complain, option, output_option, prompt, say
 from fem_seal.errors import InputError, NoLoadLeftError
 from fem_seal.former_names import say_once
 

@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from fem_seal.cli.options import Debug, Quiet, argument, option, output_option
-from fem_seal.cli.terminal import say, say_json, warn
+from fem_seal.cli.terminal import Debug, Quiet, argument, option, output_option, say, say_json, warn
 from fem_seal.errors import NoLoadLeftError, Problem
 
 if TYPE_CHECKING:
@@ -133,8 +132,8 @@ def _show(result: StudyResult, quiet: bool, json: bool) -> None:
 def _show_best(folder: Path) -> None:
     """Print the best designs side by side, as many beside each other as fit; numbers are never cut."""
     from fem_seal.studies.designs_table import Designs
-    from fem_seal.studies.page.display import Display
-    from fem_seal.studies.page.page import outside_left_out
+    from fem_seal.studies.display import Display
+    from fem_seal.studies.page import outside_left_out
 
     designs = Designs.open(folder)
     numbers, columns = Display(designs).best(_BEST)

@@ -5,8 +5,19 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from fem_seal.cli.options import CaseFile, Debug, Quiet, json_option, option, output_option
-from fem_seal.cli.terminal import numbers_table, say, say_json, show, warn
+from fem_seal.cli.terminal import (
+    CaseFile,
+    Debug,
+    Quiet,
+    json_option,
+    numbers_table,
+    option,
+    output_option,
+    say,
+    say_json,
+    show,
+    warn,
+)
 
 if TYPE_CHECKING:
     from fem_seal.answers.leak_map import LeakMap

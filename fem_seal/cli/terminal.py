@@ -1,19 +1,71 @@
-"""Terminal output: all lines of the commands pass here and are stripped of control characters."""
+"""What goes in and out on a terminal: options, lines, tables.
+
+What is said of an option stands in `templates/options.toml`. All output of the commands passes here and is stripped of
+control characters.
+"""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+import math
+import shutil
+import sys
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import chain
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from fem_seal.errors import printable
-from fem_seal.files import as_json
+from fem_seal.files import as_json, own_tables
+from fem_seal.units import DIGITS, LIQUID, LeakVolume, Unit, fixed_unit, rounded
+from leak.standards import STANDARD_PRESSURE
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-
     from rich.console import Console
     from rich.table import Table
+
+    from fem_seal.answers.solution import SealSolution
+    from fem_seal.case.case import Case
+    from fem_seal.output.columns import Shown
+    from fem_seal.seal.load_result import LoadResult
+
+
+def option(command: str, name: str, **words: str) -> Any:
+    """An option of a command.
+
+    Parameters
+    ----------
+    command, name : str
+        Its table and key in the file.
+    words
+        What stands between the braces of its help.
+    """
+    described = dict(own_tables("options.toml")[command][name])
+    described["help"] = described["help"].format(**words)
+    return typer.Option(*described.pop("flags", ()), **described)
+
+
+def argument(command: str, name: str) -> Any:
+    """An argument of a command, see `option`."""
+    return typer.Argument(**own_tables("options.toml")[command][name])
+
+
+def output_option(default: str | bool, what: str = "Folder for the results.", metavar: str = "DIR") -> Any:
+    """Where a command writes to."""
+    return typer.Option("--output", "-o", metavar=metavar, show_default=default, help=what)
+
+
+def json_option(what: str = "the result") -> Any:
+    """Whether a command prints JSON instead of words."""
+    return typer.Option("--json", help=f"Print {what} as JSON, in SI units.")
+
+
+CaseFile = Annotated[Path, argument("common", "case_file")]
+ResultsFolder = Annotated[Path, argument("common", "results_folder")]
+Quiet = Annotated[bool, option("common", "quiet")]
+Json = Annotated[bool, json_option()]
+Debug = Annotated[bool, option("common", "debug")]
 
 
 def say(*lines: str, bold: bool = False) -> None:
@@ -102,3 +154,198 @@ def prompt(words: str, default: str) -> str:
     """Ask a question; the answer without blanks around it."""
     answer: Any = typer.prompt(printable(words), default=printable(default))
     return default if answer == printable(default) else str(answer).strip()
+
+
+# Wider than any table.
+_ENDLESS = 100_000
+
+
+def show_leak_table(
+    rows: Sequence[Mapping[str, Any]],
+    title: str,
+    loads: Sequence[LoadResult],
+    volume: LeakVolume = LIQUID,
+) -> None:
+    """Print rows of leak.csv as a table, without the columns that no row fills, and a legend of its marks.
+
+    Parameters
+    ----------
+    rows : sequence of mapping
+    title : str
+    loads : sequence of LoadResult
+        Of the rows: they know how many digits a number is worth.
+    volume : LeakVolume, optional
+        What a volume is that leaks; that of a liquid unless given.
+    """
+    from fem_seal.output.columns import COLUMNS, LEAK_ON_TERMINAL, own_theory
+    from fem_seal.output.report.words import volume_notes
+    from fem_seal.seal.findings import Level
+
+    twice = own_theory(loads)
+    columns = [
+        column
+        for column in LEAK_ON_TERMINAL
+        if column.name not in twice and any(_filled(row.get(column.name)) for row in rows)
+    ]
+    table = [
+        (
+            f"{column.heading}\n{column.unit.name}",
+            [
+                _leak_cell(row.get(column.name), column, load, volume)
+                for row, load in zip(rows, loads, strict=True)
+            ],
+        )
+        for column in columns
+    ]
+    flows = [column.unit.name for column in columns if COLUMNS[column.name].kind == "flow"]
+    unmeasured = any("<" in texts for _, texts in table)
+    levels = [Level(row["validity"]) for row in rows]
+    # what tells the rows apart stays beside every part of a table that is too wide
+    several_forces = len({row["fluid_pressure_Pa"] for row in rows}) < len(rows)
+    keys = 2 if several_forces and columns[1].name == "contact_force_N" else 1
+    if any(level.mark for level in levels):
+        table.insert(keys, ("", [level.mark for level in levels]))
+        keys += 1
+    if any(row.get("verdict") for row in rows):
+        table.append(("verdict\n", [row.get("verdict") or "-" for row in rows]))
+    headings, texts = zip(*table, strict=True)
+    show_table(title, headings, list(zip(*texts, strict=True)), keys)
+    for level in Level:
+        if level.mark and level in levels:
+            what = "nothing may be claimed" if level is Level.OUTSIDE else "uncertain"
+            say(f"  {level.mark} {level}: {what}; for the reasons see validity_reasons in leak.csv")
+    for told in volume_notes(volume, flows, unmeasured=unmeasured):
+        say(f"  {told}")
+
+
+def _leak_cell(value: float | None, shown: Shown, load: LoadResult, volume: LeakVolume) -> str:
+    """A cell of a load: "<" for less than anybody could measure, and a margin that is read, none above a million."""
+    from fem_seal.output.columns import COLUMNS
+
+    column = COLUMNS[shown.name]
+    if value is not None and column.kind in ("flow", "throughput"):
+        # a throughput is its volume times 101325 Pa
+        rate = value / STANDARD_PRESSURE if column.kind == "throughput" else value
+        if rate > 0 and not volume.measurable(rate):
+            return "<"
+    if value is not None and shown.name == "margin" and value > 1e6:
+        return "sealed" if math.isinf(value) else ">1e6"
+    return _cell(value, shown.unit, column.digits(load))
+
+
+def show_leakage(case: Case, loads: Sequence[LoadResult]) -> None:
+    """Print the leak rate of the highest load in the units of leak testing, and its classes.
+
+    Parameters
+    ----------
+    case : Case
+    loads : sequence of LoadResult
+    """
+    from fem_seal.output.report.words import leakage_lines
+    from fem_seal.seal.load_result import highest_load
+
+    for line in leakage_lines(case, loads[highest_load(loads)], loads):
+        say(line)
+
+
+def show_answers(result: SealSolution) -> None:
+    """Print in words after which larger load the results hold, and what form, particles, verdict and levers say.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    from fem_seal.output import shown_answers
+    from fem_seal.output.report.words import remembered
+
+    told = (remembered(result), *(one.lines(result) for one in shown_answers.SHOWN))
+    for line in chain.from_iterable(told):
+        say(line)
+
+
+def show_table(title: str, headings: Sequence[str], rows: Sequence[Sequence[str]], keys: int = 1) -> None:
+    """Print a table, numbers to the right and none of them cut.
+
+    A terminal that is too narrow gets it in parts below each other. What is no terminal has no width.
+
+    Parameters
+    ----------
+    title : str
+    headings : sequence of str
+        Of two lines at most.
+    rows : sequence of sequence of str
+    keys : int
+        So many first columns say which row it is; they stand in every part.
+    """
+    from rich.console import Console
+
+    # the terminal's own width decides how many columns stand side by side, never how many digits of one
+    console = Console(width=_ENDLESS, highlight=False)
+    # above the table and not its title, which would be broken to the width of the table
+    say(title, bold=True)
+    widths = [
+        max(len(line) for cell in (heading, *column) for line in cell.split("\n"))
+        for heading, *column in zip(headings, *rows, strict=True)
+    ]
+    for part in _parts(widths, keys):
+        show(numbers_table([headings[n] for n in part], [[row[n] for n in part] for row in rows]), console)
+
+
+def _parts(widths: Sequence[int], keys: int) -> Iterator[list[int]]:
+    """Columns that stand side by side: as many as fit beside the keys, and one at least."""
+    room = shutil.get_terminal_size().columns if sys.stdout.isatty() else _ENDLESS
+    # a blank on either side of each column, one between two and one at either end
+    taken = [width + 3 for width in widths]
+    alone = 1 + sum(taken[:keys])
+    part, used = list(range(keys)), alone
+    for n in range(keys, len(widths)):
+        if len(part) > keys and used + taken[n] > room:
+            yield part
+            part, used = list(range(keys)), alone
+        part.append(n)
+        used += taken[n]
+    yield part
+
+
+def _filled(value: float | None) -> bool:
+    return value is not None and not math.isnan(value)
+
+
+def _cell(value: float | None, unit: Unit, digits: int = DIGITS) -> str:
+    if value is None or math.isnan(value):
+        return "-"
+    shown = unit.of(value)
+    if digits < DIGITS and math.isfinite(value) and value:
+        exponent = math.floor(math.log10(abs(rounded(shown, digits))) + 1e-12)
+        if -4 <= exponent < DIGITS:
+            return f"{rounded(shown, digits):.{max(digits - 1 - exponent, 0)}f}"
+    # so many digits, also when they are zeros: columns stay aligned
+    return f"{shown:#.{digits}g}".removesuffix(".")
+
+
+def _dimension(key: str, value: float) -> str:
+    return f"{math.degrees(value):.4g} deg" if key.endswith("angle") else f"{1e3 * value:.4g} mm"
+
+
+def show_derived(numbers: Mapping[str, Any]) -> None:
+    """Print the derived numbers of a case."""
+    from fem_seal.output.case_words import section_text
+    from fem_seal.output.columns import CHECK_OF_CASE, CHECK_ON_TERMINAL
+
+    for body, lengths in numbers["dimensions"].items():
+        shown = [f"{key} {_dimension(key, value)}" for key, value in lengths.items()]
+        if body in numbers["sections"]:
+            shown += section_text(numbers["sections"][body]).values()
+        say(f"  {body:10}" + ", ".join(shown))
+    for name, (words, unit) in CHECK_OF_CASE.items():
+        value = numbers[name]
+        if value is not None and math.isfinite(value):
+            say(f"  {words:30}{_cell(value, fixed_unit(unit))} {unit}".rstrip())
+    rows = numbers["loads"]
+    columns = [column for column in CHECK_ON_TERMINAL if any(row[column.name] is not None for row in rows)]
+    closed = any(row["hertz_peak_pressure_Pa"] is not None for row in rows)
+    show_table(
+        "Closed-form pressure profiles" if closed else "Loads (no closed-form profiles: the faces conform)",
+        [f"{column.heading}\n{column.unit.name}" for column in columns],
+        [[_cell(row[column.name], column.unit) for column in columns] for row in rows],
+    )

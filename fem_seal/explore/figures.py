@@ -6,8 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from fem_seal.explore.screen import LEAK
-from fem_seal.explore.words import Shown, preliminary_words
+from fem_seal.explore.screen import LEAK, Shown, preliminary_words
 from fem_seal.files import own_tables
 from fem_seal.units import Unit, unit_for
 

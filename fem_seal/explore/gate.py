@@ -1,4 +1,4 @@
-"""Access to the page: token and origin checked; refusals are one line.
+"""Access to the page: token, origin and questions are checked, refusals are one line.
 
 Every process of this machine can reach 127.0.0.1, and so can every site that is open in a browser. The page answers
 who has its token: it stands in the address that the command prints, and the browser keeps a cookie for it.
@@ -10,14 +10,15 @@ import hmac
 import os
 import secrets
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import wraps
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
 from dash.exceptions import DependencyException, InvalidResourceError, PreventUpdate
 from flask import Response, abort, request
-from werkzeug.exceptions import HTTPException
+from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError
+from werkzeug.exceptions import BadRequest, HTTPException
 
 from fem_seal.errors import printable, unexpected
 
@@ -174,3 +175,96 @@ def _refuse_in_one_line(page: Dash, failed: Callable[[BaseException], None]) -> 
     # dash has an answer of its own to some of them
     for kind in (Exception, InvalidResourceError):
         page.server.register_error_handler(kind, refused)
+
+
+T = TypeVar("T")
+# From keys of factors to texts.
+Design = dict[str, str]
+
+
+class Asked(BaseModel):
+    """A design that a page wants to see.
+
+    Parameters
+    ----------
+    design : dict
+        From keys of factors to texts.
+    page : str
+        Name of the page.
+    number : int
+        Of its question, counted up.
+    wrong : dict
+        From keys of factors to texts that stand in their fields and could not be taken.
+    """
+
+    model_config = ConfigDict(strict=True, frozen=True)
+
+    design: Design
+    page: str
+    number: int
+    wrong: Design = {}
+
+
+class Entered(BaseModel):
+    """A text that has been typed in.
+
+    Parameters
+    ----------
+    text : str
+    before : str
+        What was calculated with until then.
+    at : int
+        Place of its slider.
+    """
+
+    model_config = ConfigDict(strict=True, frozen=True)
+
+    text: str
+    before: str
+    at: int
+
+
+def checked(kind: type[T], sent: Any, what: str) -> T:
+    """A part of a question.
+
+    Parameters
+    ----------
+    kind : type
+        That it must be of.
+    sent : object
+    what : str
+        Its name.
+
+    Raises
+    ------
+    BadRequest
+        If it is something else.
+    """
+    try:
+        return TypeAdapter(kind).validate_python(sent, strict=True)
+    except ValidationError as error:
+        refuse(next((str(part) for part in error.errors()[0]["loc"] if part in Asked.model_fields), what))
+
+
+def place_of(sent: Any, several: Sequence[Any], what: str) -> int:
+    """The place of something in a row.
+
+    Raises
+    ------
+    BadRequest
+        If it has none.
+    """
+    if not isinstance(sent, int) or not 0 <= sent < len(several):
+        refuse(what)
+    return sent
+
+
+def refuse(what: str) -> NoReturn:
+    """Say that a part of a question is wrong.
+
+    Raises
+    ------
+    BadRequest
+        Always.
+    """
+    raise BadRequest(f"{what}: not what the page sends")

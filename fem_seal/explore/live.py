@@ -21,8 +21,7 @@ from fem_seal.answers.verdict import seal_judgement, with_judgements
 from fem_seal.case.load_limits import refused_loads
 from fem_seal.errors import InputError, SealError
 from fem_seal.explore.factors import Factors, factors_of, opened
-from fem_seal.explore.screen import Screen, profile_of, screen_of, section_of, shown_load
-from fem_seal.explore.words import slow_words
+from fem_seal.explore.screen import Screen, profile_of, screen_of, section_of, shown_load, slow_words
 from fem_seal.seal.conductivity_tables import FamilyTable, family_table, family_tables
 from fem_seal.seal.cost import load_seconds, seconds
 from fem_seal.seal.evaluate import SILENT, Evaluation, evaluate

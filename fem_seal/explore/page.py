@@ -1,4 +1,4 @@
-"""The page: its layout, and what follows when something is moved."""
+"""The page: its layout, its elements of dash, and what follows when something is moved."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from html import escape
 from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from xml.etree.ElementTree import Element, fromstring
 
 from dash import ALL, Dash, Input, Output, State, ctx, dcc, html, no_update
 from dash.exceptions import PreventUpdate
@@ -17,16 +18,53 @@ from flask import Response, abort, send_file
 
 from fem_seal.errors import SealError
 from fem_seal.explore.case_file import free_name, write_case
-from fem_seal.explore.elements import elements
 from fem_seal.explore.figures import PINS, designs_shown, figures
-from fem_seal.explore.gate import answered
-from fem_seal.explore.questions import Asked, Design, Entered, checked, place_of, refuse
-from fem_seal.explore.words import not_taken_words, preliminary_words, refused_words, slow_words, still_words
+from fem_seal.explore.gate import Asked, Design, Entered, answered, checked, place_of, refuse
+from fem_seal.explore.screen import not_taken_words, preliminary_words, refused_words, slow_words, still_words
 from fem_seal.files import own_tables
+from fem_seal.output.prose import template
 
 if TYPE_CHECKING:
     from fem_seal.explore.screen import Screen
     from fem_seal.explore.worker import Answers
+
+# Signs without a place in XML, which no browser shows either.
+_NO_XML = re.compile("[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+
+
+def elements(macro: str, **values: Any) -> list[Any]:
+    """What a macro of the template makes of some values: elements and texts.
+
+    Parameters
+    ----------
+    macro : str
+    values
+        Its parameters.
+    """
+    text: str = getattr(template("explore.html.j2").module, macro)(**values)
+    return _children(fromstring(f"<page>{_NO_XML.sub('', text)}</page>"))
+
+
+def _children(parent: Element) -> list[Any]:
+    found: list[Any] = [parent.text]
+    for one in parent:
+        found += [_element(one), one.tail]
+    return [one for one in found if not (one is None or (isinstance(one, str) and not one.strip()))]
+
+
+def _element(one: Element) -> Any:
+    properties = {name: _property(text) for name, text in one.attrib.items()}
+    if children := _children(one):
+        properties["children"] = children
+    return getattr(html if hasattr(html, one.tag) else dcc, one.tag)(**properties)
+
+
+def _property(text: str) -> Any:
+    try:
+        return json.loads(text)
+    except ValueError:
+        return text
+
 
 # Rest of the sliders after which the complete run begins [s]; how often the page asks for what is missing, and whether
 # anything has happened where nothing is [ms].

@@ -22,8 +22,7 @@ from typing import TYPE_CHECKING, Any
 
 from fem_seal.errors import unexpected
 from fem_seal.explore.live import WRONG, Session
-from fem_seal.explore.screen import Screen, screen_of, without_interval
-from fem_seal.explore.words import lost_words
+from fem_seal.explore.screen import Screen, lost_words, screen_of, without_interval
 from fem_seal.seal.sources import Kept
 
 if TYPE_CHECKING:

@@ -18,8 +18,7 @@ from fem_seal.errors import InputError
 from fem_seal.files import UnreadableFileError, read_text
 from fem_seal.former_names import in_present_words
 from fem_seal.sampling import LogNormal, Normal
-from fem_seal.studies.parameters import Parameter
-from fem_seal.studies.tables import MOST_POINTS, Design
+from fem_seal.studies.tables import MOST_POINTS, Design, Parameter
 
 if TYPE_CHECKING:
     from fem_seal.arrays import FloatArray

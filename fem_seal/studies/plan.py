@@ -20,8 +20,7 @@ from fem_seal.sampling import LogNormal, Normal
 from fem_seal.seal.readings import FURTHER, OWN, force_column, leak_rate_column
 from fem_seal.studies.designs import SENSITIVITY
 from fem_seal.studies.expressions import Constraint, Expression, ExpressionError, unknown_name
-from fem_seal.studies.parameters import Parameter, entries, named
-from fem_seal.studies.tables import Design, Optimise, Report, Run, StudyTables
+from fem_seal.studies.tables import Design, Optimise, Parameter, Report, Run, StudyTables, entries, named
 
 F = TypeVar("F", Expression, Constraint)
 

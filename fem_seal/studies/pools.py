@@ -24,8 +24,8 @@ from fem_seal.case.words import problem, sentence
 from fem_seal.errors import ClusterError, InputError
 from fem_seal.files import own_tables
 from fem_seal.processes import usable_cores
-from fem_seal.studies.parameters import named
 from fem_seal.studies.store import Row
+from fem_seal.studies.tables import named
 from fem_seal.studies.time_limit import Block, OvertimeError, Watch, ended_after, slow_line
 from fem_seal.studies.work import Recipe, calculate, failed_row, overtime_row
 from fem_seal.units import duration

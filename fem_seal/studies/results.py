@@ -70,7 +70,7 @@ class StudyResult:
 
     def _repr_html_(self) -> str:
         """What a notebook shows: the designs, and the first response over the first parameter."""
-        from fem_seal.studies.page.preview import preview
+        from fem_seal.studies.plots import preview
 
         return preview(self._read(Designs.read))
 
@@ -113,7 +113,7 @@ class StudyResult:
 
     def report(self, path: str | Path | None = None) -> Path:
         """Write the page with plots, ``report.html`` in the study's folder unless a path is given."""
-        from fem_seal.studies.page.page import write_page
+        from fem_seal.studies.page import write_page
 
         return write_page(self.folder, self.folder / "report.html" if path is None else Path(path))
 

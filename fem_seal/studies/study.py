@@ -20,9 +20,8 @@ from fem_seal.errors import InputError
 from fem_seal.files import read_toml
 from fem_seal.former_names import in_present_entries, in_present_words
 from fem_seal.studies import designs, plan
-from fem_seal.studies.parameters import Parameter, read_parameter
 from fem_seal.studies.progress import Progress
-from fem_seal.studies.tables import StudyTables
+from fem_seal.studies.tables import Parameter, StudyTables, read_parameter
 from fem_seal.studies.work import contents_of_files, with_files
 
 if TYPE_CHECKING:

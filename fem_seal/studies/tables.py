@@ -1,12 +1,246 @@
-"""The tables of a study file as they are read: shapes and types only; `study` says what fits together."""
+"""Tables of a study file: parameters with their levels or distribution, all other keys, and the JSON Schema."""
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
+import numpy as np
 from pydantic import Field
 
-from fem_seal.case.fields import Quantity, Table, Whole
+from fem_seal.case.fields import Quantity, Table, Whole, shown
+from fem_seal.case.paths import Entry, Value
+from fem_seal.case.schema import as_schema
+from fem_seal.case.words import problem
+from fem_seal.errors import InputError
+from fem_seal.output.columns import LEAK_COLUMNS
+from fem_seal.sampling import Distribution, LogNormal, LogUniform, Normal, Uniform
+from fem_seal.units import parse_quantity
+
+if TYPE_CHECKING:
+    from fem_seal.arrays import FloatArray
+
+_MOST_LEVELS = 100_000
+RANGE_KEYS = ("start", "stop", "num", "spacing")
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One entry of the case and what it may become.
+
+    Parameters
+    ----------
+    entry : Entry
+    levels : tuple, optional
+        Its values in SI, texts or truth values, in the user's order.
+    distribution : Distribution, optional
+        Instead of levels.
+    """
+
+    entry: Entry
+    levels: tuple[Value, ...] = ()
+    distribution: Distribution | None = None
+
+    @property
+    def name(self) -> str:
+        """Path of the entry, the name of its column."""
+        return self.entry.path
+
+    @property
+    def numeric(self) -> bool:
+        """Whether its values are numbers."""
+        return self.entry.numeric
+
+    def values(self, share: FloatArray) -> FloatArray:
+        """Numbers that stand for the values, see `value`, at shares between 0 and 1 of the distribution."""
+        if self.distribution is not None:
+            return self.distribution.quantile(share)
+        index = np.minimum((share * len(self.levels)).astype(int), len(self.levels) - 1)
+        return self.numbers[index]
+
+    @property
+    def numbers(self) -> FloatArray:
+        """The levels as numbers: themselves, or their places in the list for texts."""
+        if self.numeric:
+            return np.array(self.levels, dtype=float)
+        return np.arange(len(self.levels), dtype=float)
+
+    def value(self, number: float) -> Value:
+        """Value that a number stands for."""
+        return float(number) if self.numeric else self.levels[int(number)]
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """Smallest and largest number."""
+        if self.distribution is not None:
+            return self.distribution.bounds
+        return float(self.numbers.min()), float(self.numbers.max())
+
+
+def entries(parameters: Sequence[Parameter], point: Sequence[float] | FloatArray) -> dict[str, Any]:
+    """Entries of the case in a design, as they would be written in a case file.
+
+    Parameters
+    ----------
+    parameters : sequence of Parameter
+    point : sequence of float
+        Number of each, see `Parameter.value`.
+    """
+    return {
+        one.name: one.entry.written(one.value(number)) for one, number in zip(parameters, point, strict=True)
+    }
+
+
+def named(parameters: Sequence[Parameter], point: Sequence[float] | FloatArray) -> str:
+    """A design for people: the values of its parameters, see `entries`."""
+    values = zip(parameters, point, strict=True)
+    return ", ".join(f"{one.name} = {one.entry.shown(one.value(number))}" for one, number in values)
+
+
+def read_parameter(entry: Entry, given: object) -> Parameter:
+    """The parameter that stands in a study file.
+
+    Parameters
+    ----------
+    entry : Entry
+    given : list or dict
+        Levels, a range, or a distribution.
+
+    Raises
+    ------
+    InputError
+    """
+    key = f"parameters.{entry.path}"
+    if isinstance(given, (list, tuple)):
+        return Parameter(entry, _levels(entry, key, list(given)))
+    if isinstance(given, Mapping) and "distribution" in given:
+        return Parameter(entry, distribution=_distribution(entry, key, given))
+    if isinstance(given, Mapping):
+        return Parameter(entry, _range(entry, key, given))
+    raise InputError(problem("study_parameter", path=entry.path, given=shown(given)))
+
+
+def _levels(entry: Entry, key: str, given: list[object]) -> tuple[Value, ...]:
+    if not 0 < len(given) <= _MOST_LEVELS:
+        raise InputError.at(key, f"has {len(given)} values; allowed are 1 to {_MOST_LEVELS}")
+    values = tuple(_read(entry, key, one) for one in given)
+    twice = [one for n, one in enumerate(values) if one in values[:n]] if len(values) < 1000 else []
+    if twice:
+        raise InputError.at(key, f"names {shown(given[values.index(twice[0])])} twice; remove one")
+    return values
+
+
+def _read(entry: Entry, key: str, given: object) -> Value:
+    try:
+        return entry.read(given)
+    except ValueError as error:
+        raise InputError.at(key, str(error), shown(given)) from None
+
+
+def _range(entry: Entry, key: str, given: Mapping[str, Any]) -> tuple[Value, ...]:
+    example = '{ start = "30 deg", stop = "60 deg", num = 7, spacing = "linear" or "log" }'
+    _check_keys(key, given, RANGE_KEYS, RANGE_KEYS[:3], example)
+    if not entry.numeric:
+        raise InputError.at(key, "holds words, which have no range; write a list")
+    start, stop = (float(_read(entry, f"{key}.{name}", given[name])) for name in ("start", "stop"))
+    num, spacing = given["num"], given.get("spacing", "linear")
+    if isinstance(num, bool) or not isinstance(num, int) or not 2 <= num <= _MOST_LEVELS:
+        raise InputError.at(f"{key}.num", f"must be a whole number from 2 to {_MOST_LEVELS}", shown(num))
+    if spacing not in ("linear", "log"):
+        raise InputError.at(f"{key}.spacing", 'must be "linear" or "log"', shown(spacing))
+    if not start < stop:
+        raise InputError.at(f"{key}.start", "must be below stop", shown(given["start"]))
+    if spacing == "log" and start <= 0:
+        raise InputError.at(f"{key}.start", 'must be above zero with spacing = "log"', shown(given["start"]))
+    shares = [n / (num - 1) for n in range(1, num - 1)]
+    inner = [
+        start + (stop - start) * t if spacing == "linear" else start * math.exp(math.log(stop / start) * t)
+        for t in shares
+    ]
+    return (start, *inner, stop)
+
+
+def _distribution(entry: Entry, key: str, given: Mapping[str, Any]) -> Distribution:
+    kind = given["distribution"]
+    if kind not in DISTRIBUTIONS:
+        listed = ", ".join(f'"{one}"' for one in DISTRIBUTIONS)
+        raise InputError.at(f"{key}.distribution", f"must be one of {listed}", shown(kind))
+    if not entry.numeric:
+        raise InputError.at(key, "holds words, which have no distribution; write a list")
+    numbers, make = DISTRIBUTIONS[kind]
+    example = "{ " + ", ".join([f'distribution = "{kind}"', *(f"{one} = ..." for one in numbers)]) + " }"
+    _check_keys(key, given, ("distribution", *numbers), numbers, example)
+    made = make(entry, key, given)
+    for bound in made.bounds:
+        try:
+            entry.check(bound)
+        except ValueError as error:
+            raise InputError.at(key, f"reaches {entry.shown(bound)}, which is {error}") from None
+    return made
+
+
+def _uniform(entry: Entry, key: str, given: Mapping[str, Any]) -> Distribution:
+    low, high = (float(_read(entry, f"{key}.{name}", given[name])) for name in ("low", "high"))
+    if not low < high:
+        raise InputError.at(f"{key}.low", "must be below high", shown(given["low"]))
+    if given["distribution"] == "uniform":
+        return Uniform(low, high)
+    if low <= 0:
+        raise InputError.at(f"{key}.low", "must be above zero", shown(given["low"]))
+    return LogUniform(low, high)
+
+
+def _normal(entry: Entry, key: str, given: Mapping[str, Any]) -> Distribution:
+    mean = float(_read(entry, f"{key}.mean", given["mean"]))
+    return Normal(mean, _width(entry, f"{key}.std", given["std"]))
+
+
+def _lognormal(entry: Entry, key: str, given: Mapping[str, Any]) -> Distribution:
+    median = float(_read(entry, f"{key}.median", given["median"]))
+    relative = given["relative"]
+    if isinstance(relative, bool) or not isinstance(relative, (int, float)) or not 0 < relative <= 1:
+        raise InputError(problem("study_relative_width", key=f"{key}.relative", given=shown(relative)))
+    if median <= 0:
+        raise InputError.at(f"{key}.median", "must be above zero", shown(given["median"]))
+    return LogNormal(median, float(relative))
+
+
+# Keys of each distribution, and what makes it of them.
+DISTRIBUTIONS: dict[str, tuple[tuple[str, ...], Callable[[Entry, str, Mapping[str, Any]], Distribution]]] = {
+    "uniform": (("low", "high"), _uniform),
+    "log-uniform": (("low", "high"), _uniform),
+    "normal": (("mean", "std"), _normal),
+    "lognormal": (("median", "relative"), _lognormal),
+}
+
+
+def _width(entry: Entry, key: str, given: object) -> float:
+    """A standard deviation: of the entry's dimension, but not inside its range."""
+    try:
+        if isinstance(entry.marker, Quantity):
+            width = parse_quantity(given, entry.marker.dimension)
+        elif isinstance(given, (int, float)) and not isinstance(given, bool):
+            width = float(given)
+        else:
+            raise ValueError("is not a number")
+    except ValueError as error:
+        raise InputError.at(key, str(error), shown(given)) from None
+    if not (math.isfinite(width) and width > 0):
+        raise InputError.at(key, "must be above zero", shown(given))
+    return width
+
+
+def _check_keys(
+    key: str, given: Mapping[str, Any], known: tuple[str, ...], needed: tuple[str, ...], example: str
+) -> None:
+    unknown = [name for name in given if name not in known]
+    missing = [name for name in needed if name not in given]
+    if unknown or missing:
+        wrong = f"has an unknown key {shown(unknown[0])}" if unknown else f"lacks {missing[0]}"
+        raise InputError.at(key, f"{wrong}; write {example}")
+
 
 MOST_POINTS = 10_000_000
 
@@ -65,3 +299,53 @@ class StudyTables(Table):
     run: Run = Run()
     report: Report = Report()
     optimise: Optimise | None = None
+
+
+def study_schema() -> dict[str, Any]:
+    """JSON Schema of what may stand in a study file.
+
+    Returns
+    -------
+    dict
+        Draft 2020-12. Which entries a case has, and what may stand there, is beyond a schema; `load_study` checks it.
+
+    Examples
+    --------
+    >>> study_schema()["required"]
+    ['base']
+    """
+    schema = StudyTables.model_json_schema(mode="validation")
+    schema["description"] = (
+        "One case turned into many; entries of the case are named by their path, seat.angle."
+    )
+    schema["properties"]["parameters"]["additionalProperties"] = _parameter()
+    schema["properties"]["responses"]["items"] = {"enum": list(LEAK_COLUMNS)}
+    return as_schema("fem-seal study", schema)
+
+
+def _parameter() -> dict[str, Any]:
+    """A list of levels; as a table a range, a distribution, or the paths below the one that is its key."""
+    limits = {"num": {"type": "integer", "minimum": 2}, "spacing": {"enum": ["linear", "log"]}}
+    one_of_them = [
+        {
+            "if": {"properties": {"distribution": {"const": name}}},
+            "then": _only({key: {} for key in ("distribution", *keys)}, keys),
+        }
+        for name, (keys, _) in DISTRIBUTIONS.items()
+    ]
+    distribution = {"properties": {"distribution": {"enum": list(DISTRIBUTIONS)}}, "allOf": one_of_them}
+    return {
+        "type": ["array", "object"],
+        "additionalProperties": True,
+        "allOf": [
+            {"if": {"type": "object", "required": ["distribution"]}, "then": distribution},
+            {
+                "if": {"type": "object", "required": ["start"]},
+                "then": _only({key: limits.get(key, {}) for key in RANGE_KEYS}, RANGE_KEYS[:3]),
+            },
+        ],
+    }
+
+
+def _only(properties: dict[str, Any], required: Sequence[str]) -> dict[str, Any]:
+    return {"properties": properties, "required": list(required), "additionalProperties": False}

@@ -18,8 +18,8 @@ from fem_seal.errors import InputError
 from fem_seal.seal.evaluate import Batch, Turn, untimed
 from fem_seal.studies.cost import design_seconds
 from fem_seal.studies.expressions import Expression
-from fem_seal.studies.parameters import Parameter, entries
 from fem_seal.studies.store import Row, storable
+from fem_seal.studies.tables import Parameter, entries
 from fem_seal.studies.time_limit import overtime_reason
 from fem_seal.version import __version__
 

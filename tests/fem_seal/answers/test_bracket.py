@@ -19,7 +19,7 @@ import fem_seal
 import leak
 from fem_seal.answers.leakage_class import leakage_classes, nominal_size
 from fem_seal.answers.uncertainty import LeakInterval
-from fem_seal.cli.app import show_leak_table, show_leakage
+from fem_seal.cli.terminal import show_leak_table, show_leakage
 from fem_seal.output.report.page import report
 from fem_seal.output.report.words import (
     classes_in_words,

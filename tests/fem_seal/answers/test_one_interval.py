@@ -15,8 +15,7 @@ import fem_seal
 from fem_seal.answers.judgement import Why
 from fem_seal.answers.leakage_class import fluid_of_test, in_the_test
 from fem_seal.answers.leakage_class import test_of as ratios_of
-from fem_seal.explore.screen import shown_load
-from fem_seal.explore.words import leak_words
+from fem_seal.explore.screen import leak_words, shown_load
 from fem_seal.output.answers.uncertainty import interval_table
 from fem_seal.output.answers.verdict import verdict_sentences
 from fem_seal.output.files import summary

@@ -15,7 +15,7 @@ import fem_seal
 from fem_seal.answers.judgement import Judgement, Limit, Verdict, Why
 from fem_seal.answers.leakage_class import leakage_classes, limits, next_class
 from fem_seal.answers.verdict import seal_judgement
-from fem_seal.cli import app as cli
+from fem_seal.cli.terminal import show_answers, show_leak_table
 from fem_seal.errors import ConvergenceError, InputError, LoadProblem
 from fem_seal.output.answers.verdict import (
     factor_text,
@@ -351,7 +351,7 @@ def test_report_terminal_and_summary_say_the_same_verdict(capsys):
     result = required(leak_rate="1 ml/min")
     first = verdict_sentences(result)[0]
     assert first.startswith("Fail at 20 bar: at least ")
-    cli.show_answers(result)
+    show_answers(result)
     assert first in capsys.readouterr().out
     page = report(result)
     assert first in page and 'class="verdict fail"' in page
@@ -684,7 +684,7 @@ def test_the_terminal_shows_no_number_that_nobody_could_measure(capsys):
             "validity": "valid",
         },
     ]
-    cli.show_leak_table(
+    show_leak_table(
         rows,
         "",
         rough_result().loads[:2],

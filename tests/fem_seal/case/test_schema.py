@@ -21,7 +21,7 @@ from fem_seal.case import schema as of_a_case
 from fem_seal.case.fields import Table, key_of
 from fem_seal.case.messages import tables_of
 from fem_seal.files import own_tables
-from fem_seal.studies import schema as of_a_study
+from fem_seal.studies import tables as of_a_study
 
 jsonschema = pytest.importorskip("jsonschema", reason="checks of the schema need jsonschema")
 

@@ -12,6 +12,7 @@ import pytest
 from sample_results import case
 
 from fem_seal.cli import app as cli
+from fem_seal.cli.terminal import _cell, show_leak_table, show_leakage
 from fem_seal.output import columns as output_columns
 from fem_seal.seal import findings as caution
 from fem_seal.seal.findings import Caution, Level, Validity
@@ -52,7 +53,7 @@ def shown(capsys, monkeypatch, rows, width=None):
     monkeypatch.setattr(sys.stdout, "isatty", lambda: width is not None)
     if width is not None:
         monkeypatch.setenv("COLUMNS", str(width))
-    cli.show_leak_table(rows, "Title", [load()] * len(rows))
+    show_leak_table(rows, "Title", [load()] * len(rows))
     return re.sub(r"\x1b\[[0-9;]*m", "", capsys.readouterr().out)
 
 
@@ -60,7 +61,7 @@ def four_digits(row, column):
     """A number with its zeros, so that columns stay aligned; one that is worth less has fewer digits."""
     digits = output_columns.COLUMNS[column.name].most_digits
     if digits < 4:
-        return cli._cell(row[column.name], column.unit, digits)
+        return _cell(row[column.name], column.unit, digits)
     return f"{column.unit.of(row[column.name]):#.4g}".removesuffix(".")
 
 
@@ -103,7 +104,7 @@ def test_a_file_gets_all_columns_side_by_side(columns, capsys, monkeypatch):
 def test_no_number_has_more_digits_than_the_mesh_leaves(capsys):
     """An error of four per cent leaves three digits of a pressure; what the mesh does not touch keeps its four."""
     error = DiscretisationError(peak_pressure=0.04, fwhm=0.2, std=0.004, leak_rate=None)
-    cli.show_leak_table(
+    show_leak_table(
         [{**ROWS[0], "peak_pressure_Pa": 51.389e6, "fwhm_m": 0.12344e-3, "std_m": 0.56784e-3}],
         "",
         [load(error)],
@@ -124,7 +125,7 @@ def test_on_a_real_terminal(width, tmp_path):
     import termios
 
     script = (
-        "from fem_seal.cli.app import show_table\n"
+        "from fem_seal.cli.terminal import show_table\n"
         "show_table('Title', [f'column {n}\\nmm³/s' for n in range(12)], [['2.018e-05'] * 12] * 2)\n"
     )
     ours, theirs = pty.openpty()
@@ -173,10 +174,10 @@ def test_no_class_is_claimed_outside_the_theory(capsys):
         LoadResult(pressure, 0.0, None, validity=judged(level)).knowing(leak=LeakResult(1e-13, 1e18, None))
         for pressure, level in ((5e5, Level.VALID), (20e5, Level.DOUBTFUL), (1800e5, Level.OUTSIDE))
     ]
-    cli.show_leakage(of, loads[:2])
+    show_leakage(of, loads[:2])
     doubtful = capsys.readouterr().out
     assert "ISO 5208 A" in doubtful and "(doubtful: seat: 7.4 times its yield stress)" in doubtful
-    cli.show_leakage(of, loads)
+    show_leakage(of, loads)
     outside = capsys.readouterr().out
     assert "ISO" not in outside and "FCI" not in outside
     assert "not claimed, because the leak rate is outside the theory" in outside

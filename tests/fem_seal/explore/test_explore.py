@@ -19,8 +19,7 @@ from fem_seal.errors import InputError
 from fem_seal.explore.case_file import case_text, free_name, write_case
 from fem_seal.explore.figures import leak_figure
 from fem_seal.explore.live import Missing, OwnTable, Session, conductivity
-from fem_seal.explore.screen import SHOWN, Screen
-from fem_seal.explore.words import Shown, numbers_of, validity_words
+from fem_seal.explore.screen import SHOWN, Screen, Shown, numbers_of, validity_words
 from fem_seal.explore.worker import Answers, Ask, Lost, Worker, Written, complete_screen
 from fem_seal.output.report.words import headline
 
@@ -391,7 +390,7 @@ def test_a_hostile_title_is_text_in_the_head(session):
 @pytest.mark.parametrize("text", [HOSTILE, "12", "null", '{"kind": "pin"}', "a & b", "one\x1btwo\x00\ud800"])
 def test_texts_of_a_case_are_texts_in_its_elements(session, text):
     pytest.importorskip("dash")
-    from fem_seal.explore.elements import elements
+    from fem_seal.explore.page import elements
 
     said = {"factors": session.factors, "remarks": [text], "meta": {}, "pictures": {}, "height": 1}
     (page,) = elements("page", title=text, name=text, own_input=False, **said)

@@ -9,7 +9,7 @@ import pytest
 from sample_results import case, rough_result
 
 from fem_seal.answers.profile_leak import leak_of_profiles, read_profiles
-from fem_seal.cli import app as cli
+from fem_seal.cli.terminal import show_leakage
 from fem_seal.errors import InputError
 from fem_seal.output.answers.target import valve_table
 from fem_seal.output.columns import (
@@ -97,7 +97,7 @@ def test_the_highest_load_is_the_same_everywhere(capsys):
     assert highest_load(loads) == 1 and result.highest is pushed
     assert result.strongest is loads[0]
     assert "20 bar with 500 N" in headline(result)
-    cli.show_leakage(result.case, loads)
+    show_leakage(result.case, loads)
     assert "Leak rate at 20 bar with 500 N" in capsys.readouterr().out
 
 

@@ -19,8 +19,7 @@ from sample_results import case, rough_result, with_capped
 
 from fem_seal.answers.closed_forms import derive
 from fem_seal.cli import app as cli
-from fem_seal.explore.screen import shown_load
-from fem_seal.explore.words import leak_words
+from fem_seal.explore.screen import leak_words, shown_load
 from fem_seal.output.answers.variants import variant_table
 from fem_seal.output.columns import COLUMNS, in_words
 from fem_seal.output.pictures.surface import surface_picture

@@ -10,12 +10,12 @@ import pytest
 from places import EXAMPLES
 
 from fem_seal.output.columns import LEAK_COLUMNS
+from fem_seal.studies import plots
 from fem_seal.studies.designs import unit_points
 from fem_seal.studies.designs_table import LEAK_RATE, Designs, sensitivities
+from fem_seal.studies.display import Display, short
 from fem_seal.studies.expressions import Constraint
-from fem_seal.studies.page import plots
-from fem_seal.studies.page.display import Display, short
-from fem_seal.studies.page.page import page, sections
+from fem_seal.studies.page import page, sections
 from fem_seal.studies.results import dataset
 from fem_seal.studies.tables import Design
 
@@ -491,7 +491,7 @@ def test_no_class_is_claimed_outside_the_theory():
 def test_a_first_order_index_above_the_total_is_called_noise():
     from dataclasses import replace
 
-    from fem_seal.studies.page.page import _indices
+    from fem_seal.studies.page import _indices
 
     designs = sensitive("sobol-sensitivity")
     (found, *_) = sensitivities(designs)

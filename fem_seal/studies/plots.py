@@ -1,8 +1,11 @@
-"""Interactive plots of a study's page; None where there is nothing to show."""
+"""Interactive plots of a study's page, None where there is nothing to show, and the picture of a notebook."""
 
 from __future__ import annotations
 
+import base64
 from collections.abc import Iterable
+from html import escape
+from io import BytesIO
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,9 +13,11 @@ from numpy.typing import NDArray
 
 from fem_seal.arrays import FloatArray
 from fem_seal.files import own_tables
+from fem_seal.output.notebook import table_html
+from fem_seal.output.pictures.style import style
 from fem_seal.seal.readings import WORDS
 from fem_seal.studies.designs_table import LEAK_RATE, Designs, Sensitivity, other_leak_rates, pareto_front
-from fem_seal.studies.page.display import FEW, GREY, LOOKS, Display, short, spans_a_decade
+from fem_seal.studies.display import BLUE, FEW, GREY, LOOKS, Display, short, spans_a_decade
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -355,3 +360,39 @@ def scale(display: Display, found: Sensitivity) -> tuple[str, float, str]:
         return title, 1.0, ""
     unit = display.unit(found.output)
     return title, unit.size, f" [{unit.name}]" if unit.name else ""
+
+
+def preview(designs: Designs) -> str:
+    """Table of the designs, in SI, and the first response over the first parameter.
+
+    Parameters
+    ----------
+    designs : Designs
+    """
+    picture = _picture(designs) if designs.parameters and designs.outputs and len(designs.done) else ""
+    return f"<p><b>{escape(str(designs.about['title']))}</b></p>{table_html(designs.table)}{picture}"
+
+
+def _picture(designs: Designs) -> str:
+    from matplotlib.figure import Figure
+
+    display = Display(designs)
+    x, y = designs.parameters[0], designs.outputs[0]
+    rows = designs.done.index
+    counted = designs.counted.loc[rows].to_numpy()
+    with style():
+        figure = Figure(figsize=(5.5, 3.5), layout="constrained")
+        axes = figure.add_subplot()
+        axes.grid(True)
+        for which, colour in ((~counted, GREY), (counted, BLUE)):
+            if which.any():
+                axes.scatter(display.values(rows[which], x), display.values(rows[which], y), s=14, c=colour)
+        axes.set(xlabel=display.label(x), ylabel=display.label(y))
+        for name, scale in ((x, axes.set_xscale), (y, axes.set_yscale)):
+            if display.logarithmic(name):
+                scale("log")
+        drawn = BytesIO()
+        figure.savefig(drawn, format="png", dpi=110)
+    alt = f"{display.label(y)} over {display.label(x)}, one dot for each design"
+    data = base64.b64encode(drawn.getvalue()).decode("ascii")
+    return f'<img src="data:image/png;base64,{data}" alt="{escape(alt)}" style="max-width: 100%">'

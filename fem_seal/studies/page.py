@@ -18,6 +18,7 @@ from fem_seal.output.prose import said, template
 from fem_seal.output.report.words import volumes_of_gas
 from fem_seal.seal.findings import Level
 from fem_seal.seal.readings import WORDS
+from fem_seal.studies import plots
 from fem_seal.studies.designs import SENSITIVITY
 from fem_seal.studies.designs_table import (
     LEAK_RATE,
@@ -28,8 +29,7 @@ from fem_seal.studies.designs_table import (
     quantiles,
     sensitivities,
 )
-from fem_seal.studies.page import plots
-from fem_seal.studies.page.display import LOOKS, Display, short
+from fem_seal.studies.display import LOOKS, Display, short
 from fem_seal.studies.store import FILE, open_to_read
 from fem_seal.units import leak_rate_text
 from fem_seal.version import __version__
