@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from fem_seal.explore.screen import LEAK, Shown, preliminary_words
@@ -14,8 +14,6 @@ if TYPE_CHECKING:
     from fem_seal.explore.screen import Screen, Section, ShownLoad, ShownProfile
 
 Values = Sequence[float | None]
-_STRAIGHT: Mapping[str, Any] = {}
-_CURVED = {"shape": "spline", "smoothing": 0.8}
 # Of the design on the screen and of those pinned, fit for light and dark, told apart by the colour-blind, too.
 LIVE, PINS = "#2f7fd6", ("#e07b39", "#2f9e6e", "#b264c8", "#c9a227")
 _GREY, _LIMIT = "#7b838f", "#c8443b"
@@ -41,19 +39,11 @@ class Figure:
         font = {**look["layout"]["font"], "color": self.ink}
         self.layout: dict[str, Any] = {**look["layout"], "font": font, "xaxis": axis, "yaxis": axis}
 
-    def add_line(
-        self,
-        x: Values,
-        y: Values,
-        colour: str,
-        width: float,
-        *,
-        style: Mapping[str, Any] = _STRAIGHT,
-        **more: Any,
-    ) -> None:
-        """A line, with further entries of its trace and, as its style, of the line itself."""
-        line = {"color": colour, "width": width, **style}
-        self.data.append({"type": "scatter", "mode": "lines", "x": x, "y": y, "line": line, **more})
+    def add(self, look: str, x: Values, y: Values, colour: str, **more: Any) -> None:
+        """A trace that looks as the file of the page says, with further entries."""
+        trace = own_tables("explore.toml")["traces"][look]
+        coloured = {part: {**trace[part], "color": colour} for part in ("line", "marker") if part in trace}
+        self.data.append({"type": "scatter", **trace, "x": x, "y": y, **coloured, **more})
 
     def add_note(self, x: float, y: float, text: str, colour: str, size: int = 12, **more: Any) -> None:
         """A text."""
@@ -132,21 +122,13 @@ def section_figure(section: Section | None, dark: bool) -> Figure:
         ring = [*corners, corners[0]]
         for side in (1, -1):
             x, y = [1e3 * side * r for r, _ in ring], [1e3 * z for _, z in ring]
-            figure.add_line(x, y, figure.ink, 0.8, fill="toself", fillcolor=fill, name=name, hoverinfo="name")
+            figure.add("outline", x, y, figure.ink, fillcolor=fill, name=name)
     low = 1e3 * min(z for _, z in section.seat)
     high = 1e3 * max(z for _, z in section.closure)
-    figure.add_line([0, 0], [low, high], _GREY, 1, style={"dash": "longdashdot"}, hoverinfo="skip")
+    figure.add("axis", [0, 0], [low, high], _GREY)
     r0 = 1e3 * section.touch_radius
-    figure.add_line(
-        [-r0, r0],
-        [0, 0],
-        PINS[0],
-        1,
-        style={"dash": "dot"},
-        mode="lines+markers",
-        marker={"size": 7, "color": PINS[0]},
-        hovertemplate=f"circle of first touch, radius {r0:.4g} mm<extra></extra>",
-    )
+    hover = f"circle of first touch, radius {r0:.4g} mm<extra></extra>"
+    figure.add("touch", [-r0, r0], [0, 0], PINS[0], hovertemplate=hover)
     outer = 1e3 * max(r for r, _ in section.seat)
     above, below = ("high pressure", LIVE), ("low pressure", _GREY)
     if section.pressure_side != "outer":
@@ -218,22 +200,11 @@ def _add_leak(figure: Figure, one: Shown, unit: Unit, load_unit: Unit, force: bo
     band = [(at, low, high) for at, low, high in zip(x, *ends, strict=True) if low and high]
     for which, fill in ((1, "none"), (2, "tonexty")) if any(ends[0]) else ():
         edge = [point[0] for point in band], [point[which] for point in band]
-        figure.add_line(
-            *edge, colour, 0.6, style=_CURVED, fill=fill, fillcolor=_faint(colour), hoverinfo="skip"
-        )
+        figure.add("interval", *edge, colour, fill=fill, fillcolor=_faint(colour))
     hover = f"{one.name}: %{{y:.3g}} {unit.name} at %{{x:.4g}} {load_unit.name}<extra></extra>"
-    figure.add_line(x, rate, colour, 2, style=_CURVED, name=one.name, hovertemplate=hover)
-    figure.data.append(
-        {
-            "type": "scatter",
-            "x": [load_unit.of(_place(chosen, force))],
-            "y": [_positive(unit.of(chosen.values["leak_rate_m3_per_s"]))],
-            "mode": "markers",
-            "marker": {"color": colour, "size": 9},
-            "error_y": _bar(chosen, unit, colour),
-            "hoverinfo": "skip",
-        }
-    )
+    figure.add("leak", x, rate, colour, name=one.name, hovertemplate=hover)
+    at, above = load_unit.of(_place(chosen, force)), unit.of(chosen.values["leak_rate_m3_per_s"])
+    figure.add("load", [at], [_positive(above)], colour, error_y=_bar(chosen, unit, colour))
 
 
 def _bar(load: ShownLoad, unit: Unit, colour: str) -> dict[str, Any] | None:
@@ -269,26 +240,17 @@ def _over_x(shown: Sequence[Shown], dark: bool, what: str) -> Figure:
     figure.update("xaxis", f"x across the seat [{x_unit.name}]")
     figure.update("yaxis", f"{title} [{unit.name}]", rangemode="tozero")
 
-    def add(
-        profile: ShownProfile, y: list[float], colour: str, width: float, name: str, at: str, **more: Any
-    ) -> None:
-        figure.add_line(
-            [x_unit.of(one) for one in profile.x],
-            [unit.of(one) if math.isfinite(one) else None for one in y],
-            colour,
-            width,
-            name=name,
-            hovertemplate=f"{name}: %{{y:.4g}} {unit.name}{at}<extra></extra>",
-            **more,
-        )
-
-    at = f" at %{{x:.4g}} {x_unit.name}"
     for profile, one in reversed(profiles):
         filled = one is shown[0] and what == "pressure"
+        lines = [("profile", getattr(profile, what), one.name, f" at %{{x:.4g}} {x_unit.name}")]
+        lines += [("fluid", profile.fluid, "fluid", "")] if filled and profile.fluid else []
         fill = {"fill": "tozeroy" if filled else None, "fillcolor": _faint(one.colour)}
-        add(profile, getattr(profile, what), one.colour, 2, one.name, at, **fill)
-        if filled and profile.fluid:
-            add(profile, profile.fluid, one.colour, 1.2, "fluid", "", style={"dash": "dash"})
+        x = [x_unit.of(place) for place in profile.x]
+        for look, values, name, at in lines:
+            y = [unit.of(value) if math.isfinite(value) else None for value in values]
+            hover = f"{name}: %{{y:.4g}} {unit.name}{at}<extra></extra>"
+            more = fill if look == "profile" else {}
+            figure.add(look, x, y, one.colour, name=name, hovertemplate=hover, **more)
     return figure
 
 
