@@ -15,6 +15,7 @@ from fem_seal.cli.terminal import Debug, Quiet, argument, option, output_option,
 from fem_seal.errors import NoLoadLeftError, Problem
 
 if TYPE_CHECKING:
+    from fem_seal.studies.designs_table import Designs
     from fem_seal.studies.results import StudyResult
 
 _BEST = 10
@@ -123,19 +124,17 @@ def _show(result: StudyResult, quiet: bool, json: bool) -> None:
     warn(f"{times} failed: {reason}" for reason, times in result.reasons)
     if quiet:
         return
-    _show_best(result.folder)
+    _show_best(result.designs)
     counts = result.counts
     say(f"{counts['done']} designs done, {counts['failed']} failed, {counts['open']} open")
     say(f"Results in {result.folder}: study.sqlite, report.html")
 
 
-def _show_best(folder: Path) -> None:
+def _show_best(designs: Designs) -> None:
     """Print the best designs side by side, as many beside each other as fit; numbers are never cut."""
-    from fem_seal.studies.designs_table import Designs
     from fem_seal.studies.display import Display
     from fem_seal.studies.page import outside_left_out
 
-    designs = Designs.open(folder)
     numbers, columns = Display(designs).best(_BEST)
     if designs.about["goals"] and designs.left_out:
         say(f"{outside_left_out(designs)}.")

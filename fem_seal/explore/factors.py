@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from fem_seal.case.drawing_words import same_entry
 from fem_seal.case.paths import entry_at, entry_paths, with_open_materials
 from fem_seal.errors import InputError, Problem
+from fem_seal.files import own_tables
 from fem_seal.units import DIMENSIONS, parse_quantity, unit_for
 
 if TYPE_CHECKING:
@@ -164,15 +165,17 @@ class Factors:
                 continue
             if message := one.wrong(text):
                 problems.append(Problem(one.label, message, f'"{text}"'))
-            elif one.key == "fluid_pressure":
-                found["load.fluid_pressure"] = _scaled(case.load.fluid_pressure, one, text)
-                if case.requirement and (required := case.requirement.pressures):
+            elif one.group == "load":
+                (path,) = one.paths
+                moved = _scaled(getattr(case.load, path.removeprefix("load.")), one, text)
+                found[path] = moved
+                if (
+                    one.key == "fluid_pressure"
+                    and case.requirement
+                    and (required := case.requirement.pressures)
+                ):
                     # what is required at a load is required where it goes
-                    found["requirement.fluid_pressure"] = _at_loads(
-                        case, required, found["load.fluid_pressure"]
-                    )
-            elif one.key == "force":
-                found["load.applied_force"] = _scaled(case.load.applied_force, one, text)
+                    found["requirement.fluid_pressure"] = _at_loads(case, required, moved)
             else:
                 found |= dict.fromkeys(one.paths, one.words.format(text))
         fluid = design.get("fluid", self.fluids[0] if self.fluids else "")
@@ -206,12 +209,7 @@ Found = Sequence[Factor | str]
 
 
 def _pressure(case: Case) -> Found:
-    label, note = "fluid pressure", ""
-    if len(set(case.load.fluid_pressure)) > 1:
-        label, note = "highest fluid pressure", "the other pressures of the case keep their share of it"
-    path, highest = "load.fluid_pressure", max(case.load.fluid_pressure)
-    written = case.written["load"].get("fluid_pressure")
-    return [_factor("fluid_pressure", label, "load", (path,), "pressure", highest, written, note=note)]
+    return [_of_loads(case, "fluid_pressure", "fluid_pressure", "pressure", case.load.fluid_pressure)]
 
 
 def _force(case: Case) -> Found:
@@ -221,16 +219,25 @@ def _force(case: Case) -> Found:
         return ["The forces of the case have both signs: they are not offered as a slider."]
     if largest < 0:
         return ["The force of the case opens the seal: it is not offered as a slider."]
-    label, note = "force", "of spring or actuator"
-    if largest != min(forces):
-        label, note = "largest force", "the other forces of the case keep their share of it"
-    written, values = case.written["load"].get("applied_force"), None
-    if largest == 0:
-        # to the size of what the fluid does
-        reach = 2 * math.pi * case.touch_radius**2 * max(case.load.fluid_pressure)
-        written, values = None, _even(0.0, reach)
-    path = "load.applied_force"
-    return [_factor("force", label, "load", (path,), "force", largest, written, values, note)]
+    # where there is none, to the size of what the fluid does
+    reach = 2 * math.pi * case.touch_radius**2 * max(case.load.fluid_pressure)
+    stops = None if largest else _even(0.0, reach)
+    return [_of_loads(case, "force", "applied_force", "force", forces, stops)]
+
+
+def _of_loads(
+    case: Case,
+    key: str,
+    entry: str,
+    dimension: str,
+    values: Sequence[float],
+    stops: list[float] | None = None,
+) -> Factor:
+    """The factor of an entry of [load]: its largest value, with which the others keep their proportions."""
+    words = own_tables("explore.toml")["factors"][key]["several" if len(set(values)) > 1 else "one"]
+    written = case.written["load"].get(entry) if stops is None else None
+    path, largest = f"load.{entry}", max(values)
+    return _factor(key, words["label"], "load", (path,), dimension, largest, written, stops, words["note"])
 
 
 # What the height of a face is called in its table, the first that is there.

@@ -21,6 +21,7 @@ from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError
 from werkzeug.exceptions import BadRequest, HTTPException
 
 from fem_seal.errors import printable, unexpected
+from fem_seal.files import own_tables
 
 if TYPE_CHECKING:
     from dash import Dash
@@ -117,21 +118,9 @@ def own_connection(theirs: object, ours: int) -> bool:
 
 
 def _send_headers(page: Dash) -> None:
-    # What dash and plotly need and no more. Scripts: files of the page, and by their hashes the few that dash writes
-    # into it (its start, and the callbacks that run in the browser). Styles: plotly and the sliders of dash make style
-    # elements as they draw, which no hash can name; a style runs nothing. Pictures: plotly saves one as data or blob.
-    scripts = " ".join(("'self'", *page.csp_hashes()))
-    policy = (
-        f"default-src 'none'; script-src {scripts}; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
-        "font-src 'self' data:; connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
-    )
+    hashes = " ".join(page.csp_hashes())
     headers = {
-        "Content-Security-Policy": policy,
-        "X-Frame-Options": "DENY",
-        "X-Content-Type-Options": "nosniff",
-        "Referrer-Policy": "no-referrer",
-        "Cross-Origin-Opener-Policy": "same-origin",
-        "Cross-Origin-Resource-Policy": "same-origin",
+        name: text.format(hashes=hashes) for name, text in own_tables("explore.toml")["headers"].items()
     }
 
     @page.server.after_request

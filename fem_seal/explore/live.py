@@ -287,12 +287,9 @@ class Session:
     def _evaluated(self, case: Case) -> tuple[Evaluation, int]:
         """All loads that follow the sliders, and how many of those with a contact are the case's."""
         problem, own = self._problem(case)
-        found = evaluate(problem, self._source(self._made if self.waits else self.tables.known))
+        made = (lambda name: self.tables.get(name, name.made)) if self.waits else self.tables.known
+        found = evaluate(problem, self._source(made))
         return found, own - sum(number < own for number in found.solved.failures)
-
-    def _made(self, name: TableName) -> Conductivity:
-        found: Conductivity = self.tables.get(name, name.made)
-        return found
 
     def _source(self, known: Callable[[TableName], Conductivity | None]) -> Shared:
         """Bodies and tables that are kept here."""

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem_seal.answers.leakage_class import leakage_classes, limits, volume_of
+from fem_seal.files import own_tables
 from fem_seal.output.answers.verdict import next_class_in_words, verdict_facts, verdict_sentences
 from fem_seal.output.columns import COLUMNS
 from fem_seal.output.report.words import state_in_words
@@ -407,24 +408,16 @@ def numbers_of(screen: Screen) -> list[Number]:
     if load is None:
         return []
     values = load.values
-
-    def number(name: str, what: str, kind: str, column: str, more: str = "") -> Number:
-        return Number(
-            name, what, quantity_worth(kind, values[column], load.digits[column]), more, values[column]
-        )
-
     at = f"at {given('fluid pressure', values['fluid_pressure_Pa'])}"
     more = "; ".join(filter(None, [at, state_in_words(screen.volume), preliminary_words(screen)]))
     rate = values["leak_rate_m3_per_s"]
     waits = screen.waiting and not math.isfinite(rate)
     leak = "calculating ..." if waits else leak_words(load, screen.volume)
-    found = [
-        Number("leak", "leak rate", leak, more, rate),
-        number("peak", "peak contact pressure", "contact pressure", "peak_pressure_Pa"),
-        number("width", "contact width (FWHM)", "length", "fwhm_m"),
-        number("force", "force on the seat", "force", "contact_force_N", "of spring and fluid together"),
-        number("line", "line load", "line load", "line_load_N_per_m"),
-    ]
+    found = [Number("leak", "leak rate", leak, more, rate)]
+    for name, one in own_tables("explore.toml")["numbers"].items():
+        column = one["column"]
+        value = quantity_worth(COLUMNS[column].kind, values[column], load.digits[column])
+        found.append(Number(name, one["what"], value, one["more"], values[column]))
     if load.classes and preliminary_words(screen):
         # a class is met by a whole interval or not at all
         found.append(Number("classes", "leakage class", "–", "follows with the range of the leak rate"))

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from contextlib import closing
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -18,7 +16,7 @@ from fem_seal.seal.findings import Level
 from fem_seal.seal.readings import FURTHER, OWN, leak_rate_column
 from fem_seal.studies.designs import MORRIS_LEVELS, SENSITIVITY, unit_points
 from fem_seal.studies.expressions import Constraint, Expression
-from fem_seal.studies.store import FILE, Store, open_to_read
+from fem_seal.studies.store import Store
 from fem_seal.studies.tables import Design
 
 if TYPE_CHECKING:
@@ -48,12 +46,6 @@ class Designs:
 
     table: pd.DataFrame
     about: Mapping[str, Any]
-
-    @classmethod
-    def open(cls, folder: Path) -> Designs:
-        """The designs in the folder of a study; InputError if it holds none."""
-        with closing(open_to_read(folder / FILE)) as store:
-            return cls.read(store)
 
     @classmethod
     def read(cls, store: Store) -> Designs:

@@ -72,7 +72,13 @@ class StudyResult:
         """What a notebook shows: the designs, and the first response over the first parameter."""
         from fem_seal.studies.plots import preview
 
-        return preview(self._read(Designs.read))
+        return preview(self.designs)
+
+    @property
+    def designs(self) -> Designs:
+        """The designs with the evaluation of the study, as its file has them now."""
+        found: Designs = self._read(Designs.read)
+        return found
 
     @cached_property
     def table(self) -> pd.DataFrame:
@@ -81,7 +87,7 @@ class StudyResult:
         ``reason`` says why a design failed. ``validity`` is "valid", "doubtful" or "outside the theory",
         ``validity_reasons`` says why. A constraint's column says whether it is met.
         """
-        return self._read(Designs.read).table
+        return self.designs.table
 
     @cached_property
     def counts(self) -> dict[str, int]:
@@ -103,13 +109,13 @@ class StudyResult:
 
         They meet all constraints and, unless the study keeps such designs, are not outside the theory.
         """
-        designs = self._read(Designs.read)
+        designs = self.designs
         return designs.table.loc[designs.best(count)]
 
     @cached_property
     def left_out(self) -> int:
         """How many designs meet all constraints but are left out of the best ones for being outside the theory."""
-        return int(self._read(Designs.read).left_out)
+        return self.designs.left_out
 
     def report(self, path: str | Path | None = None) -> Path:
         """Write the page with plots, ``report.html`` in the study's folder unless a path is given."""
@@ -131,7 +137,7 @@ class StudyResult:
         write = _WRITERS.get(path.suffix.lower())
         if write is None:
             raise InputError(problem("study_export_ending", known=", ".join(_WRITERS), name=path.name))
-        designs = self._read(Designs.read)
+        designs = self.designs
         try:
             return write(designs, path)
         except ImportError as error:
