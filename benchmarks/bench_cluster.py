@@ -214,9 +214,9 @@ def compare_here(asked, top: Path, every: int) -> int:
     """Calculate every k-th design in this process, and say how many they are; all must be those of the cluster."""
     from fem_seal.studies.session import _column_types
     from fem_seal.studies.store import create
-    from fem_seal.studies.work import Recipe, calculate, chunks
+    from fem_seal.studies.work import DesignSpec, calculate, chunks
 
-    recipe, start = Recipe.of(asked), time.perf_counter()
+    recipe, start = DesignSpec.of(asked), time.perf_counter()
     store = create(top / "here" / "study.sqlite", _column_types(asked), asked.output_names)
     with closing(store):
         for chunk in chunks(recipe, asked.points[::every]):

@@ -66,6 +66,6 @@ def test_each_further_load(benchmark: Benchmark, model: ContactModel) -> None:
 
 
 def test_twenty_loads(benchmark: Benchmark, model: ContactModel) -> None:
-    forces = [math.pi * model.touch_radius**2 * p for p in PRESSURES]
+    forces = [math.pi * model.initial_contact_radius**2 * p for p in PRESSURES]
     solutions = benchmark(lambda: [solve(model, LAW, contact_force=force) for force in forces])
     assert len(solutions) == 20

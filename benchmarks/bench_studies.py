@@ -98,7 +98,7 @@ def memory(points):
 
     seen = []
     study = Study(CASE, **latin(points))
-    recipe, outputs = work.Recipe.of(study), (1.0,) * len(study.output_names)
+    recipe, outputs = work.DesignSpec.of(study), (1.0,) * len(study.output_names)
     with tempfile.TemporaryDirectory() as folder:
         store = studies_store.create(
             Path(folder) / "study.sqlite", session._column_types(study), study.output_names

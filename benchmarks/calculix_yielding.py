@@ -28,7 +28,7 @@ import leak
 import meshes
 from fem_seal.contact.load_path import ElastoplasticContact, load_path
 from fem_seal.contact.model import condense
-from fem_seal.contact.penetration import FlowThrough
+from fem_seal.contact.penetration import PenetratingFluid
 from fem_seal.contact.plastic_step import PathLoad, PlasticSettings
 from fem_seal.contact.sizing import element_sizes, for_yielding
 from fem_seal.loads import line_load
@@ -78,7 +78,7 @@ class Valve:
     def mesh(self) -> SealMesh:
         """Coarse enough for CalculiX to take a minute."""
         contact = meshes.ContactGeometry.of(self.closure.outline, self.seat.outline)
-        load = line_load(self.spring, contact.touch_radius, contact.angle)
+        load = line_load(self.spring, contact.initial_contact_radius, contact.angle)
         modulus = effective_modulus(self.materials["closure"], self.materials["seat"])
         sizing = element_sizes(self.law, [load], contact, modulus)
         softest = min(one.yield_stress for one in self.materials.values() if one.yield_stress)
@@ -109,7 +109,7 @@ def valves() -> Iterator[Valve]:
     )
 
 
-def flowing() -> FlowThrough:
+def flowing() -> PenetratingFluid:
     """A liquid in the bore, through sigma ~ 1/p."""
 
     def along(profile, fluid_pressure):  # type: ignore[no-untyped-def]
@@ -122,7 +122,7 @@ def flowing() -> FlowThrough:
             pressure_side="inner",
         ).fluid_pressure
 
-    return FlowThrough(along, math.inf, "inner")
+    return PenetratingFluid(along, math.inf, "inner")
 
 
 def ours(valve: Valve, mesh: SealMesh) -> tuple[ElastoplasticContact, ...]:
@@ -244,7 +244,11 @@ def main() -> None:
             measures = []
             for profile in (theirs, contact.profile):
                 carried = (
-                    2 * math.pi * profile.moment(0) * mesh.contact.touch_radius * math.cos(mesh.contact.angle)
+                    2
+                    * math.pi
+                    * profile.moment(0)
+                    * mesh.contact.initial_contact_radius
+                    * math.cos(mesh.contact.angle)
                 )
                 measures.append(
                     (carried, profile.peak_pressure / profile.moment(0), profile.fwhm, profile.std)

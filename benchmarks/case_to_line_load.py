@@ -15,7 +15,7 @@ from fem_seal import load_case
 from fem_seal.contact.local_contact import LocalContact
 from fem_seal.contact.newton import solve
 from fem_seal.contact.solution import ContactSolution
-from fem_seal.seal.circumference import Around, around
+from fem_seal.seal.circumference import Circumference, around
 from fem_seal.seal.problem import SealProblem, condensed, expected_forces, sizing
 from meshes import build_contact
 
@@ -26,7 +26,7 @@ def mean_contact(problem: SealProblem) -> ContactSolution:
     return solve(model, problem.law, contact_force=expected_forces(problem)[-1])
 
 
-def line_load(problem: SealProblem) -> Around:
+def line_load(problem: SealProblem) -> Circumference:
     """The seal as it is."""
     return around(problem.form, LocalContact(mean_contact(problem), problem.law))
 

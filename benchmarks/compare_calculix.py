@@ -61,7 +61,7 @@ def accuracy(case: fem_seal.Case, found: Sequence[PressureProfile]) -> Accuracy:
     normal_z = float(np.cos(case.contact.angle))
     errors = []
     for force, profile in zip(expected_forces(SealProblem.of(case)), found, strict=True):
-        line_load = force / (2 * np.pi * case.touch_radius * normal_z)
+        line_load = force / (2 * np.pi * case.initial_contact_radius * normal_z)
         exact = leak.crossover_line(line_load, case.contact.relative_radius, case.effective_modulus, U0)
         carried = (
             2 * np.pi * normal_z * float(profile.arc_weight @ (profile.radius * profile.pressure)) / force
@@ -130,7 +130,7 @@ def run_calculix(
     """CalculiX on a mesh; cost, profiles of all loads, and the worst relative error of the reaction."""
     problem = SealProblem.of(case)
     law, forces = problem.law, expected_forces(problem)
-    line_load = forces[0] / (2 * np.pi * case.touch_radius * np.cos(case.contact.angle))
+    line_load = forces[0] / (2 * np.pi * case.initial_contact_radius * np.cos(case.contact.angle))
     expected = leak.crossover_line(
         line_load, case.contact.relative_radius, case.effective_modulus, U0
     ).peak_pressure

@@ -65,7 +65,7 @@ def case_of(name: str, half_width: float) -> tuple[Case, float]:
     )
     R, E = first.contact.relative_radius, first.effective_modulus
     line_load = math.pi * E * half_width**2 * R / 4
-    force = float(line_load * 2 * math.pi * first.touch_radius * math.cos(first.contact.angle))
+    force = float(line_load * 2 * math.pi * first.initial_contact_radius * math.cos(first.contact.angle))
     changed = {
         "load.applied_force": force,
         "interface.u0": _LAYER * half_width**2 * R,

@@ -166,7 +166,7 @@ def doubts(contact: ContactSolution, contact_force: float, u0: float, breaks: ND
         return f"only {inner:.2g} elements per standard deviation"
     model = contact.model
     far_from_edges = np.abs(breaks - profile.centroid).min(initial=np.inf) > 8 * profile.std
-    narrow = profile.std < NARROW * min(model.touch_radius, model.relative_radius)
+    narrow = profile.std < NARROW * min(model.initial_contact_radius, model.relative_radius)
     if narrow and far_from_edges and math.isfinite(model.relative_radius):
         exact = crossover_line(contact.line_load, model.relative_radius, model.effective_modulus, u0)
         if abs(profile.peak_pressure / exact.peak_pressure - 1) > 0.01:

@@ -32,7 +32,7 @@ from scipy.interpolate import CubicSpline
 
 import fem_seal
 from fem_seal.contact.local_contact import LocalContact
-from fem_seal.seal.circumference import Around, around
+from fem_seal.seal.circumference import Circumference, around
 from fem_seal.seal.problem import SealProblem, expected_forces, sizing
 from meshes import SealMesh, build_contact
 
@@ -186,7 +186,7 @@ def _around(seal: SolidSeal, pressure: dict[int, float]) -> tuple[FloatArray, Fl
     x, vertices = x[order], vertices[order]
     nodes = seal.closure.number[::2, vertices]
     p = np.array([[pressure.get(node - 1, 0.0) for node in plane] for plane in nodes.tolist()])
-    line_load = np.trapezoid(p * contact.radius(x) / contact.touch_radius, x)
+    line_load = np.trapezoid(p * contact.radius(x) / contact.initial_contact_radius, x)
     return seal.closure.angle[::2], line_load, p.max(axis=1)
 
 
@@ -194,7 +194,7 @@ def _around(seal: SolidSeal, pressure: dict[int, float]) -> tuple[FloatArray, Fl
 class Comparison:
     """Both programs at all amplitudes; the first, zero, is the round seat."""
 
-    ours: Mapping[float, Around]
+    ours: Mapping[float, Circumference]
     theirs: Mapping[Solid, Mapping[float, SolidRun]]
     process: Cost
     warm: Warm
@@ -221,7 +221,7 @@ class Comparison:
         return _largest(load), _largest(peak) / float(expected.max())
 
 
-def _at(found: Around, values: FloatArray, angle: FloatArray) -> FloatArray:
+def _at(found: Circumference, values: FloatArray, angle: FloatArray) -> FloatArray:
     """Values of fem-seal at other angles."""
     whole = np.append(found.angle, 2 * np.pi)
     return np.asarray(CubicSpline(whole, np.append(values, values[0]), bc_type="periodic")(angle))
@@ -234,7 +234,7 @@ def _largest(values: FloatArray) -> float:
 
 def run_fem_seal(
     amplitudes: Sequence[float], repeat: int, folder: Path
-) -> tuple[dict[float, Around], Cost, Warm]:
+) -> tuple[dict[float, Circumference], Cost, Warm]:
     """fem-seal at all amplitudes, and its cost at one."""
     case, file = case_of(amplitudes[-1], folder)
     problem = SealProblem.of(case)

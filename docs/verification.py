@@ -54,8 +54,8 @@ def contact_model(
     ball, angle = Ball(RADIUS), math.radians(degrees)
     seat = ConicalSeat.around(angle, ball)
     contact = ContactGeometry.of(ball.outline, seat.outline)
-    forces = [contact_force(contact.touch_radius, p) for p in pressures]
-    loads = [line_load(force, contact.touch_radius, angle) for force in forces]
+    forces = [contact_force(contact.initial_contact_radius, p) for p in pressures]
+    loads = [line_load(force, contact.initial_contact_radius, angle) for force in forces]
     sizing = element_sizes(law, loads, contact, effective_modulus(STEEL, STEEL)).refined(refine)
     return condense(build(ball, seat, sizing), {"closure": STEEL, "seat": STEEL}), forces
 

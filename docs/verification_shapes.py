@@ -12,7 +12,7 @@ import leak
 from fem_seal.contact.laws import HardContact, Law
 from fem_seal.contact.model import condense
 from fem_seal.contact.newton import solve
-from fem_seal.contact.other_loads import FurtherLoads
+from fem_seal.contact.other_loads import BodyLoads
 from fem_seal.contact.sizing import element_sizes, solve_fitted
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.materials import Material, effective_modulus
@@ -50,7 +50,7 @@ def _row(pair: _Pair) -> tuple[tuple[str, ...], list[Figure]]:
     """Smooth and rough contact of a pair against Hertz and the exact crossover."""
     contact = ContactGeometry.of(pair.closure.outline, pair.seat.outline)
     modulus, R = effective_modulus(*pair.materials), contact.relative_radius
-    f = math.pi * modulus * (_NARROW * min(R, contact.touch_radius)) ** 2 / (4 * R)
+    f = math.pi * modulus * (_NARROW * min(R, contact.initial_contact_radius)) ** 2 / (4 * R)
     hertz = leak.hertz_line(f, R, modulus)
     # a decay length at which roughness and elasticity matter alike
     u0 = hertz.half_width**2 / (4 * R)
@@ -65,7 +65,7 @@ def _row(pair: _Pair) -> tuple[tuple[str, ...], list[Figure]]:
     }
     row = (
         pair.name,
-        f"{contact.touch_radius / _MM:.3f}",
+        f"{contact.initial_contact_radius / _MM:.3f}",
         f"{contact.angle / _DEG:.1f}",
         f"{R / _MM:.4g}",
         *(f"{error:+.1e}" for error in errors.values()),
@@ -79,7 +79,7 @@ def _row(pair: _Pair) -> tuple[tuple[str, ...], list[Figure]]:
 
 
 def _pressed(pair: _Pair, contact: ContactGeometry, law: Law, line_load: float) -> ContactSolution:
-    force = line_load * 2 * math.pi * contact.touch_radius * math.cos(contact.angle)
+    force = line_load * 2 * math.pi * contact.initial_contact_radius * math.cos(contact.angle)
     materials = dict(zip(("closure", "seat"), pair.materials, strict=True))
 
     def solve_on(sizing: Sizing) -> list[ContactSolution]:
@@ -158,15 +158,15 @@ def hydrostatic_section() -> Section:
     ball = Ball(20 * _MM)
     contact = ContactGeometry.of(ball.outline, ConicalSeat.around(45 * _DEG, ball).outline)
     law, pressure, force = leak.ExponentialLaw(p_c=5e9, u0=0.76e-6), 2e7, 1000.0
-    line_load = force / (2 * math.pi * contact.touch_radius * math.cos(contact.angle))
+    line_load = force / (2 * math.pi * contact.initial_contact_radius * math.cos(contact.angle))
     sizing = element_sizes(law, [line_load], contact, effective_modulus(_STEEL, _STEEL))
     model = condense(build_contact(contact, sizing), {"closure": _STEEL, "seat": _STEEL})
-    all_around = FurtherLoads.of_fluid((pressure, pressure), np.full(len(model.line.x), pressure), 0.0)
-    lift = all_around.lift(model) / (math.pi * contact.touch_radius**2 * pressure)
+    all_around = BodyLoads.of_fluid((pressure, pressure), np.full(len(model.line.x), pressure), 0.0)
+    lift = all_around.lift(model) / (math.pi * contact.initial_contact_radius**2 * pressure)
     radii, rows, figures = np.array([-1.0, 0.0, 1.0]) * 2e-4, [], []
     for x in radii:
         share = np.where(model.line.x >= x, pressure, 0.0)
-        loads = FurtherLoads.of_fluid((0.0, pressure), share, 0.0)
+        loads = BodyLoads.of_fluid((0.0, pressure), share, 0.0)
         radius = math.sqrt(-loads.lift(model) / (math.pi * pressure))
         # Between two points of the line a step in the pressure is known to the distance of the points.
         near = np.abs(model.line.radius - contact.radius(np.array(x))).min()

@@ -179,7 +179,7 @@ def along_normal(direction: Direction, normal: tuple[float, float]) -> float:
 
 def rigid_wave(
     normal: tuple[float, float],
-    touch_radius: float,
+    initial_contact_radius: float,
     eccentricity: float = 0.0,
     eccentricity_angle: float = 0.0,
     tilt: float = 0.0,
@@ -195,7 +195,7 @@ def rigid_wave(
     ----------
     normal : tuple of float
         (n_r, n_z), from the seat towards the closure.
-    touch_radius : float
+    initial_contact_radius : float
         r0 [m].
     eccentricity, eccentricity_angle : float
         Distance of the closure from the axis [m] and where to [rad].
@@ -204,7 +204,7 @@ def rigid_wave(
     tilt_height : float
         z of the point about which it leans, over the circle of first touch [m].
     """
-    lever = -normal[0] * tilt_height - normal[1] * touch_radius
+    lever = -normal[0] * tilt_height - normal[1] * initial_contact_radius
     return (
         Wave(1, normal[0] * eccentricity, eccentricity_angle),
         Wave(1, tilt * lever, tilt_angle),

@@ -20,6 +20,14 @@ ENTRIES = {"load.axial_force": "load.applied_force"}
 VALUES = {"interface.law": {"persson": "spectrum"}}
 # Columns of leak.csv.
 COLUMNS = {"axial_force_N": "contact_force_N"}
+# Public names of `fem_seal` and `fem_seal.contact`.
+PUBLIC = {
+    "axial_force_for_leak": "applied_force_for_leak",
+    "FlowThrough": "PenetratingFluid",
+    "FurtherLoads": "BodyLoads",
+    "HeldFluid": "FluidAtContact",
+    "Seal": "CoupledContact",
+}
 # Verdicts of studies that are stored.
 VERDICTS = {"holds": "pass", "fails": "fail", "undecided": "inconclusive"}
 _NAMES = ENTRIES | COLUMNS
@@ -181,6 +189,25 @@ def formerly(**names: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
         return call
 
     return taking
+
+
+def under_former_names(package: str, find: Callable[[str], Any]) -> Callable[[str], Any]:
+    """``__getattr__`` of a package that finds its public names by their former ones, too.
+
+    Parameters
+    ----------
+    package : str
+    find : callable
+        Takes a present name.
+    """
+
+    def find_by_any_name(name: str) -> Any:
+        if name in PUBLIC:
+            say_once(f"{package}.{name}", f"{package}.{PUBLIC[name]}")
+            name = PUBLIC[name]
+        return find(name)
+
+    return find_by_any_name
 
 
 def former_attribute(former: str, present: str) -> Any:

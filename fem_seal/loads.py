@@ -14,7 +14,7 @@ Closing = Literal["sealed-area", "penetration"]
 _LEAST_CARRIED = 1e-3
 
 
-def touch_radius(ball_radius: float, angle: float) -> float:
+def initial_contact_radius(ball_radius: float, angle: float) -> float:
     """Radius r0 = R sin(theta) of the circle where a ball touches a conical seat [m].
 
     Parameters
@@ -125,7 +125,7 @@ def line_load(contact_force: float, sealing_radius: float, angle: float) -> floa
     --------
     A ball of 20 mm at 45 deg and 20 bar carries 20 kN/m (Fischer et al. 2020, fig. 4):
 
-    >>> r0 = touch_radius(0.02, math.radians(45))
+    >>> r0 = initial_contact_radius(0.02, math.radians(45))
     >>> round(line_load(contact_force(r0, 20e5), r0, math.radians(45)), 6)
     20000.0
     """

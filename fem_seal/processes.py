@@ -31,7 +31,7 @@ def usable_cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def in_copies(function: Callable[[T], R], items: Sequence[T], processes: int | None = None) -> list[R]:
+def fork_map(function: Callable[[T], R], items: Sequence[T], processes: int | None = None) -> list[R]:
     """What a function makes of each item, in their order.
 
     Of n processes each takes every n-th item: this one, and copies of it that begin with all that it knows. What a copy
@@ -53,7 +53,7 @@ def in_copies(function: Callable[[T], R], items: Sequence[T], processes: int | N
 
     Examples
     --------
-    >>> in_copies(abs, [-1, 2, -3], processes=2)
+    >>> fork_map(abs, [-1, 2, -3], processes=2)
     [1, 2, 3]
     """
     if processes is None:

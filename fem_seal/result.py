@@ -128,9 +128,9 @@ class SealResult(SealSolution):
         import warnings
 
         from fem_seal.output.files import write
-        from fem_seal.output.folders import alone
+        from fem_seal.output.folders import folder_lock
 
-        with alone(Path(folder)), given_back():
+        with folder_lock(Path(folder)), given_back():
             for failure in write(self, Path(folder)):
                 warnings.warn(failure, stacklevel=2)
         return Path(folder)

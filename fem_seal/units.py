@@ -330,7 +330,7 @@ def digits_within(error: float) -> int:
     return min(max(1 + math.ceil(-math.log10(2 * error)), 1), DIGITS) if math.isfinite(error) else 1
 
 
-def worth(value: float, digits: int) -> str:
+def format_digits(value: float, digits: int) -> str:
     """A number with no more significant digits than it is worth, before the point neither: "800" for 774.2.
 
     Parameters
@@ -364,7 +364,7 @@ def digits_beside(value: float, limit: float, digits: int) -> int:
     return next(sides, _MOST_DIGITS)
 
 
-def beside(value: float, limit: float, digits: int) -> str:
+def format_beside(value: float, limit: float, digits: int) -> str:
     """A number with `digits_beside` its limit, without zeros at its end.
 
     Parameters
@@ -393,7 +393,7 @@ def quantity(kind: str, value: float | None, digits: int = 3) -> str:
     return f"{number(unit.of(value), digits)} {unit.name}"
 
 
-def given(kind: str, value: float) -> str:
+def format_quantity(kind: str, value: float) -> str:
     """An SI value as it was probably written in the input: "20 bar", without zeros that nobody wrote."""
     unit = unit_for(kind, value)
     return f"{trimmed(unit.of(value))} {unit.name}"
@@ -414,7 +414,7 @@ def quantity_worth(kind: str, value: float, digits: int) -> str:
 
 
 def _in_sentence(value: float, digits: int) -> str:
-    return worth(value, digits) if digits < DIGITS else number(value)
+    return format_digits(value, digits) if digits < DIGITS else number(value)
 
 
 # Of one molecule [J/K].
@@ -610,7 +610,7 @@ def briefly(kind: str, value: float) -> str:
     >>> briefly("force", 43294.3), briefly("force", 250.0)
     ('43.29 kN', '250 N')
     """
-    return given(kind, rounded(value, 4))
+    return format_quantity(kind, rounded(value, 4))
 
 
 def split_unit(column: str) -> tuple[str, str]:

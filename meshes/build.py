@@ -130,7 +130,7 @@ def build_contact(contact: ContactGeometry, sizing: Sizing, known: SealMesh | No
 def _graded_alike(contact: ContactGeometry, sizing: Sizing, known: SealMesh) -> bool:
     """Whether gmsh is asked for the same element sizes as in a mesh that is known."""
     seen = [
-        (one.closure.largest_radius, one.touch_radius, *one.point(np.array(sizing.zone)).ravel())
+        (one.closure.largest_radius, one.initial_contact_radius, *one.point(np.array(sizing.zone)).ravel())
         for one in (contact, known.contact)
     ]
     return sizing == known.sizing and not sizing.spots and seen[0] == seen[1]
@@ -264,7 +264,7 @@ def _size(size: float, core: float, sizing: Sizing, along: str, deep: str, scale
 
 def _along_and_deep(contact: ContactGeometry, zone: tuple[float, float], scale: float) -> tuple[str, str]:
     """Distance from first touch along the contact line, and from the line: the circle through its ends and touch."""
-    touch = np.array([contact.touch_radius / scale, 0.0])
+    touch = np.array([contact.initial_contact_radius / scale, 0.0])
     ends = contact.point(np.array(zone)).T / scale
     chord = (ends[1] - ends[0]) / math.dist(*ends)
     normal = np.array([-chord[1], chord[0]])

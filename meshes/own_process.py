@@ -33,7 +33,9 @@ class TimeLimitError(OwnProcessError):
     """The function took too long."""
 
 
-def call_apart(time_limit: float, function: Callable[P, T], /, *arguments: P.args, **options: P.kwargs) -> T:
+def run_in_subprocess(
+    time_limit: float, function: Callable[P, T], /, *arguments: P.args, **options: P.kwargs
+) -> T:
     """Call a function in a new process that prints nothing.
 
     Parameters

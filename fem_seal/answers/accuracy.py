@@ -238,5 +238,5 @@ ACCURACY = Answer[Accuracy](
     "discretisation error",
     _compute,
     Accuracy(),
-    of_load=lambda load, number, found: load.knowing(mesh_error=found.error),
+    of_load=lambda load, number, found: load.with_values(mesh_error=found.error),
 )

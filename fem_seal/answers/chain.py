@@ -26,12 +26,12 @@ from fem_seal.contact.solution import move_together
 from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.heating import warmed
 from fem_seal.seal.lazy import OptionalSteps
-from fem_seal.seal.leak_model import RoughFlow
+from fem_seal.seal.leak_model import LeakModel
 from fem_seal.seal.load_result import LoadResult, SolvedSeal
 from fem_seal.seal.load_solver import Clock, LoadSolver, Progress
 from fem_seal.seal.problem import SealProblem
 from fem_seal.seal.readings import WORDS
-from fem_seal.units import given
+from fem_seal.units import format_quantity
 from fem_seal.validity.words import left_out
 from leak import LeakError, Reading
 
@@ -52,7 +52,7 @@ ANSWERS: tuple[Answer[Any], ...] = (
     LEVERS,
 )
 
-Read = TypeVar("Read", LoadResult, RoughFlow)
+Read = TypeVar("Read", LoadResult, LeakModel)
 
 # What is worked out of each load, and what stands there where the stress could not be calculated.
 _LEAK = {"leak": "leak rate"}
@@ -130,7 +130,7 @@ def _solved(case: Case, clock: Clock, steps: OptionalSteps) -> SolvedSeal:
         loads = tuple(
             _read(
                 steps,
-                _settled(steps, load.knowing(rough=rough), {} if load.formed is None else _AROUND),
+                _settled(steps, load.with_values(rough=rough), {} if load.formed is None else _AROUND),
                 _LEAK,
             )
             for load in found.loads
@@ -160,5 +160,5 @@ def _read(steps: OptionalSteps, one: Read, values: Mapping[str, str]) -> Read:
 
 
 def _settled(steps: OptionalSteps, one: Read, values: Mapping[str, str], otherwise: object = None) -> Read:
-    at = f" at {given('fluid pressure', one.fluid_pressure)}" if isinstance(one, LoadResult) else ""
+    at = f" at {format_quantity('fluid pressure', one.fluid_pressure)}" if isinstance(one, LoadResult) else ""
     return steps.compute_values(one, {name: f"{what}{at}" for name, what in values.items()}, otherwise)

@@ -77,7 +77,7 @@ class Derived:
 
     Parameters
     ----------
-    touch_radius : float
+    initial_contact_radius : float
         Radius r0 of the circle of first touch [m].
     effective_modulus : float
         E* [Pa].
@@ -96,7 +96,8 @@ class Derived:
         One per fluid pressure.
     """
 
-    touch_radius: float
+    initial_contact_radius: float
+    touch_radius = former_attribute("touch_radius", "initial_contact_radius")
     effective_modulus: float
     relative_radius: float
     hardness: float | None
@@ -130,8 +131,8 @@ def derive(case: CaseSource) -> Derived:
     ...     load={"fluid_pressure": "20 bar"},
     ... )
     >>> derived = fem_seal.derive(case)
-    >>> print(f"r0 = {derived.touch_radius * 1e3:.2f} mm, Hertz {derived.loads[0].hertz.peak_pressure / 1e6:.0f} MPa")
-    r0 = 14.14 mm, Hertz 192 MPa
+    >>> print(f"{derived.initial_contact_radius * 1e3:.2f} mm, {derived.loads[0].hertz.peak_pressure / 1e6:.0f} MPa")
+    14.14 mm, 192 MPa
     """
     problem = SealProblem.of(case_of(case))
     surface = problem.surface
@@ -148,7 +149,7 @@ def derive(case: CaseSource) -> Derived:
         decay_length = strongest.u0
         law_pressure = strongest.peak_pressure * math.exp(gap / decay_length)
     return Derived(
-        touch_radius=problem.touch_radius,
+        initial_contact_radius=problem.initial_contact_radius,
         effective_modulus=problem.effective_modulus,
         relative_radius=problem.contact.relative_radius,
         hardness=surface.hardness if surface else None,
@@ -233,7 +234,7 @@ def _derive_load(
     profiles: bool,
 ) -> DerivedLoad:
 
-    r0, R, E = problem.touch_radius, problem.contact.relative_radius, problem.effective_modulus
+    r0, R, E = problem.initial_contact_radius, problem.contact.relative_radius, problem.effective_modulus
     profiles = profiles and not math.isinf(R)
     side = problem.loads.pressure_side
     force = expected_force(r0, fluid_pressure, applied_force, side, problem.loads.closing)
@@ -280,7 +281,9 @@ def _force_for_target(problem: SealProblem, fluid_pressure: float) -> float | No
         force = expected_contact_force(flow, fluid_pressure, target)
     except InputError:
         return None
-    return force - contact_force(problem.touch_radius, fluid_pressure, 0.0, problem.loads.pressure_side)
+    return force - contact_force(
+        problem.initial_contact_radius, fluid_pressure, 0.0, problem.loads.pressure_side
+    )
 
 
 CLOSED_FORMS = ("hertz", "gaussian", "crossover")

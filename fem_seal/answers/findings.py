@@ -8,9 +8,9 @@ from functools import partial
 
 from fem_seal.answers.answer import Answer, Inquiry
 from fem_seal.answers.target import TARGET
-from fem_seal.seal.findings import NOT_JUDGED, Caution, Validity, worst_first
+from fem_seal.seal.findings import NOT_JUDGED, Finding, Validity, worst_first
 from fem_seal.seal.load_result import LoadResult, SolvedSeal, highest_load
-from fem_seal.units import given
+from fem_seal.units import format_quantity
 from fem_seal.validity.checks import contact_cautions, earlier_cautions, load_validity
 
 
@@ -30,7 +30,7 @@ class Findings:
     """
 
     validity: tuple[Validity, ...] = ()
-    cautions: tuple[Caution, ...] = ()
+    cautions: tuple[Finding, ...] = ()
     by_theory: tuple[Mapping[str, Validity], ...] = ()
 
 
@@ -41,7 +41,7 @@ def _compute(seal: SolvedSeal, ask: Inquiry) -> Findings:
     before = compute("checks of the largest earlier load", find, ())
     validity = [
         compute(
-            f"validity at {given('fluid pressure', load.fluid_pressure)}",
+            f"validity at {format_quantity('fluid pressure', load.fluid_pressure)}",
             partial(load_validity, problem, load, before),
             NOT_JUDGED,
         )
@@ -57,7 +57,7 @@ def _compute(seal: SolvedSeal, ask: Inquiry) -> Findings:
     return Findings(tuple(validity), cautions, others)
 
 
-def _of_other_theories(seal: SolvedSeal, before: tuple[Caution, ...]) -> tuple[Mapping[str, Validity], ...]:
+def _of_other_theories(seal: SolvedSeal, before: tuple[Finding, ...]) -> tuple[Mapping[str, Validity], ...]:
     """Of the loads whose interval by another theory is told: the highest, and those that are judged."""
     highest, required = highest_load(seal.loads), seal.case.requirement
     told = [
@@ -79,10 +79,10 @@ def _of_load(load: LoadResult, number: int, found: Findings) -> LoadResult:
     validity = found.validity[number] if found.validity else NOT_JUDGED
     of_theories = found.by_theory[number] if found.by_theory else {}
     by_theory = {
-        theory: other.knowing(validity=of_theories.get(theory, other.validity))
+        theory: other.with_values(validity=of_theories.get(theory, other.validity))
         for theory, other in (load.by_theory or {}).items()
     }
-    return load.knowing(validity=validity, by_theory=by_theory)
+    return load.with_values(validity=validity, by_theory=by_theory)
 
 
 FINDINGS = Answer[Findings]("findings", "checks of the result", _compute, Findings(), of_load=_of_load)

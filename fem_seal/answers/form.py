@@ -14,7 +14,7 @@ from fem_seal.answers.leakage_class import leakage_classes, limits, test_of
 from fem_seal.case.case import Case
 from fem_seal.errors import ConvergenceError, OpenSealError
 from fem_seal.form import FormError, Wave, WaveTolerance
-from fem_seal.seal.circumference import Around, LeakCurve, around_after
+from fem_seal.seal.circumference import Circumference, LeakCurve, around_after
 from fem_seal.seal.leak_model import as_first_loaded
 from fem_seal.seal.load_result import LoadResult, SolvedSeal
 from fem_seal.seal.load_solver import LoadSolver
@@ -205,7 +205,7 @@ class _Formed:
     load: LoadResult
 
     @cached_property
-    def formed(self) -> Around:
+    def formed(self) -> Circumference:
         assert self.load.formed is not None
         return self.load.formed
 
@@ -225,14 +225,14 @@ class _Formed:
         """In the other readings of yielding asperities."""
         return {reading: _Formed(load) for reading, load in self.load.others.items()}
 
-    def found(self, formed: Around) -> tuple[float | None, float, dict[Reading, float]]:
+    def found(self, formed: Circumference) -> tuple[float | None, float, dict[Reading, float]]:
         """Leak rate [m^3/s], least line load over mean, and leak rates in the other readings [m^3/s]."""
         leaks = {reading: one.leaks for reading, one in self.others.items()}
         rates = {reading: _rate(formed.with_leak(one)) for reading, one in leaks.items() if one is not None}
         others = {reading: rate for reading, rate in rates.items() if rate is not None}
         return _rate(formed), formed.least_over_mean, others
 
-    def with_form(self, form: FormError) -> Around:
+    def with_form(self, form: FormError) -> Circumference:
         before = None if self.formed.before is None else self.formed.before.local
         formed = around_after(form, self.formed.local, before)
         return formed if self.leaks is None else formed.with_leak(self.leaks)
@@ -267,7 +267,7 @@ class _Formed:
         return math.inf if rate is None else rate
 
 
-def _rate(formed: Around) -> float | None:
+def _rate(formed: Circumference) -> float | None:
     return None if formed.leak is None else formed.leak.leak_rate
 
 
@@ -412,7 +412,7 @@ def _largest(leak_rate: Callable[[float], float], allowed: float, start: float, 
 def _compute(seal: SolvedSeal, ask: Inquiry) -> FormAnswers:
     case = seal.case
     assert case.form is not None  # of `applies`
-    given = case.form.error(case.contact.angle, case.touch_radius)
+    given = case.form.error(case.contact.angle, case.initial_contact_radius)
     return form_answers(ask.solver, case, seal.highest, given)
 
 

@@ -19,7 +19,7 @@ class Verdict(StrEnum):
     FAIL = "fail"
 
 
-class Why(StrEnum):
+class VerdictReason(StrEnum):
     """What decided a verdict, or kept it from being decided."""
 
     LIMIT = "limit"
@@ -99,7 +99,7 @@ class Judgement:
 
     verdict: Verdict
     margin: float
-    why: Why
+    why: VerdictReason
     limit: Limit
     ends: tuple[float, float] = (math.nan, math.nan)
     reason: str = ""
@@ -122,24 +122,26 @@ class Judgement:
             Whether the interval holds what the inputs leave open.
         """
         if any(map(math.isnan, (*ends, limit.leak_rate))):
-            return cls(Verdict.INCONCLUSIVE, math.nan, Why.UNKNOWN, limit)
+            return cls(Verdict.INCONCLUSIVE, math.nan, VerdictReason.UNKNOWN, limit)
         tested = Bounds(*ends).widened(limit.ratio)
         if math.isinf(ends[0]):
-            return cls(Verdict.FAIL, 0.0, Why.OPEN, limit, tested)
+            return cls(Verdict.FAIL, 0.0, VerdictReason.OPEN, limit, tested)
         verdict, why = _decided(limit, ends, tested)
         margin = _margin(limit, tested.high)
         if validity.outside:
             # of what may not be claimed to be sealed there is no margin
             margin = math.nan if math.isinf(margin) else margin
-            return cls(Verdict.INCONCLUSIVE, margin, Why.OUTSIDE, limit, tested, validity.reasons[0])
+            return cls(
+                Verdict.INCONCLUSIVE, margin, VerdictReason.OUTSIDE, limit, tested, validity.reasons[0]
+            )
         if not sampled:
-            return cls(Verdict.INCONCLUSIVE, math.nan, Why.UNSAMPLED, limit, tested)
+            return cls(Verdict.INCONCLUSIVE, math.nan, VerdictReason.UNSAMPLED, limit, tested)
         if verdict is Verdict.INCONCLUSIVE:
             calculated = tested.ratio_to(validity.leak_factor)
             without, _ = _decided(limit, calculated, calculated)
             if without is not Verdict.INCONCLUSIVE:
                 reason = validity.leak_reason(more=without is Verdict.PASS)
-                return cls(verdict, margin, Why.ACCURACY, limit, tested, reason)
+                return cls(verdict, margin, VerdictReason.ACCURACY, limit, tested, reason)
         return cls(verdict, margin, why, limit, tested)
 
 
@@ -149,16 +151,18 @@ def _margin(limit: Limit, highest: float) -> float:
     return limit.leak_rate / highest if limit.leak_rate else math.nan
 
 
-def _decided(limit: Limit, ends: tuple[float, float], tested: tuple[float, float]) -> tuple[Verdict, Why]:
+def _decided(
+    limit: Limit, ends: tuple[float, float], tested: tuple[float, float]
+) -> tuple[Verdict, VerdictReason]:
     low, high = tested
     if high <= limit.leak_rate:
-        return Verdict.PASS, Why.LIMIT
+        return Verdict.PASS, VerdictReason.LIMIT
     if low > max(limit.leak_rate, limit.visible):
-        return Verdict.FAIL, Why.LIMIT
+        return Verdict.FAIL, VerdictReason.LIMIT
     if limit.leak_rate == 0:
-        return Verdict.INCONCLUSIVE, Why.VISIBLE
+        return Verdict.INCONCLUSIVE, VerdictReason.VISIBLE
     own = ends[1] <= limit.leak_rate or ends[0] > limit.leak_rate
-    return Verdict.INCONCLUSIVE, Why.TEST_FLUID if own else Why.INTERVAL
+    return Verdict.INCONCLUSIVE, VerdictReason.TEST_FLUID if own else VerdictReason.INTERVAL
 
 
 def severity(judged: Judgement) -> tuple[int, float]:
@@ -172,7 +176,7 @@ def severity(judged: Judgement) -> tuple[int, float]:
 
 
 @dataclass(frozen=True)
-class Shares:
+class Utilisation:
     """How far the bodies and the asperities are used, of the loads that are judged.
 
     Parameters
@@ -218,7 +222,7 @@ class SealJudgement:
     number: int | None
     judged: tuple[int, ...]
     left_out: int = 0
-    shares: Shares = Shares()
+    shares: Utilisation = Utilisation()
 
     @property
     def verdict(self) -> Verdict:
@@ -276,11 +280,11 @@ class JudgedLoad(LoadResult):
         ----------
         load : LoadResult
         known : object
-            See `Lazy.knowing`.
+            See `Lazy.with_values`.
         """
         judged = object.__new__(cls)
         vars(judged).update(vars(load))
-        return judged.knowing(**known)
+        return judged.with_values(**known)
 
     @property
     def verdict(self) -> Verdict | None:

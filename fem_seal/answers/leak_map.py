@@ -19,7 +19,7 @@ from fem_seal.former_names import former_attribute, formerly
 from fem_seal.loads import expected_force
 from fem_seal.seal.findings import Level, Validity
 from fem_seal.seal.load_solver import Progress
-from fem_seal.units import briefly, given
+from fem_seal.units import briefly, format_quantity
 from fem_seal.validity.words import caution
 
 # Pressures of a table where the case itself has fewer, and over which range below its highest.
@@ -184,7 +184,7 @@ def leak_map(
         else _increasing("forces", applied_force)
     )
     if not pressures[0] > 0:
-        raise InputError(problem("table_at_zero", pressure=given("fluid pressure", pressures[0])))
+        raise InputError(problem("table_at_zero", pressure=format_quantity("fluid pressure", pressures[0])))
     if len(pressures) * len(forces) > _MOST:
         size = {"pressures": len(pressures), "forces": len(forces)}
         raise InputError(problem("table_too_large", most=_MOST, **size))
@@ -204,7 +204,7 @@ def leak_map(
 
 def _contact_force(case: Case, fluid_pressure: float, applied_force: float) -> float:
     side, closing = case.load.pressure_side, case.load.closing
-    return expected_force(case.touch_radius, fluid_pressure, applied_force, side, closing)
+    return expected_force(case.initial_contact_radius, fluid_pressure, applied_force, side, closing)
 
 
 def _check_formed(case: Case) -> None:

@@ -74,7 +74,7 @@ def nominal_size(case: Case) -> NominalSize:
     from leak import nominal_size_of_bore
 
     bore = getattr(case.seat, "bore_radius", None)
-    diameter = 2.0 * (case.touch_radius if bore is None else bore)
+    diameter = 2.0 * (case.initial_contact_radius if bore is None else bore)
     circle = "circle of first touch" if bore is None else "bore of the seat"
     if case.leak.nominal_size is not None:
         return NominalSize(case.leak.nominal_size, diameter, circle, False)

@@ -55,7 +55,7 @@ def _compute(seal: SolvedSeal, ask: Inquiry) -> tuple[Opening, ...]:
             for one, load in different.items()
         }
         loads = tuple(
-            load.knowing(
+            load.with_values(
                 effective_radius=effective_radius(load.contact, load.fluid_pressure) if penetrates else None,
                 blow_off_pressure=opens.get(key(load)),
             )
@@ -70,7 +70,7 @@ OPENING = Answer[tuple[Opening, ...]](
     "margin to opening",
     _compute,
     (),
-    of_load=lambda load, number, found: load.knowing(**vars(found[number])) if found else load,
+    of_load=lambda load, number, found: load.with_values(**vars(found[number])) if found else load,
 )
 
 
@@ -91,7 +91,7 @@ def blow_off_pressures(problem: SealProblem) -> FloatArray:
     applied = [force for _, force in problem.loads.points]
     forces = [share * abs(force) for force in applied for share in (1.0, 0.1) if force]
     if problem.loads.closing == "sealed-area" or not forces:
-        radius, side = problem.touch_radius, problem.loads.pressure_side
+        radius, side = problem.initial_contact_radius, problem.loads.pressure_side
         return np.array([blow_off_of_sealed_area(radius, force, side) for force in applied])
     solver = LoadSolver.on_mesh(problem, sizing(problem, forces))
     known = {force: solver.blow_off_pressure(force) for force in dict.fromkeys(applied)}
@@ -112,7 +112,7 @@ def with_margins(solver: LoadSolver, loads: Sequence[LoadResult]) -> tuple[LoadR
         pressure, applied_force = load.fluid_pressure, load.applied_force
         held = solver.opening_force(pressure, load.contact) if side == "outer" and applied_force < 0 else None
         margin = opening_margin(pressure, applied_force, side, opens=load.blow_off_pressure, held=held)
-        found.append(load.knowing(opening=margin))
+        found.append(load.with_values(opening=margin))
     return tuple(found)
 
 

@@ -15,7 +15,7 @@ from fem_seal.answers.answer import Answer, Inquiry
 from fem_seal.arrays import FloatArray
 from fem_seal.profile import PressureProfile
 from fem_seal.seal.bounds import Bounds
-from fem_seal.seal.leak_model import RoughFlow, as_first_loaded
+from fem_seal.seal.leak_model import LeakModel, as_first_loaded
 from fem_seal.seal.load_result import LoadResult, SolvedSeal
 
 if TYPE_CHECKING:
@@ -33,7 +33,7 @@ _NEVER = Bounds(math.inf, math.inf)
 # Share of the leak that a filter is to keep.
 KEPT = 0.9
 
-Shut = Callable[[RoughFlow, float], RoughFlow]
+Shut = Callable[[LeakModel, float], LeakModel]
 
 
 @dataclass(frozen=True)
@@ -142,7 +142,7 @@ def _shut() -> Shut:
     """Rough surfaces with all gaps below a size shut, made once for each surface and size."""
 
     @cache
-    def shut(rough: RoughFlow, size: float) -> RoughFlow:
+    def shut(rough: LeakModel, size: float) -> LeakModel:
         table = rough.table
         assert table is not None  # the load leaks
         return replace(rough, make=lambda flow, surface: leak.shut_conductivity(table, surface, size))
@@ -155,7 +155,7 @@ class _Reading:
     """A load with one reading of its asperities, which leaks."""
 
     load: LoadResult
-    rough: RoughFlow
+    rough: LeakModel
     leak_rate: float
     shut: Shut
 
@@ -201,7 +201,7 @@ class _Reading:
         table, profile = self.rough.table, self.profile
         assert table is not None  # the load leaks
         length = leak.throttling_length(profile.x, profile.pressure, table.liquid)
-        around = 2.0 * math.pi * self.load.contact.model.touch_radius
+        around = 2.0 * math.pi * self.load.contact.model.initial_contact_radius
         return leak.parallel_paths(around, length, self.largest_passing)
 
 

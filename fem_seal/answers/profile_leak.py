@@ -15,10 +15,10 @@ from fem_seal.arrays import FloatArray
 from fem_seal.errors import InputError, Problem, QuantityError, TextTableError
 from fem_seal.files import TextTable, column, find_columns, read_text_table
 from fem_seal.profile import PressureProfile
-from fem_seal.seal.leak_model import Conductivity, Flow, RoughFlow
+from fem_seal.seal.leak_model import Conductivity, FlowModel, LeakModel
 from fem_seal.seal.load_result import GivenContact, GivenLoad
 from fem_seal.seal.problem import SealProblem
-from fem_seal.units import given
+from fem_seal.units import format_quantity
 from fem_seal.validity.checks import profile_validity
 from leak import RoughContact
 from meshes import ContactGeometry
@@ -111,7 +111,9 @@ def _profiles(table: TextTable, columns: dict[str, FloatArray]) -> Iterator[Impo
                 f"radius must be positive; line {table.lines[own[int(np.argmin(radius > 0))]]} is not"
             )
         if load is not None and not load > 0:
-            raise TextTableError(f"fluid pressure must be positive, it holds {given('fluid pressure', load)}")
+            raise TextTableError(
+                f"fluid pressure must be positive, it holds {format_quantity('fluid pressure', load)}"
+            )
         yield ImportedProfile(x, pressure, radius, load)
 
 
@@ -143,7 +145,7 @@ def _check(x: FloatArray, pressure: FloatArray, lines: list[int]) -> None:
         row = int(np.argmin(inside))
         raise TextTableError(
             f"contact pressure must lie between 0 and 1 TPa (compression is positive); line {lines[row]} has "
-            f"{given('contact pressure', float(pressure[row]))}"
+            f"{format_quantity('contact pressure', float(pressure[row]))}"
         )
     if not pressure.max() > _LOWEST_PRESSURE:
         raise TextTableError("contact pressure is zero in every row, or below 1 mPa: the bodies do not touch")
@@ -190,7 +192,7 @@ def leak_of_profiles(problem: SealProblem, profiles: Sequence[ImportedProfile]) 
     # samples would need the bodies
     problem = replace(problem, usual_only=problem.of_finish)
     peaks = [float(profile.pressure.max()) for profile in profiles]
-    rough = RoughFlow(surface, flow, partial(_conductivity, peaks))
+    rough = LeakModel(surface, flow, partial(_conductivity, peaks))
     others = {}
     for theory in problem.other_theories:
         other = problem.in_theory(theory)
@@ -209,8 +211,8 @@ def leak_of_profiles(problem: SealProblem, profiles: Sequence[ImportedProfile]) 
 
 def _given_load(
     problem: SealProblem,
-    rough: RoughFlow,
-    others: Mapping[str, RoughFlow],
+    rough: LeakModel,
+    others: Mapping[str, LeakModel],
     profile: ImportedProfile,
     fluid_pressure: float,
 ) -> GivenLoad:
@@ -218,10 +220,10 @@ def _given_load(
     # the force is not known, and the same for all
     by_theory = {theory: GivenLoad(fluid_pressure, 0.0, contact, one) for theory, one in others.items()}
     load = GivenLoad(fluid_pressure, 0.0, contact, rough, by_theory=by_theory)
-    return load.knowing(validity=profile_validity(problem, load))
+    return load.with_values(validity=profile_validity(problem, load))
 
 
-def _conductivity(peaks: Sequence[float], flow: Flow, surface: RoughContact) -> Conductivity:
+def _conductivity(peaks: Sequence[float], flow: FlowModel, surface: RoughContact) -> Conductivity:
     """Flow conductivity over all pressures of the profiles."""
     # nine decades below the peak the resistance is less than one part in a million of the whole
     return flow.table(surface, 1e-9 * min(peaks), 1.01 * max(peaks))

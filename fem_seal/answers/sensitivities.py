@@ -23,7 +23,7 @@ from fem_seal.contact.model import ContactModel
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import SealError
 from fem_seal.seal.evaluate import evaluate
-from fem_seal.seal.leak_model import Conductivity, Flow, RoughFlow, log_peaks
+from fem_seal.seal.leak_model import Conductivity, FlowModel, LeakModel, log_peaks
 from fem_seal.seal.load_result import LoadResult, SolvedSeal, highest_load
 from fem_seal.seal.load_solver import LoadSolver, solve_load
 from fem_seal.seal.problem import SealProblem, build_mesh, condensed
@@ -128,7 +128,7 @@ def levers(result: SolvedSeal, number: int | None = None) -> tuple[Lever, ...]:
     return tuple(sorted(found, key=lambda one: -one.strength))
 
 
-def _short_table(peaks: Sequence[float], flow: Flow, surface: RoughContact) -> Conductivity:
+def _short_table(peaks: Sequence[float], flow: FlowModel, surface: RoughContact) -> Conductivity:
     low, high = min(peaks) - _DECADES, max(peaks) + _ABOVE
     points = _POINTS + math.ceil(8 * (max(peaks) - min(peaks)))
     return flow.table(surface, 10.0**low, 10.0**high, points)
@@ -175,8 +175,8 @@ class _Bench:
         # the tables of the load go on to the next decade
         reached = max(log_peaks(self.load.contacts)) + 0.25
         if surface is not self.problem.surface or max(peaks) > reached:
-            rough = RoughFlow(surface, problem.flow, lambda flow, of: _short_table(peaks, flow, of))
-        return bare.knowing(rough=rough)
+            rough = LeakModel(surface, problem.flow, lambda flow, of: _short_table(peaks, flow, of))
+        return bare.with_values(rough=rough)
 
     def lever(
         self,

@@ -11,13 +11,13 @@ from fem_seal.answers.answer import Answer, Inquiry
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import InputError
 from fem_seal.loads import contact_force
-from fem_seal.seal.findings import Caution, Level, Validity
-from fem_seal.seal.leak_model import RoughFlow
+from fem_seal.seal.findings import Finding, Level, Validity
+from fem_seal.seal.leak_model import LeakModel
 from fem_seal.seal.load_result import LoadResult, SolvedSeal
 from fem_seal.seal.load_solver import LoadSolver
 from fem_seal.seal.problem import SealFlow, SealProblem, largest_force
 from fem_seal.seal.readings import WORDS
-from fem_seal.units import briefly, given, quantity
+from fem_seal.units import briefly, format_quantity, quantity
 from fem_seal.validity.checks import target_cautions, target_validity
 from fem_seal.validity.words import sentence
 from leak import Reading
@@ -53,8 +53,10 @@ def expected_contact_force(flow: SealFlow, fluid_pressure: float, target: float)
         return log_excess(flow.leak(profile, fluid_pressure).leak_rate, target)
 
     highest = math.log(largest_force(problem))
-    area = math.pi * problem.touch_radius**2
-    at = min(math.log(abs(contact_force(problem.touch_radius, fluid_pressure)) + 1e-12 * area), highest)
+    area = math.pi * problem.initial_contact_radius**2
+    at = min(
+        math.log(abs(contact_force(problem.initial_contact_radius, fluid_pressure)) + 1e-12 * area), highest
+    )
     step = math.log(_STEP) * (1 if excess(at) > 0 else -1)
     while True:
         ahead = min(at + step, highest)
@@ -107,7 +109,7 @@ def target_problem(problem: SealProblem, name: str, target: float | None, **valu
     **values
         What the words have in braces.
     """
-    shown = None if target is None else given("flow", target)
+    shown = None if target is None else format_quantity("flow", target)
     message = sentence("target", name, **values)
     return InputError.at("load.target_leak_rate", message, shown, file=problem.file)
 
@@ -191,7 +193,7 @@ class TargetForces:
 
     force: Sequence[float | None]
     validity: Sequence[Validity | None]
-    remarks: tuple[Caution, ...] = ()
+    remarks: tuple[Finding, ...] = ()
     others: Mapping[Reading, Sequence[float | None]] = field(default_factory=dict)
 
 
@@ -221,7 +223,7 @@ def _forces(seal: SolvedSeal, reading: Reading | None) -> TargetForces:
     except InputError as error:
         when = "" if reading is None else f"{WORDS[reading].condition}: "
         texts = [f"{when}{one}" for one in error.problems]
-        return TargetForces(none, none, tuple(Caution("target", Level.DOUBTFUL, one, one) for one in texts))
+        return TargetForces(none, none, tuple(Finding("target", Level.DOUBTFUL, one, one) for one in texts))
     forces = TargetForces([one.applied_force for one in found], none)
     if reading is not None:
         return forces
@@ -232,10 +234,10 @@ def _forces(seal: SolvedSeal, reading: Reading | None) -> TargetForces:
 def _of_load(load: LoadResult, number: int, found: TargetForces | None) -> LoadResult:
     if found is None:
         return load
-    known = load.knowing(force_for_target=found.force[number], target_validity=found.validity[number])
+    known = load.with_values(force_for_target=found.force[number], target_validity=found.validity[number])
     return known.with_readings(
         {
-            reading: load.reading(reading).knowing(force_for_target=forces[number])
+            reading: load.reading(reading).with_values(force_for_target=forces[number])
             for reading, forces in found.others.items()
         }
     )
@@ -276,7 +278,7 @@ def _on_model(
         excess(root)
     contact, applied_force = known[root]
     load = LoadResult(fluid_pressure, applied_force, contact, formed=solver.problem.around(contact))
-    return load.knowing(rough=RoughFlow.of(flow.surface, flow.flow, load.contacts))
+    return load.with_values(rough=LeakModel.of(flow.surface, flow.flow, load.contacts))
 
 
 def _root_near(excess: Callable[[float], float], expected: float, highest: float = math.inf) -> float | None:

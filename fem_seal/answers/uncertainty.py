@@ -28,10 +28,10 @@ from fem_seal.case.roughness import (
 from fem_seal.case.tables import Uncertainty
 from fem_seal.contact.laws import HardContact, Law, ScaledLaw
 from fem_seal.errors import ConvergenceError, InputError
-from fem_seal.processes import in_copies
+from fem_seal.processes import fork_map
 from fem_seal.sampling import UncertainInput, sobol_points
 from fem_seal.seal.bounds import Bounds
-from fem_seal.seal.leak_model import Conductivity, Flow, log_peaks, range_around
+from fem_seal.seal.leak_model import Conductivity, FlowModel, log_peaks, range_around
 from fem_seal.seal.load_result import LoadResult, SolvedSeal, leak_rates
 from fem_seal.seal.load_solver import LoadSolver, linearised_again, path_again, solved_again
 from fem_seal.seal.problem import SealProblem, condensed, interface_law
@@ -164,7 +164,7 @@ class LeakInterval:
         number : int
         """
         tested = None if self.in_test is None else self.in_test.ends(number)
-        return load.knowing(sampled=self.ends(number), sampled_in_test=tested)
+        return load.with_values(sampled=self.ends(number), sampled_in_test=tested)
 
 
 def leak_interval(
@@ -511,7 +511,7 @@ class _Study:
         return 1 + len(self.others)
 
     @property
-    def flows(self) -> tuple[Flow, ...]:
+    def flows(self) -> tuple[FlowModel, ...]:
         """That of the case and, where it is another one, that of the gas that the standards test with."""
         own = self.result.problem.flow
         assert own is not None  # of the checks
@@ -578,7 +578,7 @@ class _Study:
         # the first makes the tables that all share, if they do not have their own
         shared = 0 if self.exact else 1
         first = [self._leak_rates(number) for number in samples[:shared]]
-        return np.array(first + in_copies(self._leak_rates, samples[shared:]))
+        return np.array(first + fork_map(self._leak_rates, samples[shared:]))
 
     def _leak_rates(self, sample: int) -> list[float]:
         factors = self._values_of(UncertainInput, sample)
@@ -607,7 +607,7 @@ class _Study:
         )
         return [rate for of_fluid in zip(*by_reading, strict=True) for rates in of_fluid for rate in rates]
 
-    def _table(self, flow: Flow, surface: RoughContact, log_peaks: Sequence[float]) -> Conductivity:
+    def _table(self, flow: FlowModel, surface: RoughContact, log_peaks: Sequence[float]) -> Conductivity:
         """Conductivity from the table of the case."""
         highest = 10.0 ** np.array(log_peaks)
         if flow.fluid_in_gap == "local":  # which opens what would be sealed without it

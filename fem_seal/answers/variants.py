@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Literal
 
 from fem_seal.answers.accuracy import Comparison
 from fem_seal.answers.answer import Answer, Inquiry
-from fem_seal.contact.newton import solve_together
-from fem_seal.seal.leak_model import RoughFlow
+from fem_seal.contact.newton import solve_many
+from fem_seal.seal.leak_model import LeakModel
 from fem_seal.seal.load_result import LoadResult, SolvedSeal, highest_load, leak_rates, strongest_load
 from fem_seal.seal.load_solver import (
     LoadSolver,
@@ -20,7 +20,7 @@ from fem_seal.seal.load_solver import (
     solved_again,
 )
 from fem_seal.seal.problem import SealProblem
-from fem_seal.units import given
+from fem_seal.units import format_quantity
 from leak import Reading
 
 if TYPE_CHECKING:
@@ -68,14 +68,14 @@ def _loads_in_theory(seal: SolvedSeal, problem: SealProblem) -> list[LoadResult 
     else:
         solver = LoadSolver(problem, seal.model)
         asked = solver.pressings()
-        solved = solve_loads(solver, pressed=dict(zip(asked, solve_together([*asked.values()]), strict=True)))
+        solved = solve_loads(solver, pressed=dict(zip(asked, solve_many([*asked.values()]), strict=True)))
         closed = [number for number in range(len(seal.loads)) if number not in solved.failures]
         for number, contact, around in zip(closed, solved.contacts, solved.around, strict=True):
             found[number] = LoadResult(*seal.loads[number].point, contact, formed=around)
     shown = [contact for load in found.values() for contact in load.contacts]
-    rough = RoughFlow.of(problem.surface, problem.flow, shown) if shown else None
+    rough = LeakModel.of(problem.surface, problem.flow, shown) if shown else None
     return [
-        found[number].knowing(rough=rough, mesh_error=load.mesh_error, opening=load.opening)
+        found[number].with_values(rough=rough, mesh_error=load.mesh_error, opening=load.opening)
         if number in found
         else None
         for number, load in enumerate(seal.loads)
@@ -86,7 +86,7 @@ def _compute(seal: SolvedSeal, ask: Inquiry) -> Theories:
     highest = highest_load(seal.loads)
 
     def settled(load: LoadResult, what: str) -> LoadResult:
-        at = given("fluid pressure", load.fluid_pressure)
+        at = format_quantity("fluid pressure", load.fluid_pressure)
         return ask.steps.compute_values(load, {"leak": f"{what} at {at}"})
 
     def known(theory: str, number: int, load: LoadResult) -> LoadResult | None:
@@ -113,7 +113,7 @@ def _compute(seal: SolvedSeal, ask: Inquiry) -> Theories:
 
 
 def _of_load(load: LoadResult, number: int, found: Theories) -> LoadResult:
-    return load.knowing(
+    return load.with_values(
         by_theory={theory: one for theory, each in found.loads.items() if (one := each[number])}
     )
 
@@ -256,7 +256,7 @@ def interface_variants(solver: LoadSolver, loads: Sequence[LoadResult]) -> tuple
                 (contact,) = solved_again([contact], solver.model, changed.law, solver.earlier)
             formed = changed.around(contact)
             bare = LoadResult(*load.point, contact, formed=formed)
-            told = replace(bare, rough=RoughFlow.of(surface, problem.flow, (*shown, *bare.contacts)))
+            told = replace(bare, rough=LeakModel.of(surface, problem.flow, (*shown, *bare.contacts)))
         others = {reading: one.leak.leak_rate for reading, one in told.others.items() if one.leak is not None}
         variants.append(replace(Comparison.of(name, contact, told.leak), others=others))
     return tuple(variants)

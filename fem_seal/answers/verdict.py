@@ -14,10 +14,10 @@ from fem_seal.answers.judgement import (
     JudgedLoad,
     Judgement,
     SealJudgement,
-    Shares,
+    Utilisation,
     Verdict,
     VerdictForce,
-    Why,
+    VerdictReason,
     severity,
 )
 from fem_seal.answers.leakage_class import limit_of_rate, limits
@@ -27,7 +27,7 @@ from fem_seal.case.case import Case
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError, InputError, LoadProblem, OpenSealError
 from fem_seal.seal.evaluate import evaluate
-from fem_seal.seal.leak_model import RoughFlow
+from fem_seal.seal.leak_model import LeakModel
 from fem_seal.seal.load_result import LoadResult, SolvedSeal
 from fem_seal.seal.load_solver import Clock, LoadSolver, Progress
 from fem_seal.seal.problem import SealFlow, SealProblem, largest_force
@@ -127,11 +127,11 @@ def seal_judgement(
 def _of_missing(case: Case, point: tuple[float, float], problem: LoadProblem) -> Judgement:
     limit = limits(case, point[0])[0]
     if problem.kind == "open":
-        return Judgement(Verdict.FAIL, 0.0, Why.OPEN, limit)
-    return Judgement(Verdict.INCONCLUSIVE, math.nan, Why.UNKNOWN, limit, reason=problem.message)
+        return Judgement(Verdict.FAIL, 0.0, VerdictReason.OPEN, limit)
+    return Judgement(Verdict.INCONCLUSIVE, math.nan, VerdictReason.UNKNOWN, limit, reason=problem.message)
 
 
-def _shares(loads: Sequence[LoadResult], hardness: float | None) -> Shares:
+def _shares(loads: Sequence[LoadResult], hardness: float | None) -> Utilisation:
     stressed = [
         (float(load.contact.fields[name].von_mises.max()) / limit, name)
         for load in loads
@@ -145,7 +145,7 @@ def _shares(loads: Sequence[LoadResult], hardness: float | None) -> Shares:
         load.peak_pressure if load.formed is None else float(load.formed.peak_pressure.max())
         for load in loads
     ]
-    return Shares(
+    return Utilisation(
         stress,
         body,
         None if hardness is None or not peaks else max(peaks) / hardness,
@@ -180,7 +180,7 @@ def _compute(seal: SolvedSeal, ask: Inquiry) -> Judgements:
 
 
 def _by_theory(seal: SolvedSeal) -> dict[str, tuple[int, Judgement, Verdict]]:
-    own = _worst(seal.case, [load.knowing(sampled=None) for load in seal.loads])
+    own = _worst(seal.case, [load.with_values(sampled=None) for load in seal.loads])
     found = {}
     for theory in seal.problem.other_theories:
         other = _worst(seal.case, [(load.by_theory or {}).get(theory) for load in seal.loads])
@@ -204,7 +204,7 @@ VERDICT = Answer[Judgements](
     _compute,
     Judgements(),
     lambda seal, wanted: seal.case.requirement is not None,
-    lambda load, n, found: load.knowing(judgement=found.of_loads[n]) if found.of_loads else load,
+    lambda load, n, found: load.with_values(judgement=found.of_loads[n]) if found.of_loads else load,
 )
 
 
@@ -380,8 +380,8 @@ class _Search:
             load = LoadResult(pressure, applied, contact, formed=problem.around(contact))
         except (ConvergenceError, InputError, OpenSealError):
             return None
-        load = load.knowing(rough=RoughFlow.of(problem.surface, problem.flow, load.contacts))
-        return load.knowing(validity=load_validity(problem, load))
+        load = load.with_values(rough=LeakModel.of(problem.surface, problem.flow, load.contacts))
+        return load.with_values(validity=load_validity(problem, load))
 
     def _tell(self, tried: str) -> None:
         at = briefly("fluid pressure", self.load.fluid_pressure)
@@ -511,9 +511,9 @@ def _alone(seal: SolvedSeal, progress: Progress, fluid_pressure: float, applied_
     problem, sizing, (load,) = alone.problem, alone.seal_mesh.sizing, alone.loads
     with clock.step("error", "estimating the discretisation error"):
         error = discretisation_error(load.contact, on_coarser_mesh(problem, sizing, 0), sizing)
-    load = load.knowing(mesh_error=error)
+    load = load.with_values(mesh_error=error)
     validity = load_validity(problem, load, earlier_cautions(problem, alone.earlier, error))
-    load = load.knowing(validity=validity)
+    load = load.with_values(validity=validity)
     if seal.case.sampled is None or validity.outside:
         return load
     return leak_interval(alone.with_loads([load]), progress=progress).of_load(load, 0)
@@ -530,5 +530,5 @@ VERDICT_FORCE = Answer[Sequence[VerdictForce]](
     _forces,
     (),
     _applies,
-    lambda load, number, found: load.knowing(verdict_force=found[number]) if found else load,
+    lambda load, number, found: load.with_values(verdict_force=found[number]) if found else load,
 )

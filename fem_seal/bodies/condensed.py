@@ -12,8 +12,8 @@ from functools import cached_property
 import numpy as np
 
 from fem_seal.arrays import FloatArray
+from fem_seal.bodies.constrained_body import ConstrainedBody, LoadName
 from fem_seal.bodies.elasticity import node_dofs
-from fem_seal.bodies.held_body import HeldBody, LoadName
 from fem_seal.bodies.stress_recovery import StressRecovery
 from fem_seal.materials import Material
 
@@ -46,7 +46,7 @@ class CondensedBody:
 
     Parameters
     ----------
-    held : HeldBody
+    held : ConstrainedBody
         The body with its contact line and supports.
     compliance : ndarray, shape (n, n)
         Normal displacement of the trace nodes under unit forces at them along the normal [m/N].
@@ -59,7 +59,7 @@ class CondensedBody:
         From nodal forces (dofs,) [N] to displacements [m]; None where only the contact line matters.
     """
 
-    held: HeldBody
+    held: ConstrainedBody
     compliance: FloatArray
     find_loads: Callable[[], Mapping[LoadName, BoundaryLoad]] | None
     solve: Callable[[FloatArray], FloatArray] | None
@@ -112,7 +112,7 @@ class CondensedBody:
 
 
 def condense_body(
-    held: HeldBody,
+    held: ConstrainedBody,
     seen: tuple[FloatArray, Callable[[FloatArray], FloatArray]],
     forces: Mapping[str, FloatArray] | None = None,
 ) -> CondensedBody:
@@ -145,7 +145,7 @@ def condense_body(
             if name == "wall":
                 counted[held.wall] = -1.0
             axial = float(force[node_dofs(held.mesh)[1]].sum())
-            yield name, BoundaryLoad(axial, held.trace @ held.retreat(counted), counted)
+            yield name, BoundaryLoad(axial, held.trace @ held.normal_displacement(counted), counted)
 
     if held.balance.any():
         compliance = held.floating(compliance, solve(held.balance))
@@ -169,7 +169,7 @@ def with_wall_held(body: CondensedBody) -> CondensedBody:
     by_wall = solve(unit)
     stiffness = np.linalg.inv(by_wall[held.wall])
     by_motion = by_wall @ stiffness
-    retreat = held.retreat(by_wall)
+    retreat = held.normal_displacement(by_wall)
 
     def brought_back(displacement: FloatArray) -> FloatArray:
         """What is left of a displacement (dofs,) or (dofs, k) of the body with a free wall."""
@@ -178,14 +178,14 @@ def with_wall_held(body: CondensedBody) -> CondensedBody:
         return left
 
     def load(one: BoundaryLoad, response: FloatArray) -> BoundaryLoad:
-        return replace(one, opening=held.trace @ held.retreat(response), response=response)
+        return replace(one, opening=held.trace @ held.normal_displacement(response), response=response)
 
     def answers() -> Iterator[tuple[LoadName, BoundaryLoad]]:
         for name, one in body.loads.items():
             yield name, load(one, brought_back(one.response))
         inwards = -by_motion.sum(axis=1)
         inwards[held.wall] = -1.0
-        yield "wall", BoundaryLoad(0.0, held.trace @ held.retreat(inwards), inwards)
+        yield "wall", BoundaryLoad(0.0, held.trace @ held.normal_displacement(inwards), inwards)
 
     compliance = body.compliance - retreat @ stiffness @ retreat.T
     return CondensedBody(held, compliance, lambda: dict(answers()), lambda nodal: brought_back(solve(nodal)))

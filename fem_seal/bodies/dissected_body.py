@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
 from fem_seal.arrays import FloatArray
+from fem_seal.bodies.constrained_body import ConstrainedBody
 from fem_seal.bodies.dissection import Dissection
 from fem_seal.bodies.elasticity import element_dofs, element_stiffness
-from fem_seal.bodies.elastoplastic import ElastoplasticBody, Flow
-from fem_seal.bodies.held_body import HeldBody
+from fem_seal.bodies.elastoplastic import ElastoplasticBody, StressUpdate
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,7 +23,7 @@ class DissectedBody:
 
     Parameters
     ----------
-    held : HeldBody
+    held : ConstrainedBody
     solid : ElastoplasticBody or None
         The same body with its law, if it yields.
 
@@ -33,10 +33,10 @@ class DissectedBody:
     presses on, is eliminated with all others.
     """
 
-    held: HeldBody
+    held: ConstrainedBody
     solid: ElastoplasticBody | None = None
 
-    def condensed(self, flow: Flow) -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
+    def condensed(self, flow: StressUpdate) -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
         """The body linearised, as it is seen from its contact line; nothing is balanced or counted.
 
         Parameters
@@ -166,7 +166,7 @@ class DissectedBody:
         )
 
 
-def places_of_elements(held: HeldBody) -> FloatArray:
+def places_of_elements(held: ConstrainedBody) -> FloatArray:
     """By what elements are halved: r and z, and polar ones around the middle of the contact, where they are smallest.
 
     Returns

@@ -47,7 +47,7 @@ class _Part:
     outer: NDArray[np.int64]
     places: tuple[NDArray[np.int64], ...]
 
-    def front(self, local: FloatArray) -> FloatArray:
+    def front_matrix(self, local: FloatArray) -> FloatArray:
         """Stiffness of inner and outer from that of its elements (elements, shapes, shapes), of a smallest part."""
         size, (place,) = len(self.inner) + len(self.outer) + 1, self.places
         index = place[:, :, None] * size + place[:, None, :]
@@ -252,7 +252,7 @@ class Dissection:
             if part.halves:
                 front = part.joined(tuple(found[half].handed_on for half in part.halves))
             else:
-                front = part.front(stiffness(part.elements))
+                front = part.front_matrix(stiffness(part.elements))
             found.append(_Eliminated.of(front, len(part.inner)))
         return found
 

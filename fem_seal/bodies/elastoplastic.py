@@ -65,7 +65,7 @@ class PlasticState:
 
 
 @dataclass(frozen=True)
-class Flow:
+class StressUpdate:
     """Answer of the material to a strain.
 
     Parameters
@@ -88,7 +88,7 @@ class Flow:
 
 def radial_return(
     strain: FloatArray, before: PlasticState, material: Material, hardening: HardeningCurve | HardeningField
-) -> Flow:
+) -> StressUpdate:
     """Stress after a step from `before` to a given strain, by one implicit Euler step (radial return).
 
     Parameters
@@ -138,7 +138,7 @@ def radial_return(
         + (2 * mu * (1 - shrink))[:, None, None] * deviatoric
         - along[:, None, None] * normal[:, :, None] * normal[:, None, :]
     )
-    return Flow(stress, tangent, PlasticState(plastic, p), yielding)
+    return StressUpdate(stress, tangent, PlasticState(plastic, p), yielding)
 
 
 @dataclass(frozen=True)
@@ -223,7 +223,7 @@ class ElastoplasticBody:
 
     def respond(
         self, displacement: FloatArray, before: BodyState, free_strain: FloatArray | float = 0.0
-    ) -> Flow:
+    ) -> StressUpdate:
         """Stress, tangent and state after a step from `before` to a displacement.
 
         Parameters

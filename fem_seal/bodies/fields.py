@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_seal.arrays import FloatArray
+from fem_seal.bodies.constrained_body import ConstrainedBody
 from fem_seal.bodies.elasticity import node_dofs
 from fem_seal.bodies.elastoplastic import BodyState, ElastoplasticBody
-from fem_seal.bodies.held_body import HeldBody
 from fem_seal.profile import PressureProfile
 
 
@@ -90,7 +90,7 @@ class ElastoplasticField(BodyField):
 
 
 def body_field(
-    held: HeldBody,
+    held: ConstrainedBody,
     displacement: FloatArray,
     stress: FloatArray,
     contact: PressureProfile | None = None,
@@ -128,7 +128,7 @@ def body_field(
 
 
 def elastoplastic_field(
-    held: HeldBody,
+    held: ConstrainedBody,
     solid: ElastoplasticBody,
     state: BodyState,
     contact: PressureProfile | None = None,

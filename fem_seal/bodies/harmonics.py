@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_seal.arrays import FloatArray
+from fem_seal.bodies.constrained_body import ConstrainedBody
 from fem_seal.bodies.dissected_body import places_of_elements
 from fem_seal.bodies.dissection import Dissection
 from fem_seal.bodies.elasticity import (
@@ -36,7 +37,6 @@ from fem_seal.bodies.elasticity import (
     shape_gradients,
     strain_matrix,
 )
-from fem_seal.bodies.held_body import HeldBody
 from fem_seal.materials import Material
 from fem_seal.processes import single_threaded
 
@@ -100,7 +100,7 @@ class HarmonicBody:
 
     Parameters
     ----------
-    held : HeldBody
+    held : ConstrainedBody
         The body with its contact line and supports.
 
     Notes
@@ -114,7 +114,7 @@ class HarmonicBody:
     guide is infinitely stiff.
     """
 
-    held: HeldBody
+    held: ConstrainedBody
     _known: dict[int, FloatArray] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     @cached_property
@@ -159,7 +159,7 @@ class HarmonicBody:
             Waves per turn, 1 or more; 1 means a guided closure.
         point_forces : ndarray, shape (m,)
             Amplitude of the normal force at the points of the contact line, times the length of their circle [N]:
-            2 pi r facing dx p, as `HeldBody.nodal_forces` takes them.
+            2 pi r facing dx p, as `ConstrainedBody.nodal_forces` takes them.
 
         Raises
         ------
@@ -210,7 +210,7 @@ class _HeldHarmonics:
     sign : ndarray, shape (elements, shapes)
         -1 where a dof is minus that whose unknown it shares.
     places : ndarray of int
-        Which of the contact dofs can move; `HeldBody.contact_dofs`, one after the other.
+        Which of the contact dofs can move; `ConstrainedBody.contact_dofs`, one after the other.
     """
 
     dissection: Dissection

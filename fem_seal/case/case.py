@@ -41,7 +41,7 @@ class Case(CaseTables):
     ... )
     >>> case.closure.radius
     0.02
-    >>> round(case.replace({"seat.angle": "60 deg"}).touch_radius, 6)
+    >>> round(case.replace({"seat.angle": "60 deg"}).initial_contact_radius, 6)
     0.017321
 
     Raises

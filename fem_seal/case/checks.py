@@ -14,7 +14,7 @@ from fem_seal.case.tables import CaseTables, Leak, Requirement, Uncertainty, cur
 from fem_seal.case.temperature import Temperature
 from fem_seal.case.words import problem, sentence
 from fem_seal.errors import InputError, Problem
-from fem_seal.units import given as written
+from fem_seal.units import format_quantity as written
 from meshes import GeometryError
 from meshes.errors import mm
 from meshes.shapes.shape import named_face
@@ -100,7 +100,7 @@ def _bodies(case: CaseTables) -> Iterator[Problem]:
         yield from wrong
         return
     try:
-        r0 = case.touch_radius
+        r0 = case.initial_contact_radius
     except GeometryError as error:
         yield _geometry_problem(str(error))
         return
@@ -430,7 +430,7 @@ def touched_beside(case: CaseTables) -> Iterator[str]:
     case : CaseTables
         Whose tables fit together.
     """
-    radius = case.contact.touch_radius
+    radius = case.contact.initial_contact_radius
     for name, table, body in zip(("closure", "seat"), (case.closure, case.seat), case.bodies, strict=True):
         face = named_face(body)
         if face is not None and not face.holds(radius):

@@ -232,18 +232,20 @@ class Form(Table):
                 said.append(sentence("across_normal", body=name, direction=part.direction, other=other))
         return said
 
-    def error(self, angle: float, touch_radius: float) -> FormError:
+    def error(self, angle: float, initial_contact_radius: float) -> FormError:
         """What the table does to the gap.
 
         Parameters
         ----------
         angle : float
             Of the contact normal to the axis [rad].
-        touch_radius : float
+        initial_contact_radius : float
             [m]
         """
         normal, offset = _normal(angle), (self.eccentricity, self.eccentricity_angle)
-        waves = [*rigid_wave(normal, touch_radius, *offset, self.tilt, self.tilt_angle, self.tilt_height)]
+        waves = [
+            *rigid_wave(normal, initial_contact_radius, *offset, self.tilt, self.tilt_angle, self.tilt_height)
+        ]
         highest, zone, tried, remarks = 1, 0.0, [MOST_WAVES, 2], list[str]()
         for name, part in self.parts.items():
             share = along_normal(part.direction, normal) * (1.0 if name == "closure" else -1.0)

@@ -67,12 +67,14 @@ def problem_of_earlier_load(case: CaseTables) -> LoadProblem | None:
 
 def _force(case: CaseTables, fluid_pressure: float, applied_force: float) -> float:
     load = case.load
-    return expected_force(case.touch_radius, fluid_pressure, applied_force, load.pressure_side, load.closing)
+    return expected_force(
+        case.initial_contact_radius, fluid_pressure, applied_force, load.pressure_side, load.closing
+    )
 
 
 def _open(case: CaseTables, fluid_pressure: float, applied_force: float) -> LoadProblem | None:
     """Why a load leaves the seal open, as far as this is known before where the fluid gets to; None if it does not."""
-    load, r0 = case.load, case.touch_radius
+    load, r0 = case.load, case.initial_contact_radius
     lifts = load.pressure_side == "inner"
     needed = -contact_force(r0, fluid_pressure, 0.0, load.pressure_side)
     # Where penetrating fluid gets to is a result: only what no contact can hold is known before.
@@ -102,7 +104,7 @@ def _too_large(
     How large the strains of a smaller load are is said after it is solved (`fem_seal.validity.checks`).
     """
     contact, E, force = case.contact, case.effective_modulus, _force(case, fluid_pressure, applied_force)
-    f = line_load(force, contact.touch_radius, contact.angle)
+    f = line_load(force, contact.initial_contact_radius, contact.angle)
     start, end = contact.reach
     length = end - start
     limits = [("crushed", _CRUSHED, E)]

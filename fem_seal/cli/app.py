@@ -154,10 +154,10 @@ def run(
     from fem_seal import result as seal_result
     from fem_seal.answers.leakage_class import volume_of
     from fem_seal.output import files
-    from fem_seal.output.folders import alone
+    from fem_seal.output.folders import folder_lock
     from fem_seal.output.tables import leak_rows
 
-    with alone(folder), _progress(quiet) as progress:
+    with folder_lock(folder), _progress(quiet) as progress:
         result = seal_result.run(case, progress=progress, levers=levers)
         progress("writing results")
         failures = files.write(result, folder)
@@ -241,12 +241,12 @@ def mesh(
 
     case = fem_seal.load_case(case_file)
     folder = _results_folder(output, case)
-    from fem_seal.output.folders import alone, replaced_together
+    from fem_seal.output.folders import folder_lock, replaced_together
     from fem_seal.seal.problem import SealProblem, build_mesh
 
     seal_mesh = build_mesh(SealProblem.of(case))
     path = folder / "mesh.msh"
-    with alone(folder), replaced_together(folder, whole=False) as draft:
+    with folder_lock(folder), replaced_together(folder, whole=False) as draft:
         seal_mesh.write(draft / path.name)
     _warn_of_mixture(folder)
     quality = asdict(seal_mesh.quality)
@@ -271,7 +271,7 @@ def leak(
     """Leak rate of a given pressure profile, such as one exported from another finite-element code."""
     from fem_seal.answers.leakage_class import volume_of
     from fem_seal.answers.profile_leak import leak_of_profiles, read_profiles
-    from fem_seal.output.folders import alone, replaced_together
+    from fem_seal.output.folders import folder_lock, replaced_together
     from fem_seal.output.tables import profile_leak_rows, write_rows
     from fem_seal.seal.problem import SealProblem
 
@@ -280,7 +280,7 @@ def leak(
     folder = _made(output or profile_file.with_suffix(".leak"))
     loads = leak_of_profiles(SealProblem.of(case), profiles)
     rows = profile_leak_rows(loads)
-    with alone(folder), replaced_together(folder, whole=False) as draft:
+    with folder_lock(folder), replaced_together(folder, whole=False) as draft:
         write_rows(rows, draft / "leak.csv")
     _warn_of_mixture(folder)
     if json:
@@ -304,13 +304,13 @@ def direct(
     """Simulate rough contact and flow of a case's surface directly, beside the theory; an interrupted run goes on."""
     from fem_seal import result as seal_result
     from fem_seal.output import direct as samples
-    from fem_seal.output.folders import alone
+    from fem_seal.output.folders import folder_lock
 
     case = fem_seal.load_case(case_file)
     given = None if case.direct is None else case.direct.folder
     folder = _made(output or (Path(given) if given else case_file.with_suffix(".direct")))
     processes = jobs or os.cpu_count() or 1
-    with alone(folder), _progress(quiet) as progress:
+    with folder_lock(folder), _progress(quiet) as progress:
         if seal:
             strips = seal_result.direct_seal(case, folder=folder, jobs=processes, progress=progress)
             progress("drawing")
@@ -355,7 +355,7 @@ def surface(
 ) -> None:
     """Evaluate measured scans of a surface: key figures, power spectrum, picture."""
     from fem_seal.case.roughness import scan_case
-    from fem_seal.output.folders import alone, replaced_together
+    from fem_seal.output.folders import folder_lock, replaced_together
     from fem_seal.output.surface import surface_lines, surface_numbers, write_surface
 
     entries = {
@@ -372,7 +372,7 @@ def surface(
     }
     measured = scan_case([str(file) for file in files], entries).measured()
     folder = _made(output or files[0].with_suffix(".surface"))
-    with alone(folder), replaced_together(folder, whole=False) as draft:
+    with folder_lock(folder), replaced_together(folder, whole=False) as draft:
         write_surface(measured, draft)
     warn(measured.warnings)
     if json:

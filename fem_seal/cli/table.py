@@ -37,14 +37,14 @@ def table(
     """Leak rate and equivalent leakage area over pressure and force: CSV, Modelica and MATLAB tables."""
     from fem_seal.answers.leak_map import leak_map
     from fem_seal.case.case import load_case
-    from fem_seal.output.folders import alone, replaced_together
+    from fem_seal.output.folders import folder_lock, replaced_together
     from fem_seal.output.leak_map import map_rows, write_map
 
     case = load_case(case_file)
     pressures = None if pressure is None else grid(pressure, "pressure")
     forces = None if force is None else grid(force, "force")
     folder = output or case_file.with_suffix(".table")
-    with alone(folder):
+    with folder_lock(folder):
         found = leak_map(case, pressures, forces)
         with replaced_together(folder, whole=False) as draft:
             write_map(found, draft)
@@ -117,7 +117,7 @@ def _show(found: LeakMap) -> None:
 
 def _left_out(found: LeakMap, whole: LeakMap) -> list[str]:
     from fem_seal.output.leak_map import CSV
-    from fem_seal.output.prose import said
+    from fem_seal.output.prose import sentence
 
     gaps = sum(one is None for row in found.validity for one in row)
     if not gaps:
@@ -125,4 +125,4 @@ def _left_out(found: LeakMap, whole: LeakMap) -> list[str]:
     rows, columns = found.fluid_pressure.size, found.applied_force.size
     kept = {"kept_rows": whole.fluid_pressure.size, "kept_columns": whole.applied_force.size, "csv": CSV}
     sizes = {"gaps": gaps, "points": rows * columns, "rows": rows, "columns": columns}
-    return [said("leak_map.files", "gaps", **sizes, **kept), *found.reasons[:1]]
+    return [sentence("leak_map.files", "gaps", **sizes, **kept), *found.reasons[:1]]

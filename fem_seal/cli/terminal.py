@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
     from fem_seal.answers.solution import SealSolution
     from fem_seal.case.case import Case
-    from fem_seal.output.columns import Shown
+    from fem_seal.output.columns import TerminalColumn
     from fem_seal.seal.load_result import LoadResult
 
 
@@ -218,7 +218,7 @@ def show_leak_table(
         say(f"  {told}")
 
 
-def _leak_cell(value: float | None, shown: Shown, load: LoadResult, volume: LeakVolume) -> str:
+def _leak_cell(value: float | None, shown: TerminalColumn, load: LoadResult, volume: LeakVolume) -> str:
     """A cell of a load: "<" for less than anybody could measure, and a margin that is read, none above a million."""
     from fem_seal.output.columns import COLUMNS
 

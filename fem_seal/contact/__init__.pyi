@@ -3,10 +3,10 @@ from .model import ContactModel as ContactModel
 from .model import Supports as Supports
 from .model import condense as condense
 from .newton import solve as solve
-from .other_loads import FurtherLoads as FurtherLoads
-from .penetration import FlowThrough as FlowThrough
-from .penetration import HeldFluid as HeldFluid
-from .penetration import Seal as Seal
+from .other_loads import BodyLoads as BodyLoads
+from .penetration import FluidAtContact as FluidAtContact
+from .penetration import PenetratingFluid as PenetratingFluid
+from .penetration import CoupledContact as CoupledContact
 from .penetration import blow_off_pressure as blow_off_pressure
 from .penetration import solve_penetration as solve_penetration
 from .solution import ContactSettings as ContactSettings

@@ -93,7 +93,7 @@ class Stiffening:
     def _forces(self) -> FloatArray:
         """Forces at the points of the contact line that make a line load of one [N per N/m]."""
         forces = self.model.line.area_weight * self.pressure
-        return forces * (2 * math.pi * self.model.touch_radius / forces.sum())
+        return forces * (2 * math.pi * self.model.initial_contact_radius / forces.sum())
 
     @cached_property
     def std(self) -> float:
@@ -103,7 +103,7 @@ class Stiffening:
 
     def _half_spaces(self, n: int) -> float:
         """(2/(pi E*)) <K0(n |x - x'|/r0)> of a normal distribution."""
-        t = 0.5 * (n * self.std / self.model.touch_radius) ** 2
+        t = 0.5 * (n * self.std / self.model.initial_contact_radius) ** 2
         from scipy.special import k0e
 
         return float(k0e(t)) / (math.pi * self.model.effective_modulus)

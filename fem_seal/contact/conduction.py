@@ -16,6 +16,7 @@ import numpy as np
 from scipy.sparse import block_diag, bmat, coo_matrix, csc_matrix, csr_matrix
 
 from fem_seal.arrays import FloatArray
+from fem_seal.bodies.constrained_body import trace_matrix
 from fem_seal.bodies.elasticity import (
     assembled,
     at_quadrature_points,
@@ -26,7 +27,6 @@ from fem_seal.bodies.elasticity import (
     ring_volume,
     shape_gradients,
 )
-from fem_seal.bodies.held_body import trace_matrix
 from fem_seal.errors import ConvergenceError, InputError
 from fem_seal.materials import Material
 from fem_seal.processes import single_threaded

@@ -5,16 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from fem_seal.contact.model import ContactModel
-from fem_seal.contact.other_loads import FurtherLoads
+from fem_seal.contact.other_loads import BodyLoads
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError
 
 _MAX_CHANGES = 100
 
 
-def solve_hard(
-    model: ContactModel, contact_force: float, loads: FurtherLoads | None = None
-) -> ContactSolution:
+def solve_hard(model: ContactModel, contact_force: float, loads: BodyLoads | None = None) -> ContactSolution:
     """Solve the contact of smooth bodies.
 
     The pressure is continuous and linear between the element ends, the gap is taken as its weighted mean
@@ -25,7 +23,7 @@ def solve_hard(
     ConvergenceError
         If the active set does not settle.
     """
-    line, loads = model.line, loads or FurtherLoads()
+    line, loads = model.line, loads or BodyLoads()
     apart = line.initial_gap + loads.opening(model)
     # piecewise linear between the element ends, one at its own
     hats = np.stack([np.interp(line.x, line.vertices, unit) for unit in np.eye(len(line.vertices))], axis=1)

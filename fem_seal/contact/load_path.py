@@ -14,7 +14,7 @@ from fem_seal.bodies.elastoplastic import BodyState
 from fem_seal.bodies.fields import BodyField, elastoplastic_field
 from fem_seal.contact.laws import Law
 from fem_seal.contact.model import ContactModel
-from fem_seal.contact.other_loads import NO_LOADS, FurtherLoads
+from fem_seal.contact.other_loads import NO_LOADS, BodyLoads
 from fem_seal.contact.plastic_step import (
     Equilibrium,
     PathLoad,
@@ -80,7 +80,7 @@ class Unloaded:
 
     Parameters
     ----------
-    at_rest : FurtherLoads
+    at_rest : BodyLoads
         What still acts.
     bodies : mapping
         Those that yield, by name.
@@ -89,7 +89,7 @@ class Unloaded:
     """
 
     model: ContactModel = field(repr=False)
-    at_rest: FurtherLoads
+    at_rest: BodyLoads
     bodies: Mapping[str, YieldingBody] = field(repr=False)
     before: Mapping[str, BodyState] = field(repr=False)
     states: Mapping[str, BodyState] = field(repr=False)
@@ -110,7 +110,9 @@ class Unloaded:
         return {
             name: Imprint(
                 body.held.contact_x,
-                body.held.retreat(self.states[name].displacement - self.before[name].displacement),
+                body.held.normal_displacement(
+                    self.states[name].displacement - self.before[name].displacement
+                ),
             )
             for name, body in self.bodies.items()
             if self.states[name].plastic.accumulated.any()
@@ -182,7 +184,7 @@ def load_path(
     law: Law,
     loads: Sequence[PathLoad],
     *,
-    at_rest: FurtherLoads | None = None,
+    at_rest: BodyLoads | None = None,
     settings: PlasticSettings | None = None,
     partial: bool = False,
     unload: bool = True,
@@ -198,7 +200,7 @@ def load_path(
     loads : sequence of PathLoad
         In the order in which they act; between them everything rises or falls evenly, and at every step on the way
         fluid and contact belong to each other.
-    at_rest : FurtherLoads, optional
+    at_rest : BodyLoads, optional
         What acts before the first and after the last load, such as a press fit.
     settings : PlasticSettings, optional
     partial : bool
@@ -299,7 +301,7 @@ class _Walk:
         fluid lifts the closure off is halved, too: from far away it may do so because the bodies are not yet those of
         the step's end.
         """
-        share = begin.change(end, self.model.touch_radius)
+        share = begin.change(end, self.model.initial_contact_radius)
         usual = step = 1 / max(1, math.ceil(share * self.settings.steps * (1 - 1e-9)))
         way, steps = 0.0, 0
         earlier, taken = None, 1.0

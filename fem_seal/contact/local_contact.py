@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem_seal.contact.laws import HardContact, Law
-from fem_seal.contact.newton import Pressing, solve, solve_together
+from fem_seal.contact.newton import ContactProblem, solve, solve_many
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError
 
@@ -322,8 +322,11 @@ class LocalContact:
         if not new:
             return
         model, loads, force = self.mean.model, self.mean.loads, self.mean.contact_force
-        found = solve_together(
-            [Pressing(model, self.law, force * math.exp(_STEP * k), loads, start=self._ahead(k)) for k in new]
+        found = solve_many(
+            [
+                ContactProblem(model, self.law, force * math.exp(_STEP * k), loads, start=self._ahead(k))
+                for k in new
+            ]
         )
         for k, contact in zip(new, found, strict=True):
             if isinstance(contact, ConvergenceError):

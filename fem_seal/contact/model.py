@@ -26,11 +26,11 @@ from fem_seal.bodies.condensed import (
     condense_body,
     with_wall_held,
 )
+from fem_seal.bodies.constrained_body import ConstrainedBody, Heat, LoadName, constrained_body
 from fem_seal.bodies.dissected_body import DissectedBody
 from fem_seal.bodies.elasticity import at_quadrature_points, grown_by_one, stiffness_matrix, thermal_load
 from fem_seal.bodies.harmonics import HarmonicBody
-from fem_seal.bodies.held_body import Heat, HeldBody, LoadName, held_body
-from fem_seal.bodies.stress_screen import StressScreen
+from fem_seal.bodies.stress_bound import StressBound
 from fem_seal.bodies.supports import Supports
 from fem_seal.materials import Material, effective_modulus
 from fem_seal.processes import single_threaded
@@ -140,7 +140,7 @@ class ContactModel:
         From the axis outwards; the seals of today have one.
     compliance : ndarray, shape (m, m)
         Opening of the gap at point i per unit normal force at point j [m/N], both bodies together.
-    touch_radius : float
+    initial_contact_radius : float
         r0 [m].
     touch_normal_z : float
         cos(theta) of the contact normal at first touch.
@@ -148,7 +148,7 @@ class ContactModel:
         R_rel [m].
     harmonics : tuple of HarmonicBody
         Closure and seat under loads that wave around the axis.
-    screens : mapping of StressScreen
+    screens : mapping of StressBound
         Of "closure" and "seat", where many loads ask whether they pass a stress.
 
     Examples
@@ -169,16 +169,16 @@ class ContactModel:
     closure: CondensedBody
     seat: CondensedBody
     compliance: FloatArray
-    touch_radius: float
+    initial_contact_radius: float
     touch_normal_z: float
     relative_radius: float
     harmonics: tuple[HarmonicBody, HarmonicBody] = field(repr=False)
-    screens: Mapping[str, StressScreen] = field(default_factory=dict, repr=False)
+    screens: Mapping[str, StressBound] = field(default_factory=dict, repr=False)
 
     def __repr__(self) -> str:
         return (
             f"<{type(self).__name__}: {self.closure.material.name} on {self.seat.material.name}, "
-            f"first touch at r = {quantity('length', self.touch_radius)}, "
+            f"first touch at r = {quantity('length', self.initial_contact_radius)}, "
             f"{len(self.line.x)} points on the contact line>"
         )
 
@@ -205,10 +205,10 @@ class ContactModel:
 
     def line_load(self, contact_force: float) -> float:
         """f_N = F_N / (2 pi r0 cos theta) [N/m] (Fischer et al., above eq. 1)."""
-        return contact_force / (2 * np.pi * self.touch_radius * self.touch_normal_z)
+        return contact_force / (2 * np.pi * self.initial_contact_radius * self.touch_normal_z)
 
 
-def screened(model: ContactModel, names: Iterable[str]) -> ContactModel:
+def with_stress_bound(model: ContactModel, names: Iterable[str]) -> ContactModel:
     """The same model with a quick look at the stress of some bodies, for many loads.
 
     Parameters
@@ -217,7 +217,7 @@ def screened(model: ContactModel, names: Iterable[str]) -> ContactModel:
         "closure" or "seat".
     """
     area = model.line.area_weight
-    return replace(model, screens={name: StressScreen.of(model.bodies[name], area) for name in names})
+    return replace(model, screens={name: StressBound.of(model.bodies[name], area) for name in names})
 
 
 @single_threaded
@@ -273,7 +273,7 @@ def condense(
             if found is not None:
                 return found
         return _condense_body(
-            held_body(seal_mesh, name, materials[name], x, area_weight, supports, warm.get(name))
+            constrained_body(seal_mesh, name, materials[name], x, area_weight, supports, warm.get(name))
         )
 
     closure, seat = body("closure"), body("seat")
@@ -287,7 +287,7 @@ def condense(
         closure,
         seat,
         line_compliance(closure, seat),
-        contact.touch_radius,
+        contact.initial_contact_radius,
         math.cos(contact.angle),
         contact.relative_radius,
         (
@@ -302,7 +302,7 @@ def condense(
 def _same_line(known: ContactModel, seal_mesh: SealMesh, x: FloatArray, area_weight: FloatArray) -> bool:
     """Whether the contact line of a model is that of a mesh, to the last digit."""
     return (
-        seal_mesh.contact.touch_radius == known.touch_radius
+        seal_mesh.contact.initial_contact_radius == known.initial_contact_radius
         and np.array_equal(x, known.line.x)
         and np.array_equal(area_weight, known.line.area_weight)
     )
@@ -349,7 +349,7 @@ def _boundary_vertices(mesh: MeshTri, boundary: str) -> FloatArray:
     return mesh.p[:, np.unique(mesh.facets[:, (mesh.boundaries or {})[boundary]])]
 
 
-def _condense_body(held: HeldBody) -> CondensedBody:
+def _condense_body(held: ConstrainedBody) -> CondensedBody:
     forces = {}
     if len(held.wall):
         outwards = np.zeros(held.size)
@@ -370,4 +370,4 @@ def _heated(body: CondensedBody) -> Iterator[tuple[LoadName, BoundaryLoad]]:
             assert body.solve is not None  # just condensed
             force = thermal_load(held.mesh, held.material, at_quadrature_points(held.mesh, strain))
             response = held.counted(body.solve(force))
-        yield name, BoundaryLoad(0.0, held.trace @ held.retreat(response), response, strain)
+        yield name, BoundaryLoad(0.0, held.trace @ held.normal_displacement(response), response, strain)

@@ -14,7 +14,7 @@ from fem_seal.arrays import FloatArray
 from fem_seal.contact.hard import solve_hard
 from fem_seal.contact.laws import HardContact, Law, ScaledLaw, shape_of
 from fem_seal.contact.model import ContactModel
-from fem_seal.contact.other_loads import NO_LOADS, FurtherLoads
+from fem_seal.contact.other_loads import NO_LOADS, BodyLoads
 from fem_seal.contact.solution import DEFAULT_SETTINGS, ContactSettings, ContactSolution
 from fem_seal.errors import ConvergenceError
 from fem_seal.former_names import formerly
@@ -37,7 +37,7 @@ def solve(
     law: Law,
     *,
     contact_force: float,
-    loads: FurtherLoads | None = None,
+    loads: BodyLoads | None = None,
     settings: ContactSettings | None = None,
     start: ContactSolution | None = None,
 ) -> ContactSolution:
@@ -49,7 +49,7 @@ def solve(
         `leak.ExponentialLaw`, `leak.TabulatedLaw`, `RoughContact.interface_law()` or `HardContact()`.
     contact_force : float
         F_N that the solid contact carries [N], positive.
-    loads : FurtherLoads, optional
+    loads : BodyLoads, optional
         What else acts on the bodies, with given magnitudes. The force on the top of the closure is then F_N plus the
         lift of these loads; `fem_seal.contact.penetration` finds fluid pressure and F_N together.
     settings : ContactSettings, optional
@@ -84,8 +84,8 @@ def solve(
     >>> print(f"{contact.profile.peak_pressure / 1e6:.0f} MPa over {contact.profile.fwhm * 1e3:.3f} mm")
     195 MPa over 0.106 mm
     """
-    (found,) = solve_together(
-        [Pressing(model, law, contact_force, loads, settings or DEFAULT_SETTINGS, start)]
+    (found,) = solve_many(
+        [ContactProblem(model, law, contact_force, loads, settings or DEFAULT_SETTINGS, start)]
     )
     if isinstance(found, ConvergenceError):
         raise found
@@ -93,7 +93,7 @@ def solve(
 
 
 @dataclass(frozen=True)
-class Pressing:
+class ContactProblem:
     """A closure that is to be pressed on its seat, see `solve`.
 
     Parameters
@@ -102,7 +102,7 @@ class Pressing:
     law : InterfaceLaw or HardContact
     contact_force : float
         [N]
-    loads : FurtherLoads or None
+    loads : BodyLoads or None
     settings : ContactSettings
     start : ContactSolution or None
         Solution of a neighbouring load to start from.
@@ -111,7 +111,7 @@ class Pressing:
     model: ContactModel
     law: Law
     contact_force: float
-    loads: FurtherLoads | None = None
+    loads: BodyLoads | None = None
     settings: ContactSettings = DEFAULT_SETTINGS
     start: ContactSolution | None = None
 
@@ -122,7 +122,7 @@ class Pressing:
 
 
 @single_threaded
-def solve_together(pressings: Sequence[Pressing]) -> list[ContactSolution | ConvergenceError]:
+def solve_many(pressings: Sequence[ContactProblem]) -> list[ContactSolution | ConvergenceError]:
     """`solve` of several: the same to the last digit, in less time where bodies and the shape of the law are the same.
 
     Parameters
@@ -145,7 +145,7 @@ def solve_together(pressings: Sequence[Pressing]) -> list[ContactSolution | Conv
     return [found[number] for number in range(len(pressings))]
 
 
-def _solve_alike(pressings: Sequence[Pressing]) -> list[ContactSolution | ConvergenceError]:
+def _solve_alike(pressings: Sequence[ContactProblem]) -> list[ContactSolution | ConvergenceError]:
     """Of one model; if they are several of laws of one shape, with equal settings, and all with a start or none."""
     first = pressings[0]
     if isinstance(first.law, HardContact):
@@ -168,7 +168,7 @@ def _solve_alike(pressings: Sequence[Pressing]) -> list[ContactSolution | Conver
     ]
 
 
-def _softened_first(one: Pressing) -> ContactSolution | ConvergenceError:
+def _softened_first(one: ContactProblem) -> ContactSolution | ConvergenceError:
     """What does not come straight at the law: from a soft interface to the law in steps.
 
     It begins anew: where it was looked for before may be too far away even for a soft interface.
@@ -192,9 +192,9 @@ def _softened_first(one: Pressing) -> ContactSolution | ConvergenceError:
     return _solution(one, state, residuals)
 
 
-def _solution(one: Pressing, state: State, residuals: Sequence[float]) -> ContactSolution:
+def _solution(one: ContactProblem, state: State, residuals: Sequence[float]) -> ContactSolution:
     assert not isinstance(one.law, HardContact)  # that has no states
-    (v, d), loads = state, one.loads or FurtherLoads()
+    (v, d), loads = state, one.loads or BodyLoads()
     # the last residual is that of the solution, after which no step is taken
     steps = len(residuals) - 1
     return ContactSolution(one.model, one.contact_force, d, v, one.law.gap(v), steps, tuple(residuals), loads)
@@ -224,7 +224,7 @@ class _Rows:
     gap0: FloatArray
 
     @classmethod
-    def of(cls, pressings: Sequence[Pressing]) -> _Rows:
+    def of(cls, pressings: Sequence[ContactProblem]) -> _Rows:
         model = pressings[0].model
         return cls(
             model,
@@ -349,7 +349,7 @@ def _unbalanced(
     lost *= _ROUND_OFF
     if line.in_hollow is not None:
         # the lift is the difference of places
-        lost += _ROUND_OFF * model.touch_radius / 8
+        lost += _ROUND_OFF * model.initial_contact_radius / 8
     lost /= settings.gap_tolerance
     lost += decay
     worst = np.where(f > 0, np.abs(gap_residual) / lost, 0.0).max(axis=1)

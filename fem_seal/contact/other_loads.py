@@ -9,7 +9,7 @@ import numpy as np
 
 from fem_seal.arrays import FloatArray
 from fem_seal.bodies.condensed import CondensedBody
-from fem_seal.bodies.held_body import LoadName
+from fem_seal.bodies.constrained_body import LoadName
 from fem_seal.contact.model import ContactModel
 
 # What the wetted surfaces of a seal with one contact line may be called as well.
@@ -17,7 +17,7 @@ _WETTED = {"inner": 0, "outer": 1}
 
 
 @dataclass(frozen=True)
-class FurtherLoads:
+class BodyLoads:
     """Loads away from the solid contact, and the fluid pressure between the surfaces.
 
     Parameters
@@ -36,8 +36,8 @@ class FurtherLoads:
     Examples
     --------
     >>> import fem_seal
-    >>> fem_seal.FurtherLoads.press_fit(20e-6)
-    FurtherLoads(closure={}, seat={'wall': 2e-05})
+    >>> fem_seal.BodyLoads.press_fit(20e-6)
+    BodyLoads(closure={}, seat={'wall': 2e-05})
     """
 
     closure: Mapping[LoadName, float] = field(default_factory=dict)
@@ -54,8 +54,8 @@ class FurtherLoads:
 
     @classmethod
     def of_fluid(
-        cls, wetted: Sequence[float], gap_pressure: FloatArray, at_rest: FurtherLoads | None = None
-    ) -> FurtherLoads:
+        cls, wetted: Sequence[float], gap_pressure: FloatArray, at_rest: BodyLoads | None = None
+    ) -> BodyLoads:
         """Fluid on both bodies, and what acts on them without any.
 
         Parameters
@@ -64,7 +64,7 @@ class FurtherLoads:
             Fluid pressure on each wetted surface, from the axis outwards: one more than there are contact lines [Pa].
         gap_pressure : ndarray, shape (m,)
             Fluid pressure between the surfaces [Pa].
-        at_rest : FurtherLoads, optional
+        at_rest : BodyLoads, optional
             Such as a press fit; without a pressure in the gap.
         """
         rest = at_rest or cls()
@@ -72,7 +72,7 @@ class FurtherLoads:
         return cls({**fluid, **rest.closure}, {**fluid, **rest.seat}, gap_pressure, rest.temperature)
 
     @classmethod
-    def press_fit(cls, interference: float) -> FurtherLoads:
+    def press_fit(cls, interference: float) -> BodyLoads:
         """A seat pressed into a rigid bore.
 
         Parameters
@@ -139,4 +139,4 @@ class FurtherLoads:
         return float(weight @ (body.held.trace @ np.asarray(known)[body.held.contact_nodes]) / weight.sum())
 
 
-NO_LOADS = FurtherLoads()
+NO_LOADS = BodyLoads()

@@ -15,7 +15,7 @@ from fem_seal.contact.fixed_point import first_fixed_point, fixed_point
 from fem_seal.contact.laws import HardContact, Law
 from fem_seal.contact.model import ContactLine, ContactModel
 from fem_seal.contact.newton import solve
-from fem_seal.contact.other_loads import NO_LOADS, FurtherLoads
+from fem_seal.contact.other_loads import NO_LOADS, BodyLoads
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError, OpenSealError
 from fem_seal.former_names import formerly
@@ -46,7 +46,7 @@ def _itself(profile: PressureProfile) -> PressureProfile:
 
 
 @dataclass(frozen=True)
-class FlowThrough:
+class PenetratingFluid:
     """A fluid that flows through the rough contact; its pressure falls along the flow resistance.
 
     Parameters
@@ -69,7 +69,7 @@ class FlowThrough:
     --------
     >>> import numpy as np, fem_seal
     >>> evenly = lambda profile, drop: drop * np.linspace(0.0, 1.0, len(profile.x))
-    >>> fem_seal.FlowThrough(evenly, sealing_pressure=1e9).side
+    >>> fem_seal.PenetratingFluid(evenly, sealing_pressure=1e9).side
     'outer'
     """
 
@@ -99,7 +99,7 @@ class FlowThrough:
 
 
 @dataclass(frozen=True)
-class HeldFluid:
+class FluidAtContact:
     """A fluid of which no flow is known: it gets in as far as the contact pressure is below its own.
 
     Full pressure from its side up to the first place where the solid contact presses harder than the fluid, nothing
@@ -112,7 +112,7 @@ class HeldFluid:
     Examples
     --------
     >>> import fem_seal
-    >>> fem_seal.HeldFluid("inner").side
+    >>> fem_seal.FluidAtContact("inner").side
     'inner'
     """
 
@@ -171,14 +171,14 @@ _FRONT = 1e-5
 
 
 @dataclass(frozen=True)
-class FluidAndContact:
+class CoupledContact:
     """What stays the same when the loads of a seal change.
 
     Parameters
     ----------
     path : FluidPath
         How the fluid gets between the surfaces.
-    at_rest : FurtherLoads
+    at_rest : BodyLoads
         What acts without any fluid, such as a press fit or heat.
 
     Examples
@@ -189,7 +189,7 @@ class FluidAndContact:
     >>> sizing = meshes.Sizing(2e-5, 1e-4, (-1e-3, 1e-3), 0.2, 0.3, 4e-3)
     >>> steel = fem_seal.Material("steel", 210e9, 0.3)
     >>> model = fem_seal.condense(meshes.build(ball, cone, sizing), {"closure": steel, "seat": steel})
-    >>> seal = fem_seal.Seal(model, fem_seal.HardContact(), fem_seal.HeldFluid("inner"))
+    >>> seal = fem_seal.CoupledContact(model, fem_seal.HardContact(), fem_seal.FluidAtContact("inner"))
     >>> seal.at_rest.seat
     {}
     """
@@ -197,30 +197,27 @@ class FluidAndContact:
     model: ContactModel
     law: Law
     path: FluidPath
-    at_rest: FurtherLoads = NO_LOADS
+    at_rest: BodyLoads = NO_LOADS
 
     @property
     def pressurised(self) -> int:
         """Number of the wetted surface with the high pressure, from the axis outwards."""
         return 0 if self.path.side == "inner" else len(self.model.lines)
 
-    def loads(self, fluid_pressure: float, unknowns: FloatArray) -> FurtherLoads:
+    def loads(self, fluid_pressure: float, unknowns: FloatArray) -> BodyLoads:
         """Fluid on the wetted surfaces and in the gap, and what acts without it."""
         regions = range(len(self.model.lines) + 1)
         wetted = [fluid_pressure if region == self.pressurised else 0.0 for region in regions]
         share = self.path.share(self.model.line, unknowns)
-        return FurtherLoads.of_fluid(wetted, fluid_pressure * share, self.at_rest)
+        return BodyLoads.of_fluid(wetted, fluid_pressure * share, self.at_rest)
 
-
-# Its public name.
-Seal = FluidAndContact
 
 # Takes the lift per unit of fluid pressure [N/Pa] to fluid pressure [Pa] and contact force [N].
 Balance = Callable[[float], tuple[float, float]]
 
 
 def coupled_contact(
-    seal: FluidAndContact, balance: Balance, unknowns: FloatArray, start: ContactSolution | None
+    seal: CoupledContact, balance: Balance, unknowns: FloatArray, start: ContactSolution | None
 ) -> ContactSolution:
     """Find the unknowns of the fluid that belong to the contact which they leave.
 
@@ -275,7 +272,7 @@ def coupled_contact(
 
 
 def dry_unknowns(
-    seal: FluidAndContact, force: float, fluid_pressure: float, start: ContactSolution | None
+    seal: CoupledContact, force: float, fluid_pressure: float, start: ContactSolution | None
 ) -> FloatArray:
     """Unknowns of the fluid that belong to a contact which no fluid opens, under a force F_N [N]."""
     contact = solve(seal.model, seal.law, contact_force=force, loads=seal.at_rest, start=start)
@@ -288,7 +285,7 @@ _SHARES = (0.5, 0.1, 1e-2, 1e-3, 1e-4)
 
 @formerly(closing_force="applied_force")
 def solve_penetration(
-    seal: FluidAndContact,
+    seal: CoupledContact,
     *,
     applied_force: float,
     fluid_pressure: float,
@@ -332,14 +329,19 @@ def solve_penetration(
     >>> sizing = meshes.Sizing(2e-5, 1e-4, (-1e-3, 1e-3), 0.2, 0.3, 4e-3)
     >>> steel = fem_seal.Material("steel", 210e9, 0.3)
     >>> model = fem_seal.condense(meshes.build(ball, cone, sizing), {"closure": steel, "seat": steel})
-    >>> seal = fem_seal.Seal(model, fem_seal.HardContact(), fem_seal.HeldFluid("outer"))
+    >>> seal = fem_seal.CoupledContact(model, fem_seal.HardContact(), fem_seal.FluidAtContact("outer"))
     >>> contact = fem_seal.solve_penetration(seal, applied_force=500.0, fluid_pressure=5e5)
     >>> contact.contact_force > 500.0, round(contact.applied_force)
     (True, 500)
     """
     given = _under(applied_force, fluid_pressure)
     carried = expected_force(
-        seal.model.touch_radius, fluid_pressure, applied_force, seal.path.side, "penetration", _SHARES[-1]
+        seal.model.initial_contact_radius,
+        fluid_pressure,
+        applied_force,
+        seal.path.side,
+        "penetration",
+        _SHARES[-1],
     )
     try:
         return coupled_contact(seal, given, dry_unknowns(seal, carried, fluid_pressure, start), start)
@@ -350,7 +352,7 @@ def solve_penetration(
 
 
 def solve_at_contact_force(
-    seal: FluidAndContact,
+    seal: CoupledContact,
     *,
     contact_force: float,
     fluid_pressure: float,
@@ -370,7 +372,7 @@ def solve_at_contact_force(
     return coupled_contact(seal, lambda lift: (fluid_pressure, contact_force), unknowns, start)
 
 
-def least_applied_force(seal: FluidAndContact, fluid_pressure: float) -> float | None:
+def least_applied_force(seal: CoupledContact, fluid_pressure: float) -> float | None:
     """Force of spring or actuator above which the seal is closed at a fluid pressure [N]; None if none was found.
 
     Negative where the fluid itself closes the seal. A flow lets the contact vanish evenly: what holds it while it
@@ -382,7 +384,7 @@ def least_applied_force(seal: FluidAndContact, fluid_pressure: float) -> float |
     fluid_pressure : float
         [Pa]
     """
-    fluid_force = math.pi * seal.model.touch_radius**2 * fluid_pressure
+    fluid_force = math.pi * seal.model.initial_contact_radius**2 * fluid_pressure
     contact, met = None, []
     for shares in (_SHARES[-1:], _SHARES):
         with suppress(OpenSealError, ConvergenceError):
@@ -419,7 +421,7 @@ _CLOSE = 1e-6
 
 
 @formerly(closing_force="applied_force")
-def blow_off_pressure(seal: FluidAndContact, *, applied_force: float) -> float:
+def blow_off_pressure(seal: CoupledContact, *, applied_force: float) -> float:
     """Fluid pressure at which the fluid lifts the closure off [Pa]; infinite if it does not lift it.
 
     Parameters
@@ -445,7 +447,7 @@ def blow_off_pressure(seal: FluidAndContact, *, applied_force: float) -> float:
     >>> sizing = meshes.Sizing(2e-5, 1e-4, (-1e-3, 1e-3), 0.2, 0.3, 4e-3)
     >>> steel = fem_seal.Material("steel", 210e9, 0.3)
     >>> model = fem_seal.condense(meshes.build(ball, cone, sizing), {"closure": steel, "seat": steel})
-    >>> seal = fem_seal.Seal(model, fem_seal.HardContact(), fem_seal.HeldFluid("outer"))
+    >>> seal = fem_seal.CoupledContact(model, fem_seal.HardContact(), fem_seal.FluidAtContact("outer"))
     >>> fem_seal.blow_off_pressure(seal, applied_force=500.0)
     inf
     """
@@ -454,7 +456,7 @@ def blow_off_pressure(seal: FluidAndContact, *, applied_force: float) -> float:
     return _way_to_blow_off(seal, applied_force)[-1].pressure
 
 
-def fluid_lifts(seal: FluidAndContact, applied_force: float) -> bool:
+def fluid_lifts(seal: CoupledContact, applied_force: float) -> bool:
     """Whether there is a fluid pressure that lifts the closure off."""
     return seal.path.side == "inner" and applied_force > 0
 
@@ -469,7 +471,7 @@ class _Step:
     unknowns: FloatArray | None = None
 
 
-def _step(seal: FluidAndContact, applied_force: float, share: float, before: _Step) -> _Step:
+def _step(seal: CoupledContact, applied_force: float, share: float, before: _Step) -> _Step:
     force = share * applied_force
 
     def balance(lift: float) -> tuple[float, float]:
@@ -477,14 +479,14 @@ def _step(seal: FluidAndContact, applied_force: float, share: float, before: _St
 
     unknowns = before.unknowns
     if unknowns is None:
-        expected = (applied_force - force) / (math.pi * seal.model.touch_radius**2)
+        expected = (applied_force - force) / (math.pi * seal.model.initial_contact_radius**2)
         unknowns = dry_unknowns(seal, force, expected, None)
     contact = coupled_contact(seal, balance, unknowns, before.contact)
     pressure = contact.loads.closure[seal.pressurised]
     return _Step(share, pressure, contact, seal.path.found(contact.profile, pressure))
 
 
-def _way_to_blow_off(seal: FluidAndContact, applied_force: float) -> list[_Step]:
+def _way_to_blow_off(seal: CoupledContact, applied_force: float) -> list[_Step]:
     """Steps of rising fluid pressure, the last at blow-off."""
     way = [_Step(1.0, 0.0)]
     hard = isinstance(seal.law, HardContact)
@@ -502,9 +504,7 @@ def _way_to_blow_off(seal: FluidAndContact, applied_force: float) -> list[_Step]
     return way
 
 
-def _last_closed(
-    seal: FluidAndContact, applied_force: float, closed: _Step, open_share: float
-) -> list[_Step]:
+def _last_closed(seal: CoupledContact, applied_force: float, closed: _Step, open_share: float) -> list[_Step]:
     """The contact just before the fluid gets through, which it does at `open_share`."""
     found: list[_Step] = []
     while closed.share > (1 + _CLOSE) * open_share:
@@ -517,7 +517,7 @@ def _last_closed(
     return found
 
 
-def _turning_point(seal: FluidAndContact, applied_force: float, around: list[_Step]) -> _Step:
+def _turning_point(seal: CoupledContact, applied_force: float, around: list[_Step]) -> _Step:
     """Where the fluid pressure is largest among three steps, and beyond which less of it lifts more."""
     from scipy.optimize import minimize_scalar
 
@@ -532,7 +532,7 @@ def _turning_point(seal: FluidAndContact, applied_force: float, around: list[_St
 
 
 def contact_near_blow_off(
-    seal: FluidAndContact, applied_force: float, fluid_pressure: float
+    seal: CoupledContact, applied_force: float, fluid_pressure: float
 ) -> ContactSolution:
     """Contact under a fluid pressure, found by the force that it carries."""
     way = _way_to_blow_off(seal, applied_force)

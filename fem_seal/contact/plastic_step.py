@@ -18,15 +18,15 @@ import numpy as np
 
 from fem_seal.arrays import FloatArray
 from fem_seal.bodies.condensed import BoundaryLoad, CondensedBody, condense_body
+from fem_seal.bodies.constrained_body import ConstrainedBody, LoadName
 from fem_seal.bodies.dissected_body import DissectedBody
 from fem_seal.bodies.elasticity import at_quadrature_points
-from fem_seal.bodies.elastoplastic import BodyState, ElastoplasticBody, Flow
-from fem_seal.bodies.held_body import HeldBody, LoadName
+from fem_seal.bodies.elastoplastic import BodyState, ElastoplasticBody, StressUpdate
 from fem_seal.contact.laws import Law
 from fem_seal.contact.model import ContactModel, line_compliance
 from fem_seal.contact.newton import solve
-from fem_seal.contact.other_loads import NO_LOADS, FurtherLoads
-from fem_seal.contact.penetration import FluidAndContact, FluidPath, solve_penetration
+from fem_seal.contact.other_loads import NO_LOADS, BodyLoads
+from fem_seal.contact.penetration import CoupledContact, FluidPath, solve_penetration
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError
 
@@ -40,7 +40,7 @@ class PathLoad:
     force : float
         F_N that the solid contact carries, zero where the bodies are apart; with a fluid that gets between the surfaces
         that of spring or actuator, positive when it closes [N].
-    further : FurtherLoads
+    further : BodyLoads
         What else acts on the bodies, also where they do not touch; without the fluid that gets between the surfaces.
     path : FluidPath or None
         How the fluid gets between the surfaces; what the solid contact carries is found with it.
@@ -52,7 +52,7 @@ class PathLoad:
     """
 
     force: float
-    further: FurtherLoads = NO_LOADS
+    further: BodyLoads = NO_LOADS
     path: FluidPath | None = field(default=None, repr=False, kw_only=True)
     fluid_pressure: float = field(default=0.0, kw_only=True)
     remembers: Callable[[FloatArray], FluidPath] | None = field(default=None, repr=False, kw_only=True)
@@ -71,7 +71,7 @@ class PathLoad:
         ConvergenceError
         """
         if self.path is not None and self.fluid_pressure != 0.0:
-            seal = FluidAndContact(model, law, self.path, self.further)
+            seal = CoupledContact(model, law, self.path, self.further)
             return solve_penetration(
                 seal, applied_force=self.force, fluid_pressure=self.fluid_pressure, start=start
             )
@@ -88,12 +88,12 @@ class PathLoad:
             further=_between(self.further, other.further, way),
         )
 
-    def change(self, other: PathLoad, touch_radius: float) -> float:
+    def change(self, other: PathLoad, initial_contact_radius: float) -> float:
         """How far it is to another one, as a share of the larger; from nothing to a load it is one.
 
         In the force that is left to the contact, or in spring and fluid together.
         """
-        area = math.pi * touch_radius**2
+        area = math.pi * initial_contact_radius**2
         forces = [(one.force, area * one.fluid_pressure) for one in (self, other)]
         sign = -1 if self.path is not None and self.path.side == "inner" else 1
         left = _share(*(max(spring + sign * fluid, 0.0) for spring, fluid in forces))
@@ -108,7 +108,7 @@ class PathLoad:
             return self
         return replace(self, path=self.remembers(np.max([one.pressure for one in contacts], axis=0)))
 
-    def rest(self, further: FurtherLoads) -> PathLoad:
+    def rest(self, further: BodyLoads) -> PathLoad:
         """The same way of loading with nothing that presses, where these loads act."""
         return replace(self, force=0.0, fluid_pressure=0.0, further=further)
 
@@ -118,14 +118,14 @@ def _share(first: float, second: float) -> float:
     return abs(second - first) / scale if scale > 0 else 0.0
 
 
-def _between(first: FurtherLoads, second: FurtherLoads, way: float) -> FurtherLoads:
+def _between(first: BodyLoads, second: BodyLoads, way: float) -> BodyLoads:
     """Loads a share `way` of the way from some to others."""
     shares = [
         share * load.gap_pressure
         for share, load in ((1 - way, first), (way, second))
         if load.gap_pressure is not None
     ]
-    return FurtherLoads(
+    return BodyLoads(
         _mixed(first.closure, second.closure, way),
         _mixed(first.seat, second.seat, way),
         np.sum(shares, axis=0) if shares else None,
@@ -246,7 +246,7 @@ def unloading_model(
     model: ContactModel,
     bodies: Mapping[str, YieldingBody],
     states: Mapping[str, BodyState],
-    at_rest: FurtherLoads = NO_LOADS,
+    at_rest: BodyLoads = NO_LOADS,
 ) -> ContactModel:
     """Contact of the bodies as they answer to less load: elastic, and formed by what they have gone through.
 
@@ -258,7 +258,7 @@ def unloading_model(
         Those that yield, by name.
     states : mapping
         Where they are, by name.
-    at_rest : FurtherLoads
+    at_rest : BodyLoads
         Heat, under which they are.
 
     Notes
@@ -267,7 +267,7 @@ def unloading_model(
     a load far above the yield stress is gone.
     """
     step = _Step(model, bodies, states, at_rest)
-    at = step.at({name: state.displacement for name, state in states.items()}, FurtherLoads(), None)
+    at = step.at({name: state.displacement for name, state in states.items()}, BodyLoads(), None)
     return step.linear(at)[0]
 
 
@@ -276,7 +276,7 @@ class _Iterate:
     """Displacements, the materials' answers to them, and what acts on the bodies."""
 
     displacements: Mapping[str, FloatArray]
-    flows: Mapping[str, Flow]
+    flows: Mapping[str, StressUpdate]
     forces: Mapping[str, FloatArray]
     imbalance: float
 
@@ -300,13 +300,13 @@ class _Step:
     model: ContactModel
     bodies: Mapping[str, YieldingBody]
     before: Mapping[str, BodyState]
-    at_rest: FurtherLoads
+    at_rest: BodyLoads
     """Of which heat is the same throughout the step."""
 
     def at(
         self,
         displacements: Mapping[str, FloatArray],
-        loads: FurtherLoads,
+        loads: BodyLoads,
         contact: ContactSolution | None,
     ) -> _Iterate:
         """Iterate at some displacements under some loads."""
@@ -357,7 +357,7 @@ class _Step:
             bodies[name], at_rest[name] = body.linear(
                 bodies[name], at.displacements[name], at.flows[name], heat
             )
-            gap = gap + body.held.trace @ body.held.retreat(at_rest[name])
+            gap = gap + body.held.trace @ body.held.normal_displacement(at_rest[name])
         linear = replace(
             model,
             lines=(replace(model.line, initial_gap=gap),),
@@ -371,7 +371,7 @@ class _Step:
         self,
         linear: ContactModel,
         at_rest: Mapping[str, FloatArray],
-        loads: FurtherLoads,
+        loads: BodyLoads,
         contact: ContactSolution | None,
     ) -> dict[str, FloatArray]:
         """Displacements of the linearised bodies that yield (dofs,) [m]."""
@@ -393,7 +393,7 @@ class _Step:
             found[name] = at_quadrature_points(held.mesh, np.sum(heated, axis=0)) if heated else 0.0
         return found
 
-    def _imbalance(self, name: str, flow: Flow, forces: FloatArray) -> float:
+    def _imbalance(self, name: str, flow: StressUpdate, forces: FloatArray) -> float:
         """Largest free nodal force out of balance over the largest that the elements put on a node in the step."""
         body, internal = self.bodies[name], self.bodies[name].solid.internal_forces
         unbalanced = internal(flow.stress) - forces
@@ -411,13 +411,13 @@ class _Step:
         return found
 
 
-def _further_forces(held: HeldBody, magnitudes: Mapping[LoadName, float]) -> FloatArray:
+def _further_forces(held: ConstrainedBody, magnitudes: Mapping[LoadName, float]) -> FloatArray:
     """Balanced nodal forces of loads away from the contact line."""
     forces = (size * held.further[name] for name, size in magnitudes.items() if name in held.further)
     return held.balanced(sum(forces, np.zeros(held.size)))
 
 
-def _heat(held: HeldBody, magnitudes: Mapping[LoadName, float]) -> dict[str, float]:
+def _heat(held: ConstrainedBody, magnitudes: Mapping[LoadName, float]) -> dict[str, float]:
     """Those of the loads that heat a body."""
     return {name: magnitudes[name] for name in held.free_strain if name in magnitudes}
 
@@ -460,7 +460,7 @@ class PlasticSettings:
 class YieldingBody:
     """A body of the seal that yields: where it is touched and held, and its solid."""
 
-    held: HeldBody
+    held: ConstrainedBody
 
     @cached_property
     def solid(self) -> ElastoplasticBody:
@@ -470,7 +470,7 @@ class YieldingBody:
         return ElastoplasticBody(mesh, self.held.material, warm)
 
     def linear(
-        self, elastic: CondensedBody, displacement: FloatArray, flow: Flow, heat: Mapping[str, float]
+        self, elastic: CondensedBody, displacement: FloatArray, flow: StressUpdate, heat: Mapping[str, float]
     ) -> tuple[CondensedBody, FloatArray]:
         """The body linearised about a displacement (dofs,) [m], and its displacement where nothing acts on it.
 
@@ -500,7 +500,7 @@ class YieldingBody:
             at_rest = at_rest - size * body.loads[name].response
         return body, at_rest
 
-    def _condensed(self, flow: Flow, internal: FloatArray) -> CondensedBody:
+    def _condensed(self, flow: StressUpdate, internal: FloatArray) -> CondensedBody:
         """The body with its tangents, and what it answers to its own internal forces (dofs,) [N] as "stress"."""
         solid, wall, forces = self.solid, self.held.wall, {"stress": internal}
         if len(wall):

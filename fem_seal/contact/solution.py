@@ -13,7 +13,7 @@ from fem_seal.arrays import FloatArray
 from fem_seal.bodies.elasticity import without_free_strain
 from fem_seal.bodies.fields import BodyField, ElastoplasticField, body_field
 from fem_seal.contact.model import ContactModel
-from fem_seal.contact.other_loads import NO_LOADS, FurtherLoads
+from fem_seal.contact.other_loads import NO_LOADS, BodyLoads
 from fem_seal.former_names import former_attribute
 from fem_seal.materials import Material
 from fem_seal.profile import PressureProfile, remembered, tightest
@@ -65,7 +65,7 @@ class ContactSolution:
     iterations : int
     residuals : tuple of float
         Largest gap residual over decay length, before each iteration and at the end.
-    loads : FurtherLoads
+    loads : BodyLoads
         What acts on the bodies besides the contact pressure.
     largest : ndarray, shape (m,), or None
         Largest pressure that each place has carried before [Pa]; None where nothing is known of it.
@@ -94,7 +94,7 @@ class ContactSolution:
     gap: FloatArray = field(repr=False)
     iterations: int
     residuals: tuple[float, ...] = field(repr=False)
-    loads: FurtherLoads = NO_LOADS
+    loads: BodyLoads = NO_LOADS
     largest: FloatArray | None = field(default=None, repr=False)
     earlier: ContactSolution | None = field(default=None, repr=False)
 
@@ -279,12 +279,12 @@ def body_fields(solution: ContactSolution) -> dict[str, BodyField]:
     return _fields(solution.model, solution.loads, solution.moved, solution.profile)
 
 
-def fields_at_rest(model: ContactModel, loads: FurtherLoads) -> dict[str, BodyField]:
+def fields_at_rest(model: ContactModel, loads: BodyLoads) -> dict[str, BodyField]:
     """Fields of both bodies, "closure" and "seat", that do not touch.
 
     Parameters
     ----------
-    loads : FurtherLoads
+    loads : BodyLoads
         What acts on them.
     """
     moved = {}
@@ -296,7 +296,7 @@ def fields_at_rest(model: ContactModel, loads: FurtherLoads) -> dict[str, BodyFi
 
 def _fields(
     model: ContactModel,
-    loads: FurtherLoads,
+    loads: BodyLoads,
     moved: Mapping[str, tuple[FloatArray, FloatArray]],
     contact: PressureProfile | None = None,
 ) -> dict[str, BodyField]:

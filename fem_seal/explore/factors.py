@@ -220,7 +220,7 @@ def _force(case: Case) -> Found:
     if largest < 0:
         return ["The force of the case opens the seal: it is not offered as a slider."]
     # where there is none, to the size of what the fluid does
-    reach = 2 * math.pi * case.touch_radius**2 * max(case.load.fluid_pressure)
+    reach = 2 * math.pi * case.initial_contact_radius**2 * max(case.load.fluid_pressure)
     stops = None if largest else _even(0.0, reach)
     return [_of_loads(case, "force", "applied_force", "force", forces, stops)]
 

@@ -126,7 +126,7 @@ def section_figure(section: Section | None, dark: bool) -> Figure:
     low = 1e3 * min(z for _, z in section.seat)
     high = 1e3 * max(z for _, z in section.closure)
     figure.add("axis", [0, 0], [low, high], _GREY)
-    r0 = 1e3 * section.touch_radius
+    r0 = 1e3 * section.initial_contact_radius
     hover = f"circle of first touch, radius {r0:.4g} mm<extra></extra>"
     figure.add("touch", [-r0, r0], [0, 0], PINS[0], hovertemplate=hover)
     outer = 1e3 * max(r for r, _ in section.seat)

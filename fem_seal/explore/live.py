@@ -26,7 +26,7 @@ from fem_seal.seal.conductivity_tables import FamilyTable, family_table, family_
 from fem_seal.seal.cost import load_seconds, seconds
 from fem_seal.seal.evaluate import SILENT, Evaluation, evaluate
 from fem_seal.seal.heating import warmed
-from fem_seal.seal.leak_model import MARGIN, Conductivity, Flow, theory_table
+from fem_seal.seal.leak_model import MARGIN, Conductivity, FlowModel, theory_table
 from fem_seal.seal.load_result import highest_load
 from fem_seal.seal.problem import SealProblem, sizing
 from fem_seal.seal.sources import Bodies, Kept, Rounding, Shared
@@ -101,7 +101,7 @@ TableName: TypeAlias = FamilyTable | OwnTable
 
 
 def conductivity(
-    flow: Flow,
+    flow: FlowModel,
     surface: RoughContact,
     log_peak: float,
     known: Callable[[TableName], Conductivity | None],
@@ -258,7 +258,7 @@ class Session:
         judged = with_judgements(
             case,
             [
-                load.knowing(validity=validity_of(found, load))
+                load.with_values(validity=validity_of(found, load))
                 if n == number or (required and required.judges(load.fluid_pressure))
                 else load
                 for n, load in enumerate(loads[:own])
@@ -294,7 +294,7 @@ class Session:
     def _source(self, known: Callable[[TableName], Conductivity | None]) -> Shared:
         """Bodies and tables that are kept here."""
 
-        def table(flow: Flow, surface: RoughContact, log_peaks: Sequence[float]) -> Conductivity:
+        def table(flow: FlowModel, surface: RoughContact, log_peaks: Sequence[float]) -> Conductivity:
             if flow.simulated is not None:
                 return flow.table_around(surface, log_peaks)
             return conductivity(flow, surface, max(log_peaks), known, family=self.one_shape)

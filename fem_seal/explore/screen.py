@@ -24,7 +24,7 @@ from fem_seal.units import (
     LIQUID,
     LeakVolume,
     duration,
-    given,
+    format_quantity,
     leak_range_text,
     leak_rate_text,
     quantity_worth,
@@ -110,7 +110,7 @@ class Section:
     ----------
     closure, seat : list of tuple
         Corners (r, z) [m].
-    touch_radius : float
+    initial_contact_radius : float
         Of first touch, which lies at z = 0 [m].
     angle : float
         Between the axis and the contact normal [rad].
@@ -119,7 +119,7 @@ class Section:
 
     closure: list[tuple[float, float]]
     seat: list[tuple[float, float]]
-    touch_radius: float
+    initial_contact_radius: float
     angle: float
     pressure_side: str
 
@@ -316,7 +316,7 @@ def section_of(case: Case) -> Section:
     return Section(
         _corners(contact.closure),
         _corners(contact.seat),
-        contact.touch_radius,
+        contact.initial_contact_radius,
         contact.angle,
         case.load.pressure_side,
     )
@@ -408,7 +408,7 @@ def numbers_of(screen: Screen) -> list[Number]:
     if load is None:
         return []
     values = load.values
-    at = f"at {given('fluid pressure', values['fluid_pressure_Pa'])}"
+    at = f"at {format_quantity('fluid pressure', values['fluid_pressure_Pa'])}"
     more = "; ".join(filter(None, [at, state_in_words(screen.volume), preliminary_words(screen)]))
     rate = values["leak_rate_m3_per_s"]
     waits = screen.waiting and not math.isfinite(rate)

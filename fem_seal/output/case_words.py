@@ -12,7 +12,7 @@ from fem_seal.answers.leakage_class import limits
 from fem_seal.case.drawing_words import words_of
 from fem_seal.case.drawn import ProfileSource
 from fem_seal.output.prose import prose, worded_rows, written
-from fem_seal.units import given, number, quantity, trimmed, unit_for
+from fem_seal.units import format_quantity, number, quantity, trimmed, unit_for
 
 if TYPE_CHECKING:
     from fem_seal.answers.closed_forms import Derived
@@ -108,9 +108,9 @@ def chosen_dimensions(case: Case, name: str) -> dict[str, float]:
 def earlier_load(load: Load) -> str:
     """The largest load before all others in words: "a load of 2 kN", or empty where none is given."""
     if load.largest_earlier_force is not None:
-        return f"a load of {given('force', load.largest_earlier_force)}"
+        return f"a load of {format_quantity('force', load.largest_earlier_force)}"
     if load.largest_earlier_pressure is not None:
-        return f"a load of {given('fluid pressure', load.largest_earlier_pressure)}"
+        return f"a load of {format_quantity('fluid pressure', load.largest_earlier_pressure)}"
     return ""
 
 
@@ -152,7 +152,7 @@ def section_text(section: Mapping[str, Any]) -> dict[str, str]:
             [
                 section["file"],
                 *([f"layer {layer}"] if layer else []),
-                *([f"unit {given('length', unit)}"] if unit else []),
+                *([f"unit {format_quantity('length', unit)}"] if unit else []),
             ]
         )
     unit = unit_for("length", section["r_m"][1])
@@ -287,7 +287,7 @@ def temperature_rows(
         return
     yield "closure grows more than seat", f"{number(1e6 * problem.expansion, 4)}·10⁻⁶"
     if problem.supports.wall == "fixed":
-        yield "wall of the seat moves inwards", given("length", problem.interference)
+        yield "wall of the seat moves inwards", format_quantity("length", problem.interference)
 
 
 def celsius(temperature: float) -> str:
@@ -302,7 +302,7 @@ def derived_numbers(case: Case, derived: Derived) -> dict[str, Any]:
     found = dict(zip(crossovers, widths(crossovers).tolist(), strict=True))
     return {
         "title": case.title,
-        "touch_radius_m": derived.touch_radius,
+        "touch_radius_m": derived.initial_contact_radius,
         "contact_angle_rad": case.contact.angle,
         "relative_radius_m": derived.relative_radius,
         "dimensions": {

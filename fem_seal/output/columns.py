@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Shown:
+class TerminalColumn:
     """A number on the terminal, always in the same unit.
 
     Parameters
@@ -100,9 +100,9 @@ class Column:
         return self.title or split_unit(self.name)[0].replace("_", " ")
 
     @property
-    def on_terminal(self) -> Shown:
+    def on_terminal(self) -> TerminalColumn:
         """How the terminal shows it."""
-        return Shown(self.name, self.short, fixed_unit(self.shown_in))
+        return TerminalColumn(self.name, self.short, fixed_unit(self.shown_in))
 
     def number(self, load: LoadResult) -> float:
         """Its cell in a row of numbers of a load, NaN where nothing was calculated."""
@@ -276,7 +276,10 @@ CHECK_OF_CASE: dict[str, tuple[str, str]] = _SAID["of_the_case"]
 # What it shows of the loads: what is known of the columns before a solve, and the closed forms.
 CHECK_ON_TERMINAL = (
     *(COLUMNS[name].on_terminal for name in ("fluid_pressure_Pa", "contact_force_N", "line_load_N_per_m")),
-    *(Shown(name, heading, fixed_unit(unit)) for name, (heading, unit) in _SAID["closed_forms"].items()),
+    *(
+        TerminalColumn(name, heading, fixed_unit(unit))
+        for name, (heading, unit) in _SAID["closed_forms"].items()
+    ),
     *(COLUMNS[name].on_terminal for name in ("blow_off_pressure_Pa", "force_for_target_leak_N")),
 )
 

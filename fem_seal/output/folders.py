@@ -30,7 +30,7 @@ _TAKEN = (errno.EWOULDBLOCK, errno.EAGAIN, errno.EACCES, errno.EDEADLK)
 
 
 @contextmanager
-def alone(folder: Path) -> Iterator[None]:
+def folder_lock(folder: Path) -> Iterator[None]:
     """Keep others from writing into the same folder, which is made if it does not exist.
 
     The lock is the system's own, on a file in the folder: it goes with the process, however that ends. On a file

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem_seal.files import write_text
-from fem_seal.output.prose import said
+from fem_seal.output.prose import sentence
 from fem_seal.output.tables import with_text, write_rows_csv
 from fem_seal.version import __version__
 
@@ -137,11 +137,11 @@ def matlab_text(found: LeakMap) -> str:
 def _about(found: LeakMap) -> Iterator[str]:
     # a line break in a title would end the comment
     yield " ".join(f"{found.title or 'seal'}, {found.fluid}; fem-seal {__version__}".split())
-    for sentence in ("grid", "gas" if found.is_gas else "liquid", "ends"):
-        yield said("leak_map.files", sentence)
+    for key in ("grid", "gas" if found.is_gas else "liquid", "ends"):
+        yield sentence("leak_map.files", key)
     worst = sorted({word for row in found.level for word in row} - {"valid"})
     if worst:
-        yield said("leak_map.files", "validity", levels=" and ".join(worst))
+        yield sentence("leak_map.files", "validity", levels=" and ".join(worst))
 
 
 def _unit(name: str) -> str:

@@ -14,7 +14,16 @@ from typing import TYPE_CHECKING, Any
 from fem_seal.files import own_tables
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.readings import OWN, WORDS
-from fem_seal.units import given, number, percent, quantity, quantity_worth, range_text, trimmed, worth
+from fem_seal.units import (
+    format_digits,
+    format_quantity,
+    number,
+    percent,
+    quantity,
+    quantity_worth,
+    range_text,
+    trimmed,
+)
 from leak import Reading
 
 if TYPE_CHECKING:
@@ -51,7 +60,7 @@ def template(name: str, *, escaped: bool = True) -> Template:
         optimized=False,
     )
     environment.filters["written"] = written
-    environment.globals |= {"math": math, "said": said, "load_name": load_name}
+    environment.globals |= {"math": math, "said": sentence, "load_name": load_name}
     return environment.get_template(name)
 
 
@@ -60,9 +69,9 @@ _PLAIN: dict[str, Callable[..., str]] = {
     "number": number,
     "percent": percent,
     "trimmed": trimmed,
-    "worth": worth,
+    "worth": format_digits,
 }
-_WITH_UNIT: dict[str, Callable[..., str]] = {"given": given, "worth": quantity_worth}
+_WITH_UNIT: dict[str, Callable[..., str]] = {"given": format_quantity, "worth": quantity_worth}
 
 
 def written(value: Any, how: str) -> str:
@@ -131,12 +140,12 @@ def other_reading(reading: Reading, told: str) -> str:
     told : str
         A clause.
     """
-    return said(
+    return sentence(
         "readings.load", "other", taken=WORDS[OWN].taken, condition=WORDS[reading].condition, told=told
     )
 
 
-def said(where: str, *parts: str, **values: object) -> str:
+def sentence(where: str, *parts: str, **values: object) -> str:
     """Some of the sentences of one table of the file, one after the other.
 
     Parameters

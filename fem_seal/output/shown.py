@@ -10,7 +10,7 @@ from fem_seal.answers.leakage_class import volume_of
 from fem_seal.output.columns import COLUMNS, Column
 from fem_seal.output.prose import filled, prose
 from fem_seal.seal.readings import FURTHER
-from fem_seal.units import LIQUID, LeakVolume, Unit, trimmed, unit_for, worth
+from fem_seal.units import LIQUID, LeakVolume, Unit, format_digits, trimmed, unit_for
 
 if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
@@ -151,7 +151,7 @@ def worded_table(
 
 
 @dataclass(frozen=True)
-class Filled:
+class ReportColumn:
     """A column with its values.
 
     Parameters
@@ -183,10 +183,10 @@ class Filled:
         return self.volume.named(found) if self.column.kind == "flow" else found
 
 
-def filled_column(name: str, result: SealSolution) -> Filled:
+def filled_column(name: str, result: SealSolution) -> ReportColumn:
     """A column of leak.csv with the values of a result."""
     column = COLUMNS[name]
-    return Filled(
+    return ReportColumn(
         column,
         [column.of(load) for load in result.loads],
         [column.digits(load) for load in result.loads],
@@ -194,7 +194,7 @@ def filled_column(name: str, result: SealSolution) -> Filled:
     )
 
 
-def columns_table(columns: Sequence[Filled]) -> ReadableTable:
+def columns_table(columns: Sequence[ReportColumn]) -> ReadableTable:
     """Columns side by side, one unit in each, without those that no row fills.
 
     Parameters
@@ -213,7 +213,7 @@ def columns_table(columns: Sequence[Filled]) -> ReadableTable:
     )
 
 
-def _cell(column: Filled, unit: Unit, n: int) -> str:
+def _cell(column: ReportColumn, unit: Unit, n: int) -> str:
     value = column.values[n]
     if value is None:
         return "–"
@@ -221,4 +221,4 @@ def _cell(column: Filled, unit: Unit, n: int) -> str:
         return trimmed(unit.of(value))
     if column.column.kind == "flow" and value and not column.volume.measurable(value):
         return "none measurable"
-    return worth(unit.of(value), column.digits[n])
+    return format_digits(unit.of(value), column.digits[n])

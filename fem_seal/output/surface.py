@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fem_seal.files import as_json, write_bytes, write_text
-from fem_seal.output.prose import said, worded_rows
-from fem_seal.units import given, number, percent, quantity
+from fem_seal.output.prose import sentence, worded_rows
+from fem_seal.units import format_quantity, number, percent, quantity
 
 if TYPE_CHECKING:
     from leak import MeasuredSurface, RoughnessParameters
@@ -105,7 +105,7 @@ def surface_lines(surface: MeasuredSurface) -> list[tuple[str, str]]:
         "interval": tuple(surface.rms_height * one for one in rolloff.height.interval),
         "roughness": found,
         "of_profiles": "" if found.profiles == 1 else f", mean of {found.profiles} profiles",
-        "short": given("length", found.filter.lambda_s) if found.filter.lambda_s else "none",
+        "short": format_quantity("length", found.filter.lambda_s) if found.filter.lambda_s else "none",
         "sections": "the whole scan" if found.sections == 0 else f"{found.sections} sections",
     }
     lay = surface.anisotropy is not None and surface.lay_angle is not None and surface.peklenik is not None
@@ -153,7 +153,7 @@ def _hurst(surface: MeasuredSurface) -> str:
     fit = surface.rolloff
     if fit.hurst is None or fit.hurst_interval is None:
         return "not determined: no part of the spectrum is long and clear enough"
-    text = said("surface.hurst", "fit", fit=fit)
+    text = sentence("surface.hurst", "fit", fit=fit)
     return text if 0.0 < fit.hurst <= 1.0 else f"{text}; outside 0 to 1: not self-affine"
 
 

@@ -23,7 +23,7 @@ from fem_seal.files import write_bytes, write_text
 if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
     from fem_seal.arrays import FloatArray
-    from fem_seal.seal.circumference import Around
+    from fem_seal.seal.circumference import Circumference
     from fem_seal.seal.load_result import LoadResult
 
 
@@ -149,7 +149,7 @@ def _write_loads(
 
 
 def _around_the_axis(
-    load: LoadResult, around: Around, height: Callable[[FloatArray], FloatArray]
+    load: LoadResult, around: Circumference, height: Callable[[FloatArray], FloatArray]
 ) -> tuple[NDArray[np.float32], NDArray[np.int64], dict[str, NDArray[np.float32]]]:
     """Points, quadrilaterals and point data of the seat's face, closed around the axis."""
     every = math.ceil(len(around.angle) / _ANGLES)

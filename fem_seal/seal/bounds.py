@@ -21,7 +21,7 @@ class Bounds(NamedTuple):
 
     Examples
     --------
-    >>> Bounds.of([3.0, 1.0, 2.0]).widened(Bounds.either_way(2.0))
+    >>> Bounds.of([3.0, 1.0, 2.0]).widened(Bounds.factor_bounds(2.0))
     Bounds(low=0.5, high=6.0)
     """
 
@@ -41,7 +41,7 @@ class Bounds(NamedTuple):
         return cls(float(known.min()), float(known.max()))
 
     @classmethod
-    def either_way(cls, factor: float) -> Bounds:
+    def factor_bounds(cls, factor: float) -> Bounds:
         """Factors of what may be so many times too large or too small.
 
         Parameters

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from fem_seal.contact.local_contact import LocalContact
     from fem_seal.contact.solution import ContactSolution
     from fem_seal.form import FormError
-    from fem_seal.seal.leak_model import ProfileFlow
+    from fem_seal.seal.leak_model import ProfileLeak
     from leak import LeakBounds, LeakResult
 
 # Angles for each wave of the highest harmonic.
@@ -51,7 +51,7 @@ _NOTHING, _EVEN = -500.0, 1e-12
 
 
 @dataclass(frozen=True, eq=False)
-class Around:
+class Circumference:
     """A load around the axis of a seal that is not round.
 
     Parameters
@@ -91,10 +91,10 @@ class Around:
     leak_rate: FloatArray | None = field(default=None, repr=False)
     leak: LeakResult | None = field(default=None, repr=False)
     bounds: tuple[LeakBounds[Any], ...] = field(default=(), repr=False)
-    before: Around | None = field(default=None, repr=False)
+    before: Circumference | None = field(default=None, repr=False)
 
     @property
-    def first_loading(self) -> Around:
+    def first_loading(self) -> Circumference:
         """The same if no place had carried more before."""
         return self if self.before is None else replace(self, before=None)
 
@@ -154,7 +154,7 @@ class Around:
             return found
         return [_after(one, before) for one, before in zip(found, self.before.profiles(step), strict=True)]
 
-    def with_leak(self, curve: LeakCurve) -> Around:
+    def with_leak(self, curve: LeakCurve) -> Circumference:
         """The same with its leak.
 
         Parameters
@@ -201,16 +201,16 @@ class LeakCurve:
     Parameters
     ----------
     local : LocalContact
-    flow : ProfileFlow
+    flow : ProfileLeak
     """
 
     local: LocalContact
-    flow: ProfileFlow
+    flow: ProfileLeak
     _known: dict[float, LeakResult] = field(default_factory=dict, repr=False)
     _later: dict[tuple[float, float], LeakResult] = field(default_factory=dict, repr=False)
 
     def leak_rates(
-        self, line_load: FloatArray, before: Around | None = None
+        self, line_load: FloatArray, before: Circumference | None = None
     ) -> tuple[FloatArray, LeakResult]:
         """Leak rate of the whole circumference at line loads [N/m], (m,) [m^3/s], and the flow where most leaks.
 
@@ -227,7 +227,7 @@ class LeakCurve:
         share, most = self._left(line_load, before)
         return first * share, most
 
-    def _left(self, line_load: FloatArray, before: Around) -> tuple[FloatArray, LeakResult]:
+    def _left(self, line_load: FloatArray, before: Circumference) -> tuple[FloatArray, LeakResult]:
         """What is left of the leak rate of first loading at each angle, and the flow where most leaks.
 
         It is a smooth function of the line loads now and before, interpolated on a lattice in both logarithms.
@@ -366,8 +366,8 @@ def _between(rungs: FloatArray, rates: FloatArray, v: FloatArray) -> FloatArray:
 
 
 def around_after(
-    form: FormError, local: LocalContact, before: LocalContact | None, near: Around | None = None
-) -> Around:
+    form: FormError, local: LocalContact, before: LocalContact | None, near: Circumference | None = None
+) -> Circumference:
     """`around`, and with it the same form under the largest load before.
 
     Parameters
@@ -391,7 +391,7 @@ def around_after(
     return replace(found, before=around(found.form, before, near_before))
 
 
-def around(form: FormError, local: LocalContact, near: Around | None = None) -> Around:
+def around(form: FormError, local: LocalContact, near: Circumference | None = None) -> Circumference:
     """Line load around the axis of a seal with a form error.
 
     Parameters
@@ -418,7 +418,9 @@ def around(form: FormError, local: LocalContact, near: Around | None = None) -> 
         angle = _angles(size * repeats)
         even = np.full_like(angle, mean.line_load)
         nothing = np.zeros_like(angle)
-        return Around(form, local, angle, nothing, even, np.full_like(angle, local.mean_approach), nothing)
+        return Circumference(
+            form, local, angle, nothing, even, np.full_like(angle, local.mean_approach), nothing
+        )
     gap = form.gap(_angles(size) / repeats)
     stiffening = Stiffening(mean.model, mean.pressure, _asked_of_bodies(form))
     f, approach = line_load_around(
@@ -437,7 +439,7 @@ def around(form: FormError, local: LocalContact, near: Around | None = None) -> 
         bends[n] = stiffening.bend(n * repeats) * modes[n]
     bend = np.fft.irfft(bends, size)
     gap, f, approach, bend = (np.tile(values, repeats) for values in (gap, f, approach, bend))
-    return Around(form, local, _angles(size * repeats), gap, f, approach, bend)
+    return Circumference(form, local, _angles(size * repeats), gap, f, approach, bend)
 
 
 def _asked_of_bodies(form: FormError) -> int:

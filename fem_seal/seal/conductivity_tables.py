@@ -23,7 +23,7 @@ import numpy as np
 
 from fem_seal.arrays import FloatArray
 from fem_seal.contact.laws import InterfaceLaw, ScaledLaw
-from fem_seal.seal.leak_model import Conductivity, Flow, theory_table
+from fem_seal.seal.leak_model import Conductivity, FlowModel, theory_table
 from leak import GasConductivityTable, PowerSpectrum, RoughContact
 from leak.flow.conductivity import AlikeTables, LoadMemory
 from leak.numerics.curves import lagrange
@@ -54,7 +54,7 @@ def family_law(surface: RoughContact) -> ScaledLaw:
 
 
 def family_table(
-    flow: Flow, surface: RoughContact, tables: Sequence[Conductivity] | None = None
+    flow: FlowModel, surface: RoughContact, tables: Sequence[Conductivity] | None = None
 ) -> Conductivity | None:
     """Flow conductivity of a surface from the tables of its shape; None where it is simulated.
 
@@ -85,7 +85,7 @@ def _between(surface: RoughContact, tables: tuple[Conductivity, ...]) -> Conduct
     return table.with_liquid(table.liquid.scaled(height, pressure, LoadMemory(surface), acting))
 
 
-def family_tables(flow: Flow, surface: RoughContact) -> tuple[FamilyTable, ...]:
+def family_tables(flow: FlowModel, surface: RoughContact) -> tuple[FamilyTable, ...]:
     """Names of the tables from which the flow conductivity of a surface follows; most of the time goes into them.
 
     Parameters

@@ -21,7 +21,7 @@ from fem_seal.case.tables import Asperities
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.profile import PressureProfile
 from fem_seal.seal.direct import HARDNESS_OVER_YIELD_STRESS, LOAD_STEP, DirectSettings
-from fem_seal.seal.leak_model import Flow, log_peaks
+from fem_seal.seal.leak_model import FlowModel, log_peaks
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.pieces import work
 from fem_seal.seal.problem import SealProblem
@@ -283,7 +283,7 @@ def simulate_seal(
 
 
 def _places(
-    load: LoadResult, surface: RoughContact, flow: Flow, settings: DirectSettings
+    load: LoadResult, surface: RoughContact, flow: FlowModel, settings: DirectSettings
 ) -> Iterator[SealPlace]:
     formed = load.formed
     if formed is None:
@@ -301,7 +301,7 @@ def _place(
     load: LoadResult,
     contact: ContactSolution,
     surface: RoughContact,
-    flow: Flow,
+    flow: FlowModel,
     settings: DirectSettings,
 ) -> SealPlace:
     profile = contact.profile
@@ -326,7 +326,7 @@ def _place(
     )
 
 
-def _conductance(flow: Flow, table: Any, profile: PressureProfile, fluid_pressure: float) -> float:
+def _conductance(flow: FlowModel, table: Any, profile: PressureProfile, fluid_pressure: float) -> float:
     """12 eta over the integral of dx/sigma [m^2]; zero where the contact is sealed."""
     # far out the surfaces stand apart and resist next to nothing
     p = profile.pressure

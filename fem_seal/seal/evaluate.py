@@ -15,11 +15,11 @@ from typing import TypeAlias, TypeVar
 
 from fem_seal.case.case import Case
 from fem_seal.contact.model import ContactModel
-from fem_seal.contact.newton import Pressing, solve_together
+from fem_seal.contact.newton import ContactProblem, solve_many
 from fem_seal.contact.sizing import MeshFit
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError, LoadProblem, NoLoadLeftError
-from fem_seal.seal.leak_model import RoughFlow
+from fem_seal.seal.leak_model import LeakModel
 from fem_seal.seal.load_result import LoadResult, SolvedSeal
 from fem_seal.seal.load_solver import Clock, LoadSolver, SolvedLoads, solve_loads
 from fem_seal.seal.problem import Loads, SealProblem, sizing
@@ -165,8 +165,8 @@ class Evaluation:
             for point, contact, formed in zip(points, self.solved.contacts, around, strict=True)
         ]
         shown = [contact for load in bare for contact in load.contacts]
-        rough = RoughFlow.of(self.problem.surface, self.problem.flow, shown, self.source.table)
-        return tuple(load.knowing(rough=rough) for load in bare)
+        rough = LeakModel.of(self.problem.surface, self.problem.flow, shown, self.source.table)
+        return tuple(load.with_values(rough=rough) for load in bare)
 
     def seal(self, case: Case) -> SolvedSeal:
         """What answers are computed from; bodies that are shared have no mesh, which few of them ask for.
@@ -298,12 +298,12 @@ def _solving(solvers: Collection[LoadSolver]) -> str:
 Pressed = Mapping[int, ContactSolution | Exception]
 
 
-def _pressed(asked: Mapping[int, Mapping[int, Pressing]], batch: Batch) -> dict[int, Pressed]:
+def _pressed(asked: Mapping[int, Mapping[int, ContactProblem]], batch: Batch) -> dict[int, Pressed]:
     """Contacts of loads that are questions of their own, by problem and load: all at once, in half the time."""
     asked = {number: loads for number, loads in asked.items() if loads}
 
-    def together(several: Sequence[Mapping[int, Pressing]]) -> list[Pressed]:
-        every = iter(solve_together([one for loads in several for one in loads.values()]))
+    def together(several: Sequence[Mapping[int, ContactProblem]]) -> list[Pressed]:
+        every = iter(solve_many([one for loads in several for one in loads.values()]))
         return [{number: next(every) for number in loads} for loads in several]
 
     return {

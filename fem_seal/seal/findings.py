@@ -29,7 +29,7 @@ _RANK = {level: rank for rank, level in enumerate(Level)}
 
 
 @dataclass(frozen=True)
-class Caution:
+class Finding:
     """One thing that a user should know before believing a result.
 
     Parameters
@@ -60,7 +60,7 @@ class Caution:
         return max(high - 1.0, 1.0 - low)
 
 
-def worst_first(cautions: Iterable[Caution]) -> tuple[Caution, ...]:
+def worst_first(cautions: Iterable[Finding]) -> tuple[Finding, ...]:
     """Cautions in the order of their levels, those of one level as they came.
 
     Parameters
@@ -86,10 +86,10 @@ class Validity:
     ('outside the theory', 'valid')
     """
 
-    cautions: tuple[Caution, ...] = ()
+    cautions: tuple[Finding, ...] = ()
 
     @classmethod
-    def of(cls, cautions: Iterable[Caution]) -> Validity:
+    def of(cls, cautions: Iterable[Finding]) -> Validity:
         """The verdict of some cautions.
 
         Parameters
@@ -168,7 +168,7 @@ ORDERS_OF_MAGNITUDE = 1e3
 """What "orders of magnitude" are taken for where something is to be decided: three."""
 _NOT_JUDGED = "checks of what the theory allows failed"
 # A check that fails is no clean bill.
-NOT_JUDGED = Validity((Caution("checks", Level.DOUBTFUL, _NOT_JUDGED, _NOT_JUDGED),))
+NOT_JUDGED = Validity((Finding("checks", Level.DOUBTFUL, _NOT_JUDGED, _NOT_JUDGED),))
 
 
 # How far the numbers of a row can be trusted, in words, and why no further.

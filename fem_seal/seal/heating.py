@@ -24,7 +24,7 @@ from meshes import ContactGeometry, SealMesh, Sizing, build_contact
 
 if TYPE_CHECKING:
     from fem_seal.arrays import FloatArray
-    from fem_seal.bodies.held_body import Heat, HeldBody
+    from fem_seal.bodies.constrained_body import ConstrainedBody, Heat
     from fem_seal.case.tables import CaseTables
     from fem_seal.contact.conduction import Surroundings, TemperatureField
 
@@ -67,7 +67,7 @@ class Heating:
             If a number of a material is not known at a temperature that is reached, or strains are not small.
         ConvergenceError
         """
-        from fem_seal.bodies.held_body import Heat
+        from fem_seal.bodies.constrained_body import Heat
 
         with _at_temperature():
             found = self.field(seal_mesh, materials)
@@ -80,12 +80,12 @@ class Heating:
                 _check_curves(name, materials[name], nodes)
         return heat
 
-    def wall_motion(self, seat: HeldBody, material: Material) -> float:
+    def wall_motion(self, seat: ConstrainedBody, material: Material) -> float:
         """How far a held wall is moved inwards because the bore grows less than the seat at the contact [m].
 
         Parameters
         ----------
-        seat : HeldBody
+        seat : ConstrainedBody
             With its temperature.
         material : Material
             Of the seat.
@@ -154,11 +154,11 @@ def heating(case: CaseTables) -> Heating | None:
 def _line_loads(case: CaseTables) -> list[float]:
     load, contact = case.load, case.contact
     forces = [
-        expected_force(contact.touch_radius, *point, load.pressure_side, load.closing)
+        expected_force(contact.initial_contact_radius, *point, load.pressure_side, load.closing)
         for point in load.points
     ]
     closed = [force for force in forces if force > 0] or [1.0]
-    return [line_load(force, contact.touch_radius, contact.angle) for force in closed]
+    return [line_load(force, contact.initial_contact_radius, contact.angle) for force in closed]
 
 
 def _touching(case: CaseTables) -> tuple[float, float]:

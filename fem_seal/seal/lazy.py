@@ -17,7 +17,7 @@ T = TypeVar("T")
 class Lazy:
     """Base of frozen dataclasses with cached properties."""
 
-    def knowing(self, **known: object) -> Self:
+    def with_values(self, **known: object) -> Self:
         """A copy that knows more; what was worked out already stays, which `dataclasses.replace` would forget.
 
         Parameters
@@ -60,7 +60,7 @@ class ByReading(Lazy):
         ----------
         known : mapping
         """
-        other = self.knowing()
+        other = self.with_values()
         vars(other).update({reading.name: one for reading, one in known.items()})
         return other
 
@@ -126,7 +126,7 @@ class OptionalSteps:
         otherwise : object
         """
         for name, what in steps.items():
-            one = one.knowing(**{name: self.compute(what, partial(getattr, one, name), otherwise)})
+            one = one.with_values(**{name: self.compute(what, partial(getattr, one, name), otherwise)})
         return one
 
     @contextmanager

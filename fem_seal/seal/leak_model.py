@@ -58,7 +58,7 @@ def gas_of_test(name: str, gas: Gas) -> Gas:
 
 
 @dataclass(frozen=True)
-class Flow:
+class FlowModel:
     """A liquid or a gas, and how its way between rough surfaces is calculated.
 
     Parameters
@@ -113,7 +113,7 @@ class Flow:
         return self.viscosity * leak.effective_viscosity_ratio(self.pressure_law, fluid_pressure)
 
     @property
-    def in_test(self) -> Flow:
+    def in_test(self) -> FlowModel:
         """The same way for the gas that the standards test with, see `gas_of_test`; itself for a liquid."""
         tested = None if self.gas is None else gas_of_test(self.fluid, self.gas)
         if tested is None or tested is self.gas:
@@ -126,7 +126,7 @@ class Flow:
         return self.direct if self.conductivity == "direct" else None
 
     @property
-    def elastic(self) -> Flow:
+    def elastic(self) -> FlowModel:
         """The same where nothing yields in a simulation; itself without one."""
         simulated = self.simulated
         if simulated is None or simulated.elastic is simulated:
@@ -382,7 +382,7 @@ def as_first_loaded(table: Conductivity, profile: PressureProfile) -> PressurePr
 
 
 @dataclass(frozen=True)
-class ProfileFlow:
+class ProfileLeak:
     """How the fluid of a seal gets through any pressure profile, at one pressure difference.
 
     Parameters
@@ -401,16 +401,16 @@ class ProfileFlow:
 
 
 def _made(
-    table: Callable[[Flow, RoughContact, Sequence[float]], Conductivity],
+    table: Callable[[FlowModel, RoughContact, Sequence[float]], Conductivity],
     peaks: Sequence[float],
-    flow: Flow,
+    flow: FlowModel,
     surface: RoughContact,
 ) -> Conductivity:
     # by name, because results can be pickled
     return table(flow, surface, peaks)
 
 
-def _table_of(rough: RoughFlow, flow: Flow, surface: RoughContact) -> Conductivity:
+def _table_of(rough: LeakModel, flow: FlowModel, surface: RoughContact) -> Conductivity:
     if flow.end:
         return rough.make(flow, surface)
     # of one surface there are readings that differ in nothing else
@@ -439,7 +439,7 @@ def log_peaks(contacts: Sequence[ContactSolution]) -> list[float]:
 
 
 @dataclass(frozen=True, eq=False)
-class RoughFlow(ByReading):
+class LeakModel(ByReading):
     """Rough surfaces and the fluid between them, with what contacts share of it, made when it is asked for.
 
     Parameters
@@ -454,18 +454,18 @@ class RoughFlow(ByReading):
     """
 
     surface: RoughContact
-    flow: Flow | None
-    make: Callable[[Flow, RoughContact], Conductivity]
+    flow: FlowModel | None
+    make: Callable[[FlowModel, RoughContact], Conductivity]
     peaks: tuple[float, ...] = ()
 
     @classmethod
     def of(
         cls,
         surface: RoughContact | None,
-        flow: Flow | None,
+        flow: FlowModel | None,
         contacts: Sequence[ContactSolution],
-        table: Callable[[Flow, RoughContact, Sequence[float]], Conductivity] | None = None,
-    ) -> RoughFlow | None:
+        table: Callable[[FlowModel, RoughContact, Sequence[float]], Conductivity] | None = None,
+    ) -> LeakModel | None:
         """With a table over all pressures of some contacts; None without roughness.
 
         Parameters
@@ -478,10 +478,10 @@ class RoughFlow(ByReading):
         """
         if surface is None:
             return None
-        make = partial(_made, table or Flow.table_around, log_peaks(contacts))
+        make = partial(_made, table or FlowModel.table_around, log_peaks(contacts))
         return cls(surface, flow, make, tuple(contact.profile.peak_pressure for contact in contacts))
 
-    def _read_as(self, reading: Reading) -> RoughFlow:
+    def _read_as(self, reading: Reading) -> LeakModel:
         surface, flow = self.surface.reading(reading), self.flow
         if reading is Reading.ELASTIC and flow is not None:
             flow = flow.elastic
@@ -489,7 +489,7 @@ class RoughFlow(ByReading):
         return self if same else replace(self, surface=surface, flow=flow)
 
     @cached_property
-    def ends(self) -> tuple[RoughFlow, ...]:
+    def ends(self) -> tuple[LeakModel, ...]:
         """The same at either end of the interval that a direct simulation gives; none without one."""
         if self.flow is None or self.flow.simulated is None:
             return ()
@@ -502,13 +502,13 @@ class RoughFlow(ByReading):
         return tuple(one for one in known if not self.ends or self.surface.reading(one) is self.surface)
 
     @variant
-    def in_test(self) -> RoughFlow:
+    def in_test(self) -> LeakModel:
         """The same with the gas that the standards test with; itself where the fluid is one, and of a liquid."""
         return (
             self if self.flow is None or self.flow.in_test is self.flow else self.with_flow(self.flow.in_test)
         )
 
-    def with_flow(self, flow: Flow) -> RoughFlow:
+    def with_flow(self, flow: FlowModel) -> LeakModel:
         """The same with another gas, of which the tables know nothing.
 
         Parameters
@@ -517,7 +517,7 @@ class RoughFlow(ByReading):
         """
         # what is shared is worked out before; a copy of it does not know the other, which would hold it in turn
         _ = self.table, *map(self.reading, Reading)
-        return replace(self, flow=flow, make=partial(_table_of, self.knowing()))
+        return replace(self, flow=flow, make=partial(_table_of, self.with_values()))
 
     @cached_property
     def table(self) -> Conductivity | None:
@@ -557,12 +557,12 @@ class RoughFlow(ByReading):
         table = self.flow.in_contact(self.table, self.surface, profile)
         return self.flow.leak_by(table, pressed, fluid_pressure)
 
-    def at(self, fluid_pressure: float) -> ProfileFlow | None:
+    def at(self, fluid_pressure: float) -> ProfileLeak | None:
         """Flow at a pressure difference [Pa]; None without a fluid."""
         flow, table = self.flow, self.table
         if flow is None or table is None:
             return None
-        return ProfileFlow(
+        return ProfileLeak(
             lambda profile: flow.leak_of(table, self.surface, profile, fluid_pressure),
             lambda profile, grooves: flow.bounds(table, self.surface, profile, fluid_pressure, grooves),
             lambda pressure: flow.conductivity_at(table, pressure, fluid_pressure),

@@ -9,7 +9,7 @@ import numpy as np
 
 from fem_seal.arrays import FloatArray
 from fem_seal.seal.load_result import LoadResult
-from fem_seal.units import Unit, given, unit_for
+from fem_seal.units import Unit, format_quantity, unit_for
 
 
 def load_name(load: LoadResult, loads: Sequence[LoadResult]) -> str:
@@ -33,9 +33,9 @@ def load_values(load: LoadResult, loads: Sequence[LoadResult]) -> str:
     loads : sequence
         All of them.
     """
-    pressure = given("fluid pressure", load.fluid_pressure)
+    pressure = format_quantity("fluid pressure", load.fluid_pressure)
     forces = {other.applied_force for other in loads if other.fluid_pressure == load.fluid_pressure}
-    return pressure if len(forces) == 1 else f"{pressure} with {given('force', load.applied_force)}"
+    return pressure if len(forces) == 1 else f"{pressure} with {format_quantity('force', load.applied_force)}"
 
 
 def different(loads: Sequence[LoadResult]) -> list[int]:
@@ -114,7 +114,7 @@ def load_axis(loads: Sequence[LoadResult]) -> LoadAxis:
     forces = np.array([load.applied_force for load in loads])
     path = any(_remembers(load) for load in loads), any(_number(load, loads) for load in loads)
     if np.ptp(pressures) == 0 and np.ptp(forces) > 0:
-        names = tuple(given("force", load.applied_force) + _number(load, loads) for load in loads)
+        names = tuple(format_quantity("force", load.applied_force) + _number(load, loads) for load in loads)
         return LoadAxis("applied force", unit_for("force", float(np.abs(forces).max())), forces, names, *path)
     names = tuple(load_name(load, loads) for load in loads)
     return LoadAxis(

@@ -12,10 +12,10 @@ import numpy as np
 
 from fem_seal.former_names import former_attribute
 from fem_seal.seal.bounds import AGREE, EXACT, Bounds
-from fem_seal.seal.findings import DIRECT_SCATTER, VALID, Caution, Level, Validity
+from fem_seal.seal.findings import DIRECT_SCATTER, VALID, Finding, Level, Validity
 from fem_seal.seal.lazy import ByReading, variant
-from fem_seal.seal.leak_model import Conductivity, Flow, RoughFlow
-from fem_seal.units import DIGITS, digits_within, given, leak_range_text, quantity_worth, share_text
+from fem_seal.seal.leak_model import Conductivity, FlowModel, LeakModel
+from fem_seal.units import DIGITS, digits_within, format_quantity, leak_range_text, quantity_worth, share_text
 from leak import Reading
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from fem_seal.contact.solution import ContactSolution
     from fem_seal.errors import LoadProblem
     from fem_seal.profile import PressureProfile
-    from fem_seal.seal.circumference import Around
+    from fem_seal.seal.circumference import Circumference
     from fem_seal.seal.problem import SealProblem
     from leak import FlowError, LeakResult, RoughContact
     from meshes import SealMesh
@@ -49,7 +49,7 @@ class LoadResult(ByReading):
     applied_force : float
         Force of spring or actuator on the closure [N], positive where it closes.
     contact : ContactSolution
-    rough : RoughFlow or None
+    rough : LeakModel or None
         Surfaces and fluid; None without roughness.
     formed : Around or None
         Line load around the axis, of which `contact` carries the mean; None for a round seal.
@@ -80,8 +80,8 @@ class LoadResult(ByReading):
     fluid_pressure: float
     applied_force: float
     contact: ContactSolution
-    rough: RoughFlow | None = None
-    formed: Around | None = None
+    rough: LeakModel | None = None
+    formed: Circumference | None = None
     effective_radius: float | None = None
     blow_off_pressure: float | None = None
     force_for_target: float | None = None
@@ -94,8 +94,9 @@ class LoadResult(ByReading):
     by_theory: Mapping[str, LoadResult] | None = None
 
     def __repr__(self) -> str:
-        at = f"{given('fluid pressure', self.fluid_pressure)}, {given('force', self.applied_force)} applied"
-        return f"<LoadResult at {at}: {self.in_brief}>"
+        pressure = format_quantity("fluid pressure", self.fluid_pressure)
+        force = format_quantity("force", self.applied_force)
+        return f"<LoadResult at {pressure}, {force} applied: {self.in_brief}>"
 
     @property
     def in_brief(self) -> str:
@@ -143,11 +144,11 @@ class LoadResult(ByReading):
         share = None if self.mesh_error is None else self.mesh_error.leak_rate
         if share is not None and share > 0.0:
             told = f"the mesh leaves an error of {share_text(share)}"
-            known.append(Caution("mesh", Level.VALID, told, told, Bounds.either_way(1.0 + share)))
+            known.append(Finding("mesh", Level.VALID, told, told, Bounds.factor_bounds(1.0 + share)))
         if self.theory_error != EXACT and self.sampled is None:  # or the samples have it
             low, high = self.theory_error
             told = f"direct simulation of rough surfaces finds {low:.2f} to {high:.2f} times as much"
-            known.append(Caution("theory", Level.VALID, told, told, self.theory_error))
+            known.append(Finding("theory", Level.VALID, told, told, self.theory_error))
         return Validity.of(known)
 
     @property
@@ -255,7 +256,7 @@ class LoadResult(ByReading):
         return None if self.rough is None else self.rough.leak(self.contact.profile, self.fluid_pressure)
 
     @cached_property
-    def around(self) -> Around | None:
+    def around(self) -> Circumference | None:
         """Line load, pressure and leak around the axis; None for a round seal."""
         formed = self.formed
         flow = None if self.rough is None else self.rough.at(self.fluid_pressure)
@@ -342,7 +343,9 @@ class LoadResult(ByReading):
         found = self._in_test
         if found is self:
             return self
-        return found.knowing(sampled=self.sampled_in_test, validity=self.validity, mesh_error=self.mesh_error)
+        return found.with_values(
+            sampled=self.sampled_in_test, validity=self.validity, mesh_error=self.mesh_error
+        )
 
     @variant
     def _in_test(self) -> Self:
@@ -398,10 +401,10 @@ class LoadResult(ByReading):
 
 def leak_rates(
     surface: RoughContact,
-    flows: Sequence[Flow],
+    flows: Sequence[FlowModel],
     loads: Sequence[LoadResult],
     alike: Sequence[LoadResult] = (),
-    table: Callable[[Flow, RoughContact, Sequence[float]], Conductivity] | None = None,
+    table: Callable[[FlowModel, RoughContact, Sequence[float]], Conductivity] | None = None,
 ) -> list[tuple[float, ...]]:
     """Leak rate of each load with another surface or flow on the same contact, for each of the flows [m^3/s].
 
@@ -417,7 +420,7 @@ def leak_rates(
         Conductivity of a flow and a surface, over peak pressures given as decimal logarithms.
     """
     shown = [contact for load in (*alike, *loads) for contact in load.contacts]
-    first = RoughFlow.of(surface, flows[0], shown, table)
+    first = LeakModel.of(surface, flows[0], shown, table)
     assert first is not None  # there is a surface
     found = []
     for flow in flows:
@@ -567,7 +570,7 @@ class SolvedSeal:
     unloaded: Unloaded | None = None
     earlier: ContactSolution | None = None
     missing: Mapping[tuple[float, float], LoadProblem] = field(default_factory=dict)
-    left_out: tuple[Caution, ...] = ()
+    left_out: tuple[Finding, ...] = ()
 
     def with_loads(self, loads: Sequence[LoadResult]) -> Self:
         """The same seal, whose loads know more."""

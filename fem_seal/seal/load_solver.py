@@ -22,12 +22,12 @@ from fem_seal.contact.load_path import (
     load_path,
     yielding_bodies,
 )
-from fem_seal.contact.newton import Pressing, solve
+from fem_seal.contact.newton import ContactProblem, solve
 from fem_seal.contact.penetration import (
-    FlowThrough,
-    FluidAndContact,
+    CoupledContact,
+    FluidAtContact,
     FluidPath,
-    HeldFluid,
+    PenetratingFluid,
     blow_off_pressure,
     least_applied_force,
     solve_at_contact_force,
@@ -54,7 +54,7 @@ if TYPE_CHECKING:
     from fem_seal.arrays import FloatArray
     from fem_seal.contact.laws import Law
     from fem_seal.contact.model import ContactModel
-    from fem_seal.seal.circumference import Around
+    from fem_seal.seal.circumference import Circumference
 
 
 @dataclass(frozen=True)
@@ -133,7 +133,7 @@ class LoadSolver:
         except OpenSealError as error:
             raise self._open_seal(seal, fluid_pressure, applied_force, error) from error
 
-    def pressings(self, settings: ContactSettings = DEFAULT_SETTINGS) -> dict[int, Pressing]:
+    def pressings(self, settings: ContactSettings = DEFAULT_SETTINGS) -> dict[int, ContactProblem]:
         """What is to be pressed of each load, where each is a question of its own: no path, no way of the fluid."""
         if self.yields or not self._on_sealed_area:
             return {}
@@ -141,7 +141,7 @@ class LoadSolver:
         forces = [applied + self._closes(pressure) for pressure, applied in self.problem.loads.points]
         # what is no force says so where its load is solved
         return {
-            number: Pressing(self.model, self.problem.law, force, at_rest, settings)
+            number: ContactProblem(self.model, self.problem.law, force, at_rest, settings)
             for number, force in enumerate(forces)
             if 0 < force < math.inf
         }
@@ -182,7 +182,7 @@ class LoadSolver:
         return self._open_seal(replace(self.seal, model=opened.model), *point, opened.error)
 
     def _open_seal(
-        self, seal: FluidAndContact, fluid_pressure: float, applied_force: float, error: OpenSealError
+        self, seal: CoupledContact, fluid_pressure: float, applied_force: float, error: OpenSealError
     ) -> InputError:
         """What is said of a load that opens a seal."""
         least = least_applied_force(seal, fluid_pressure)
@@ -248,7 +248,7 @@ class LoadSolver:
         if not self._on_sealed_area:
             return blow_off_pressure(self._seal_after(contact), applied_force=applied_force)
         return blow_off_of_sealed_area(
-            self.problem.touch_radius, applied_force, self.problem.loads.pressure_side
+            self.problem.initial_contact_radius, applied_force, self.problem.loads.pressure_side
         )
 
     def opening_force(self, fluid_pressure: float, contact: ContactSolution | None = None) -> float | None:
@@ -260,7 +260,7 @@ class LoadSolver:
             return least_applied_force(self._seal_after(contact), fluid_pressure)
         return -self._closes(fluid_pressure)
 
-    def _seal_after(self, contact: ContactSolution | None) -> FluidAndContact:
+    def _seal_after(self, contact: ContactSolution | None) -> CoupledContact:
         """The seal with bodies that have gone through the loads up to a contact."""
         if not isinstance(contact, ElastoplasticContact):
             return self.seal
@@ -288,7 +288,7 @@ class LoadSolver:
         return SealFlow.of(self.problem)
 
     @cached_property
-    def seal(self) -> FluidAndContact:
+    def seal(self) -> CoupledContact:
         """What stays the same at every load."""
         earlier = None if self.yields else self.earlier
         if earlier is None:
@@ -297,21 +297,21 @@ class LoadSolver:
 
     def _path_after(self, largest: FloatArray) -> FluidPath:
         """The fluid's way between surfaces of which each place has carried a pressure before [Pa], shape (m,)."""
-        if self.flow is None or not isinstance(self._path, FlowThrough):
+        if self.flow is None or not isinstance(self._path, PenetratingFluid):
             return self._path
         return replace(self._path, as_first_loaded=partial(self.flow.as_first_loaded, largest=largest))
 
     @cached_property
-    def _first_seal(self) -> FluidAndContact:
+    def _first_seal(self) -> CoupledContact:
         """The same before any load."""
-        return FluidAndContact(self.model, self.problem.law, self._path, self.problem.at_rest(self.model))
+        return CoupledContact(self.model, self.problem.law, self._path, self.problem.at_rest(self.model))
 
     @cached_property
     def _path(self) -> FluidPath:
         side, flow = self.problem.loads.pressure_side, self.flow
         if flow is None:
-            return HeldFluid(side)
-        return FlowThrough(
+            return FluidAtContact(side)
+        return PenetratingFluid(
             lambda profile, pressure: flow.leak(profile, pressure).fluid_pressure,
             flow.flow.sealing_pressure(flow.surface),
             side,
@@ -322,7 +322,9 @@ class LoadSolver:
         return solve(self.model, self.problem.law, contact_force=force, loads=at_rest, start=start)
 
     def _closes(self, fluid_pressure: float) -> float:
-        return contact_force(self.problem.touch_radius, fluid_pressure, 0.0, self.problem.loads.pressure_side)
+        return contact_force(
+            self.problem.initial_contact_radius, fluid_pressure, 0.0, self.problem.loads.pressure_side
+        )
 
 
 # What keeps one load from being solved: it opens the seal, does not converge, or its numbers leave their range.
@@ -353,11 +355,11 @@ class SolvedLoads:
     unloaded: Unloaded | None = None
     failures: Mapping[int, Exception] = field(default_factory=dict)
     not_unloaded: ConvergenceError | None = None
-    formed: Sequence[Around] = ()
+    formed: Sequence[Circumference] = ()
     earlier: ContactSolution | None = None
 
     @property
-    def around(self) -> Sequence[Around | None]:
+    def around(self) -> Sequence[Circumference | None]:
         """Each contact around the axis; None for a round seal."""
         return self.formed or [None] * len(self.contacts)
 
@@ -395,7 +397,7 @@ def solve_loads(
     problem = solver.problem
     # the number of waves that hurts most is one for all loads, that of the highest fluid pressure
     order = sorted(range(len(points)), key=lambda number: points[number], reverse=True)
-    found: dict[int, tuple[ContactSolution, Around | None]] = {}
+    found: dict[int, tuple[ContactSolution, Circumference | None]] = {}
     for number in order:
         try:
             contact = solver.solve_pressed(number, (pressed or {}).get(number))

@@ -25,18 +25,18 @@ from fem_seal.loads import PressureSide, expected_force, line_load, plastic_half
 from fem_seal.materials import HardeningCurve, Material, effective_modulus
 from fem_seal.profile import PressureProfile, remembered
 from fem_seal.seal.heating import Heating, heating, warmed
-from fem_seal.seal.leak_model import MARGIN, Conductivity, Flow, ProfileFlow, as_first_loaded
+from fem_seal.seal.leak_model import MARGIN, Conductivity, FlowModel, ProfileLeak, as_first_loaded
 from meshes import ContactGeometry, SealMesh, Sizing, build_contact
 
 if TYPE_CHECKING:
     from fem_seal.arrays import FloatArray
-    from fem_seal.bodies.held_body import LoadName
+    from fem_seal.bodies.constrained_body import LoadName
     from fem_seal.case.tables import CaseTables, Direct, Interface
     from fem_seal.contact.model import ContactModel
-    from fem_seal.contact.other_loads import FurtherLoads
+    from fem_seal.contact.other_loads import BodyLoads
     from fem_seal.contact.solution import ContactSolution
     from fem_seal.form import FormError
-    from fem_seal.seal.circumference import Around
+    from fem_seal.seal.circumference import Circumference
     from fem_seal.seal.direct import DirectSettings
     from leak import LeakResult, RoughContact
 
@@ -208,7 +208,7 @@ class SealProblem:
     interface: Interface
     loads: Loads
     surface: RoughContact | None = None
-    flow: Flow | None = None
+    flow: FlowModel | None = None
     form: FormError | None = None
     supports: Supports = _FREE
     interference: float = 0.0
@@ -245,7 +245,9 @@ class SealProblem:
             loads=Loads.of(case),
             surface=rough_contact(case),
             flow=flow_of(case),
-            form=None if case.form is None else case.form.error(case.contact.angle, case.touch_radius),
+            form=None
+            if case.form is None
+            else case.form.error(case.contact.angle, case.initial_contact_radius),
             supports=Supports(wall=getattr(case.seat, "wall", "free")),
             interference=case.wall_motion,
             expansion=case.thermal_strain("closure") - case.thermal_strain("seat") if case.expands else 0.0,
@@ -298,16 +300,16 @@ class SealProblem:
         )
 
     @property
-    def touch_radius(self) -> float:
+    def initial_contact_radius(self) -> float:
         """Radius r0 of the circle of first touch [m]."""
-        return self.contact.touch_radius
+        return self.contact.initial_contact_radius
 
     @cached_property
     def effective_modulus(self) -> float:
         """E* of both bodies [Pa]."""
         return effective_modulus(self.materials["closure"], self.materials["seat"])
 
-    def at_rest(self, model: ContactModel) -> FurtherLoads:
+    def at_rest(self, model: ContactModel) -> BodyLoads:
         """What acts on the bodies without any load: a press fit and heat.
 
         All is counted from a seal that has grown as the seat does, at the contact: that changes its scale only, by
@@ -318,18 +320,18 @@ class SealProblem:
         model : ContactModel
             Its bodies, condensed with the temperatures of the problem.
         """
-        from fem_seal.contact.other_loads import FurtherLoads
+        from fem_seal.contact.other_loads import BodyLoads
 
         bodies = (model.closure, model.seat)
         found = {body.held.name: body.held.temperature for body in bodies}
         if self.heating is None:
             expansion: dict[LoadName, float] = {"expansion": self.expansion} if self.expansion else {}
-            fit = FurtherLoads.press_fit(self.interference)
-            return FurtherLoads(expansion, fit.seat, temperature=self.temperatures)
+            fit = BodyLoads.press_fit(self.interference)
+            return BodyLoads(expansion, fit.seat, temperature=self.temperatures)
         wall = self.interference + self.heating.wall_motion(model.seat.held, self.materials["seat"])
-        return FurtherLoads(
+        return BodyLoads(
             {"heat": 1.0},
-            {"heat": 1.0, **FurtherLoads.press_fit(wall if len(model.seat.held.wall) else 0.0).seat},
+            {"heat": 1.0, **BodyLoads.press_fit(wall if len(model.seat.held.wall) else 0.0).seat},
             temperature={name: nodes for name, nodes in found.items() if nodes is not None},
         )
 
@@ -339,8 +341,8 @@ class SealProblem:
         return [material.hardening for material in self.materials.values() if material.hardening is not None]
 
     def around(
-        self, contact: ContactSolution, law: Law | None = None, near: Around | None = None
-    ) -> Around | None:
+        self, contact: ContactSolution, law: Law | None = None, near: Circumference | None = None
+    ) -> Circumference | None:
         """Line load around the axis where one of the problem's contacts carries the mean; None for a round seal.
 
         Parameters
@@ -395,7 +397,7 @@ def rough_contact(case: CaseTables) -> RoughContact | None:
     )
 
 
-def flow_of(case: CaseTables) -> Flow | None:
+def flow_of(case: CaseTables) -> FlowModel | None:
     """How the case's fluid flows; None without one.
 
     Parameters
@@ -405,7 +407,7 @@ def flow_of(case: CaseTables) -> Flow | None:
     fluid = case.fluid
     if fluid is None:
         return None
-    return Flow(
+    return FlowModel(
         fluid.name,
         fluid.viscosity,
         fluid.density,
@@ -510,7 +512,7 @@ def sizing(problem: SealProblem, forces: Sequence[float] | None = None) -> Sizin
     forces = [*(expected_forces(problem) if forces is None else forces)]
     if problem.loads.earlier is not None:
         forces.append(_expected_force(problem, *problem.loads.earlier))
-    line_loads = [line_load(force, contact.touch_radius, contact.angle) for force in forces]
+    line_loads = [line_load(force, contact.initial_contact_radius, contact.angle) for force in forces]
     try:
         found = element_sizes(problem.law, line_loads, contact, problem.effective_modulus, size)
     except InputError as error:
@@ -558,7 +560,7 @@ def expected_forces(problem: SealProblem) -> list[float]:
 def _expected_force(problem: SealProblem, fluid_pressure: float, applied_force: float) -> float:
     loads = problem.loads
     return expected_force(
-        problem.touch_radius, fluid_pressure, applied_force, loads.pressure_side, loads.closing
+        problem.initial_contact_radius, fluid_pressure, applied_force, loads.pressure_side, loads.closing
     )
 
 
@@ -578,7 +580,7 @@ def largest_force(problem: SealProblem) -> float:
     problem : SealProblem
     """
     contact, modulus = problem.contact, problem.effective_modulus
-    r0, R = contact.touch_radius, contact.relative_radius
+    r0, R = contact.initial_contact_radius, contact.relative_radius
     if math.isinf(R):
         # Faces that fit each other: the pressure at which Hertz' contact would be as wide, all over the face.
         start, end = contact.reach
@@ -609,7 +611,7 @@ class SealFlow:
 
     problem: SealProblem
     surface: RoughContact
-    flow: Flow
+    flow: FlowModel
 
     @classmethod
     def of(cls, problem: SealProblem) -> SealFlow | None:
@@ -646,7 +648,7 @@ class SealFlow:
         formed = self.problem.around(contact)
         if formed is None:
             return self.leak(contact.profile, fluid_pressure)
-        flow = ProfileFlow(
+        flow = ProfileLeak(
             lambda profile: self.leak(profile, fluid_pressure),
             lambda profile, grooves: self.flow.bounds(
                 self._table(profile), self.surface, profile, fluid_pressure, grooves
@@ -675,13 +677,16 @@ class SealFlow:
         ((std, peak),) = self._expected([contact_force])
         x = std * np.linspace(-_REACH, _REACH, _POINTS)
         pressure = peak * np.exp(-0.5 * (x / std) ** 2)
-        radius = np.maximum(contact.touch_radius + x * math.cos(contact.angle), 0.1 * contact.touch_radius)
+        r0 = contact.initial_contact_radius
+        radius = np.maximum(r0 + x * math.cos(contact.angle), 0.1 * r0)
         return PressureProfile(x, radius, pressure, np.full_like(x, np.nan), np.gradient(x))
 
     def _expected(self, contact_forces: Sequence[float]) -> list[tuple[float, float]]:
         """Standard deviation [m] and peak [Pa] of the pressure of contacts that carry forces F_N [N]."""
         problem, contact = self.problem, self.problem.contact
-        line_loads = [line_load(force, contact.touch_radius, contact.angle) for force in contact_forces]
+        line_loads = [
+            line_load(force, contact.initial_contact_radius, contact.angle) for force in contact_forces
+        ]
         widths = contact_widths(problem.law, line_loads, Opening.of(contact), problem.effective_modulus)
         stds = [width.std for width in widths]
         if problem.curves:

@@ -17,11 +17,11 @@ from threading import RLock
 from typing import Any, Self
 
 from fem_seal.bodies.supports import Supports
-from fem_seal.contact.model import ContactModel, condense, screened
+from fem_seal.contact.model import ContactModel, condense, with_stress_bound
 from fem_seal.contact.solution import DEFAULT_SETTINGS, ContactSettings
 from fem_seal.materials import Material
 from fem_seal.seal.conductivity_tables import family_law, family_table
-from fem_seal.seal.leak_model import Conductivity, Flow
+from fem_seal.seal.leak_model import Conductivity, FlowModel
 from fem_seal.seal.load_solver import Clock
 from fem_seal.seal.problem import SealProblem, condensed
 from leak import RoughContact
@@ -69,7 +69,7 @@ class Source:
         with clock.step("condense", "condensing both bodies on the contact line"):
             return seal_mesh, condensed(problem, seal_mesh)
 
-    def table(self, flow: Flow, surface: RoughContact, log_peaks: Sequence[float]) -> Conductivity:
+    def table(self, flow: FlowModel, surface: RoughContact, log_peaks: Sequence[float]) -> Conductivity:
         """Flow conductivity of a surface over peak pressures given as decimal logarithms [Pa]."""
         return flow.table_around(surface, log_peaks)
 
@@ -175,7 +175,7 @@ class Kept:
         return found
 
 
-def family_or_own_table(flow: Flow, surface: RoughContact, log_peaks: Sequence[float]) -> Conductivity:
+def family_or_own_table(flow: FlowModel, surface: RoughContact, log_peaks: Sequence[float]) -> Conductivity:
     """Flow conductivity of a surface from tables of its family; its own where it is simulated."""
     return family_table(flow, surface) or flow.table_around(surface, log_peaks)
 
@@ -198,7 +198,7 @@ class Shared(Source):
 
     rounding: Rounding = OF_STUDIES
     light: Kept = field(default_factory=lambda: Kept(_LIGHT_MODELS))
-    tables: Callable[[Flow, RoughContact, Sequence[float]], Conductivity] = family_or_own_table
+    tables: Callable[[FlowModel, RoughContact, Sequence[float]], Conductivity] = family_or_own_table
     stress: bool = False
 
     settings = ContactSettings(_TOLERANCE, _TOLERANCE)
@@ -224,9 +224,11 @@ class Shared(Source):
         can_yield = tuple(kind for kind, one in problem.materials.items() if one.yield_stress)
         if next(_uses.get(name, count)) < _WORTH_A_SCREEN:
             return None, _full.get(name, name.made)
-        return None, _full.get((name, can_yield), lambda: screened(_full.get(name, name.made), can_yield))
+        return None, _full.get(
+            (name, can_yield), lambda: with_stress_bound(_full.get(name, name.made), can_yield)
+        )
 
-    def table(self, flow: Flow, surface: RoughContact, log_peaks: Sequence[float]) -> Conductivity:
+    def table(self, flow: FlowModel, surface: RoughContact, log_peaks: Sequence[float]) -> Conductivity:
         """From tables that are shared."""
         return self.tables(flow, surface, log_peaks)
 

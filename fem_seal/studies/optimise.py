@@ -20,7 +20,7 @@ from fem_seal.sampling import LogUniform, Uniform
 from fem_seal.seal.findings import Level
 from fem_seal.studies.progress import Progress
 from fem_seal.studies.store import Row, Store, damaged
-from fem_seal.studies.work import Recipe, check_unchanged
+from fem_seal.studies.work import DesignSpec, check_unchanged
 
 if TYPE_CHECKING:
     from optuna import Study as OptunaStudy
@@ -54,7 +54,12 @@ def search_space(study: StudyPlan) -> dict[str, BaseDistribution]:
 
 
 def optimise(
-    study: StudyPlan, recipe: Recipe, about: Mapping[str, Any], store: Store, pool: Pool, progress: Progress
+    study: StudyPlan,
+    recipe: DesignSpec,
+    about: Mapping[str, Any],
+    store: Store,
+    pool: Pool,
+    progress: Progress,
 ) -> None:
     """Try designs until there are as many as asked for.
 
@@ -216,7 +221,7 @@ def _sampler(seed: int, number: int) -> TPESampler:
         return TPESampler(seed=(seed * 1_000_003 + number) % 2**32, multivariate=True, constant_liar=True)
 
 
-def _rows(recipe: Recipe, store: Store, pool: Pool, points: Any) -> list[Row]:
+def _rows(recipe: DesignSpec, store: Store, pool: Pool, points: Any) -> list[Row]:
     """Rows of some designs, calculated where they are not known."""
     keys = [recipe.key(point) for point in points]
     known = store.known(keys)

@@ -27,7 +27,7 @@ from fem_seal.processes import usable_cores
 from fem_seal.studies.store import Row
 from fem_seal.studies.tables import named
 from fem_seal.studies.time_limit import Block, OvertimeError, Watch, ended_after, slow_line
-from fem_seal.studies.work import Recipe, calculate, failed_row, overtime_row
+from fem_seal.studies.work import DesignSpec, calculate, failed_row, overtime_row
 from fem_seal.units import duration
 from leak.extras import needed
 
@@ -55,7 +55,7 @@ class OwnProcess:
     note: Callable[[str], None]
     stuck: Callable[[Row], None]
 
-    def results(self, recipe: Recipe, chunks: Iterable[FloatArray]) -> Iterator[list[Row]]:
+    def results(self, recipe: DesignSpec, chunks: Iterable[FloatArray]) -> Iterator[list[Row]]:
         """Rows of the designs, one by one."""
         # the limit is that of designs, not of loading what calculates them
         import fem_seal.studies.responses  # noqa: F401
@@ -64,7 +64,7 @@ class OwnProcess:
             for point in chunk:
                 yield self._rows(recipe, point)
 
-    def _rows(self, recipe: Recipe, point: FloatArray) -> list[Row]:
+    def _rows(self, recipe: DesignSpec, point: FloatArray) -> list[Row]:
         def slow(seconds: float) -> None:
             self.note(slow_line(named(recipe.parameters, point), seconds, recipe.time_limit))
 
@@ -247,7 +247,7 @@ class Cluster:
     patience: float
     note: Callable[[str], None] = lambda text: None
 
-    def results(self, recipe: Recipe, chunks: Iterable[FloatArray]) -> Iterator[list[Row]]:
+    def results(self, recipe: DesignSpec, chunks: Iterable[FloatArray]) -> Iterator[list[Row]]:
         """Rows of each chunk, in any order.
 
         Only a few chunks per worker are on the way at a time. When workers die, dask gives their chunks to others. The
@@ -262,16 +262,16 @@ class Cluster:
         InputError
             If a file of the designs has changed.
         """
-        on_the_way = _OnTheWay(self, recipe)
+        on_the_way = _Pending(self, recipe)
         try:
             yield from self._results(recipe, list(chunks), on_the_way)
         finally:
             on_the_way.close()
 
     def _results(
-        self, recipe: Recipe, chunks: list[FloatArray], on_the_way: _OnTheWay
+        self, recipe: DesignSpec, chunks: list[FloatArray], on_the_way: _Pending
     ) -> Iterator[list[Row]]:
-        shares, suspects = _Shares(chunks, on_the_way.workers()), deque[tuple[FloatArray, int]]()
+        shares, suspects = _WorkQueue(chunks, on_the_way.workers()), deque[tuple[FloatArray, int]]()
         while True:
             for sent in on_the_way.stranded():
                 shares.give_back(sent.worker, sent.chunk)
@@ -321,7 +321,7 @@ class _Rows:
     rows: list[Row]
 
 
-def _calculate_watched(recipe: Recipe, chunk: FloatArray, topic: str) -> _Rows:
+def _calculate_watched(recipe: DesignSpec, chunk: FloatArray, topic: str) -> _Rows:
     """What a worker does: `calculate`, and tell the coordinator of designs that take long."""
     from distributed import get_worker
 
@@ -343,7 +343,7 @@ def _calculate_watched(recipe: Recipe, chunk: FloatArray, topic: str) -> _Rows:
         return _Rows(calculate(recipe, chunk, turn))
 
 
-def _watched_design(recipe: Recipe, point: FloatArray, worker: Worker, topic: str) -> Block:
+def _watched_design(recipe: DesignSpec, point: FloatArray, worker: Worker, topic: str) -> Block:
     # a worker without a nanny has no successor, and may be a thread of the user's own process
     replaceable = worker.nanny is not None
 
@@ -361,10 +361,10 @@ def _watched_design(recipe: Recipe, point: FloatArray, worker: Worker, topic: st
     return Block(slow, over)
 
 
-class _OnTheWay:
+class _Pending:
     """Chunks that workers have been given and have not given back, and which workers are there."""
 
-    def __init__(self, cluster: Cluster, recipe: Recipe) -> None:
+    def __init__(self, cluster: Cluster, recipe: DesignSpec) -> None:
         self._cluster = cluster
         self._client = cluster.client
         self._recipe = recipe
@@ -542,7 +542,7 @@ class _OnTheWay:
             return None
 
 
-class _Shares:
+class _WorkQueue:
     """Neighbouring chunks for each worker: neighbouring designs share cached bodies."""
 
     def __init__(self, chunks: list[FloatArray], workers: list[str]) -> None:

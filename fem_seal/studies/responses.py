@@ -164,7 +164,7 @@ def _checked(
     """A load with its validity, the samples of its inputs and what is said of it, as far as columns ask."""
     sampled = case.sampled is not None and not INTERVAL.isdisjoint(columns)
     usual_only = leaks and found.problem.of_finish and not sampled
-    load = load.knowing(
+    load = load.with_values(
         validity=validity_of(found, load, by_table=leaks and interpolated, usual_only=usual_only)
     )
     known = True

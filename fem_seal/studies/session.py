@@ -15,15 +15,15 @@ from fem_seal.arrays import FloatArray
 from fem_seal.case.words import problem
 from fem_seal.errors import InputError
 from fem_seal.files import parse_json, read_text, write_text
-from fem_seal.output.folders import alone
-from fem_seal.output.prose import said
+from fem_seal.output.folders import folder_lock
+from fem_seal.output.prose import sentence
 from fem_seal.studies.cost import design_seconds
 from fem_seal.studies.pools import KEPT, Pool, pool
 from fem_seal.studies.progress import Progress
 from fem_seal.studies.results import StudyResult
 from fem_seal.studies.store import FILE, FORMAT_VERSION, TRUTH, Row, Store, create, open_to_read
 from fem_seal.studies.time_limit import OvertimeError, ended_after, overtime_reason
-from fem_seal.studies.work import Recipe, check_unchanged, chunks
+from fem_seal.studies.work import DesignSpec, check_unchanged, chunks
 from fem_seal.units import duration
 from fem_seal.version import __version__
 
@@ -88,7 +88,7 @@ def run_study(
         if row is not None:
             with closing(create(place / FILE, _column_types(study), study.output_names)) as store:
                 store.write([row])
-        progress.note(said("studies.notes", "stuck", kept=KEPT))
+        progress.note(sentence("studies.notes", "stuck", kept=KEPT))
         progress.end()
         leave()
 
@@ -96,7 +96,7 @@ def run_study(
         # the folder comes last: nothing is left in it, and nothing in it changed, if there is no one to calculate
         with (
             pool(client, workers, scheduler, study.run_settings.retries, progress.note, stuck) as ready,
-            alone(place),
+            folder_lock(place),
         ):
             _set_aside(study, place / FILE, progress)
             store = create(place / FILE, _column_types(study), study.output_names)
@@ -131,11 +131,11 @@ def _set_aside(study: StudyPlan, path: Path, progress: Progress) -> None:
     for end in ("", "-wal", "-shm"):
         if (part := path.with_name(path.name + end)).exists():
             part.replace(aside.with_name(aside.name + end))
-    progress.note(said("studies.notes", "set_aside", name=aside.name))
+    progress.note(sentence("studies.notes", "set_aside", name=aside.name))
 
 
 def _calculate(study: StudyPlan, store: Store, ready: Pool, progress: Progress) -> None:
-    recipe, about = Recipe.of(study), description(study)
+    recipe, about = DesignSpec.of(study), description(study)
     if study.optimise is not None:
         from fem_seal.studies.optimise import optimise
 
@@ -144,17 +144,17 @@ def _calculate(study: StudyPlan, store: Store, ready: Pool, progress: Progress) 
         held = store.size
         store.set_design((recipe.key(point) for point in study.points), **about)
         if held and store.counts()["open"] == len(study.points):
-            progress.note(said("studies.notes", "none_known", held=held, version=__version__))
+            progress.note(sentence("studies.notes", "none_known", held=held, version=__version__))
         _fill(recipe, store, ready, study, progress)
 
 
-def _fill(recipe: Recipe, store: Store, ready: Pool, study: StudyPlan, progress: Progress) -> None:
+def _fill(recipe: DesignSpec, store: Store, ready: Pool, study: StudyPlan, progress: Progress) -> None:
     counts = store.counts()
     done = len(study.points) - counts["open"]
     expected = counts["open"] * design_seconds(recipe.case, recipe.columns)
     if expected > _WORTH_TELLING:
         each, left = duration(expected / counts["open"]), duration(expected)
-        progress.note(said("studies.notes", "expected", each=each, all=left))
+        progress.note(sentence("studies.notes", "expected", each=each, all=left))
     progress.begin(len(study.points), done)
     todo = chunks(recipe, study.points)
     try:
@@ -166,7 +166,7 @@ def _fill(recipe: Recipe, store: Store, ready: Pool, study: StudyPlan, progress:
         progress.end()
 
 
-def _missing(recipe: Recipe, store: Store, all_chunks: Iterable[FloatArray]) -> Iterator[FloatArray]:
+def _missing(recipe: DesignSpec, store: Store, all_chunks: Iterable[FloatArray]) -> Iterator[FloatArray]:
     """Chunks without the designs that have a row already."""
     for chunk in all_chunks:
         keys = [recipe.key(point) for point in chunk]
@@ -233,7 +233,7 @@ def _keep_fields(
     for number in numbers:
         key, place = store.key(number), folder / "designs" / f"{number:06d}"
         if key is None:
-            progress.note(said("studies.notes", "not_to_keep", number=number))
+            progress.note(sentence("studies.notes", "not_to_keep", number=number))
             continue
         # written last: says that the folder is complete, and whose results it holds
         mark = place / "design.json"
@@ -247,7 +247,7 @@ def _keep_fields(
             with ended_after(limit, stuck=stuck):
                 run(study.case.replace_written(changes)).write(place)
         except OvertimeError:
-            progress.note(said("studies.notes", "not_kept", number=number, reason=overtime_reason(limit)))
+            progress.note(sentence("studies.notes", "not_kept", number=number, reason=overtime_reason(limit)))
             continue
         write_text(mark, json.dumps({"number": number, "key": key, "inputs": inputs}, indent=2) + "\n")
 

@@ -41,7 +41,7 @@ _SURFACE_TABLES = ("roughness.", "interface.", "leak.")
 
 
 @dataclass(frozen=True)
-class Recipe:
+class DesignSpec:
     """Everything about a study that a worker has to know.
 
     Parameters
@@ -71,7 +71,7 @@ class Recipe:
     files: dict[str, str]
 
     @classmethod
-    def of(cls, study: StudyPlan) -> Recipe:
+    def of(cls, study: StudyPlan) -> DesignSpec:
         """The recipe of a study.
 
         Raises
@@ -120,7 +120,7 @@ class Recipe:
         return {path: held for path, held in self.files.items() if path not in levels}
 
 
-def calculate(recipe: Recipe, chunk: FloatArray, turn: Turn = untimed) -> list[Row]:
+def calculate(recipe: DesignSpec, chunk: FloatArray, turn: Turn = untimed) -> list[Row]:
     """Rows of some designs; a design that fails is a row with its reason.
 
     Parameters
@@ -159,7 +159,7 @@ def calculate(recipe: Recipe, chunk: FloatArray, turn: Turn = untimed) -> list[R
     ]
 
 
-def _row(recipe: Recipe, point: Sequence[float], found: DesignResult) -> Row:
+def _row(recipe: DesignSpec, point: Sequence[float], found: DesignResult) -> Row:
     """Row of a design that was calculated, without the time that it took."""
     numbers = {
         one.name: float(number) for one, number in zip(recipe.parameters, point, strict=True) if one.numeric
@@ -179,13 +179,15 @@ def _row(recipe: Recipe, point: Sequence[float], found: DesignResult) -> Row:
     )
 
 
-def failed_row(recipe: Recipe, point: Sequence[float] | FloatArray, why: str, seconds: float = 0.0) -> Row:
+def failed_row(
+    recipe: DesignSpec, point: Sequence[float] | FloatArray, why: str, seconds: float = 0.0
+) -> Row:
     """Row of a design that could not be calculated at all."""
     nothing = (None,) * (len(recipe.columns) + len(recipe.derived))
     return Row(recipe.key(point), recipe.inputs(point), nothing, why, seconds)
 
 
-def overtime_row(recipe: Recipe, point: Sequence[float] | FloatArray) -> Row:
+def overtime_row(recipe: DesignSpec, point: Sequence[float] | FloatArray) -> Row:
     """Row of a design that has reached its time limit."""
     return failed_row(recipe, point, overtime_reason(recipe.time_limit), recipe.time_limit)
 
@@ -196,7 +198,7 @@ def _reason(error: BaseException) -> str:
     return text if own and text else f"{type(error).__name__}: {text}"
 
 
-def chunks(recipe: Recipe, points: FloatArray) -> Iterator[FloatArray]:
+def chunks(recipe: DesignSpec, points: FloatArray) -> Iterator[FloatArray]:
     """All designs, each once, in an order in which equal bodies and then equal surfaces follow each other.
 
     Each chunk is what a worker calculates in one go.

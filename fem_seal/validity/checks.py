@@ -13,11 +13,11 @@ from fem_seal.contact.load_path import yielding_bodies
 from fem_seal.contact.solution import PlasticZone, YieldedZone, yielding_of
 from fem_seal.materials import creep_remarks
 from fem_seal.seal.bounds import EXACT, Bounds
-from fem_seal.seal.findings import ORDERS_OF_MAGNITUDE, Caution, Level, Validity
+from fem_seal.seal.findings import ORDERS_OF_MAGNITUDE, Finding, Level, Validity
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.load_result import DiscretisationError, GivenLoad, LoadResult
 from fem_seal.seal.problem import LARGEST_TURNING, TURNED, SealProblem
-from fem_seal.units import DIGITS, beside, briefly, number, rounded, share_text
+from fem_seal.units import DIGITS, briefly, format_beside, number, rounded, share_text
 from fem_seal.validity.fluid import fluid_cautions, molecule_cautions
 from fem_seal.validity.form import LARGEST_EXCESS, form_cautions
 from fem_seal.validity.materials import temperature_cautions
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from fem_seal.contact.solution import ContactSolution
     from fem_seal.seal.direct import DirectTable
     from fem_seal.seal.evaluate import Evaluation
-    from fem_seal.seal.leak_model import Flow
+    from fem_seal.seal.leak_model import FlowModel
     from leak import RoughContact
 
 
@@ -83,10 +83,10 @@ _WIDE_GAP = 20e-9
 
 
 # What is said of a problem and its loads, about the worst of them.
-Check = Callable[[SealProblem, Sequence[LoadResult]], Iterator[Caution]]
+Check = Callable[[SealProblem, Sequence[LoadResult]], Iterator[Finding]]
 
 
-def contact_cautions(problem: SealProblem, loads: Sequence[LoadResult]) -> tuple[Caution, ...]:
+def contact_cautions(problem: SealProblem, loads: Sequence[LoadResult]) -> tuple[Finding, ...]:
     """All cautions of a result, one of each kind for all its loads.
 
     Parameters
@@ -102,7 +102,7 @@ def contact_cautions(problem: SealProblem, loads: Sequence[LoadResult]) -> tuple
 
 def load_cautions(
     problem: SealProblem, loads: Sequence[LoadResult], sealing: float | None = None
-) -> Iterator[Caution]:
+) -> Iterator[Finding]:
     """Cautions that follow from the loads themselves, without those of mesh and roughness.
 
     Parameters
@@ -136,7 +136,7 @@ def load_cautions(
 
 def _interface_cautions(
     problem: SealProblem, surface: RoughContact, loads: Sequence[LoadResult], sealing: float | None = None
-) -> Iterator[Caution]:
+) -> Iterator[Finding]:
     sealing = _sealing_pressure(problem, surface) if sealing is None else sealing
     yield from _sealed(problem, surface, loads, sealing)
     yield from _nearly_sealed(problem, surface, loads, sealing)
@@ -148,7 +148,7 @@ def _interface_cautions(
 
 
 def load_validity(
-    problem: SealProblem, load: LoadResult, before: Iterable[Caution] = (), sealing: float | None = None
+    problem: SealProblem, load: LoadResult, before: Iterable[Finding] = (), sealing: float | None = None
 ) -> Validity:
     """Validity of one load, from its own checks and those of the largest earlier load.
 
@@ -197,7 +197,7 @@ def validity_of(
         # u_eff falls over the pressure: that of the next one in the table is a bound
         beyond = table.separation[table.pressure.searchsorted(load.peak_pressure) :]
         if len(beyond) and beyond[0] >= _WIDE_GAP:
-            load = load.knowing(critical_separation=None)
+            load = load.with_values(critical_separation=None)
     return load_validity(problem, load, earlier_cautions(problem, before, load.mesh_error), sealing)
 
 
@@ -224,7 +224,7 @@ def profile_validity(problem: SealProblem, load: GivenLoad) -> Validity:
 
 def earlier_cautions(
     problem: SealProblem, earlier: ContactSolution | None, error: DiscretisationError | None = None
-) -> tuple[Caution, ...]:
+) -> tuple[Finding, ...]:
     """Cautions about the largest load before those of a problem, whose contact the loads remember.
 
     Parameters
@@ -250,7 +250,7 @@ def earlier_cautions(
     )
 
 
-def target_cautions(problem: SealProblem, answers: Sequence[LoadResult]) -> Iterator[Caution]:
+def target_cautions(problem: SealProblem, answers: Sequence[LoadResult]) -> Iterator[Finding]:
     """Cautions about the force for a target leak rate.
 
     Parameters
@@ -279,7 +279,7 @@ def target_validity(problem: SealProblem, answer: LoadResult) -> Validity:
     return Validity.of(_at_target(problem, [answer]))
 
 
-def _at_target(problem: SealProblem, answers: Sequence[LoadResult]) -> Iterator[Caution]:
+def _at_target(problem: SealProblem, answers: Sequence[LoadResult]) -> Iterator[Finding]:
     bodies: tuple[Check, ...] = (_yielding, _turned, _cut_off, _wide, _above_hardness)
     yield from (one for check in bodies for one in check(problem, answers))
     if problem.surface is not None and problem.flow is not None:  # of a leak rate
@@ -288,19 +288,19 @@ def _at_target(problem: SealProblem, answers: Sequence[LoadResult]) -> Iterator[
         yield from molecule_cautions(problem.flow, answers)
 
 
-def _of_surface(problem: SealProblem) -> Iterator[Caution]:
+def _of_surface(problem: SealProblem) -> Iterator[Finding]:
     if problem.usual_only:
-        yield caution("finish", leak_factor=Bounds.either_way(10.0))
+        yield caution("finish", leak_factor=Bounds.factor_bounds(10.0))
     for text in problem.remarks:
-        yield Caution("roughness", Level.DOUBTFUL, text, text)
+        yield Finding("roughness", Level.DOUBTFUL, text, text)
 
 
-def _touched_beside(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+def _touched_beside(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
     for text in problem.beside:
         yield caution("touched_beside", body=text.partition(".")[0], text=text)
 
 
-def _near_opening(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+def _near_opening(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
     close = [(load.opening, load) for load in loads if load.opening and load.opening.share < _NEAR_OPENING]
     if close:
         margin, load = min(close, key=lambda item: item[0].share)
@@ -321,7 +321,7 @@ def _near_opening(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator
         )
 
 
-def _yielding(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+def _yielding(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
     zones = [(load, zone) for load in loads for zone in yielding_of(load.contact, problem.materials).values()]
     elastic = [(load, zone) for load, zone in zones if isinstance(zone, YieldedZone)]
     # the body that is further above its yield stress comes first
@@ -350,7 +350,7 @@ def _yielding(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Cau
         )
 
 
-def _table_left(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+def _table_left(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
     for name, material in problem.materials.items():
         curve = material.hardening
         if curve is None:
@@ -376,7 +376,7 @@ def _table_left(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[C
             yield caution("large_strain", load, loads, outside=True, name=name, strain=strain, limit=limit)
 
 
-def _cut_off(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+def _cut_off(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
     for end, side in ((0, "bore"), (-1, "outer")):
         ends = [load.profiles[end] for load in loads]
         shares = [float(one.pressure[end]) / one.peak_pressure for one in ends]
@@ -391,7 +391,7 @@ def _cut_off(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Caut
 def _over(name: str, share: Callable[[LoadResult], float], limit: float, much: float = math.inf) -> Check:
     """Check of a number of each load against a limit, from which on it is doubtful, and one where theory ends."""
 
-    def check(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+    def check(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
         load = max(loads, key=share)
         worst = share(load)
         if worst > limit:
@@ -416,17 +416,17 @@ def _gap_over_bend(load: LoadResult) -> float:
 def _slide_of_gap(load: LoadResult) -> float:
     """Way by which the separation moves closest approach along the seat, over the radius of first touch."""
     model = load.contact.model
-    slope = math.sqrt(1 - model.touch_normal_z**2) / model.touch_normal_z / model.touch_radius
+    slope = math.sqrt(1 - model.touch_normal_z**2) / model.touch_normal_z / model.initial_contact_radius
     return slope * _gap_at_peak(load)
 
 
 _turned = _over("small_strain", lambda load: load.contact.turning, TURNED, LARGEST_TURNING)
-_wide = _over("wide_contact", lambda load: 2 * load.std / load.contact.model.touch_radius, _NARROW)
+_wide = _over("wide_contact", lambda load: 2 * load.std / load.contact.model.initial_contact_radius, _NARROW)
 _thick_layer = _over("thick_layer", _gap_over_bend, _THICK_LAYER, _NO_LAYER)
 _slides = _over("steep_seat", _slide_of_gap, _SLIDES)
 
 
-def _moved_by_heat(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+def _moved_by_heat(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
     """Heat slides the faces along each other, but the contact is calculated where the drawing has it."""
     if not problem.temperatures:
         return
@@ -448,24 +448,24 @@ def _moved_by_heat(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterato
         )
 
 
-def _creeps(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+def _creeps(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
     creeping = [name for name, material in problem.materials.items() if material.creeps]
     for name, text in zip(creeping, creep_remarks(problem.materials), strict=True):
-        yield Caution("creep", Level.DOUBTFUL, f"{name}: {problem.materials[name].name} creeps", text)
+        yield Finding("creep", Level.DOUBTFUL, f"{name}: {problem.materials[name].name} creeps", text)
 
 
-def _hot(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+def _hot(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
     yield from (one for one in temperature_cautions(problem) if one.level is not Level.VALID)
 
 
 def _mpa(pressure: float, load: LoadResult, limit: float) -> str:
     """A pressure or stress of a load [Pa] in MPa, beside what it is compared with [MPa]."""
-    return beside(pressure / 1e6, limit, load.pressure_digits)
+    return format_beside(pressure / 1e6, limit, load.pressure_digits)
 
 
 def _times(share: float, load: LoadResult, most: int = 2) -> str:
     """A pressure or stress over its limit."""
-    return beside(share, 1.0, min(load.pressure_digits, most))
+    return format_beside(share, 1.0, min(load.pressure_digits, most))
 
 
 def _um(length: float, load: LoadResult, most: int = DIGITS) -> str:
@@ -486,7 +486,7 @@ def _named_pressure(load: LoadResult) -> str:
     return sentence("pressures", "now" if now else "before")
 
 
-def _above_hardness(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+def _above_hardness(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
     load = max(loads, key=_highest_pressure)
     peak, hardness = _highest_pressure(load), problem.hardness
     if hardness is None or peak <= (_NEAR_HARDNESS if problem.asperities_yield else 1.0) * hardness:
@@ -517,7 +517,7 @@ def _is_sealed(load: LoadResult, sealing: float) -> bool:
 
 def _sealed(
     problem: SealProblem, surface: RoughContact, loads: Sequence[LoadResult], sealing: float
-) -> Iterator[Caution]:
+) -> Iterator[Finding]:
     tight = [load for load in loads if _is_sealed(load, sealing)]
     if tight:
         load = max(tight, key=lambda load: load.peak_pressure)
@@ -542,7 +542,7 @@ def _sealed(
 
 def _nearly_sealed(
     problem: SealProblem, surface: RoughContact, loads: Sequence[LoadResult], sealing: float
-) -> Iterator[Caution]:
+) -> Iterator[Finding]:
     leaky = [load for load in loads if load.peak_pressure < sealing]
     if not leaky:
         return
@@ -566,7 +566,7 @@ def _nearly_sealed(
             "lay",
             load,
             loads,
-            leak_factor=Bounds.either_way(lay),
+            leak_factor=Bounds.factor_bounds(lay),
             lay=lay,
             area=area,
             surface=surface,
@@ -594,7 +594,7 @@ def _nearly_sealed(
             "few_channels",
             load,
             loads,
-            leak_factor=Bounds.either_way(factor),
+            leak_factor=Bounds.factor_bounds(factor),
             area=area,
             factor=factor,
             few_channels=_FEW_CHANNELS,
@@ -618,7 +618,7 @@ def _most_leak(load: LoadResult, surface: RoughContact) -> float:
     return off * found.leak_rate / leak.leak_rate
 
 
-def _simulated(table: DirectTable, load: LoadResult, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+def _simulated(table: DirectTable, load: LoadResult, loads: Sequence[LoadResult]) -> Iterator[Finding]:
     """Cautions about a conductivity from direct simulation: its range, tight patches, scatter."""
     peak, (low, high) = load.peak_pressure, table.range
     ends = [rounded(one / 1e6, DIGITS) for one in (low, high)]
@@ -657,7 +657,7 @@ def _lay_factor(area: float, peklenik: float) -> float:
     return float(known ** min(1.0, math.log2(ratio)) * max(1.0, ratio / _LAY_LONG) ** _LAY_POWER)
 
 
-def _range(problem: SealProblem, surface: RoughContact, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+def _range(problem: SealProblem, surface: RoughContact, loads: Sequence[LoadResult]) -> Iterator[Finding]:
     load = max(loads, key=lambda load: load.std)
     std, q_low = load.std, surface.spectrum.q_low
     if q_low * std > 1 and problem.cutoff is not None:
@@ -668,7 +668,7 @@ def _range(problem: SealProblem, surface: RoughContact, loads: Sequence[LoadResu
         )
 
 
-def _long_waves(surface: RoughContact, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+def _long_waves(surface: RoughContact, loads: Sequence[LoadResult]) -> Iterator[Finding]:
     load = min(loads, key=lambda load: load.std)
     std, spectrum = load.std, surface.spectrum
     above = float(spectrum.height_variance_above(1 / std)) / spectrum.rms_height**2
@@ -683,7 +683,7 @@ def _long_waves(surface: RoughContact, loads: Sequence[LoadResult]) -> Iterator[
     yield caution("long_waves", load, loads, leak_factor=factors, share=told, std=_um(std, load), more=more)
 
 
-def _fluid_opens(problem: SealProblem, flow: Flow, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+def _fluid_opens(problem: SealProblem, flow: FlowModel, loads: Sequence[LoadResult]) -> Iterator[Finding]:
     if flow.fluid_in_gap == "local":
         yield from _blown_open(loads)
     elif problem.loads.closing != "penetration":
@@ -703,7 +703,7 @@ def _fluid_opens(problem: SealProblem, flow: Flow, loads: Sequence[LoadResult]) 
             )
 
 
-def _blown_open(loads: Sequence[LoadResult]) -> Iterator[Caution]:
+def _blown_open(loads: Sequence[LoadResult]) -> Iterator[Finding]:
     blown = [load for load in loads if load.leak is not None and math.isinf(load.leak.leak_rate)]
     if blown:
         load = min(blown, key=lambda load: load.point)
@@ -711,7 +711,7 @@ def _blown_open(loads: Sequence[LoadResult]) -> Iterator[Caution]:
         yield caution("lifted_open", load, loads, outside=True, peak=peak)
 
 
-def _coarse(load: LoadResult) -> Iterator[Caution]:
+def _coarse(load: LoadResult) -> Iterator[Finding]:
     """Caution about the mesh, the same for all loads; none where its error is not known."""
     error, model = load.mesh_error, load.contact.model
     if error is None:

@@ -10,8 +10,8 @@ import numpy as np
 
 from fem_seal.profile import PressureProfile
 from fem_seal.seal.bounds import Bounds
-from fem_seal.seal.findings import Caution
-from fem_seal.seal.leak_model import Flow, as_first_loaded
+from fem_seal.seal.findings import Finding
+from fem_seal.seal.leak_model import FlowModel, as_first_loaded
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.units import rounded, share_text
@@ -41,7 +41,7 @@ _DENSITY = 1000.0
 _NO_PRESSURE = 1e-200
 
 
-def fluid_cautions(flow: Flow, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+def fluid_cautions(flow: FlowModel, loads: Sequence[LoadResult]) -> Iterator[Finding]:
     """Cautions about the fluid: gaps as narrow as molecules, thickening or dense gas, inertia.
 
     Parameters
@@ -54,7 +54,7 @@ def fluid_cautions(flow: Flow, loads: Sequence[LoadResult]) -> Iterator[Caution]
     yield from (one for check in (molecule_cautions, own, _inertia) for one in check(flow, loads))
 
 
-def molecule_cautions(flow: Flow, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+def molecule_cautions(flow: FlowModel, loads: Sequence[LoadResult]) -> Iterator[Finding]:
     """Caution where the critical separation is narrower than a molecule.
 
     Parameters
@@ -78,7 +78,7 @@ def molecule_cautions(flow: Flow, loads: Sequence[LoadResult]) -> Iterator[Cauti
         )
 
 
-def _thickening(flow: Flow, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+def _thickening(flow: FlowModel, loads: Sequence[LoadResult]) -> Iterator[Finding]:
     from leak import effective_viscosity_ratio
 
     load = max(loads, key=lambda load: load.fluid_pressure)
@@ -96,14 +96,14 @@ def _thickening(flow: Flow, loads: Sequence[LoadResult]) -> Iterator[Caution]:
             "thickening_uncertain",
             load,
             loads,
-            leak_factor=Bounds.either_way(1.0 + share),
+            leak_factor=Bounds.factor_bounds(1.0 + share),
             share=share_text(share),
             flow=flow,
             known=share_text(law.uncertainty),
         )
 
 
-def _unknown_thickening(flow: Flow, load: LoadResult, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+def _unknown_thickening(flow: FlowModel, load: LoadResult, loads: Sequence[LoadResult]) -> Iterator[Finding]:
     from leak import Barus, Roelands, effective_viscosity_ratio
 
     pressure = load.fluid_pressure
@@ -125,7 +125,7 @@ def _unknown_thickening(flow: Flow, load: LoadResult, loads: Sequence[LoadResult
     )
 
 
-def _dense_gas(flow: Flow, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+def _dense_gas(flow: FlowModel, loads: Sequence[LoadResult]) -> Iterator[Finding]:
     gas = flow.gas
     assert gas is not None  # of a gas
     highest = max(load.fluid_pressure for load in loads) + flow.outlet_pressure
@@ -139,7 +139,7 @@ def _dense_gas(flow: Flow, loads: Sequence[LoadResult]) -> Iterator[Caution]:
         yield from _not_ideal(flow, gas, highest)
 
 
-def _not_ideal(flow: Flow, gas: Gas, highest: float) -> Iterator[Caution]:
+def _not_ideal(flow: FlowModel, gas: Gas, highest: float) -> Iterator[Finding]:
     from leak import real_gas_flow_ratio
     from leak.fluids.library import coolprop_name, estimated_real_gas
 
@@ -162,7 +162,7 @@ def _not_ideal(flow: Flow, gas: Gas, highest: float) -> Iterator[Caution]:
     )
 
 
-def _inertia(flow: Flow, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+def _inertia(flow: FlowModel, loads: Sequence[LoadResult]) -> Iterator[Finding]:
     """Caution where flow is too fast to be viscous, in the result or else in its upper end."""
     fastest = _fastest_liquid if flow.gas is None else _fastest_gas
     # with the other readings of yielding asperities as far as somebody has asked for their leak
@@ -175,8 +175,12 @@ def _inertia(flow: Flow, loads: Sequence[LoadResult]) -> Iterator[Caution]:
 
 
 def _fastest_gas(
-    flow: Flow, loads: Sequence[LoadResult], readings: Sequence[tuple[LoadResult, LoadResult]], *, end: bool
-) -> Caution | None:
+    flow: FlowModel,
+    loads: Sequence[LoadResult],
+    readings: Sequence[tuple[LoadResult, LoadResult]],
+    *,
+    end: bool,
+) -> Finding | None:
     """Caution about the inertia of a gas; None below the limits. `end`: it concerns one end of the interval only."""
     found = [(inertia, load) for load, read in readings if (inertia := _inertia_of(flow, read))]
     if not found:
@@ -202,8 +206,12 @@ def _fastest_gas(
 
 
 def _fastest_liquid(
-    flow: Flow, loads: Sequence[LoadResult], readings: Sequence[tuple[LoadResult, LoadResult]], *, end: bool
-) -> Caution | None:
+    flow: FlowModel,
+    loads: Sequence[LoadResult],
+    readings: Sequence[tuple[LoadResult, LoadResult]],
+    *,
+    end: bool,
+) -> Finding | None:
     """`_fastest_gas` for a liquid."""
     found = [(*numbers, load) for load, read in readings if (numbers := _of_liquid(flow, read))]
     # a turbulent flow before any other
@@ -224,7 +232,7 @@ def _fastest_liquid(
     )
 
 
-def _of_liquid(flow: Flow, load: LoadResult) -> tuple[float, float] | None:
+def _of_liquid(flow: FlowModel, load: LoadResult) -> tuple[float, float] | None:
     """Reynolds number of the hydraulic diameter, and of the gap times gap over width; None where nothing flows.
 
     The gap is the uniform one over the width of the contact that lets as much through.
@@ -271,7 +279,7 @@ def _two(value: float) -> str:
     return f"{rounded(value, 2):g}"
 
 
-def _inertia_of(flow: Flow, load: LoadResult) -> tuple[GasInertia, float] | None:
+def _inertia_of(flow: FlowModel, load: LoadResult) -> tuple[GasInertia, float] | None:
     """Numbers of the flow, and Reynolds number of the gap times gap over width."""
     from leak import gas_inertia
     from leak.fluids.library import heat_capacity_ratio

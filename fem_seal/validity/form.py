@@ -8,11 +8,11 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from fem_seal.seal.bounds import Bounds
-from fem_seal.seal.circumference import Around
-from fem_seal.seal.findings import Caution, Level
+from fem_seal.seal.circumference import Circumference
+from fem_seal.seal.findings import Finding, Level
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.problem import SealProblem
-from fem_seal.units import DIGITS, beside, rounded, share_text
+from fem_seal.units import DIGITS, format_beside, rounded, share_text
 from fem_seal.validity.words import caution
 
 # Wave number times standard deviation of the contact up to which the long-wave equation is within 0.3 % of the mean
@@ -28,7 +28,7 @@ LARGEST_EXCESS = 1.5
 _FLUID_OPENS = 0.5
 
 
-def form_cautions(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Caution]:
+def form_cautions(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
     """Cautions about a seal that is not round.
 
     Parameters
@@ -40,7 +40,7 @@ def form_cautions(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator
     if problem.form is None:
         return
     for text in problem.form.remarks:
-        yield Caution("form", Level.DOUBTFUL, text, text)
+        yield Finding("form", Level.DOUBTFUL, text, text)
     formed = [(load, load.formed) for load in loads if load.formed is not None and load.formed.form.felt]
     if not formed:
         return
@@ -52,15 +52,15 @@ def form_cautions(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator
     yield from _crest(problem, loads, formed)
 
 
-_Formed = Sequence[tuple["LoadResult", "Around"]]
+_Formed = Sequence[tuple["LoadResult", "Circumference"]]
 
 
-def _short_waves(loads: Sequence[LoadResult], formed: _Formed) -> Iterator[Caution]:
+def _short_waves(loads: Sequence[LoadResult], formed: _Formed) -> Iterator[Finding]:
     felt = formed[0][1].form.felt
     total = sum(abs(one.amplitude) for one in felt)
     waves = max(one.waves for one in felt if abs(one.amplitude) > _COUNTS * total)
     load, _ = max(formed, key=lambda one: one[0].std)
-    std, r0 = load.std, load.contact.model.touch_radius
+    std, r0 = load.std, load.contact.model.initial_contact_radius
     share = waves * std / r0
     if share > _LONG:
         yield caution(
@@ -77,15 +77,15 @@ def _short_waves(loads: Sequence[LoadResult], formed: _Formed) -> Iterator[Cauti
         )
 
 
-def _open(loads: Sequence[LoadResult], formed: _Formed) -> Iterator[Caution]:
+def _open(loads: Sequence[LoadResult], formed: _Formed) -> Iterator[Finding]:
     load, around = min(formed, key=lambda one: one[1].least_over_mean)
     if around.least_over_mean < _OPEN:
         share = float(np.mean(around.line_load < _OPEN * around.line_load.mean()))
         yield caution("open_in_part", load, loads, share=share_text(share), limit=100 * _OPEN)
 
 
-def _fluid_opens(problem: SealProblem, loads: Sequence[LoadResult], formed: _Formed) -> Iterator[Caution]:
-    def share(one: tuple[LoadResult, Around]) -> float:
+def _fluid_opens(problem: SealProblem, loads: Sequence[LoadResult], formed: _Formed) -> Iterator[Finding]:
+    def share(one: tuple[LoadResult, Circumference]) -> float:
         return one[0].fluid_pressure / max(float(one[1].peak_pressure.min()), 1e-300)
 
     load, around = max(formed, key=share)
@@ -94,7 +94,7 @@ def _fluid_opens(problem: SealProblem, loads: Sequence[LoadResult], formed: _For
         yield caution("fluid_opens_in_part", load, loads, leak_factor=Bounds(1.0, math.inf), worst=worst)
 
 
-def _crest(problem: SealProblem, loads: Sequence[LoadResult], formed: _Formed) -> Iterator[Caution]:
+def _crest(problem: SealProblem, loads: Sequence[LoadResult], formed: _Formed) -> Iterator[Finding]:
     """The stress where the line load is largest, from that at the mean: below a line contact it goes with the peak."""
     limits = [one.yield_stress for one in problem.materials.values() if one.yield_stress is not None]
     if not limits:
@@ -104,8 +104,8 @@ def _crest(problem: SealProblem, loads: Sequence[LoadResult], formed: _Formed) -
     stress = ratio * load.max_von_mises
     if load.max_von_mises <= min(limits) < stress:
         limit = rounded(min(limits) / 1e6, DIGITS)
-        told = beside(stress / 1e6, limit, min(load.pressure_digits, 3))
-        times = beside(stress / min(limits), 1.0, min(load.pressure_digits, 2))
+        told = format_beside(stress / 1e6, limit, min(load.pressure_digits, 3))
+        times = format_beside(stress / min(limits), 1.0, min(load.pressure_digits, 2))
         yield caution(
             "yield_stress_in_part",
             load,

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from fem_seal.materials import ROOM_TEMPERATURE, Material, celsius
-from fem_seal.seal.findings import Caution, Level
+from fem_seal.seal.findings import Finding, Level
 from fem_seal.seal.problem import SealProblem
 from fem_seal.validity.words import caution
 
@@ -25,7 +25,7 @@ _WORDS = {
 _OF_SURFACE = ("youngs_modulus", "hardness")
 
 
-def temperature_cautions(problem: SealProblem, *, bodies: bool = True) -> Iterator[Caution]:
+def temperature_cautions(problem: SealProblem, *, bodies: bool = True) -> Iterator[Finding]:
     """Cautions about material numbers known at other temperatures than the body has; nearby ones leave it valid.
 
     Parameters
@@ -87,7 +87,7 @@ def _table(key: str, known: float, at: float, value: str) -> str:
     return f"{key} = {{ temperature = [{', '.join(ends[order])}], value = [{', '.join(values[order])}] }}"
 
 
-def _beyond(name: str, material: Material, key: str, at: float) -> Caution:
+def _beyond(name: str, material: Material, key: str, at: float) -> Finding:
     table = material.table(key)
     assert table is not None  # of those that were looked at
     end = table.temperature[0] if at < table.temperature[0] else table.temperature[-1]
@@ -107,7 +107,7 @@ def _beyond(name: str, material: Material, key: str, at: float) -> Caution:
     return found if table.beyond(at) >= _FAR else replace(found, level=Level.VALID)
 
 
-def _plain(name: str, material: Material, keys: list[str], temperature: float) -> Caution:
+def _plain(name: str, material: Material, keys: list[str], temperature: float) -> Finding:
     value, several = _said(keys[0], getattr(material, keys[0])), len(keys) > 1
     found = caution(
         "no_temperature",

@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from fem_seal.errors import LoadProblem
 from fem_seal.files import own_tables
 from fem_seal.seal.bounds import EXACT, Bounds
-from fem_seal.seal.findings import Caution, Level
+from fem_seal.seal.findings import Finding, Level
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.problem import Loads
@@ -22,7 +22,7 @@ def caution(
     outside: bool = False,
     leak_factor: Bounds = EXACT,
     **values: object,
-) -> Caution:
+) -> Finding:
     """A caution in the words of its entry.
 
     Parameters
@@ -34,14 +34,14 @@ def caution(
     outside : bool
         Whether it puts the numbers outside the theory.
     leak_factor
-        See `Caution`.
+        See `Finding`.
     **values
         What the words have in braces.
     """
     if load is not None:
         values["where"] = load_name(load, loads)
     kind, reason, text = (sentence(name, part, **values) for part in ("kind", "reason", "text"))
-    return Caution(kind, Level.OUTSIDE if outside else Level.DOUBTFUL, reason, text, leak_factor)
+    return Finding(kind, Level.OUTSIDE if outside else Level.DOUBTFUL, reason, text, leak_factor)
 
 
 def sentence(name: str, part: str = "text", /, **values: object) -> str:
@@ -57,7 +57,7 @@ def sentence(name: str, part: str = "text", /, **values: object) -> str:
     return words.format(**values)
 
 
-def left_out(loads: Loads, problems: Mapping[int, LoadProblem]) -> Iterator[Caution]:
+def left_out(loads: Loads, problems: Mapping[int, LoadProblem]) -> Iterator[Finding]:
     """Which loads have no result: one sentence for each reason and force, or for all forces under one pressure.
 
     Parameters
@@ -71,7 +71,7 @@ def left_out(loads: Loads, problems: Mapping[int, LoadProblem]) -> Iterator[Caut
         yield from _alike(loads, {number: one for number, one in problems.items() if one.kind == kind}, kind)
 
 
-def _alike(loads: Loads, problems: Mapping[int, LoadProblem], kind: str) -> Iterator[Caution]:
+def _alike(loads: Loads, problems: Mapping[int, LoadProblem], kind: str) -> Iterator[Finding]:
     """Of loads with one kind of problem: the sentence gives the reason of the one that is nearest to a result."""
     points = {number: loads.points[number] for number in problems}
     # whose pressure is lowest; of an open seal whose applied force is largest; of those without a solution the first
@@ -91,7 +91,7 @@ def _alike(loads: Loads, problems: Mapping[int, LoadProblem], kind: str) -> Iter
 
 def _left_out(
     loads: Loads, number: int, problem: LoadProblem, how: str, others: Collection[float]
-) -> Caution:
+) -> Finding:
     pressure, force = loads.points[number]
     several = len({applied_force for _, applied_force in loads.points}) > 1
     load = sentence("left_out", "load_of_forces" if several else "load", bar=pressure / 1e5, force=force)

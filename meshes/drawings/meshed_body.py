@@ -18,7 +18,7 @@ from meshes.geometry.contact_geometry import ContactGeometry
 from meshes.geometry.outline import Outline
 from meshes.geometry.segment import Segment
 from meshes.geometry.touch import named_beside
-from meshes.own_process import OwnProcessError, TimeLimitError, call_apart
+from meshes.own_process import OwnProcessError, TimeLimitError, run_in_subprocess
 
 if TYPE_CHECKING:
     from skfem import MeshTri
@@ -138,7 +138,7 @@ class MeshedBody:
             If the file cannot be read, or not in time, or the mesh is not that of a body.
         """
         try:
-            points, triangles, lines = call_apart(time_limit, _read, path, name)
+            points, triangles, lines = run_in_subprocess(time_limit, _read, path, name)
         except OwnProcessError as error:
             longer = "; allow a longer time_limit" if isinstance(error, TimeLimitError) else ""
             raise GeometryError(f"{path.name}: cannot be read as gmsh mesh ({error}){longer}") from error

@@ -12,7 +12,7 @@ from meshes.drawings.profile import Profile
 from meshes.errors import GeometryError, mm
 from meshes.geometry.curve import Curve
 from meshes.geometry.segment import Point, Segment
-from meshes.own_process import OwnProcessError, TimeLimitError, call_apart
+from meshes.own_process import OwnProcessError, TimeLimitError, run_in_subprocess
 
 # Ends this close, relative to the size of the drawing, are one point.
 _JOINED = 1e-5
@@ -72,7 +72,7 @@ def read_section(
     if kind is None:
         raise GeometryError(f"{name} file {path.name}: must end with .dxf, .step, .stp or .msh")
     try:
-        return call_apart(time_limit, _section, path, name, axis, length_unit, layer, tolerance)
+        return run_in_subprocess(time_limit, _section, path, name, axis, length_unit, layer, tolerance)
     except OwnProcessError as error:
         longer = ", or allow a longer time_limit" if isinstance(error, TimeLimitError) else ""
         raise GeometryError(

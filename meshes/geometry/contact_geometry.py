@@ -38,7 +38,7 @@ class ContactGeometry:
     ----------
     closure, seat : Outline
         Sections of the bodies, already in touch.
-    touch_radius : float
+    initial_contact_radius : float
         Radius r0 of first touch [m].
 
     Examples
@@ -46,13 +46,13 @@ class ContactGeometry:
     >>> import meshes
     >>> ball = meshes.Ball(0.02)
     >>> contact = meshes.ContactGeometry.of(ball.outline, meshes.ConicalSeat.around(0.785, ball).outline)
-    >>> print(f"r0 = {contact.touch_radius * 1e3:.2f} mm, R = {contact.relative_radius * 1e3:.1f} mm")
+    >>> print(f"r0 = {contact.initial_contact_radius * 1e3:.2f} mm, R = {contact.relative_radius * 1e3:.1f} mm")
     r0 = 14.14 mm, R = 20.0 mm
     """
 
     closure: Outline
     seat: Outline
-    touch_radius: float
+    initial_contact_radius: float
 
     @classmethod
     def of(cls, closure: Outline, seat: Outline) -> ContactGeometry:
@@ -78,18 +78,18 @@ class ContactGeometry:
 
     def _check_touch(self) -> None:
         for name, face in (("closure", self.closure_face), ("seat", self.seat_face)):
-            s = float(face.project(np.array(self.touch_radius), np.array(0.0)))
+            s = float(face.project(np.array(self.initial_contact_radius), np.array(0.0)))
             if min(s, face.length - s) < 1e-9 * face.length:
                 edge = face.point(np.array([0.0, face.length]))[0]
                 raise GeometryError(
-                    f"closure and seat would touch first at r = {mm(self.touch_radius)}, where the face of the "
-                    f"{name} ends: it reaches from {mm(edge[0])} to {mm(edge[1])}; change the radii, the angle or "
-                    "the bore, or round the edge"
+                    f"closure and seat would touch first at r = {mm(self.initial_contact_radius)}, where the face "
+                    f"of the {name} ends: it reaches from {mm(edge[0])} to {mm(edge[1])}; change the radii, "
+                    "the angle or the bore, or round the edge"
                 )
             if at_a_corner(face, s):
                 raise GeometryError(
-                    f"closure and seat touch first at r = {mm(self.touch_radius)} at a sharp corner of the {name}; "
-                    "give it an edge radius"
+                    f"closure and seat touch first at r = {mm(self.initial_contact_radius)} at a sharp corner of "
+                    f"the {name}; give it an edge radius"
                 )
 
     @property
@@ -113,7 +113,7 @@ class ContactGeometry:
 
     @cached_property
     def _origin(self) -> float:
-        return self.seat_face.project_radius(self.touch_radius)
+        return self.seat_face.project_radius(self.initial_contact_radius)
 
     @cached_property
     def angle(self) -> float:
@@ -129,7 +129,7 @@ class ContactGeometry:
     @cached_property
     def closure_curvature(self) -> float:
         """Curvature of the closure at first touch [1/m], positive where it bulges."""
-        touch = self.closure_face.project(np.array(self.touch_radius), np.array(0.0))
+        touch = self.closure_face.project(np.array(self.initial_contact_radius), np.array(0.0))
         return self.closure_face.curvature(float(touch))
 
     @cached_property

@@ -63,7 +63,7 @@ def test_boundary_nodes_lie_on_the_exact_curves(seal_mesh: SealMesh) -> None:
         digits = 1e-15 if name == "closure_contact" else 1e-11
         assert np.hypot(r, z - 0.02 * math.cos(contact.angle)) == pytest.approx(0.02, rel=digits)
     r, z = mesh.p[:, np.unique(mesh.facets[:, mesh.boundaries["seat_contact"]])]
-    assert z == pytest.approx((r - contact.touch_radius) * math.tan(contact.angle), abs=1e-15)
+    assert z == pytest.approx((r - contact.initial_contact_radius) * math.tan(contact.angle), abs=1e-15)
 
 
 def test_contact_vertices_of_both_bodies_face_each_other(seal_mesh: SealMesh) -> None:

@@ -28,7 +28,7 @@ def centre_height(radius: float, angle: float) -> float:
 @given(radii, angles)
 def test_touch_circle_lies_on_both_surfaces_and_they_share_the_normal(radius: float, angle: float) -> None:
     contact = ball_on_cone(radius, angle)
-    r0 = contact.touch_radius
+    r0 = contact.initial_contact_radius
     assert r0 == pytest.approx(radius * math.sin(angle), rel=1e-12)
     assert contact.angle == pytest.approx(angle, rel=1e-12)
     assert contact.relative_radius == pytest.approx(radius, rel=1e-9)

@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 from meshes import Curve, GeometryError, Profile
-from meshes.own_process import OwnProcessError, TimeLimitError, call_apart
+from meshes.own_process import OwnProcessError, TimeLimitError, run_in_subprocess
 
 LONG = 120.0
 
@@ -27,43 +27,44 @@ def cold_processes(monkeypatch) -> None:
 
 
 def test_results_and_own_errors_come_back() -> None:
-    assert call_apart(LONG, math.hypot, 3.0, 4.0) == 5.0
+    assert run_in_subprocess(LONG, math.hypot, 3.0, 4.0) == 5.0
     with pytest.raises(
         GeometryError, match=r"^seat outline: has 0 pieces; a closed outline needs at least 3$"
     ):
-        call_apart(LONG, Profile, "seat", ())
+        run_in_subprocess(LONG, Profile, "seat", ())
     with pytest.raises(OwnProcessError, match=r"^float division by zero$"):
-        call_apart(LONG, truediv, 1.0, 0.0)
+        run_in_subprocess(LONG, truediv, 1.0, 0.0)
     with pytest.raises(OwnProcessError, match=r"^damaged$"):
-        call_apart(LONG, next, iter(()))
+        run_in_subprocess(LONG, next, iter(()))
 
 
 def test_what_hangs_is_ended() -> None:
     started = time.monotonic()
     with pytest.raises(TimeLimitError, match=r"^takes longer than 0.5 s$"):
-        call_apart(0.5, time.sleep, LONG)
+        run_in_subprocess(0.5, time.sleep, LONG)
     assert time.monotonic() - started < 0.5 * LONG
 
 
 def test_what_crashes_is_said() -> None:
     with pytest.raises(OwnProcessError, match=r"^crashes \(SIGABRT\)$"):
-        call_apart(LONG, os.abort)
+        run_in_subprocess(LONG, os.abort)
     with pytest.raises(OwnProcessError, match=r"^ended with code 7$"):
-        call_apart(LONG, os._exit, 7)
+        run_in_subprocess(LONG, os._exit, 7)
 
 
 def test_what_is_printed_is_not_seen(capfd) -> None:
     """Neither by Python nor by a library under it."""
     for stream in (1, 2):
-        assert call_apart(LONG, os.write, stream, b"noise") == 5
-    assert call_apart(LONG, print, "noise") is None
+        assert run_in_subprocess(LONG, os.write, stream, b"noise") == 5
+    assert run_in_subprocess(LONG, print, "noise") is None
     assert tuple(capfd.readouterr()) == ("", "")
 
 
 def test_a_script_without_a_main_guard_is_not_run_again(tmp_path) -> None:
     script = tmp_path / "script.py"
     script.write_text(
-        "import math\nfrom meshes.own_process import call_apart\nprint('once', call_apart(120.0, math.hypot, 3, 4))\n"
+        "import math\nfrom meshes.own_process import run_in_subprocess\n"
+        "print('once', run_in_subprocess(120.0, math.hypot, 3, 4))\n"
     )
     environment = {**os.environ, "PYTHONPATH": str(Path(sys.modules[Curve.__module__].__file__).parents[1])}
     ended = subprocess.run(

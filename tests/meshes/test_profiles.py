@@ -60,7 +60,7 @@ def test_boundaries_and_face_are_found(closure, seat, backwards) -> None:
         unnamed(closure.outline, backwards=backwards).outline,
         unnamed(seat.outline, backwards=backwards).outline,
     )
-    assert found.touch_radius == pytest.approx(known.touch_radius, rel=1e-12)
+    assert found.initial_contact_radius == pytest.approx(known.initial_contact_radius, rel=1e-12)
     assert found.relative_radius == pytest.approx(known.relative_radius, rel=1e-9)
     for a, b in ((found.closure, known.closure), (found.seat, known.seat)):
         assert a.area == pytest.approx(b.area, rel=1e-12)
@@ -85,7 +85,7 @@ def test_the_face_is_the_chain_that_touches_and_not_a_flange_above() -> None:
     contact = ContactGeometry.of(closure.outline, seat.outline)
     ends = contact.closure_face.point(np.array([0.0, contact.closure_face.length]))[0]
     assert ends == pytest.approx([0.0, 8 * MM], abs=1e-9)
-    assert contact.touch_radius == pytest.approx(6.5 * MM, rel=1e-9)
+    assert contact.initial_contact_radius == pytest.approx(6.5 * MM, rel=1e-9)
     assert math.isinf(contact.relative_radius)
 
 
@@ -263,7 +263,7 @@ def test_ready_meshes_keep_their_triangles_and_find_the_contact(mesh_file, which
     closure = read["closure"] if which != "seat" else BALL
     seat = read["seat"] if which != "closure" else SEAT
     contact = ContactGeometry.of(closure.outline, seat.outline)
-    assert contact.touch_radius == pytest.approx(20 * MM * math.sin(45 * DEG), rel=1e-9)
+    assert contact.initial_contact_radius == pytest.approx(20 * MM * math.sin(45 * DEG), rel=1e-9)
     assert contact.relative_radius == pytest.approx(20 * MM, rel=1e-6)
     x = np.linspace(-0.9, 0.9, 11) * MM
     exact = ContactGeometry.of(BALL.outline, SEAT.outline).gap(x)

@@ -110,7 +110,7 @@ def test_first_touch_and_relative_curvature_in_closed_form(closure: str, seat: s
     contact = contact_of(closure, seat)
     r0, radius = EXPECTED[closure, seat]
     if r0 is not None:
-        assert contact.touch_radius == pytest.approx(r0 * MM, rel=1e-10)
+        assert contact.initial_contact_radius == pytest.approx(r0 * MM, rel=1e-10)
     assert contact.relative_radius == pytest.approx(radius, rel=1e-8)
 
 
@@ -124,7 +124,7 @@ def test_a_fitting_cone_touches_in_the_middle_of_the_common_stretch() -> None:
     # both roundings begin e tan(turn/2) before the edges along the slope
     low = 9 * MM + 1 * MM * math.tan(BETA / 2) * math.cos(BETA)
     high = 18 * MM - 1 * MM * math.tan((90 * DEG - BETA) / 2) * math.cos(BETA)
-    assert contact.touch_radius == pytest.approx(0.5 * (low + high), rel=1e-9)
+    assert contact.initial_contact_radius == pytest.approx(0.5 * (low + high), rel=1e-9)
     x = np.linspace(-3 * MM, 3 * MM, 7)
     assert np.abs(contact.gap(x)).max() < 1e-15
 
@@ -135,7 +135,7 @@ def test_lapped_spherical_seat_touches_where_it_is_asked_to(share: float, degree
     """Also for a ball whose radius is 0.1 % smaller."""
     seat = SphericalSeat.around(share * 20 * MM, BALL, contact_angle=degrees * DEG)
     contact = ContactGeometry.of(BALL.outline, seat.outline)
-    assert contact.touch_radius == pytest.approx(20 * MM * math.sin(degrees * DEG), rel=1e-9)
+    assert contact.initial_contact_radius == pytest.approx(20 * MM * math.sin(degrees * DEG), rel=1e-9)
     assert contact.angle == pytest.approx(degrees * DEG, rel=1e-7)
     # 1/R_rel = 1/R - 1/R_s, all of it cancellation
     assert contact.relative_radius == pytest.approx(20 * MM * share / (share - 1), rel=1e-9 / (share - 1))

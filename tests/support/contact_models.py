@@ -39,7 +39,7 @@ def ball_on_cone(
 
     ball, cone = meshes.Ball(radius), meshes.ConicalSeat.around(angle, meshes.Ball(radius))
     contact = meshes.ContactGeometry.of(ball.outline, cone.outline)
-    forces = [contact_force(contact.touch_radius, p) for p in fluid_pressures]
-    loads = [line_load(force, contact.touch_radius, angle) for force in forces]
+    forces = [contact_force(contact.initial_contact_radius, p) for p in fluid_pressures]
+    loads = [line_load(force, contact.initial_contact_radius, angle) for force in forces]
     sizing = element_sizes(law, loads, contact, effective_modulus(closure, seat)).refined(refine)  # type: ignore[arg-type]
     return condense(meshes.build(ball, cone, sizing), {"closure": closure, "seat": seat}), forces

@@ -11,7 +11,7 @@ from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import spilu, splu
 
 from fem_seal.arrays import FloatArray
-from fem_seal.bodies.held_body import HeldBody
+from fem_seal.bodies.constrained_body import ConstrainedBody
 
 _SYMMETRIC = {"SymmetricMode": True}
 
@@ -87,7 +87,7 @@ def restricted_inverse(
 
 
 def contact_compliance(
-    held: HeldBody, stiffness: csc_matrix
+    held: ConstrainedBody, stiffness: csc_matrix
 ) -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
     """What `DissectedBody` gives, of a body with this stiffness of its free dofs [N/m]."""
     place = held.free_rows[held.contact_dofs].ravel()

@@ -12,7 +12,7 @@ from sample_results import case
 
 from fem_seal.bodies.fields import BodyField, ElastoplasticField
 from fem_seal.case.case import Case
-from fem_seal.seal.findings import Caution
+from fem_seal.seal.findings import Finding
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.problem import SealProblem
 from fem_seal.validity.checks import load_cautions
@@ -60,7 +60,7 @@ def load(
         fields={name: field(name) for name in ("closure", "seat")} | {body.name: body for body in bodies},
         model=SimpleNamespace(
             bodies={"closure": None, "seat": None},
-            touch_radius=0.014,
+            initial_contact_radius=0.014,
             touch_normal_z=0.7,
             relative_radius=0.02,
             lines=(SimpleNamespace(x=_X, bend=np.zeros(3)),),
@@ -68,7 +68,7 @@ def load(
         stays_below=lambda name, stress: False,
     )
     found: Any = LoadResult(fluid_pressure, applied_force, contact)  # type: ignore[arg-type]
-    return found.knowing(
+    return found.with_values(
         critical_separation=critical_separation, leak=LeakResult(leak_rate, 1.0, np.zeros(3))
     )
 
@@ -79,7 +79,7 @@ def judged(
     of: Case | None = None,
     surface: RoughContact = SURFACE,
     relative_radius: float = 0.02,
-) -> list[Caution]:
+) -> list[Finding]:
     """The cautions of one kind about these loads of a case, a ball on a cone unless given."""
     for one in loads:
         one.contact.model.relative_radius = relative_radius

@@ -124,8 +124,8 @@ def seal(
     contact = meshes.ContactGeometry.of(
         ball.outline, meshes.ConicalSeat.around(math.radians(45), ball).outline
     )
-    force = contact_force(contact.touch_radius, fluid_pressure)
-    load = line_load(force, contact.touch_radius, contact.angle)
+    force = contact_force(contact.initial_contact_radius, fluid_pressure)
+    load = line_load(force, contact.initial_contact_radius, contact.angle)
     sizing = element_sizes(law, [load], contact, effective_modulus(closure, seat)).refined(refine)
     sizing = replace(sizing, zone=(wider * sizing.zone[0], wider * sizing.zone[1]), core=wider * sizing.core)
     mesh = meshes.build_contact(contact, sizing)

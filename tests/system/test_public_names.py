@@ -151,9 +151,10 @@ def test_what_takes_a_case_takes_its_file_and_its_tables(name, tmp_path):
 def test_a_file_and_a_case_of_it_give_the_same():
     case = fem_seal.load_case(ROOT / "examples" / "smooth.toml")
     told = [
-        fem_seal.derive(source).touch_radius for source in (case, case.file, str(case.file), case.written)
+        fem_seal.derive(source).initial_contact_radius
+        for source in (case, case.file, str(case.file), case.written)
     ]
-    assert told == [case.touch_radius] * 4
+    assert told == [case.initial_contact_radius] * 4
 
 
 def test_the_page_of_stability_has_every_public_name_in_one_tier():

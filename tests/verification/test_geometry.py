@@ -60,7 +60,7 @@ def pressed(
     """Contact under a line load [N/m], on the mesh that the program chooses or with elements smaller by a factor."""
     contact = ContactGeometry.of(closure.outline, seat.outline)
     modulus = effective_modulus(*materials)
-    force = line_load * 2 * math.pi * contact.touch_radius * math.cos(contact.angle)
+    force = line_load * 2 * math.pi * contact.initial_contact_radius * math.cos(contact.angle)
 
     def solve_on(sizing: Sizing) -> list[ContactSolution]:
         model: ContactModel = condense(
@@ -75,7 +75,7 @@ def pressed(
 def narrow_load(contact: ContactGeometry, modulus: float, share: float = 1 / 300) -> float:
     """Line load [N/m] whose half-width of Hertz is a share of the smaller of r0 and R_rel."""
     R = contact.relative_radius
-    return math.pi * modulus * (share * min(R, contact.touch_radius)) ** 2 / (4 * R)
+    return math.pi * modulus * (share * min(R, contact.initial_contact_radius)) ** 2 / (4 * R)
 
 
 PAIRS = {
@@ -277,7 +277,11 @@ def test_p_c_only_shifts_the_approach_on_every_curved_face(
 ) -> None:
     """p_c from 50 MPa to 1000 GPa moves the surfaces 5 um apart, and does nothing else (theory_geometry.md)."""
     contact = ContactGeometry.of(closure.outline, seat.outline)
-    f = line_load(math.pi * contact.touch_radius**2 * fluid_pressure, contact.touch_radius, contact.angle)
+    f = line_load(
+        math.pi * contact.initial_contact_radius**2 * fluid_pressure,
+        contact.initial_contact_radius,
+        contact.angle,
+    )
     found = [pressed(closure, seat, ExponentialLaw(p_c=p_c, u0=0.5e-6), f).profile for p_c in (50e6, 1e12)]
     for size in ("peak_pressure", "fwhm", "std"):
         assert getattr(found[0], size) == pytest.approx(getattr(found[1], size), rel=1e-5)

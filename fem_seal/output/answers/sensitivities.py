@@ -6,10 +6,10 @@ import math
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
-from fem_seal.output.prose import said
+from fem_seal.output.prose import sentence
 from fem_seal.output.shown import ReadableTable, Shown, worded_table
 from fem_seal.seal.load_names import load_name
-from fem_seal.units import range_text, trimmed, unit_for, worth
+from fem_seal.units import format_digits, range_text, trimmed, unit_for
 
 if TYPE_CHECKING:
     from fem_seal.answers.sensitivities import Lever
@@ -44,14 +44,14 @@ def step_in_words(case: Case, lever: Lever) -> str:
     if lever.key == "force":
         assert lever.before is not None and lever.after is not None  # of a force
         if lever.before > 0:
-            return said("levers.step", "force", more=lever.factor - 1.0)
-        return said("levers.step", "force_added", added=lever.after - lever.before)
+            return sentence("levers.step", "force", more=lever.factor - 1.0)
+        return sentence("levers.step", "force_added", added=lever.after - lever.before)
     if lever.key in _STEPS:
         key = f"{lever.key}_{'more' if lever.factor > 1 else 'less'}"
         finish = _finish(case)
         if key == "rms_height_less" and finish:
-            return said("levers.step", "rms_height_less_finish", finish=finish)
-        return said("levers.step", key, lever=lever)
+            return sentence("levers.step", "rms_height_less_finish", finish=finish)
+        return sentence("levers.step", key, lever=lever)
     return _dimension(lever)
 
 
@@ -72,8 +72,8 @@ def _dimension(lever: Lever) -> str:
     unit = unit_for(kind, lever.after - lever.before)
     by = f"{trimmed(unit.of(lever.after - lever.before))} {unit.name}".replace(" °", "°")
     if both:
-        return said("levers.step", "angles", by=by)
-    return said("levers.step", "dimension", by=by, body=body, what=key.replace("_", " "))
+        return sentence("levers.step", "angles", by=by)
+    return sentence("levers.step", "dimension", by=by, body=body, what=key.replace("_", " "))
 
 
 def ratio_in_words(lever: Lever) -> str:
@@ -85,15 +85,15 @@ def ratio_in_words(lever: Lever) -> str:
     """
     low, high = sorted(lever.ratio)
     if high == 0:
-        return said("levers.said", "sealed")
-    ends = range_text(*(worth(one, 2) if one else "0" for one in (low, high)))
-    return said("levers.said", "effect", ratio=ends)
+        return sentence("levers.said", "sealed")
+    ends = range_text(*(format_digits(one, 2) if one else "0" for one in (low, high)))
+    return sentence("levers.said", "effect", ratio=ends)
 
 
 def _exponents(lever: Lever) -> str:
     if any(map(math.isnan, lever.exponents)):
         return "–"
-    return range_text(*(worth(one, 2) for one in sorted(lever.exponents)))
+    return range_text(*(format_digits(one, 2) for one in sorted(lever.exponents)))
 
 
 def lever_lines(result: SealSolution) -> list[str]:
@@ -106,9 +106,11 @@ def lever_lines(result: SealSolution) -> list[str]:
     found = told_levers(result)
     if not found:
         return []
-    lines = [said("levers.said", "heading", load=_load(result)) + ":"]
+    lines = [sentence("levers.said", "heading", load=_load(result)) + ":"]
     for one in found:
-        exponent = said("levers.said", "exponent" if one.straight else "locally", exponents=_exponents(one))
+        exponent = sentence(
+            "levers.said", "exponent" if one.straight else "locally", exponents=_exponents(one)
+        )
         lines.append(f"  {step_in_words(result.case, one)}: {ratio_in_words(one)} ({exponent})")
     return lines
 
@@ -142,7 +144,7 @@ def lever_note(result: SealSolution) -> str:
     result : SealSolution
     """
     both = "note_both" if result.highest.yields else ""
-    return said("levers.said", "note", both, load=_load(result))
+    return sentence("levers.said", "note", both, load=_load(result))
 
 
 SHOWN = Shown(

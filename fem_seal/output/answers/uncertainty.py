@@ -10,11 +10,11 @@ import numpy as np
 
 from fem_seal.answers.error_shares import ErrorShares, error_shares, measured_profiles
 from fem_seal.answers.leakage_class import volume_of
-from fem_seal.output.prose import prose, said
+from fem_seal.output.prose import prose, sentence
 from fem_seal.output.shown import ReadableTable, Shown
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.load_result import highest_load
-from fem_seal.units import percent, unit_for, worth
+from fem_seal.units import format_digits, percent, unit_for
 
 if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
@@ -56,7 +56,7 @@ def interval_table(result: SealSolution) -> ReadableTable:
     for load, both, shares in zip(result.loads, ends, interval.shares, strict=True):
         rates = [(load.leak.leak_rate, 3)] if load.leak else []
         cells = [
-            worth(unit.of(volume.measurable(rate)), min(load.leak_digits, digits))
+            format_digits(unit.of(volume.measurable(rate)), min(load.leak_digits, digits))
             for rate, digits in (*rates, *((end, 2) for end in both))
         ]
         cells += ["–" if np.isnan(share) else f"{100 * share:.0f}" for share in shares]
@@ -72,7 +72,7 @@ def interval_note(result: SealSolution) -> str:
     given_as = {} if settings is None else settings.spreads
     spreads = {name: f" ±{percent(one.relative)} ({one.distribution})" for name, one in given_as.items()}
     sealed = float(interval.sealed.max())
-    return said(
+    return sentence(
         "notes.interval",
         "samples",
         "polynomial" if interval.runs < interval.samples else "",
@@ -111,7 +111,7 @@ def error_sentence(result: SealSolution) -> str:
     largest = next(iter(found.of_width))
     measured = found.by_profiles
     told = [(name, share) for name, share in list(found.of_width.items())[:_NAMED] if share >= _LEAST]
-    return said(
+    return sentence(
         "notes.error_shares",
         "interval",
         "doubt" if largest.startswith("accuracy: ") else "source",

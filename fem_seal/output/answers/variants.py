@@ -9,7 +9,7 @@ from fem_seal.answers.leakage_class import volume_of
 from fem_seal.answers.solution import SealSolution
 from fem_seal.answers.variants import ratio_to_case
 from fem_seal.output.columns import VARIANT_COLUMNS
-from fem_seal.output.prose import prose, said
+from fem_seal.output.prose import prose, sentence
 from fem_seal.output.shown import ReadableTable, Shown, by_reading, worded_table
 from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.load_names import load_name
@@ -17,12 +17,12 @@ from fem_seal.seal.load_result import LoadResult, highest_load
 from fem_seal.units import (
     LeakVolume,
     Unit,
+    format_digits,
     leak_rate_text,
     number,
     range_text,
     trimmed,
     unit_for,
-    worth,
 )
 
 
@@ -59,7 +59,7 @@ def _both_readings(variant: Comparison, unit: Unit, load: LoadResult, volume: Le
     ends = Bounds.of([variant.leak_rate, *variant.others.values()])
     digits = min(load.leak_digits, 2 if ends.apart else 3)
     told = [
-        worth(unit.of(one), digits) if one else leak_rate_text(0.0, claimed=claimed)
+        format_digits(unit.of(one), digits) if one else leak_rate_text(0.0, claimed=claimed)
         for one in map(volume.measurable, ends)
     ]
     return range_text(*told)
@@ -89,7 +89,7 @@ def theory_table(result: SealSolution) -> ReadableTable:
         ]
         for n in shown:
             rate, digits = variant.leak_rate[n], min(result.loads[n].leak_digits, 3)
-            cells += [worth(unit.of(volume.measurable(rate)), digits)]
+            cells += [format_digits(unit.of(volume.measurable(rate)), digits)]
             cells += [number(ratio_to_case(rate, of_case[n]), 2)]
         rows.append(tuple(cells))
     return ReadableTable(tuple(headings), tuple(rows))
@@ -102,7 +102,7 @@ def theory_note(result: SealSolution) -> str:
     load = highest_load(result.loads)
     rates = [variant.leak_rate[load] for variant in result.theory_variants]
     tight = min(rates) <= 0
-    return said(
+    return sentence(
         "notes.theory",
         "tight" if tight else "factor",
         "yields" if result.highest.yields else "",

@@ -7,10 +7,10 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from fem_seal.answers.judgement import Limit, SealJudgement, Shares, Why
+from fem_seal.answers.judgement import Limit, SealJudgement, Utilisation, VerdictReason
 from fem_seal.answers.leakage_class import OF_LEAK_RATE, limits, next_class, nominal_size, volume_of
 from fem_seal.case.fields import Bubbles, NormalVolume, Throughput
-from fem_seal.output.prose import said
+from fem_seal.output.prose import sentence
 from fem_seal.output.shown import Shown
 from fem_seal.seal.findings import YIELD_STRESS, Level
 from fem_seal.seal.load_names import load_name
@@ -19,7 +19,8 @@ from fem_seal.units import (
     LeakVolume,
     digits_beside,
     flow_unit,
-    given,
+    format_digits,
+    format_quantity,
     leak_range_text,
     leak_rate_text,
     percent,
@@ -27,7 +28,6 @@ from fem_seal.units import (
     rounded,
     trimmed,
     unit_for,
-    worth,
 )
 from leak import millibar_litres_per_second, millilitres_per_minute
 
@@ -59,7 +59,7 @@ def factor_text(factor: float, digits: int = 2) -> str:
     """
     if factor > _FAR:
         return f"more than {_FAR_IN_WORDS}"
-    return worth(factor, digits_beside(factor, 1.0, digits))
+    return format_digits(factor, digits_beside(factor, 1.0, digits))
 
 
 def verdict_sentences(result: SealSolution) -> list[str]:
@@ -86,7 +86,7 @@ def _digits(result: SealSolution, found: SealJudgement) -> int:
 
 def _doubt(result: SealSolution, found: SealJudgement) -> str:
     """Why the load that decides is doubtful; empty if it is not."""
-    if found.number is None or found.worst.why not in (Why.LIMIT, Why.INTERVAL):
+    if found.number is None or found.worst.why not in (VerdictReason.LIMIT, VerdictReason.INTERVAL):
         return ""
     validity = result.loads[found.number].validity
     return validity.reasons[0] if validity.level is Level.DOUBTFUL else ""
@@ -95,7 +95,7 @@ def _doubt(result: SealSolution, found: SealJudgement) -> str:
 # Heights over the usual ones from which on the local exponent of the leak rate foretells it.
 _LOWEST_HEIGHT = 0.4
 # Verdicts whose sentences have no leak rate.
-_WITHOUT_RATES = (Why.OPEN, Why.OUTSIDE, Why.UNKNOWN)
+_WITHOUT_RATES = (VerdictReason.OPEN, VerdictReason.OUTSIDE, VerdictReason.UNKNOWN)
 
 
 def _in_mbar(limit: Limit) -> bool:
@@ -105,25 +105,29 @@ def _in_mbar(limit: Limit) -> bool:
 def _place(result: SealSolution, found: SealJudgement) -> str:
     if found.number is not None:
         return load_name(result.loads[found.number], result.loads)
-    pressure = given("fluid pressure", found.fluid_pressure)
-    return f"{pressure} with {given('force', found.applied_force)}" if found.applied_force else pressure
+    pressure = format_quantity("fluid pressure", found.fluid_pressure)
+    return (
+        f"{pressure} with {format_quantity('force', found.applied_force)}"
+        if found.applied_force
+        else pressure
+    )
 
 
 def _verdict(found: SealJudgement, load: str, digits: int, volume: LeakVolume) -> str:
-    judged, limit, sentence = found.worst, found.worst.limit, _sentence(found)
+    judged, limit, key = found.worst, found.worst.limit, _sentence(found)
     measured = [volume.measurable(end) for end in judged.ends]
-    if sentence == "pass" and not measured[1]:
-        sentence = "unmeasurable"
+    if key == "pass" and not measured[1]:
+        key = "unmeasurable"
     # as the limit is written: one in mbar l/s is compared in mbar l/s
     low, high = (Throughput(end) if _in_mbar(limit) else end for end in measured)
     # the ends that stand in the sentence have one unit with the limit
-    beside = {"pass": judged.ends[1:], "fail": judged.ends[:1]}.get(sentence, judged.ends)
+    beside = {"pass": judged.ends[1:], "fail": judged.ends[:1]}.get(key, judged.ends)
     over = [end / limit.leak_rate if limit.leak_rate else math.nan for end in measured]
     none = leak_rate_text(judged.ends[1], volume=volume)
     at_most = _amount(high, digits, limit.leak_rate) if high else none
-    return said(
+    return sentence(
         "verdict.said",
-        sentence,
+        key,
         load=load,
         low=_amount(low, digits, limit.leak_rate),
         high=at_most,
@@ -141,13 +145,13 @@ def _verdict(found: SealJudgement, load: str, digits: int, volume: LeakVolume) -
 def _sentence(found: SealJudgement) -> str:
     """Which of the sentences it is."""
     judged = found.worst
-    if judged.why is Why.UNKNOWN and found.number is None:
+    if judged.why is VerdictReason.UNKNOWN and found.number is None:
         return "no_result"
-    if judged.why is Why.UNKNOWN and math.isnan(judged.limit.leak_rate):
+    if judged.why is VerdictReason.UNKNOWN and math.isnan(judged.limit.leak_rate):
         return "no_limit"
-    if judged.why is Why.ACCURACY and not judged.limit.leak_rate:
+    if judged.why is VerdictReason.ACCURACY and not judged.limit.leak_rate:
         return "visible_accuracy"
-    if judged.why is not Why.LIMIT:
+    if judged.why is not VerdictReason.LIMIT:
         return judged.why
     if judged.verdict == "fail":
         return "fail" if judged.limit.leak_rate else "visible_fail"
@@ -166,24 +170,27 @@ def _as_written(leak_rate: float) -> str:
 def _further_sentences(result: SealSolution, found: SealJudgement) -> Iterator[str]:
     volume = volume_of(result.case)
     if volume.state and found.worst.why not in _WITHOUT_RATES and not _in_mbar(found.worst.limit):
-        yield said("verdict.said", "volume", state=volume.state)
-    limit, decided = found.worst.limit, found.worst.why in (Why.LIMIT, Why.INTERVAL, Why.ACCURACY)
+        yield sentence("verdict.said", "volume", state=volume.state)
+    limit, decided = (
+        found.worst.limit,
+        found.worst.why in (VerdictReason.LIMIT, VerdictReason.INTERVAL, VerdictReason.ACCURACY),
+    )
     if limit.bubble_volume is not None:
-        yield said("verdict.said", "bubble", volume=_bubble(limit.bubble_volume))
+        yield sentence("verdict.said", "bubble", volume=_bubble(limit.bubble_volume))
     if limit.test_fluid and decided and not math.isinf(found.margin):
-        yield said("verdict.said", "converted", fluid=limit.test_fluid, ratio=tuple(sorted(limit.ratio)))
+        yield sentence("verdict.said", "converted", fluid=limit.test_fluid, ratio=tuple(sorted(limit.ratio)))
     if reason := _doubt(result, found):
-        yield said("verdict.said", "doubtful", reason=reason)
+        yield sentence("verdict.said", "doubtful", reason=reason)
     yield from _to_measure(result, found)
     yield from _other_theory(result, found)
     count = len(found.judged) + found.left_out
     if count > 1:
-        yield said("verdict.said", "several", count=count)
+        yield sentence("verdict.said", "several", count=count)
 
 
 def _to_measure(result: SealSolution, found: SealJudgement) -> Iterator[str]:
     """Which measurement may turn a verdict that is open into a pass."""
-    if found.number is None or found.worst.why not in (Why.INTERVAL, Why.ACCURACY):
+    if found.number is None or found.worst.why not in (VerdictReason.INTERVAL, VerdictReason.ACCURACY):
         return
     # loads what `check`, which asks for the other sentences, does without
     from fem_seal.output.answers.uncertainty import error_shares_of
@@ -198,14 +205,14 @@ def _to_measure(result: SealSolution, found: SealJudgement) -> Iterator[str]:
         length = shares.by_profiles.length
         yields = any(one.kind == YIELD_STRESS for one in result.loads[found.number].validity.cautions)
         curve = "curve" if yields else ""
-        yield said("verdict.said", "profile", curve, length=length, height=height)
+        yield sentence("verdict.said", "profile", curve, length=length, height=height)
 
 
 def _other_theory(result: SealSolution, found: SealJudgement) -> Iterator[str]:
     """That the other theory would come to another verdict."""
     sampled = found.number is not None and result.loads[found.number].sampled is not None
     for theory, (place, judged, own) in result.judgement_by_theory.items():
-        yield said(
+        yield sentence(
             "verdict.said",
             "theory_as_given" if sampled else "theory",
             theory=THEORIES[theory],
@@ -229,7 +236,7 @@ def _amount(leak_rate: float, digits: int, limit: float) -> str:
     else:
         unit = flow_unit((leak_rate, limit)) or unit_for("flow", leak_rate)
         name, value, allowed = unit.name, unit.of(leak_rate), unit.of(limit)
-    return f"{worth(value, digits_beside(value, rounded(allowed, 2), digits))} {name}"
+    return f"{format_digits(value, digits_beside(value, rounded(allowed, 2), digits))} {name}"
 
 
 def _mbar_litres(leak_rate: Throughput) -> float:
@@ -238,18 +245,18 @@ def _mbar_litres(leak_rate: Throughput) -> float:
 
 def _range(low: float, high: float, digits: int, limit: float) -> str:
     if isinstance(low, Throughput) and isinstance(high, Throughput) and math.isfinite(high):
-        told = (worth(_mbar_litres(one), digits) for one in (low, high))
+        told = (format_digits(_mbar_litres(one), digits) for one in (low, high))
         return f"{range_text(*told)} mbar l/s"
     return leak_range_text((low, high), digits, beside=(limit,))
 
 
 def _limit_text(leak_rate: float, beside: Collection[float] = ()) -> str:
     if isinstance(leak_rate, Throughput):
-        return f"{worth(_mbar_litres(leak_rate), 2)} mbar l/s"
+        return f"{format_digits(_mbar_litres(leak_rate), 2)} mbar l/s"
     return "no visible leakage" if leak_rate == 0 else leak_range_text(leak_rate, 2, beside=beside)
 
 
-def used_in_words(result: SealSolution, shares: Shares) -> str:
+def used_in_words(result: SealSolution, shares: Utilisation) -> str:
     """Shares of yield stress and hardness, and the margin to opening: "12 % of the hardness, ..."; empty if unknown.
 
     Parameters
@@ -258,17 +265,17 @@ def used_in_words(result: SealSolution, shares: Shares) -> str:
     shares : Shares
     """
     return ", ".join(
-        said("verdict.used", name, share=share, body=shares.body)
+        sentence("verdict.used", name, share=share, body=shares.body)
         for name, share in _shares(result, shares).items()
     )
 
 
-def _shares(result: SealSolution, shares: Shares) -> dict[str, str]:
+def _shares(result: SealSolution, shares: Utilisation) -> dict[str, str]:
     """What is known of them, in per cent."""
     digits = min(2, *(load.pressure_digits for load in result.loads))
     told = {"yield": shares.yield_stress, "hardness": shares.hardness}
     used = {
-        name: f"{worth(100 * share, digits_beside(100 * share, 100, digits))} %"
+        name: f"{format_digits(100 * share, digits_beside(100 * share, 100, digits))} %"
         for name, share in told.items()
         if share is not None
     }
@@ -292,9 +299,9 @@ def verdict_facts(result: SealSolution) -> list[tuple[str, str, str]]:
     told = factor_text(margin, _digits(result, found)) if math.isfinite(margin) else "–"
     if math.isinf(margin):
         told = "sealed"
-    facts = [("Margin", told, said("verdict.facts", "margin"))]
+    facts = [("Margin", told, sentence("verdict.facts", "margin"))]
     for name, share in _shares(result, shares).items():
-        facts.append((_USED[name], share, said("verdict.facts", name, body=shares.body)))
+        facts.append((_USED[name], share, sentence("verdict.facts", name, body=shares.body)))
     return facts
 
 
@@ -314,11 +321,11 @@ def next_class_in_words(case: Case, load: LoadResult) -> str:
     if found is None:
         return ""
     if found.as_calculated:
-        return said("verdict.next", "as_calculated", found=found)
+        return sentence("verdict.next", "as_calculated", found=found)
     if found.factor < _HARDLY:
-        return said("verdict.next", "near", found=found, less=1 - 1 / found.factor)
+        return sentence("verdict.next", "near", found=found, less=1 - 1 / found.factor)
     factor = factor_text(found.factor, min(load.leak_digits, 2))
-    return said("verdict.next", "class", found=found, factor=factor)
+    return sentence("verdict.next", "class", found=found, factor=factor)
 
 
 def next_class_of(result: SealSolution) -> str:
@@ -368,10 +375,10 @@ def verdict_force_sentences(loads: Sequence[JudgedLoad]) -> list[str]:
 
 def _verdict_force_sentence(pressure: float, found: VerdictForce) -> str:
     if not found.looked_for:
-        return said("verdict.force", "unasked", why=found.why_none)
+        return sentence("verdict.force", "unasked", why=found.why_none)
     kind, force = ("none", "") if found.force is None else ("passes", force_to_pass(found.force))
     begins = f" {found.begins}" if found.begins else ""
-    return said("verdict.force", kind, pressure=pressure, begins=begins, force=force, why=found.why_none)
+    return sentence("verdict.force", kind, pressure=pressure, begins=begins, force=force, why=found.why_none)
 
 
 def force_to_pass(force: float) -> str:
@@ -388,9 +395,9 @@ def force_to_pass(force: float) -> str:
     '75.2 kN'
     """
     if force == 0.0:
-        return given("force", 0.0)
+        return format_quantity("force", 0.0)
     step = 10.0 ** (math.floor(math.log10(abs(force))) - 2)
-    return given("force", rounded(step * math.ceil(force / step - 1e-9), 3))
+    return format_quantity("force", rounded(step * math.ceil(force / step - 1e-9), 3))
 
 
 def requirement_lines(case: Case) -> list[str]:
@@ -410,15 +417,17 @@ def requirement_lines(case: Case) -> list[str]:
                 at.setdefault((limit.name, limit.leak_rate), []).append(pressure)
     told = [_announced(name, rate, pressures) for (name, rate), pressures in at.items()]
     if fluid.volume.state and not all(_in_mbar(one) for one in limits(case, case.load.fluid_pressure[0])):
-        told.append(said("verdict.check", "volume", state=fluid.volume.state))
+        told.append(sentence("verdict.check", "volume", state=fluid.volume.state))
     for limit in limits(case, case.load.fluid_pressure[0]):
         if limit.name != OF_LEAK_RATE:
-            told.append(said("verdict.check", "size", size=nominal_size(case)))
+            told.append(sentence("verdict.check", "size", size=nominal_size(case)))
         if limit.bubble_volume is not None:
-            told.append(said("verdict.check", "bubble", volume=_bubble(limit.bubble_volume)))
+            told.append(sentence("verdict.check", "bubble", volume=_bubble(limit.bubble_volume)))
         if limit.test_fluid:
             ratio = tuple(sorted(limit.ratio))
-            told.append(said("verdict.check", "fluid", fluid=limit.test_fluid, ratio=ratio, own=fluid.name))
+            told.append(
+                sentence("verdict.check", "fluid", fluid=limit.test_fluid, ratio=ratio, own=fluid.name)
+            )
     return told
 
 
@@ -427,7 +436,9 @@ def _announced(name: str, leak_rate: float, pressures: Sequence[float]) -> str:
     ends = min(pressures), max(pressures)
     several = f" ({len(pressures)} pressures)" if len(pressures) > 1 else ""
     allowed = _limit_text(leak_rate)
-    return said("verdict.check", kind, limit=name, allowed=allowed, si=leak_rate, loads=ends, several=several)
+    return sentence(
+        "verdict.check", kind, limit=name, allowed=allowed, si=leak_rate, loads=ends, several=several
+    )
 
 
 def verdict_numbers(result: SealSolution) -> dict[str, Any] | None:

@@ -27,7 +27,7 @@ from fem_seal.output.pictures.style import (
     positive,
     spans_decades,
 )
-from fem_seal.seal.circumference import Around
+from fem_seal.seal.circumference import Circumference
 from fem_seal.seal.load_names import different, load_axis, load_name
 from fem_seal.units import unit_for
 
@@ -118,7 +118,7 @@ def line_load_picture(result: SealSolution) -> Picture | None:
     return captioned(figure, "line_load_around", "both", "" if around.form.guided else "free")
 
 
-def _form_error(axes: Axes, around: Around, circle: FloatArray) -> None:
+def _form_error(axes: Axes, around: Circumference, circle: FloatArray) -> None:
     """The change of the gap as a roundness chart shows it."""
     gap = around.gap_change
     largest = float(np.abs(gap).max())
@@ -200,7 +200,7 @@ def _in_others(load: LoadResult) -> list[FloatArray]:
     ]
 
 
-def _shown(result: SealSolution) -> list[tuple[LoadResult, Around]]:
+def _shown(result: SealSolution) -> list[tuple[LoadResult, Circumference]]:
     """A few loads with what is known of them around the axis, the line load rising."""
     loads = [result.loads[n] for n in different(result.loads)]
     known = [(load, load.around) for load in loads if load.around is not None and load.around.form.felt]

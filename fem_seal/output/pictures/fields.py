@@ -13,7 +13,7 @@ from fem_seal.bodies.fields import BodyField, ElastoplasticField
 from fem_seal.contact.solution import plastic_zone
 from fem_seal.output.columns import in_words
 from fem_seal.output.pictures.style import BLUE, INK, ORANGE, Picture, captioned, label, panels
-from fem_seal.output.prose import said
+from fem_seal.output.prose import sentence
 from fem_seal.seal.load_names import load_name
 from fem_seal.units import unit_for
 
@@ -63,7 +63,7 @@ def mesh_picture(result: SealSolution, load: LoadResult) -> Picture:
         zone.plot(*_polyline(place / unit.size, edges[:, close]), color=colour, linewidth=0.55)
     whole.set_aspect("equal")
     label(whole, "Both bodies", "r  [mm]", "z  [mm]")
-    whole.plot(1e3 * contact.touch_radius, 0.0, "o", mfc="none", mec=ORANGE, ms=9, mew=1.6)
+    whole.plot(1e3 * contact.initial_contact_radius, 0.0, "o", mfc="none", mec=ORANGE, ms=9, mew=1.6)
     frame_zone(zone, half / unit.size, unit.name, "Contact zone, turned so that the contact lies flat")
     smallest = min(float(np.diff(line.vertices).min()) for line in result.model.lines)
     return captioned(
@@ -151,7 +151,7 @@ def turned(seal_mesh: SealMesh, points: FloatArray) -> FloatArray:
     """(r, z) in the frame of the contact: along the tangent, along the normal; shape (n, 2) [m]."""
     contact = seal_mesh.contact
     n_r, n_z = contact.normal(np.zeros(1))[:, 0]
-    r, z = points[:, 0] - contact.touch_radius, points[:, 1]
+    r, z = points[:, 0] - contact.initial_contact_radius, points[:, 1]
     return np.column_stack([r * n_z - z * n_r, r * n_r + z * n_z])
 
 
@@ -266,7 +266,7 @@ def imprint_picture(result: SealSolution) -> Picture | None:
     strains = _strains(strain, result, unloaded)
     digits = result.strongest.digits_of("fwhm")
     imprints = "; ".join(
-        said("captions.imprint", "one", body=name, imprint=imprint, digits=digits)
+        sentence("captions.imprint", "one", body=name, imprint=imprint, digits=digits)
         for name, imprint in unloaded.imprints.items()
     )
     return captioned(figure, "imprint", "all", imprints=imprints, strains=strains)
@@ -305,5 +305,6 @@ def _strains(axes: Axes, result: SealSolution, unloaded: Unloaded) -> str:
     scale_of_colours([axes], bands, f"accumulated plastic strain  [{unit}]", lowest="0")
     digits = result.strongest.digits_of("fwhm")
     return " ".join(
-        said("captions.imprint", "zone", body=name, zone=zone, digits=digits) for name, zone in zones.items()
+        sentence("captions.imprint", "zone", body=name, zone=zone, digits=digits)
+        for name, zone in zones.items()
     )

@@ -31,10 +31,10 @@ from fem_seal.output.pictures.style import (
     style,
     svg,
 )
-from fem_seal.output.prose import said
+from fem_seal.output.prose import sentence
 from fem_seal.seal.load_names import different, load_axis, load_name
 from fem_seal.seal.readings import FURTHER, OWN, WORDS
-from fem_seal.units import LeakVolume, Unit, percent, unit_for, worth
+from fem_seal.units import LeakVolume, Unit, format_digits, percent, unit_for
 from leak import Reading
 
 if TYPE_CHECKING:
@@ -147,7 +147,7 @@ def _single_leak(
     names = [name for name, _, _ in series]
     values = [unit.of(rate) for _, rate, _ in series]
     bars = axes.barh(range(len(series)), values, color=[colour for _, _, colour in series], height=0.55)
-    told = [f"{worth(value, min(digits, 3))} {unit.name}" if value else zero for value in values]
+    told = [f"{format_digits(value, min(digits, 3))} {unit.name}" if value else zero for value in values]
     axes.bar_label(bars, told, padding=4)
     axes.set_xlim(0.0, 1.25 * max(*values, 1e-30))
     axes.set_yticks([])
@@ -159,7 +159,7 @@ def _single_leak(
         "leak",
         svg(figure),
         f"Leak rate at {load}: " + ", ".join(f"{name} {one}" for name, one in zip(names, told, strict=True)),
-        said("captions.leak", "single"),
+        sentence("captions.leak", "single"),
     )
 
 

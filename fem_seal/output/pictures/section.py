@@ -157,7 +157,7 @@ def _frame(axes: Axes, reach: float, low: float, high: float) -> None:
 
 def _names(axes: Axes, contact: ContactGeometry, size: float, white: float) -> None:
     """Dots at first touch, and both bodies by their names, on white that is so dense."""
-    r0 = 1e3 * contact.touch_radius
+    r0 = 1e3 * contact.initial_contact_radius
     axes.plot([-r0, r0], [0, 0], "o", color=ORANGE, ms=4.5, zorder=6)
     closure, seat = contact.closure, contact.seat
     inner, outer = seat.extent[0]
@@ -185,7 +185,7 @@ def _seat_diameters(case: Case) -> Iterator[_Diameter]:
 
     inner, outer = contact.seat.extent[0]
     yield _Diameter(1e3 * inner, "bore", low, colour("bore_radius", "land_radius"))
-    r0 = contact.touch_radius
+    r0 = contact.initial_contact_radius
     yield _Diameter(1e3 * r0, "contact", 0.0, ORANGE)
     body = case.bodies[1]
     ends = {"face_radius": "face", "land_end": "land", "land_outer_radius": "land", "centre_radius": "ring"}
@@ -223,7 +223,7 @@ def _note(
 
 def _included_angle(axes: Axes, contact: ContactGeometry, angle: float, scale: float) -> None:
     """The faces of a conical seat continued to the apex, and the angle between them."""
-    r0, slope = 1e3 * contact.touch_radius, math.tan(angle)
+    r0, slope = 1e3 * contact.initial_contact_radius, math.tan(angle)
     apex, out = -r0 * slope, 1.12 * r0
     dashes = (0, (6, 2, 1, 2))
     _on_both_sides(axes, [0, out], [apex, apex + out * slope], color=BLUE, lw=0.8, ls=dashes, zorder=5)
@@ -247,7 +247,7 @@ def _draw_detail(axes: Axes, case: Case) -> None:
     """Where the faces touch, enlarged, with the contact normal and its angle to the axis."""
     contact = case.contact
     _bodies(axes, contact, mirrored=False)
-    r0, theta, half = 1e3 * contact.touch_radius, contact.angle, 1e3 * _window(case)
+    r0, theta, half = 1e3 * contact.initial_contact_radius, contact.angle, 1e3 * _window(case)
     axes.set(
         xlim=(r0 - 1.45 * half, r0 + 1.45 * half), ylim=(-half, half), aspect="equal", xticks=[], yticks=[]
     )
@@ -279,8 +279,8 @@ def _window(case: Case) -> float:
         low, high = contact.reach
         width = high - low
     if width is None:
-        width = 0.5 * min(contact.relative_radius, contact.touch_radius)
-    return min(max(0.6 * width, 0.01 * contact.touch_radius), contact.touch_radius)
+        width = 0.5 * min(contact.relative_radius, contact.initial_contact_radius)
+    return min(max(0.6 * width, 0.01 * contact.initial_contact_radius), contact.initial_contact_radius)
 
 
 def _list(axes: Axes, case: Case) -> None:
@@ -366,7 +366,7 @@ def sketch(result: SealSolution) -> Picture:
         closure=case.closure.shape,
         seat=case.seat.shape,
         angle=number(math.degrees(contact.angle)),
-        radius=quantity("length", contact.touch_radius),
+        radius=quantity("length", contact.initial_contact_radius),
         side=case.load.pressure_side,
     )
 
@@ -376,16 +376,20 @@ def _fluids(axes: Axes, case: Case, widest: float, low: float, top: float) -> No
     from matplotlib.patches import Rectangle
 
     fills = ("white", _FLUID_FILL) if case.load.pressure_side == "outer" else (_FLUID_FILL, "white")
-    r0 = 1e3 * case.contact.touch_radius
+    r0 = 1e3 * case.contact.initial_contact_radius
     for reach, end, fill in ((widest, top, fills[1]), (r0, 0.0, fills[0])):
         axes.add_artist(Rectangle((-reach, low), 2 * reach, end - low, facecolor=fill, lw=0, zorder=1))
 
 
 def _normal(axes: Axes, contact: ContactGeometry) -> None:
     """The contact normal with its angle, and the radius of first touch."""
-    r0, theta, size = 1e3 * contact.touch_radius, contact.angle, 1e3 * contact.closure.largest_radius
+    r0, theta, size = (
+        1e3 * contact.initial_contact_radius,
+        contact.angle,
+        1e3 * contact.closure.largest_radius,
+    )
     face = contact.closure_face
-    curvature = 1e-3 * face.curvature(face.project_radius(contact.touch_radius))
+    curvature = 1e-3 * face.curvature(face.project_radius(contact.initial_contact_radius))
     # drawn to the centre of the closure's curvature where that lies in the picture and can be seen
     drawn = curvature > 0 and 0.15 * size < 1 / curvature < 1.01 * size
     arm = 1 / curvature if drawn else 0.5 * size

@@ -29,8 +29,8 @@ from fem_seal.output.pictures.fields import QUARTERS
 from fem_seal.output.pictures.style import Picture, captioned
 from fem_seal.output.vtk import write_around, write_contact, write_contact_line
 from fem_seal.seal.load_names import load_name
-from fem_seal.units import given, quantity, split_unit, unit_for
-from meshes.own_process import OwnProcessError, call_apart
+from fem_seal.units import format_quantity, quantity, split_unit, unit_for
+from meshes.own_process import OwnProcessError, run_in_subprocess
 
 if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
@@ -231,7 +231,7 @@ def _without_margins(image: FloatArray) -> FloatArray:
 
 def _apart(time_limit: float, function: Any, /, *arguments: object) -> Any:
     try:
-        return call_apart(time_limit, function, *arguments)
+        return run_in_subprocess(time_limit, function, *arguments)
     except OwnProcessError as error:
         raise DrawingError(
             f"VTK cannot draw on this machine ({error}); without a graphics card it needs the software drivers, on "
@@ -325,7 +325,7 @@ def _draw(plotter: Any, files: LoadFiles, scale: bool) -> None:
         pressure, force = (
             float(_array(grid.field_data, name)[0]) for name in ("fluid_pressure_Pa", "contact_force_N")
         )
-        text = f"{given('fluid pressure', pressure)}, contact force {quantity('force', force)}"
+        text = f"{format_quantity('fluid pressure', pressure)}, contact force {quantity('force', force)}"
         plotter.add_text(
             text, position=(0.02, 0.94), viewport=True, font_size=12, color=_INK, name="load", render=False
         )

@@ -16,7 +16,7 @@ from fem_seal.output.answers.target import TARGET_FORCE, opens_at, valve_facts, 
 from fem_seal.output.answers.theories import corrected_beside
 from fem_seal.output.case_words import earlier_load
 from fem_seal.output.columns import COLUMNS, in_words
-from fem_seal.output.prose import said
+from fem_seal.output.prose import sentence
 from fem_seal.output.report.tables import imprint_in_words, what_yielded
 from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.findings import Level, Validity
@@ -27,11 +27,11 @@ from fem_seal.units import (
     LIQUID,
     LeakVolume,
     digits_beside,
+    format_digits,
     leak_range_text,
     percent,
     range_text,
     unit_for,
-    worth,
 )
 from fem_seal.validity.checks import FLUID_OPENS
 from leak import (
@@ -124,7 +124,7 @@ def _leak_facts(case: Case, load: JudgedLoad) -> Iterator[Fact]:
         readings_in_words(load, volume),
         *([] if sampled else accuracy_in_words(load)),
     ]
-    name = said("readings.fact", ("finish" if has_finish(case) else "inputs") if sampled else "only")
+    name = sentence("readings.fact", ("finish" if has_finish(case) else "inputs") if sampled else "only")
     told = leak_range_text(rate, load.leak_digits, claimed=not load.validity.outside, volume=volume)
     yield Fact(name, told, "; ".join(filter(None, remarks)))
     if load.leak.leak_rate > 0:
@@ -142,7 +142,7 @@ def _narrowest(load: LoadResult) -> tuple[str, str]:
     closed = "calculated as zero" if load.validity.outside else "sealed"
     unit = unit_for("length", ends[1])
     digits = min(COLUMNS["critical_separation_m"].digits(load), 3 if ends[0] == ends[1] else 2)
-    low, high = (worth(unit.of(one), digits) if one else closed for one in ends)
+    low, high = (format_digits(unit.of(one), digits) if one else closed for one in ends)
     told = f"{range_text(low, high)} {unit.name}" if ends[1] else closed
     both = "" if low == high else ", in both readings of asperities that yield"
     return told, f"critical separation at the peak pressure{both}"
@@ -178,7 +178,7 @@ def ends_told(load: LoadResult) -> Bounds | None:
 def _told_apart(load: LoadResult) -> bool:
     """Whether the readings of yielding asperities are read as two numbers."""
     ends = ends_told(load)
-    return ends is not None and len({worth(one, min(load.leak_digits, 2)) for one in ends}) == 2
+    return ends is not None and len({format_digits(one, min(load.leak_digits, 2)) for one in ends}) == 2
 
 
 def usual_rate_of(load: LoadResult) -> float | tuple[float, float]:
@@ -188,7 +188,7 @@ def usual_rate_of(load: LoadResult) -> float | tuple[float, float]:
 
 def state_in_words(volume: LeakVolume) -> str:
     """The state of a gas whose volumes are told; empty for a liquid."""
-    return said("readings.volume", "at", state=volume.state) if volume.state else ""
+    return sentence("readings.volume", "at", state=volume.state) if volume.state else ""
 
 
 def volume_notes(volume: LeakVolume, units: Sequence[str], *, unmeasured: bool) -> list[str]:
@@ -202,17 +202,18 @@ def volume_notes(volume: LeakVolume, units: Sequence[str], *, unmeasured: bool) 
     unmeasured : bool
         Whether some of them are too small to be measured.
     """
-    found = [said("readings.volume", "least", least=volume.least_name)] if unmeasured else []
+    found = [sentence("readings.volume", "least", least=volume.least_name)] if unmeasured else []
     if volume.state:
         found += [
-            said("readings.volume", "column", unit=unit, state=volume.state) for unit in dict.fromkeys(units)
+            sentence("readings.volume", "column", unit=unit, state=volume.state)
+            for unit in dict.fromkeys(units)
         ]
     return found
 
 
 def volumes_of_gas(gas: bool) -> str:
     """What volumes of a gas are where its temperature differs from row to row, " (...)"; empty for a liquid."""
-    return f" ({said('readings.volume', 'heading')})" if gas else ""
+    return f" ({sentence('readings.volume', 'heading')})" if gas else ""
 
 
 def readings_in_words(load: LoadResult, volume: LeakVolume = LIQUID) -> str:
@@ -220,7 +221,7 @@ def readings_in_words(load: LoadResult, volume: LeakVolume = LIQUID) -> str:
     if not load.yields or load.leak_range is None:
         return ""
     if not _told_apart(load):
-        return said("readings.load", "same")
+        return sentence("readings.load", "same")
     digits, claimed = min(load.leak_digits, 2), not load.validity.outside
     rates = {reading: one.leak.leak_rate for reading, one in load.readings.items() if one.leak is not None}
     beside = tuple(rates.values())
@@ -246,7 +247,7 @@ def _interval_fact(result: SealSolution, load: LoadResult) -> Fact:
     volume = volume_of(result.case)
     remarks = [
         state_in_words(volume),
-        said("facts.remark", "finish" if has_finish(result.case) else "inputs")
+        sentence("facts.remark", "finish" if has_finish(result.case) else "inputs")
         + (", in both readings of asperities that yield" if load.yields else ""),
         *accuracy_in_words(load),
     ]
@@ -264,7 +265,7 @@ def per_day(leak_rate: float | tuple[float, float], digits: int = 2, volume: Lea
     for unit, size in (("m³", 1e3), ("litres", 1.0), ("ml", 1e-3), ("µl", 1e-6)):
         if litres[-1] >= size:
             shown = (one / size for one in litres)
-            told = [worth(one, min(digits, 2)) for one in shown]
+            told = [format_digits(one, min(digits, 2)) for one in shown]
             return f"{range_text(told[0], told[-1])} {unit} per day"
     return "" if litres[-1] == 0 else "less than 1 µl per day"
 
@@ -284,9 +285,11 @@ def remembered(result: SealSolution) -> list[str]:
     earlier = earlier_load(result.case.load)
     remembers = any(load.remembers for load in result.loads)
     if not earlier:
-        return [said("notes.headline", "path")] if remembers else []
+        return [sentence("notes.headline", "path")] if remembers else []
     return [
-        said("notes.headline", "remembers" if remembers or result.unloaded else "forgets", earlier=earlier)
+        sentence(
+            "notes.headline", "remembers" if remembers or result.unloaded else "forgets", earlier=earlier
+        )
     ]
 
 
@@ -334,11 +337,11 @@ def _what_leaks(result: SealSolution) -> str:
         missing = "roughness" if result.surface is None else "fluid"
         after = f"; after {span}, {_contact(last)} at {load_values(last, loads)}" if changed else ""
         contact = _contact(highest) + after
-        return said("notes.headline", "contact", load=span, contact=contact, missing=missing)
+        return sentence("notes.headline", "contact", load=span, contact=contact, missing=missing)
     if all(load.validity.outside for load in shown):
-        return said("notes.headline", "not_claimed", load=span)
+        return sentence("notes.headline", "not_claimed", load=span)
     if all(load.leak and rate_of(load) in (0, (0, 0)) and not load.validity.outside for load in loads):
-        return said("notes.headline", "sealed", load=span)
+        return sentence("notes.headline", "sealed", load=span)
     ends = [end for rate in rates for end in (rate if isinstance(rate, tuple) else (rate,))]
     volume = volume_of(result.case)
     told = [
@@ -378,11 +381,11 @@ def held_in_words(case: Case, load: LoadResult) -> list[str]:
     if load.sampled is not None:
         held = [_samples_in_words(case, load)]
     elif load.leak_range is not None and (not load.yields or _told_apart(load)):
-        held = [said("readings.ends", "what" if load.yields else "simulated")]
+        held = [sentence("readings.ends", "what" if load.yields else "simulated")]
     else:
         held = []
     off = accuracy_in_words(load)
-    return [*held, *(said("readings.accuracy", "also" if held else "alone", off=one) for one in off)]
+    return [*held, *(sentence("readings.accuracy", "also" if held else "alone", off=one) for one in off)]
 
 
 # Factors by which the calculation may be off that are not seen in two digits.
@@ -403,7 +406,7 @@ def accuracy_in_words(load: LoadResult) -> list[str]:
         if factor > _NOTICED_IN_ENDS
     ]
     told = "; ".join(dict.fromkeys(reasons))
-    return [said("readings.accuracy", "what", reason=told)] if told else []
+    return [sentence("readings.accuracy", "what", reason=told)] if told else []
 
 
 def _samples_in_words(case: Case, load: LoadResult) -> str:
@@ -411,7 +414,7 @@ def _samples_in_words(case: Case, load: LoadResult) -> str:
     assert case.sampled is not None
     what = "finish" if has_finish(case) else "inputs"
     also = "_both" if load.yields else "" if load.flow_error is None else "_own"
-    return said("readings.sampled", what + also, share=case.sampled.confidence)
+    return sentence("readings.sampled", what + also, share=case.sampled.confidence)
 
 
 def far_field_sentence(result: SealSolution) -> str:
@@ -419,7 +422,7 @@ def far_field_sentence(result: SealSolution) -> str:
     if not result.far_field:
         return ""
     changes = "; ".join(
-        said(
+        sentence(
             "notes.far_field",
             "peak" if change.leak_rate is None else "both",
             change=change.name,
@@ -430,7 +433,7 @@ def far_field_sentence(result: SealSolution) -> str:
     )
     which = "one" if len(result.loads) == 1 else "strongest"
     load = load_name(result.strongest, result.loads)
-    return said("notes.far_field", which, load=load, changes=changes)
+    return sentence("notes.far_field", which, load=load, changes=changes)
 
 
 def _change_in_words(change: float) -> str:
@@ -460,7 +463,7 @@ def reasons(result: SealSolution, derived: Derived) -> list[str]:
 def _what_sets_the_width(result: SealSolution, derived: Derived, load: LoadResult) -> Iterator[str]:
     hertz = derived.loads[result.loads.index(load)].hertz
     if hertz is None:
-        yield said("reasons.width", "conforming", contact=_contact(load))
+        yield sentence("reasons.width", "conforming", contact=_contact(load))
         return
     smooth = result.case.interface.law == "smooth"
     bulk = min((hertz.std / load.std) ** 2, 1.0)
@@ -473,7 +476,7 @@ def _what_sets_the_width(result: SealSolution, derived: Derived, load: LoadResul
     else:
         dominant = "roughness" if bulk < 0.25 else "elasticity" if bulk > 0.75 else "both"
         parts = [dominant, "rough"]
-    yield said("reasons.width", *parts, hertz=hertz, peak=_peak(load), width=in_words(load, "fwhm_m"))
+    yield sentence("reasons.width", *parts, hertz=hertz, peak=_peak(load), width=in_words(load, "fwhm_m"))
 
 
 def _leaves_curvature(result: SealSolution, hertz: HertzLine, peak: float) -> bool:
@@ -486,14 +489,14 @@ def _what_throttles(load: LoadResult) -> Iterator[str]:
     if load.leak is None or load.leak.leak_rate == 0:
         return
     if not math.isfinite(load.leak.leak_rate):
-        yield said("reasons.fluid", "forced_open")
+        yield sentence("reasons.fluid", "forced_open")
         return
     x, share = load.tightest.x, load.leak.fluid_pressure / load.fluid_pressure
     rising = share if share[-1] > share[0] else 1 - share
     ends = np.interp(_MIDDLE, rising, x)
     width, middle = float(ends[1] - ends[0]), _MIDDLE[1] - _MIDDLE[0]
     # as good as the width of the contact
-    yield said("reasons.fluid", "middle", share=middle, width=width, digits=load.digits_of("fwhm"))
+    yield sentence("reasons.fluid", "middle", share=middle, width=width, digits=load.digits_of("fwhm"))
     ratio = load.fluid_pressure / load.peak_pressure
     if isinstance(load.leak, CoupledLeakResult):
         effect = "local"
@@ -501,7 +504,7 @@ def _what_throttles(load: LoadResult) -> Iterator[str]:
         effect = "penetration"
     else:
         effect = "opens" if ratio > FLUID_OPENS else "neglected"
-    yield said("reasons.fluid", "ratio", effect, ratio=ratio)
+    yield sentence("reasons.fluid", "ratio", effect, ratio=ratio)
 
 
 def _what_yields(result: SealSolution, load: LoadResult) -> Iterator[str]:
@@ -511,15 +514,15 @@ def _what_yields(result: SealSolution, load: LoadResult) -> Iterator[str]:
     peak = load.peak_pressure
     if surface.hardness is None:
         if load.leak is not None:
-            yield said("reasons.asperities", "elastic")
+            yield sentence("reasons.asperities", "elastic")
         return
     area = float(surface.contact_area(peak))
     yielded = float(surface.plastic_area(peak)) / area
     share = "nearly all" if yielded > 0.999 else "next to nothing" if yielded < 1e-3 else percent(yielded)
     factor, effect = _less_by_yielding(load)
-    yield said("reasons.asperities", "yielded", effect, area=area, share=share, factor=factor)
+    yield sentence("reasons.asperities", "yielded", effect, area=area, share=share, factor=factor)
     if load.yields and _told_apart(load):
-        yield said("readings.load", "why", readings=readings_in_words(load))
+        yield sentence("readings.load", "why", readings=readings_in_words(load))
 
 
 def _less_by_yielding(load: LoadResult) -> tuple[str, str]:
@@ -532,9 +535,9 @@ def _less_by_yielding(load: LoadResult) -> tuple[str, str]:
         return "", ""
     elastic, digits = never.leak_rate, min(load.leak_digits, 2)
     if low == 0:
-        return worth(elastic / high, digits_beside(elastic / high, 1.0, digits)), "never_sealed"
+        return format_digits(elastic / high, digits_beside(elastic / high, 1.0, digits)), "never_sealed"
     factor = range_text(
-        *(worth(one, digits_beside(one, 1.0, digits)) for one in (elastic / high, elastic / low))
+        *(format_digits(one, digits_beside(one, 1.0, digits)) for one in (elastic / high, elastic / low))
     )
     return factor, "never" if elastic / low > _NOTICED else "hardly"
 
@@ -568,7 +571,9 @@ def leakage_text(
     digits = min(load.leak_digits, 3 if ends[0] is ends[1] else 2)
     measured = (one if volume.measurable(one.leak_rate) else one.scaled(0.0) for one in ends)
     columns = zip(*(_in_units(one, volume) for one in measured), strict=True)
-    told = [(worth(low, digits), worth(high, digits), unit) for (low, unit), (high, _) in columns]
+    told = [
+        (format_digits(low, digits), format_digits(high, digits), unit) for (low, unit), (high, _) in columns
+    ]
     # ends that are one number in one unit are no two in another
     as_one = told[0][0] == told[0][1]
     return " = ".join(f"{range_text(high if as_one else low, high)} {unit}" for low, high, unit in told)
@@ -605,7 +610,9 @@ def judged_as(case: Case, load: LoadResult) -> str:
     """
     assert case.fluid is not None
     fluid, ratio = test_of(case.fluid, load.fluid_pressure, load)
-    return said("readings.classes", "test_fluid", fluid=fluid, ratio=tuple(sorted(ratio))) if fluid else ""
+    return (
+        sentence("readings.classes", "test_fluid", fluid=fluid, ratio=tuple(sorted(ratio))) if fluid else ""
+    )
 
 
 def leakage_lines(case: Case, load: LoadResult, loads: Sequence[LoadResult]) -> list[str]:
@@ -638,4 +645,4 @@ def _as_given(case: Case, load: LoadResult) -> str:
     """The leak rate without what is uncertain, in both readings of yielding asperities."""
     # in the unit of the line above
     rate = leakage_text(load, volume_of(case), usual_rate_of(load)).split(" = ")[0]
-    return said("readings.as_given", "finish" if has_finish(case) else "inputs", rate=rate)
+    return sentence("readings.as_given", "finish" if has_finish(case) else "inputs", rate=rate)

@@ -31,8 +31,8 @@ from fem_seal.output.report.words import (
 )
 from fem_seal.output.tables import leak_rows, leakage_table
 from fem_seal.seal.bounds import Bounds
-from fem_seal.seal.findings import Caution, Level, Validity
-from fem_seal.seal.leak_model import RoughFlow
+from fem_seal.seal.findings import Finding, Level, Validity
+from fem_seal.seal.leak_model import LeakModel
 from fem_seal.studies.responses import evaluate_design
 from fem_seal.units import leak_range_text
 from leak import LeakResult, Reading, leakage_class, leakage_limits
@@ -110,18 +110,18 @@ def test_each_reading_is_that_of_its_surface_on_the_same_contact():
 
 
 def test_the_table_of_each_reading_is_made_once_for_all_loads(monkeypatch):
-    from fem_seal.seal.leak_model import Flow
+    from fem_seal.seal.leak_model import FlowModel
     from fem_seal.seal.load_result import LoadResult
 
-    result, made, table_around = rough_result(), [], Flow.table_around
+    result, made, table_around = rough_result(), [], FlowModel.table_around
     monkeypatch.setattr(
-        Flow,
+        FlowModel,
         "table_around",
         lambda flow, surface, log_peaks: (
             made.append(surface.yielding) or table_around(flow, surface, log_peaks)
         ),
     )
-    rough = RoughFlow.of(result.surface, result.problem.flow, result.contact)
+    rough = LeakModel.of(result.surface, result.problem.flow, result.contact)
     for load in result.loads:
         one = LoadResult(*load.point, load.contact, rough)
         assert one.leak_range == pytest.approx(load.leak_range, rel=1e-12)
@@ -327,7 +327,7 @@ def test_the_class_of_a_load_is_that_of_the_interval_beside_it():
     result = rough_result()
     load, name = result.loads[0], "ISO 5208"
     of_readings = {one.standard: one for one in leakage_classes(result.case, load)}[name]
-    sampled = load.knowing(sampled=(1e-12, 1.0))
+    sampled = load.with_values(sampled=(1e-12, 1.0))
     wide = {one.standard: one for one in leakage_classes(result.case, sampled)}[name]
     assert wide.name is None and wide.at_best == "AA"
     size = nominal_size(result.case).size
@@ -384,9 +384,9 @@ def test_ends_that_are_one_number_in_the_first_unit_are_one_in_all(low, over, fl
     if fluid == "helium":
         leaks = replace(leaks, throughput=1.0, standard_leak_rate=1.0)
     for error in (0.0, 0.7):
-        few = Validity.of([Caution("few", Level.DOUBTFUL, "few", "...", Bounds.either_way(1 + error))])
+        few = Validity.of([Finding("few", Level.DOUBTFUL, "few", "...", Bounds.factor_bounds(1 + error))])
         ends = [leaks.scaled(one * 1e-6 / 60) for one in (low, over * low)]
-        load = with_capped(solved.knowing(leak=ends[0], validity=few), ends[1])
+        load = with_capped(solved.with_values(leak=ends[0], validity=few), ends[1])
         first, *others = leakage_text(load).split(" = ")
         assert " to " in first or not any(" to " in one for one in others)
 
@@ -401,7 +401,7 @@ def test_a_zero_that_may_not_be_claimed_is_not_called_sealed():
 
 def test_a_seal_is_sealed_only_if_it_is_in_both_readings():
     load = rough_result().loads[0]
-    tight = load.knowing(leak=replace(load.leak, leak_rate=0.0))
+    tight = load.with_values(leak=replace(load.leak, leak_rate=0.0))
     told = headline(replace(rough_result(), loads=(tight,)))
     assert "Sealed" not in told and re.search(r"leaks 0 to [\d.]+ ml/min", told)
 
@@ -410,5 +410,5 @@ def test_readings_that_are_read_as_one_number_are_not_told_as_two():
     """Two digits are what an interval is worth: 0.126 and 0.127 are one."""
     load = rough_result().highest
     for higher, same in ((1.27e-9, True), (1.9e-9, False)):
-        one = with_capped(load.knowing(leak=load.leak.scaled(1.26e-9)), load.leak.scaled(higher))
+        one = with_capped(load.with_values(leak=load.leak.scaled(1.26e-9)), load.leak.scaled(higher))
         assert ("agree" in readings_in_words(one)) == same

@@ -339,10 +339,10 @@ def test_a_grid_that_is_none_is_refused(text):
 
 def test_the_terminal_shows_of_a_leak_rate_what_its_theory_leaves(capsys):
     from fem_seal.cli import table as cli_table
-    from fem_seal.seal.findings import VALID, Caution, Level, Validity
+    from fem_seal.seal.findings import VALID, Finding, Level, Validity
 
     few = Validity.of(
-        [Caution("few channels", Level.DOUBTFUL, "few channels", "...", Bounds.either_way(3.3))]
+        [Finding("few channels", Level.DOUBTFUL, "few channels", "...", Bounds.factor_bounds(3.3))]
     )
     found = SimpleNamespace(
         applied_force=np.array([100.0, 200.0]),

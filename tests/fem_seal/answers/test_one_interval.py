@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from sample_results import case, judged_anew, rough_result, run_loads, single_result
 
 import fem_seal
-from fem_seal.answers.judgement import Why
+from fem_seal.answers.judgement import VerdictReason
 from fem_seal.answers.leakage_class import fluid_of_test, in_the_test
 from fem_seal.answers.leakage_class import test_of as ratios_of
 from fem_seal.explore.screen import leak_words, shown_load
@@ -23,8 +23,8 @@ from fem_seal.output.report.page import report
 from fem_seal.output.report.words import facts, headline, leakage_lines
 from fem_seal.output.tables import leak_rows
 from fem_seal.seal.bounds import Bounds
-from fem_seal.seal.findings import Caution, Level, Validity
-from fem_seal.units import LIQUID, leak_range_text, range_text, worth
+from fem_seal.seal.findings import Finding, Level, Validity
+from fem_seal.units import LIQUID, format_digits, leak_range_text, range_text
 from leak import Reading, millilitres_per_minute
 
 LOW, HIGH = "leak_rate_low_m3_per_s", "leak_rate_high_m3_per_s"
@@ -42,8 +42,8 @@ RESULTS = {"two readings": rough_result, "one reading": single_result, "sampled"
 
 def known_as(result, factor, level, limit):
     """A solved result whose loads are known as well as that, judged as the chain does."""
-    validity = Validity.of([Caution("x", level, "few channels", "...", factor)])
-    loads = tuple(load.knowing(validity=validity) for load in result.loads)
+    validity = Validity.of([Finding("x", level, "few channels", "...", factor)])
+    loads = tuple(load.with_values(validity=validity) for load in result.loads)
     of = result.case.replace({"requirement": {"leak_rate": f"{limit!r} m^3/s"}})
     return judged_anew(replace(result, case=of, loads=loads))
 
@@ -52,7 +52,7 @@ def known_as(result, factor, level, limit):
 @pytest.mark.parametrize("name", RESULTS)
 @settings(max_examples=25, deadline=None)
 @given(
-    factor=st.sampled_from([(1.0, 1.0), Bounds.either_way(1.7), (0.4, 1.0), (1.0, 2.5), (0.0, math.inf)]),
+    factor=st.sampled_from([(1.0, 1.0), Bounds.factor_bounds(1.7), (0.4, 1.0), (1.0, 2.5), (0.0, math.inf)]),
     level=st.sampled_from(list(Level)),
     limit=st.floats(-11.0, -3.0).map(lambda one: float(10.0**one)),
 )
@@ -80,7 +80,10 @@ def test_every_place_tells_the_same_ends(name, factor, level, limit):
     digits = min(load.leak_digits, 3 if as_one else 2)
     line = leakage_lines(result.case, load, result.loads)[0]
     shown = (load.leak.leak_rate,) * 2 if as_one else widest
-    assert f": {range_text(*(worth(millilitres_per_minute(one), digits) for one in shown))} ml/min = " in line
+    assert (
+        f": {range_text(*(format_digits(millilitres_per_minute(one), digits) for one in shown))} ml/min = "
+        in line
+    )
     tile = facts(result)[0]
     assert tile.name in ("Leak rate", "90 % interval of the leak rate")
     rate = shown[0] if as_one else widest
@@ -96,13 +99,13 @@ def test_every_place_tells_the_same_ends(name, factor, level, limit):
 
 
 def test_what_widens_the_interval_is_said_beside_it():
-    few = known_as(rough_result(), Bounds.either_way(3.3), Level.DOUBTFUL, 1e-3)
+    few = known_as(rough_result(), Bounds.factor_bounds(3.3), Level.DOUBTFUL, 1e-3)
     load = few.highest
     held = leakage_lines(few.case, load, few.loads)[2]
     assert held == "  They also hold what the calculation may be off by: few channels."
     assert held.strip() in headline(few)
     assert "what the calculation may be off by: few channels" in facts(few)[0].remark
-    alone = known_as(single_result(), Bounds.either_way(3.3), Level.DOUBTFUL, 1e-3)
+    alone = known_as(single_result(), Bounds.factor_bounds(3.3), Level.DOUBTFUL, 1e-3)
     assert "The ends hold what the calculation may be off by: few channels." in headline(alone)
     plain = known_as(rough_result(), (1.0, 1.0), Level.VALID, 1e-3)
     assert not any("off by" in one for one in leakage_lines(plain.case, plain.highest, plain.loads))
@@ -111,9 +114,9 @@ def test_what_widens_the_interval_is_said_beside_it():
 def test_a_verdict_that_only_the_accuracy_decides_says_so_with_the_same_ends():
     solved = rough_result()
     _, high = solved.highest.leak_range
-    few = known_as(solved, Bounds.either_way(3.3), Level.DOUBTFUL, 2 * high)
+    few = known_as(solved, Bounds.factor_bounds(3.3), Level.DOUBTFUL, 2 * high)
     worst = few.judgement.worst
-    assert worst.why is Why.ACCURACY and worst.ends[0] < 2 * high < worst.ends[1]
+    assert worst.why is VerdictReason.ACCURACY and worst.ends[0] < 2 * high < worst.ends[1]
     assert few.margin == pytest.approx(2 * high / few.leak_ranges[-1][1], rel=1e-12)
     assert "because of what the calculation may be off by: few channels" in verdict_sentences(few)[0]
 

@@ -21,7 +21,7 @@ from fem_seal.cli.app import main
 from fem_seal.output.answers.particles import particle_table, particles_in_words
 from fem_seal.output.report.page import report
 from fem_seal.result import SealResult
-from fem_seal.seal.findings import Caution, Level, Validity
+from fem_seal.seal.findings import Finding, Level, Validity
 from leak import Reading
 
 DIRTY: dict[str, Any] = {"iso_4406": "15/13/10"}
@@ -183,7 +183,7 @@ def test_places_side_by_side_are_squares_at_least_and_particles_at_most():
     load = result().loads[-1].reading(Reading.CONSERVED)
     elastic = replace(load, rough=load.rough.reading(Reading.ELASTIC))
     (answers,) = particle_answers([elastic], leak.ParticleCounts.of_iso_4406("15/13/10"))
-    around = 2 * math.pi * load.contact.model.touch_radius
+    around = 2 * math.pi * load.contact.model.initial_contact_radius
     width = around / answers.places[0]
     # of the order of the contact's own width
     assert 0.5 * load.contact.profile.fwhm < width < 2 * load.contact.profile.fwhm
@@ -218,7 +218,7 @@ def test_it_is_said_as_an_estimate():
 
 
 def test_nothing_is_said_of_a_load_outside_the_theory():
-    caution = Caution("yield stress", Level.OUTSIDE, "seat: 3 times its yield stress", "...")
+    caution = Finding("yield stress", Level.OUTSIDE, "seat: 3 times its yield stress", "...")
     outside = replace(result().loads[-1], validity=Validity.of([caution]))
     assert particles_in_words(replace(result(), loads=(result().loads[0], outside))) == []
 

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from sample_results import STEEL, ball, case, cone, judged_anew, rough_result, with_capped
 
 import fem_seal
-from fem_seal.answers.judgement import Judgement, Limit, Verdict, Why
+from fem_seal.answers.judgement import Judgement, Limit, Verdict, VerdictReason
 from fem_seal.answers.leakage_class import leakage_classes, limits, next_class
 from fem_seal.answers.verdict import seal_judgement
 from fem_seal.cli.terminal import show_answers, show_leak_table
@@ -30,13 +30,13 @@ from fem_seal.output.report.page import report
 from fem_seal.output.report.words import facts, leakage_lines
 from fem_seal.output.tables import leak_table
 from fem_seal.seal.bounds import Bounds
-from fem_seal.seal.findings import Caution, Level, Validity
+from fem_seal.seal.findings import Finding, Level, Validity
 from fem_seal.studies.responses import LARGEST_MARGIN, evaluate_design
 from fem_seal.units import leak_range_text
 from leak import FluidError
 from leak.standards import classes_of, leakage_limits, standard_named, visible_leak_rate
 
-OUTSIDE = Validity.of([Caution("yield stress", Level.OUTSIDE, "seat: 3 times its yield stress", "...")])
+OUTSIDE = Validity.of([Finding("yield stress", Level.OUTSIDE, "seat: 3 times its yield stress", "...")])
 
 
 def widened(ends, doubt):
@@ -48,7 +48,7 @@ def widened(ends, doubt):
 def with_ends(load, low, high):
     """A load both of whose readings are given, on a mesh that leaves no error."""
     of_low, of_high = (replace(load.leak, leak_rate=end) for end in (low, high))
-    return with_capped(load.knowing(leak=of_low, mesh_error=None), of_high)
+    return with_capped(load.with_values(leak=of_low, mesh_error=None), of_high)
 
 
 def with_worst(result, judged):
@@ -98,7 +98,7 @@ def test_upper_end_within_is_pass_lower_end_above_fail_all_else_inconclusive(end
 )
 def test_nothing_is_claimed_that_the_calculation_may_be_off_by(ends, limit, factors):
     """Whatever leaks in truth, a seal that passes keeps its limit and one that fails does not."""
-    doubt = Validity.of([Caution("x", Level.DOUBTFUL, f"by {one}", "...", one) for one in factors])
+    doubt = Validity.of([Finding("x", Level.DOUBTFUL, f"by {one}", "...", one) for one in factors])
     # what stands at a limit does so to the last digit or not
     assume(all(abs(limit / end - 1) > 1e-12 for end in ends))
     judged = Judgement.of(Limit("leak rate", limit), widened(ends, doubt), doubt)
@@ -113,7 +113,7 @@ def test_nothing_is_claimed_that_the_calculation_may_be_off_by(ends, limit, fact
     assert judged.verdict in (plain.verdict, "inconclusive")
     assert judged.ends == widened(ends, doubt) and judged.margin == limit / judged.ends[1]
     if judged.verdict != plain.verdict:
-        assert judged.why is Why.ACCURACY and any(one in judged.reason for one in doubt.reasons)
+        assert judged.why is VerdictReason.ACCURACY and any(one in judged.reason for one in doubt.reasons)
         assert low <= limit < high
 
 
@@ -121,10 +121,10 @@ def test_nothing_is_claimed_that_the_calculation_may_be_off_by(ends, limit, fact
     ("factor", "ends", "verdict"),
     [
         # a factor of two either way
-        (Bounds.either_way(2.0), (0.5, 0.9), "pass"),
-        (Bounds.either_way(2.0), (0.5, 1.1), "inconclusive"),
-        (Bounds.either_way(2.0), (3.9, 9.0), "inconclusive"),
-        (Bounds.either_way(2.0), (4.1, 9.0), "fail"),
+        (Bounds.factor_bounds(2.0), (0.5, 0.9), "pass"),
+        (Bounds.factor_bounds(2.0), (0.5, 1.1), "inconclusive"),
+        (Bounds.factor_bounds(2.0), (3.9, 9.0), "inconclusive"),
+        (Bounds.factor_bounds(2.0), (4.1, 9.0), "fail"),
         # only less can leak, or only more
         ((0.0, 1.0), (0.5, 1.9), "pass"),
         ((0.0, 1.0), (3.0, 9.0), "inconclusive"),
@@ -138,18 +138,18 @@ def test_nothing_is_claimed_that_the_calculation_may_be_off_by(ends, limit, fact
     ],
 )
 def test_a_factor_that_the_theory_may_be_off_by_has_to_fit_between(factor, ends, verdict):
-    few = Validity.of([Caution("few channels", Level.DOUBTFUL, "few channels", "...", factor)])
+    few = Validity.of([Finding("few channels", Level.DOUBTFUL, "few channels", "...", factor)])
     judged = Judgement.of(Limit("leak rate", 2.0), widened(ends, few), few)
     assert judged.verdict == verdict
     assert (judged.why, judged.reason) == (
-        (Why.ACCURACY, "few channels") if verdict == "inconclusive" else (Why.LIMIT, "")
+        (VerdictReason.ACCURACY, "few channels") if verdict == "inconclusive" else (VerdictReason.LIMIT, "")
     )
 
 
 def test_what_the_mesh_leaves_uncertain_has_to_fit_between_too():
     solved = rough_result()
     error = replace(solved.discretisation_error, leak_rate=0.05)
-    coarse = replace(solved, loads=tuple(load.knowing(mesh_error=error) for load in solved.loads))
+    coarse = replace(solved, loads=tuple(load.with_values(mesh_error=error) for load in solved.loads))
     low, high = solved.highest.leak_range
     for limit, fine, rough in (
         (1.04 * high, "pass", "inconclusive"),
@@ -164,7 +164,9 @@ def test_what_the_mesh_leaves_uncertain_has_to_fit_between_too():
     # nor is a class claimed, of which G allows 2 mm³/s per mm of DN 25
     at_limit = with_ends(solved.highest, 1e-10, 0.96 * 50e-9)
     assert "G" in {one.name for one in leakage_classes(solved.case, at_limit)}
-    assert "G" not in {one.name for one in leakage_classes(solved.case, at_limit.knowing(mesh_error=error))}
+    assert "G" not in {
+        one.name for one in leakage_classes(solved.case, at_limit.with_values(mesh_error=error))
+    }
     # a mesh error that is small enough makes no load doubtful
     assert coarse.highest.validity == solved.highest.validity
 
@@ -173,7 +175,9 @@ def test_without_a_leak_rate_or_a_limit_nothing_is_decided():
     for limit, ends in ((Limit("leak rate", 2.0), (math.nan, math.nan)), (Limit("x", math.nan), (1.0, 1.0))):
         judged = Judgement.of(limit, ends)
         assert (
-            judged.verdict is Verdict.INCONCLUSIVE and judged.why is Why.UNKNOWN and math.isnan(judged.margin)
+            judged.verdict is Verdict.INCONCLUSIVE
+            and judged.why is VerdictReason.UNKNOWN
+            and math.isnan(judged.margin)
         )
 
 
@@ -233,7 +237,7 @@ def test_margin_is_the_limit_over_the_upper_end_of_both_readings():
     low, high = result.leak_ranges[-1]
     between = required(leak_rate=f"{math.sqrt(low * high)} m^3/s", fluid_pressure="2000 kPa")
     assert [load.verdict for load in between.loads] == [None, None, "inconclusive"]
-    assert between.verdict == "inconclusive" and between.judgement.worst.why is Why.INTERVAL
+    assert between.verdict == "inconclusive" and between.judgement.worst.why is VerdictReason.INTERVAL
     assert between.margin == pytest.approx(math.sqrt(low / high), rel=1e-9)
 
 
@@ -303,7 +307,7 @@ def test_a_gas_that_is_not_that_of_the_test_widens_the_interval():
     assert Judgement.of(limit, (0.5, 0.9)).verdict == "pass"
     assert Judgement.of(limit, (2.6, 3.0)).verdict == "fail"
     unsure = Judgement.of(limit, (1.5, 2.0))
-    assert unsure.verdict == "inconclusive" and unsure.why is Why.TEST_FLUID
+    assert unsure.verdict == "inconclusive" and unsure.why is VerdictReason.TEST_FLUID
     assert unsure.ends == pytest.approx((0.6, 2.2))
 
 
@@ -365,11 +369,11 @@ def test_each_way_to_a_verdict_has_its_sentence():
     solved = rough_result()
     opened = {(64e5, 10.0): LoadProblem("load.applied_force", "the seal is open")}
     unsolved = {(64e5, 0.0): LoadProblem("load", "no convergence", kind="solution")}
-    outside = replace(solved, loads=tuple(load.knowing(validity=OUTSIDE) for load in solved.loads))
+    outside = replace(solved, loads=tuple(load.with_values(validity=OUTSIDE) for load in solved.loads))
     few = Validity.of(
-        [Caution("few channels", Level.DOUBTFUL, "few channels", "...", Bounds.either_way(3.3))]
+        [Finding("few channels", Level.DOUBTFUL, "few channels", "...", Bounds.factor_bounds(3.3))]
     )
-    doubted = replace(solved, loads=tuple(load.knowing(validity=few) for load in solved.loads))
+    doubted = replace(solved, loads=tuple(load.with_values(validity=few) for load in solved.loads))
     low, high = solved.leak_ranges[-1]
     told = {
         "a margin of": required(leak_rate="1e-3 m^3/s"),
@@ -400,9 +404,9 @@ def test_limit_and_leak_rate_stand_in_one_unit(over):
 def test_a_factor_has_no_more_digits_than_the_leak_rate_it_is_made_of(over, told):
     solved = rough_result()
     few = Validity.of(
-        [Caution("few channels", Level.DOUBTFUL, "few channels", "...", Bounds.either_way(3.3))]
+        [Finding("few channels", Level.DOUBTFUL, "few channels", "...", Bounds.factor_bounds(3.3))]
     )
-    doubted = replace(solved, loads=tuple(load.knowing(validity=few) for load in solved.loads))
+    doubted = replace(solved, loads=tuple(load.with_values(validity=few) for load in solved.loads))
     low, high = doubted.leak_ranges[-1]
     judged = required(doubted, leak_rate=f"{over * (high if over > 1 else low)!r} m^3/s")
     assert told in verdict_sentences(judged)[0]
@@ -429,10 +433,10 @@ def test_next_class_is_the_loosest_one_that_is_missed():
     highest = load.leak_range[1] * (1 + result.discretisation_error.leak_rate)
     assert (found.name, found.factor) == ("G", pytest.approx(highest / 50e-9, rel=1e-12))
     assert next_class(result.case, with_ends(load, 1e-10, 2.4e-9)).name == "CC"
-    assert next_class(result.case, load.knowing(validity=OUTSIDE)) is None
+    assert next_class(result.case, load.with_values(validity=OUTSIDE)) is None
     # a class that the calculated leak rate meets, but not twice as much
-    few = load.knowing(
-        validity=Validity.of([Caution("channels", Level.DOUBTFUL, "few", "...", Bounds.either_way(2.0))])
+    few = load.with_values(
+        validity=Validity.of([Finding("channels", Level.DOUBTFUL, "few", "...", Bounds.factor_bounds(2.0))])
     )
     for end, name, told in (
         (30e-9, "G", "ISO 5208 G is met as calculated, but not by as much as the calculation may be off by"),
@@ -577,9 +581,9 @@ def test_a_limit_in_mbar_litres_per_second_is_compared_in_them():
 
 
 def test_a_verdict_with_doubt_says_so_in_its_first_words():
-    doubt = Validity.of([Caution("channels", Level.DOUBTFUL, "leak rate up to a factor 3.3 off", "...")])
+    doubt = Validity.of([Finding("channels", Level.DOUBTFUL, "leak rate up to a factor 3.3 off", "...")])
     solved = rough_result()
-    doubted = replace(solved, loads=tuple(load.knowing(validity=doubt) for load in solved.loads))
+    doubted = replace(solved, loads=tuple(load.with_values(validity=doubt) for load in solved.loads))
     for limit in ("1e-3 m^3/s", "1e-29 m^3/s"):
         plain, *_ = verdict_sentences(required(solved, leak_rate=limit))
         first, *others = verdict_sentences(required(doubted, leak_rate=limit))
@@ -591,7 +595,7 @@ def test_a_verdict_with_doubt_says_so_in_its_first_words():
 @pytest.mark.parametrize("ends", [(1e-12, 2e-12), (1e-6, 2e-6), (0.0, 0.0)])
 def test_without_its_interval_a_leak_rate_decides_nothing(ends):
     judged = Judgement.of(Limit("leak rate", 1e-9), ends, sampled=False)
-    assert (judged.verdict, judged.why) == (Verdict.INCONCLUSIVE, Why.UNSAMPLED)
+    assert (judged.verdict, judged.why) == (Verdict.INCONCLUSIVE, VerdictReason.UNSAMPLED)
     assert math.isnan(judged.margin)
     opened = Judgement.of(Limit("leak rate", 1e-9), (math.inf, math.inf), sampled=False)
     assert opened.verdict is Verdict.FAIL
@@ -609,42 +613,42 @@ def test_an_interval_that_cannot_be_calculated_leaves_the_verdict_inconclusive(m
             requirement={"leak_rate": "1 l/min"},
         )
     )
-    assert result.judgement.worst.why is Why.UNSAMPLED
+    assert result.judgement.worst.why is VerdictReason.UNSAMPLED
     (told, *_) = verdict_sentences(result)
     assert told.startswith("Inconclusive at 20 bar") and "interval" in told
 
 
 def test_of_several_doubts_the_sentence_names_all_and_what_they_come_to():
     few, thick = (
-        Caution("x", Level.DOUBTFUL, reason, "...", factor)
-        for reason, factor in (("few channels", Bounds.either_way(1.7)), ("thickens", (0.5, 1.6)))
+        Finding("x", Level.DOUBTFUL, reason, "...", factor)
+        for reason, factor in (("few channels", Bounds.factor_bounds(1.7)), ("thickens", (0.5, 1.6)))
     )
     doubt = Validity.of([few, thick])
     assert doubt.leak_reason(more=True) == "together a factor 2.7: few channels; thickens"
     assert doubt.leak_reason(more=False) == "together a factor 3.4: few channels; thickens"
     # what only leaks less takes nothing from an upper end, for classes neither
-    less = Validity.of([Caution("x", Level.DOUBTFUL, "thickens", "...", (0.4, 0.9))])
+    less = Validity.of([Finding("x", Level.DOUBTFUL, "thickens", "...", (0.4, 0.9))])
     assert less.leak_factor == (0.4, 1.0)
     load, case_ = rough_result().highest, rough_result().case
     assert not any(
         one.name == "G"
-        for one in leakage_classes(case_, with_ends(load, 1e-10, 52e-9).knowing(validity=less))
+        for one in leakage_classes(case_, with_ends(load, 1e-10, 52e-9).with_values(validity=less))
     )
 
 
 def test_where_nothing_visible_may_leak_the_sentence_compares_with_no_number():
-    few = Validity.of([Caution("few channels", Level.DOUBTFUL, "few channels", "...", (0.0, math.inf))])
+    few = Validity.of([Finding("few channels", Level.DOUBTFUL, "few channels", "...", (0.0, math.inf))])
     solved = rough_result()
-    doubted = replace(solved, loads=tuple(load.knowing(validity=few) for load in solved.loads))
+    doubted = replace(solved, loads=tuple(load.with_values(validity=few) for load in solved.loads))
     (told, *_) = verdict_sentences(required(doubted, standard="ISO 5208", **{"class": "A"}))
     assert "may be off by so much that none is seen: few channels." in told and "times" not in told
 
 
 def test_what_the_interval_holds_is_not_counted_again():
     scatter = Validity.of(
-        [Caution("direct scatter", Level.DOUBTFUL, "scatter", "...", Bounds.either_way(4.0))]
+        [Finding("direct scatter", Level.DOUBTFUL, "scatter", "...", Bounds.factor_bounds(4.0))]
     )
-    load = rough_result().highest.knowing(validity=scatter, mesh_error=None)
+    load = rough_result().highest.with_values(validity=scatter, mesh_error=None)
     assert load.leak_validity.leak_factor == (1.0, 1.0) and load.leak_digits == 1
 
 

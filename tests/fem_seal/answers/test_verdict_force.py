@@ -181,7 +181,7 @@ def test_nobody_who_does_not_ask_pays():
 def test_the_force_is_read_as_one_that_passes():
     load = run_loads(case(load={"fluid_pressure": "2 bar"})).loads[0]
     for force in (75148.8, 1000.0, 999.2, 0.01234):
-        told = load.knowing(verdict_force=VerdictForce(force))
+        told = load.with_values(verdict_force=VerdictForce(force))
         assert told.force_for_verdict == force
         number, unit = force_to_pass(force).split()
         read = float(number) * {"kN": 1e3, "N": 1.0, "mN": 1e-3}[unit]

@@ -11,11 +11,11 @@ from factorised_whole import contact_compliance
 from plastic_solids import HARDENING, LAW, HeldSolid, seal
 
 import meshes
+from fem_seal.bodies.constrained_body import ConstrainedBody, constrained_body
 from fem_seal.bodies.dissected_body import DissectedBody
 from fem_seal.bodies.dissection import Dissection
 from fem_seal.bodies.elasticity import stiffness_matrix
-from fem_seal.bodies.elastoplastic import ElastoplasticBody, Flow
-from fem_seal.bodies.held_body import HeldBody, held_body
+from fem_seal.bodies.elastoplastic import ElastoplasticBody, StressUpdate
 from fem_seal.contact.load_path import load_path
 from fem_seal.contact.model import line_points
 from fem_seal.contact.plastic_step import PathLoad
@@ -61,14 +61,14 @@ def test_what_is_not_positive_definite_is_said() -> None:
         )
 
 
-def body_of(name: str) -> HeldBody:
+def body_of(name: str) -> ConstrainedBody:
     ball = meshes.Ball(0.02)
     sizing = meshes.Sizing(4e-5, 1e-4, (-1e-3, 1e-3), 0.3, 0.4, 4e-3)
     mesh = meshes.build(ball, meshes.ConicalSeat.around(0.785, ball), sizing)
-    return held_body(mesh, name, HARDENING, *line_points(mesh))
+    return constrained_body(mesh, name, HARDENING, *line_points(mesh))
 
 
-def flowing(solid: ElastoplasticBody, share: float) -> Flow:
+def flowing(solid: ElastoplasticBody, share: float) -> StressUpdate:
     """An answer of the material in which some elements flow."""
     random = np.random.default_rng(2)
     displacement = 1e-6 * random.normal(size=solid.virgin.displacement.size)
@@ -127,7 +127,7 @@ def test_a_path_is_that_of_the_factorised_bodies(monkeypatch: pytest.MonkeyPatch
     loads = [PathLoad(share * force) for share in (0.5, 1.0, 0.5)]
     parts = load_path(model, LAW, loads, unload=False).contacts
 
-    def whole(body: DissectedBody, flow: Flow) -> object:
+    def whole(body: DissectedBody, flow: StressUpdate) -> object:
         solid = HeldSolid(body.held.mesh, body.held.material, free=body.held.free)
         return contact_compliance(body.held, solid.stiffness(flow.tangent))
 

@@ -28,7 +28,7 @@ from fem_seal.case.case import load_case
 from fem_seal.contact.laws import HardContact, Law
 from fem_seal.contact.load_path import Imprint, LoadPath, load_path
 from fem_seal.contact.newton import solve
-from fem_seal.contact.other_loads import FurtherLoads
+from fem_seal.contact.other_loads import BodyLoads
 from fem_seal.contact.plastic_step import PathLoad, PlasticSettings
 from fem_seal.contact.solution import yielded_zone
 from fem_seal.errors import ConvergenceError, InputError
@@ -201,9 +201,9 @@ def test_a_body_without_curve_does_not_yield() -> None:
 def test_below_the_yield_stress_the_result_is_the_elastic_one(law: Law) -> None:
     """Both bodies as yielding ones that never yield, under fluid on all surfaces and with a fixed, moved wall."""
     model, force = seal(law, 2e6, closure=STRONG, seat=STRONG, supports=Supports(wall="fixed"))
-    fluid = FurtherLoads.of_fluid((2e6, 1e5), np.full(len(model.line.x), 5e5), FurtherLoads.press_fit(2e-6))
+    fluid = BodyLoads.of_fluid((2e6, 1e5), np.full(len(model.line.x), 5e5), BodyLoads.press_fit(2e-6))
     elastic = solve(model, law, contact_force=force, loads=fluid)
-    fit = FurtherLoads.press_fit(2e-6)
+    fit = BodyLoads.press_fit(2e-6)
     path = load_path(model, law, [PathLoad(force, fluid)], at_rest=fit, settings=PlasticSettings(steps=1))
     (contact,) = path.contacts
     assert contact.pressure == pytest.approx(elastic.pressure, rel=1e-8, abs=1e-8 * elastic.pressure.max())

@@ -398,7 +398,7 @@ def test_waves_are_counted_by_whole_numbers_from_one_on(coarse: ContactModel, n:
 def wave_compliance(model: ContactModel, std: float, waves: Sequence[int]) -> np.ndarray:
     """Opening averaged over the load itself, per line load on the circle of first touch [m^2/N]; (closure/seat, n)."""
     shape = model.line.radius * model.line.arc_weight * np.exp(-0.5 * (model.line.x / std) ** 2)
-    forces = 2 * np.pi * model.touch_radius * shape / shape.sum()
+    forces = 2 * np.pi * model.initial_contact_radius * shape / shape.sum()
     both = [HarmonicBody(body.held) for body in bodies(model)]
     return np.array([[forces @ body.opening(n, forces) / forces.sum() for n in waves] for body in both])
 
@@ -417,7 +417,7 @@ def test_short_waves_find_a_half_space(radius: float, n: int, each: float, toget
     """
     model, _ = ball_on_cone(LAW, [20e5], radius=radius)
     std = 1e-3 if radius > 0.1 else 0.128e-3
-    b = 0.5 * (n / model.touch_radius * std) ** 2
+    b = 0.5 * (n / model.initial_contact_radius * std) ** 2
     half_space = 2 * (1 - NU**2) / (np.pi * E) * 0.5 * kve(0, b)
     closure, seat = wave_compliance(model, std, [n]).ravel()
     assert (closure, seat) == pytest.approx((half_space, half_space), rel=each)

@@ -6,8 +6,8 @@ import pytest
 import fem_seal
 import meshes
 from fem_seal.bodies.fields import von_mises
-from fem_seal.contact.model import screened
-from fem_seal.contact.other_loads import FurtherLoads
+from fem_seal.contact.model import with_stress_bound
+from fem_seal.contact.other_loads import BodyLoads
 from fem_seal.contact.solution import yielding_of
 
 STEEL = fem_seal.Material("steel", 210e9, 0.3, yield_stress=400e6)
@@ -21,7 +21,7 @@ def model():
         meshes.build(ball, meshes.ConicalSeat.around(0.785, ball), sizing),
         {"closure": STEEL, "seat": STEEL},
     )
-    return screened(found, ("closure", "seat"))
+    return with_stress_bound(found, ("closure", "seat"))
 
 
 def field_maximum(model, name, pressure, loads):
@@ -44,7 +44,7 @@ def test_it_is_never_below_the_field_and_close_to_it_for_smooth_pressures(model,
     smooth, others = pressures(model.line)
     for p in (*smooth, *others):
         bound = model.screens[name].highest_von_mises(1e8 * p, {})
-        highest = field_maximum(model, name, 1e8 * p, FurtherLoads())
+        highest = field_maximum(model, name, 1e8 * p, BodyLoads())
         assert bound >= highest
         assert not model.screens[name].stays_below(highest, 1e8 * p, {})
         # the sum of the stresses of all splines alone
@@ -53,18 +53,18 @@ def test_it_is_never_below_the_field_and_close_to_it_for_smooth_pressures(model,
     # standard deviation
     for p, most in zip(smooth, (1.25, 1.15), strict=True):
         bound = model.screens[name].highest_von_mises(1e8 * p, {})
-        assert bound < most * field_maximum(model, name, 1e8 * p, FurtherLoads())
+        assert bound < most * field_maximum(model, name, 1e8 * p, BodyLoads())
 
 
 @pytest.mark.parametrize("name", ["closure", "seat"])
 def test_fluid_on_the_wetted_faces_counts(model, name):
     p, fluid = 1e6 * pressures(model.line)[0][0], {"inner": 0.0, "outer": 3e8}
-    loads = FurtherLoads(closure=fluid, seat=fluid)
+    loads = BodyLoads(closure=fluid, seat=fluid)
     bound, true = (
         model.screens[name].highest_von_mises(p, loads.closure),
         field_maximum(model, name, p, loads),
     )
-    assert true > 10 * field_maximum(model, name, p, FurtherLoads())
+    assert true > 10 * field_maximum(model, name, p, BodyLoads())
     assert true <= bound < 1.01 * true
 
 

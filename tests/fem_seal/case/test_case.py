@@ -71,7 +71,7 @@ def test_defaults_of_the_contract(case):
 
 
 def test_touch_radius_and_effective_modulus(case):
-    assert case.touch_radius == pytest.approx(0.02 * math.sqrt(0.5), rel=1e-15)
+    assert case.initial_contact_radius == pytest.approx(0.02 * math.sqrt(0.5), rel=1e-15)
     assert case.effective_modulus == pytest.approx(210e9 / (2 * (1 - 0.09)), rel=1e-15)
 
 
@@ -381,7 +381,7 @@ def test_largest_load_is_what_the_whole_face_carries_with_a_quarter_of_the_modul
     # F_N = f_N 2 pi r0 cos(theta) with r0 = R sin(45 deg), cos(theta) the same: pi R^2 f_N/R
     start, end = case.contact.reach
     force = case.effective_modulus / 4 * (end - start) * 2 * math.pi * 0.02 / 2
-    spring = force - math.pi * case.touch_radius**2 * 20e5
+    spring = force - math.pi * case.initial_contact_radius**2 * 20e5
     message = wrong({"load.applied_force": f"{spring * 1.001} N"})
     assert "effective modulus" in message and f"calculated is {force / 1e6:.4g} MN" in message
     case.replace({"load.applied_force": f"{spring * 0.999} N"})
@@ -389,7 +389,7 @@ def test_largest_load_is_what_the_whole_face_carries_with_a_quarter_of_the_modul
 
 def test_needed_applied_force_is_the_one_that_just_closes(case):
     inner = {"load.pressure_side": "inner", "load.fluid_pressure": "20 bar"}
-    needed = math.pi * case.touch_radius**2 * 20e5
+    needed = math.pi * case.initial_contact_radius**2 * 20e5
     assert "open" in wrong({**inner, "load.applied_force": f"{needed * (1 - 1e-12)!r} N"})
     case.replace({**inner, "load.applied_force": f"{needed * (1 + 1e-12)!r} N"})
 
@@ -478,7 +478,7 @@ def test_a_damaged_case_is_a_case_or_an_input_error(path, extra, value, delete):
     else:
         table[path[-1]] = value
     try:
-        assert math.isfinite(Case(**tables).touch_radius)
+        assert math.isfinite(Case(**tables).initial_contact_radius)
     except InputError as error:
         assert str(error)
 

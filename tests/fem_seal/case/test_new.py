@@ -55,7 +55,7 @@ def test_every_template_is_a_valid_case_in_the_words_of_a_drawing(name: str, cal
     assert 'fem-seal run "sub/my case.toml"' in out
     case = load_case(path)
     assert case.requirement is not None and case.roughness is not None and case.fluid is not None
-    assert case.contact.touch_radius > 0
+    assert case.contact.initial_contact_radius > 0
     lines = path.read_text(encoding="utf-8").splitlines()
     assert lines[0] == "#:schema ./fem-seal.schema.json"
     assert (tmp_path / "sub" / "fem-seal.schema.json").is_file()

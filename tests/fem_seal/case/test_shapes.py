@@ -64,7 +64,7 @@ def test_dimensions_that_are_left_open_are_listed() -> None:
     assert set(chosen_dimensions(case, "closure")) == {"inner_radius", "mean_radius", "edge_radius", "height"}
     seat = dimensions(case, "seat")
     assert seat["angle"] == pytest.approx(math.pi / 4)
-    assert seat["land_radius"] == pytest.approx(case.touch_radius, rel=1e-9)
+    assert seat["land_radius"] == pytest.approx(case.initial_contact_radius, rel=1e-9)
     assert "interference" not in seat
 
 
@@ -122,7 +122,7 @@ def test_files_stand_beside_the_case(tmp_path) -> None:
     case = load_case(tmp_path / "case.toml")
     # a line from (10, 0) to (30, 30): tan(theta) = 1.5
     assert math.tan(case.contact.angle) == pytest.approx(1.5, rel=1e-9)
-    assert case.touch_radius == pytest.approx(0.026 * math.sin(math.atan(1.5)), rel=1e-9)
+    assert case.initial_contact_radius == pytest.approx(0.026 * math.sin(math.atan(1.5)), rel=1e-9)
 
 
 def test_ready_mesh_is_used_as_it_is_and_its_error_is_estimated(tmp_path) -> None:
@@ -134,7 +134,7 @@ def test_ready_mesh_is_used_as_it_is_and_its_error_is_estimated(tmp_path) -> Non
     source = {"shape": "profile", "file": str(tmp_path / "seal.msh"), "material": STEEL}
     case = Case(**{**tables("ball", "cone", mesh=coarse), "closure": source, "seat": source})
     result = run(case)
-    assert case.touch_radius == pytest.approx(parametric.touch_radius, rel=1e-9)
+    assert case.initial_contact_radius == pytest.approx(parametric.initial_contact_radius, rel=1e-9)
     ours, theirs = result.loads[0].contact.profile, known.loads[0].contact.profile
     # the very same elements, but for the outermost ones of the contact line, where a millionth of the peak is left
     assert ours.peak_pressure == pytest.approx(theirs.peak_pressure, rel=1e-5)

@@ -15,7 +15,7 @@ from fem_seal.cli import app as cli
 from fem_seal.cli.terminal import _cell, show_leak_table, show_leakage
 from fem_seal.output import columns as output_columns
 from fem_seal.seal import findings as caution
-from fem_seal.seal.findings import Caution, Level, Validity
+from fem_seal.seal.findings import Finding, Level, Validity
 from fem_seal.seal.load_result import DiscretisationError, LoadResult
 from fem_seal.studies.progress import Lines
 from leak import LeakResult
@@ -23,7 +23,7 @@ from leak import LeakResult
 
 def judged(level):
     reason = "seat: 7.4 times its yield stress"
-    return Validity(() if level is Level.VALID else (Caution("kind", level, reason, "..."),))
+    return Validity(() if level is Level.VALID else (Finding("kind", level, reason, "..."),))
 
 
 def row(pressure=20e5, level=Level.VALID, **entries):
@@ -171,7 +171,9 @@ def test_marks_have_a_legend_and_valid_rows_none(capsys, monkeypatch):
 def test_no_class_is_claimed_outside_the_theory(capsys):
     of = case(load={"fluid_pressure": ["5 bar", "20 bar", "1800 bar"]})
     loads = [
-        LoadResult(pressure, 0.0, None, validity=judged(level)).knowing(leak=LeakResult(1e-13, 1e18, None))
+        LoadResult(pressure, 0.0, None, validity=judged(level)).with_values(
+            leak=LeakResult(1e-13, 1e18, None)
+        )
         for pressure, level in ((5e5, Level.VALID), (20e5, Level.DOUBTFUL), (1800e5, Level.OUTSIDE))
     ]
     show_leakage(of, loads[:2])

@@ -24,15 +24,15 @@ from fem_seal.contact.laws import HardContact, Law
 from fem_seal.contact.local_contact import LocalContact
 from fem_seal.contact.model import condense
 from fem_seal.contact.newton import solve
-from fem_seal.contact.other_loads import FurtherLoads
+from fem_seal.contact.other_loads import BodyLoads
 from fem_seal.contact.sizing import element_sizes
 from fem_seal.errors import ConvergenceError
 from fem_seal.form import FormError, Wave, rigid_wave
 from fem_seal.materials import effective_modulus
 from fem_seal.profile import PressureProfile
-from fem_seal.seal.circumference import Around, LeakCurve, around
+from fem_seal.seal.circumference import Circumference, LeakCurve, around
 from fem_seal.seal.evaluate import evaluate
-from fem_seal.seal.leak_model import ProfileFlow
+from fem_seal.seal.leak_model import ProfileLeak
 from fem_seal.seal.problem import SealProblem
 from leak import ExponentialLaw, LeakResult
 
@@ -44,7 +44,7 @@ def one_wave(waves: int, amplitude: float, *, guided: bool = False, phase: float
     return FormError((Wave(waves, amplitude, phase),), guided=guided, highest=waves)
 
 
-def over_mean(result: Around) -> np.ndarray:
+def over_mean(result: Circumference) -> np.ndarray:
     return result.line_load / result.local.mean.line_load
 
 
@@ -452,7 +452,7 @@ def test_what_is_looked_for_near_a_neighbour_is_the_same(rough: LocalContact, sh
 def test_further_loads_act_at_every_line_load(rough: LocalContact) -> None:
     """Fluid that holds the faces apart shifts every approach by as much: the ladder keeps the loads of the mean."""
     model = rough.mean.model
-    fluid = FurtherLoads({0: 20e5}, {0: 20e5}, np.where(model.line.x < 0, 20e5, 0.0))
+    fluid = BodyLoads({0: 20e5}, {0: 20e5}, np.where(model.line.x < 0, 20e5, 0.0))
     local = LocalContact(solve(model, LAW, contact_force=rough.mean.contact_force, loads=fluid), LAW)
     for share in (0.05, 2.2):
         solved = solve(model, LAW, contact_force=share * rough.mean.contact_force, loads=fluid)
@@ -591,7 +591,7 @@ def test_a_form_that_no_seal_bears_is_an_error(rough: LocalContact) -> None:
 def test_a_free_closure_does_not_feel_where_it_stands(rough: LocalContact) -> None:
     model = rough.mean.model
     normal = (-math.sin(math.radians(45)), model.touch_normal_z)
-    aside = rigid_wave(normal, model.touch_radius, 5e-6, 0.4, 1e-4, 2.0, 3e-3)
+    aside = rigid_wave(normal, model.initial_contact_radius, 5e-6, 0.4, 1e-4, 2.0, 3e-3)
     oval = Wave(2, 1e-6)
     alone = around(FormError((oval,), highest=2), rough)
     np.testing.assert_allclose(
@@ -603,7 +603,7 @@ def test_a_free_closure_does_not_feel_where_it_stands(rough: LocalContact) -> No
 
 
 def test_a_guided_ball_feels_eccentricity_but_no_tilt_about_its_centre(rough: LocalContact) -> None:
-    def guided(**keys: str) -> Around:
+    def guided(**keys: str) -> Circumference:
         case = Case(
             closure={"shape": "ball", "radius": "20 mm", "material": "steel"},
             seat={"shape": "cone", "angle": "45 deg", "material": "steel"},
@@ -612,7 +612,7 @@ def test_a_guided_ball_feels_eccentricity_but_no_tilt_about_its_centre(rough: Lo
             form={"guide": "guided", **keys},
         )
         assert case.form is not None
-        return around(case.form.error(case.contact.angle, case.touch_radius), rough)
+        return around(case.form.error(case.contact.angle, case.initial_contact_radius), rough)
 
     centre = f"{20 / math.sqrt(2):.15g} mm"
     np.testing.assert_allclose(over_mean(guided(tilt="0.1 deg", tilt_height=centre)), 1.0, atol=1e-9)
@@ -757,7 +757,7 @@ def test_leak_rate_around_against_every_angle_on_its_own(
         rate = float(conductivity(np.array(p))) * profile.fwhm ** (2 * wider) if p < sealed else 0.0
         return LeakResult(rate, 1.0, np.zeros(2))
 
-    curve = LeakCurve(rough, ProfileFlow(flow, bounds=None, conductivity=conductivity))  # type: ignore[arg-type]
+    curve = LeakCurve(rough, ProfileLeak(flow, bounds=None, conductivity=conductivity))  # type: ignore[arg-type]
     found, most = curve.leak_rates(formed.line_load)
     each = np.array([flow(rough.profile(f)).leak_rate for f in formed.line_load.tolist()])
     assert found.mean() == pytest.approx(each.mean(), rel=5e-4)

@@ -25,7 +25,7 @@ LAW = ExponentialLaw(p_c=5e9, u0=0.76e-6)
 FORCE = 1256.0
 BALL = Ball(0.02)
 CONTACT = ContactGeometry.of(BALL.outline, ConicalSeat.around(math.radians(45), BALL).outline)
-LINE_LOAD = FORCE / (2 * math.pi * CONTACT.touch_radius * math.cos(CONTACT.angle))
+LINE_LOAD = FORCE / (2 * math.pi * CONTACT.initial_contact_radius * math.cos(CONTACT.angle))
 
 
 def solver(tried: list[Sizing]) -> Callable[[Sizing], Sequence[ContactSolution]]:

@@ -41,7 +41,16 @@ def edge(half_width: float, law: dict[str, Any] | None = None, scale: float = 1.
         **tables,
     )
     R = chosen.contact.relative_radius
-    force = math.pi * chosen.effective_modulus * half_width**2 * R / 4 * 2 * math.pi * chosen.touch_radius
+    force = (
+        math.pi
+        * chosen.effective_modulus
+        * half_width**2
+        * R
+        / 4
+        * 2
+        * math.pi
+        * chosen.initial_contact_radius
+    )
     return chosen.replace({"load.applied_force": float(force)})
 
 

@@ -21,7 +21,7 @@ from fem_seal.answers.target import target_remarks
 from fem_seal.bodies.elasticity import node_dofs, quadratic_nodes
 from fem_seal.bodies.supports import Supports
 from fem_seal.contact.model import condense
-from fem_seal.contact.other_loads import FurtherLoads
+from fem_seal.contact.other_loads import BodyLoads
 from fem_seal.errors import InputError
 from fem_seal.loads import contact_force
 from fem_seal.output.files import summary
@@ -79,7 +79,7 @@ def test_spring_and_fluid_are_what_the_contact_carries():
     assert (table.applied_force_N == 1500).all()
     np.testing.assert_allclose(table.contact_force_N, table.applied_force_N - fluid, rtol=1e-12)
     # and the fluid acts up to somewhere in the contact
-    shift = (table.effective_seal_radius_m - valve().case.touch_radius).abs()
+    shift = (table.effective_seal_radius_m - valve().case.initial_contact_radius).abs()
     assert (shift < table.std_m).all()
 
 
@@ -88,7 +88,7 @@ def test_each_pressure_may_have_its_own_force():
     asked = case(load=load)
     assert asked.load.points == ((5e5, 0.0), (5e5, 200.0), (10e5, -100.0))
     contacts = run_loads(asked).loads
-    expected = [contact_force(asked.touch_radius, p, force) for p, force in asked.load.points]
+    expected = [contact_force(asked.initial_contact_radius, p, force) for p, force in asked.load.points]
     assert [one.contact_force for one in contacts] == pytest.approx(expected, rel=1e-12)
     assert [one.contact_force for one in derive(asked).loads] == pytest.approx(expected, rel=1e-12)
 
@@ -134,7 +134,7 @@ def test_an_open_seal_names_the_force_that_closes_it(side, too_little, tables, b
         under(too_little)
     said = re.search(r"give an applied_force above ([-\u2212]?[\d.]+) N", str(failure.value)).group(1)
     needed = float(said.replace("\u2212", "-"))
-    lifted = math.pi * case().touch_radius ** 2 * 20e5 * (1 if side == "inner" else -1)
+    lifted = math.pi * case().initial_contact_radius ** 2 * 20e5 * (1 if side == "inner" else -1)
     assert needed == pytest.approx(lifted, rel=3e-3)
     assert under(f"{needed + 2e-4 * abs(needed)} N").loads[0].contact_force > 0
     with pytest.raises(InputError, match="the seal is open"):
@@ -270,7 +270,7 @@ def test_a_target_out_of_reach_is_said_and_does_not_cost_the_other_results():
 
 def test_pressure_that_opens_the_seal():
     sealed = case(load={**VALVE, "closing": "sealed-area"})
-    area = math.pi * sealed.touch_radius**2
+    area = math.pi * sealed.initial_contact_radius**2
     assert fem_seal.blow_off_pressures(sealed) == pytest.approx([1500 / area] * 5, rel=1e-12)
     # where the fluid gets to is a few per mille of the radius
     coupled = fem_seal.blow_off_pressures(case(load=VALVE))
@@ -342,7 +342,7 @@ def test_a_single_pressure_under_several_forces_is_told_once():
     # that any force meets it is one remark and not three
     assert len(target_remarks(SealProblem.of(several))) == 1
     loads = [
-        LoadResult(5e5, force, None).knowing(leak=LeakResult(1e-9, 1e15, None)) for force in (0.0, 200.0)
+        LoadResult(5e5, force, None).with_values(leak=LeakResult(1e-9, 1e15, None)) for force in (0.0, 200.0)
     ]
     (lines, _) = leakage_lines(several, loads[1], loads)
     assert lines.startswith("Leak rate at 5 bar with 200 N:")
@@ -366,7 +366,7 @@ def test_a_ring_pressed_into_a_bore_is_that_of_lame():
     bore, outer, interference = 0.01, 0.03, 20e-6
     ring = flat_ring(bore, outer)
     seat = ring.seat
-    moved = FurtherLoads.press_fit(interference).displacement(seat, ring)
+    moved = BodyLoads.press_fit(interference).displacement(seat, ring)
     r, z = quadratic_nodes(seat.held.mesh)[0].T
     # u = A r + B/r with sigma_r(bore) = 0, u(outer) = -interference, sigma_z = 0
     nu, E = STEEL.poissons_ratio, STEEL.youngs_modulus
@@ -384,7 +384,7 @@ def test_a_ring_pressed_into_a_bore_is_that_of_lame():
     # second order in the element size of 1 mm in 10 mm
     assert stress[at_bore, 2] == pytest.approx(hoop, rel=1e-2)
     # what the contact feels: the flat seat sinks and stays flat, the closure does not notice
-    opening = FurtherLoads.press_fit(interference).opening(ring)
+    opening = BodyLoads.press_fit(interference).opening(ring)
     assert opening == pytest.approx(-strain * 0.02, abs=5e-5 * interference)
 
 
@@ -401,7 +401,9 @@ def test_the_press_fit_stands_in_the_case():
     # 10 um on 25 mm strain the housing by 4e-4, 84 MPa; the contact alone gives 60 MPa
     assert load.max_von_mises > 100e6
     # the spring carries no more and no less for it
-    assert load.contact_force == pytest.approx(math.pi * fitted.case.touch_radius**2 * 20e5, rel=1e-12)
+    assert load.contact_force == pytest.approx(
+        math.pi * fitted.case.initial_contact_radius**2 * 20e5, rel=1e-12
+    )
     # another size would be another fit
     assert fitted.far_field == ()
     assert far_field_sentence(fitted) == ""

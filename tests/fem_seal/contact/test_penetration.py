@@ -23,11 +23,11 @@ from fem_seal.bodies.elasticity import (
 from fem_seal.bodies.supports import Supports
 from fem_seal.contact.fixed_point import first_fixed_point, fixed_point
 from fem_seal.contact.model import condense
-from fem_seal.contact.other_loads import FurtherLoads
+from fem_seal.contact.other_loads import BodyLoads
 from fem_seal.contact.penetration import (
-    FlowThrough,
-    FluidAndContact,
-    HeldFluid,
+    CoupledContact,
+    FluidAtContact,
+    PenetratingFluid,
     blow_off_pressure,
     effective_radius,
     solve_at_contact_force,
@@ -65,7 +65,7 @@ def power_law(side, exponent=1.0):
         )
         return flow.fluid_pressure
 
-    return FlowThrough(along, math.inf, side)
+    return PenetratingFluid(along, math.inf, side)
 
 
 def places(body):
@@ -77,7 +77,7 @@ def places(body):
 
 def test_fluid_all_around_the_closure_lifts_nothing_and_shrinks_it_evenly():
     closure, line, p = model().closure, model().line, 100e5
-    loads = FurtherLoads.of_fluid((p, p), np.full_like(line.x, p))
+    loads = BodyLoads.of_fluid((p, p), np.full_like(line.x, p))
     # of 12.6 kN on the ball's section
     assert abs(loads.lift(model())) < 1e-9
     moved = loads.displacement(closure, model())[node_dofs(closure.held.mesh)]
@@ -85,7 +85,7 @@ def test_fluid_all_around_the_closure_lifts_nothing_and_shrinks_it_evenly():
     r, z = places(closure).T
     # The contact line lies on the seat, up to 21 um off the ball: what that shifts is felt nearby only.
     zone = line.vertices[-1] - line.vertices[0]
-    far = np.hypot(r - model().touch_radius, z) > 3 * zone
+    far = np.hypot(r - model().initial_contact_radius, z) > 3 * zone
     rigid = np.mean(moved[1][far] - strain * z[far])
     assert np.abs(moved[0] - strain * r)[far].max() < 3e-3 * abs(strain) * 0.02
     assert np.abs(moved[1] - rigid - strain * z)[far].max() < 3e-3 * abs(strain) * 0.02
@@ -111,7 +111,7 @@ def wetted(closure, seat, refine=1.0, **load):
 
 def unevenness(model, p):
     """How far the stress of the closure is from -p at each node under fluid all around, over p."""
-    loads = FurtherLoads.of_fluid((p, p), np.full_like(model.line.x, p))
+    loads = BodyLoads.of_fluid((p, p), np.full_like(model.line.x, p))
     # round-off of places on faces that fit to a thousandth
     assert abs(loads.lift(model)) < 1e-8 * p * math.pi * 0.01**2
     stress = model.closure.recovery.stress(loads.displacement(model.closure, model))
@@ -148,7 +148,7 @@ def test_fluid_all_around_a_closure_with_facets_across_the_ends_of_the_line_lift
     drawn = {"shape": "profile", "file": str(tmp_path / "coarse.msh")}
     _, model = wetted(drawn, cone, applied_force="1.5 kN")
     p = 10e5
-    loads = FurtherLoads.of_fluid((p, p), np.full_like(model.line.x, p))
+    loads = BodyLoads.of_fluid((p, p), np.full_like(model.line.x, p))
     # round-off of 310 N on the ball's section; the strips beyond the line would be 5 N
     assert abs(loads.lift(model)) < 1e-6
 
@@ -159,7 +159,7 @@ def test_a_poppet_on_its_land_opens_where_the_fluid_carries_the_spring(seat):
     (load,) = run_loads(case).loads
     # No flow is known: the fluid gets through once the land nowhere presses harder. It then reaches over the bore at
     # least, and over the whole land at most, which carries as much once more.
-    r0, half = case.touch_radius, 0.5 * case.seat.land_width * math.sqrt(0.5)
+    r0, half = case.initial_contact_radius, 0.5 * case.seat.land_width * math.sqrt(0.5)
     most = math.pi * ((r0 + half) ** 2 + 4 * r0 * half)
     assert 1500 / most < load.blow_off_pressure < 1500 / (math.pi * (r0 - half) ** 2)
     assert load.max_von_mises < load.contact.profile.peak_pressure
@@ -173,7 +173,7 @@ def test_fluid_all_around_a_seat_whose_wall_gives_way_shrinks_it_evenly():
     held = condense(built, {"closure": STEEL, "seat": STEEL}, Supports(wall="fixed"))
     p = 100e5
     strain = p * (1 - 2 * STEEL.poissons_ratio) / STEEL.youngs_modulus
-    loads = FurtherLoads(
+    loads = BodyLoads(
         seat={0: p, 1: p, "wall": strain * cone.outer_radius},
         gap_pressure=np.full_like(held.line.x, p),
     )
@@ -196,7 +196,7 @@ def test_fluid_up_to_a_circle_acts_on_the_area_of_that_circle(side):
     rising = np.clip((line.radius - a) / (b - a), 0.0, 1.0)
     share = rising if side == "outer" else 1 - rising
     inner, outer = (PRESSURE, 0.0) if side == "inner" else (0.0, PRESSURE)
-    lift = FurtherLoads.of_fluid((inner, outer), PRESSURE * share).lift(model())
+    lift = BodyLoads.of_fluid((inner, outer), PRESSURE * share).lift(model())
     # Divergence theorem: pi int r^2 dp, p linear in r between the circles a and b.
     area = math.pi * (a**2 + a * b + b**2) / 3
     assert lift == pytest.approx((1 if side == "inner" else -1) * PRESSURE * area, rel=1e-10)
@@ -204,7 +204,7 @@ def test_fluid_up_to_a_circle_acts_on_the_area_of_that_circle(side):
 
 def test_bodies_move_as_in_one_solve_under_all_loads():
     line = model().line
-    loads = FurtherLoads.of_fluid((0.0, PRESSURE), PRESSURE * (line.x > 0))
+    loads = BodyLoads.of_fluid((0.0, PRESSURE), PRESSURE * (line.x > 0))
     solution = solve(model(), LAW, contact_force=1000.0, loads=loads)
     seat = model().seat
     dofs = node_dofs(seat.held.mesh)
@@ -222,11 +222,11 @@ def test_bodies_move_as_in_one_solve_under_all_loads():
 # ---------------------------------------------------------------- contact and fluid together
 
 
-@pytest.mark.parametrize("path", [power_law("inner"), power_law("outer"), HeldFluid("inner")])
+@pytest.mark.parametrize("path", [power_law("inner"), power_law("outer"), FluidAtContact("inner")])
 def test_without_pressure_the_spring_alone_remains(path):
     spring = 1500.0
     alone = solve(model(), LAW, contact_force=spring)
-    wet = solve_penetration(FluidAndContact(model(), LAW, path), applied_force=spring, fluid_pressure=1.0)
+    wet = solve_penetration(CoupledContact(model(), LAW, path), applied_force=spring, fluid_pressure=1.0)
     # 1 Pa on 6e-4 m^2 is 4e-7 of the spring's force
     assert wet.pressure == pytest.approx(alone.pressure, rel=1e-6)
 
@@ -235,7 +235,7 @@ def test_without_pressure_the_spring_alone_remains(path):
 @pytest.mark.parametrize("fluid_pressure", [2e5, 20e5])
 def test_spring_fluid_and_contact_are_in_balance(side, fluid_pressure):
     spring = 2000.0
-    seal = FluidAndContact(model(), LAW, power_law(side))
+    seal = CoupledContact(model(), LAW, power_law(side))
     solution = solve_penetration(seal, applied_force=spring, fluid_pressure=fluid_pressure)
     line = model().line
     # By hand: contact and fluid on the ring of the contact line, fluid on the closure inside and outside of it.
@@ -256,8 +256,8 @@ def test_a_liquid_acts_up_to_the_middle_of_the_contact_and_a_gas_against_vacuum_
         return fluid_pressure * np.sqrt(liquid)  # p_f^2 falls along the resistance
 
     liquid, thin = (
-        solve_penetration(FluidAndContact(model(), LAW, path), applied_force=0.0, fluid_pressure=PRESSURE)
-        for path in (power_law("outer"), FlowThrough(gas, math.inf, "outer"))
+        solve_penetration(CoupledContact(model(), LAW, path), applied_force=0.0, fluid_pressure=PRESSURE)
+        for path in (power_law("outer"), PenetratingFluid(gas, math.inf, "outer"))
     )
     profile = liquid.profile
     middle = float(np.interp(profile.centroid, profile.x, profile.radius))
@@ -282,8 +282,8 @@ def _normal_distribution():
 
 def test_fluid_beside_the_contact_raises_the_peak_pressure():
     high = model(200e5)
-    force = math.pi * high.touch_radius**2 * 200e5
-    spread = FurtherLoads(closure={"outer": 200e5})
+    force = math.pi * high.initial_contact_radius**2 * 200e5
+    spread = BodyLoads(closure={"outer": 200e5})
     raised = solve(high, LAW, contact_force=force, loads=spread).profile.peak_pressure
     from_the_top = solve(high, LAW, contact_force=force).profile.peak_pressure
     # 8e-4 when the closing force itself is spread over the closure down to the contact
@@ -292,7 +292,7 @@ def test_fluid_beside_the_contact_raises_the_peak_pressure():
 
 def test_a_held_fluid_gets_to_where_the_contact_presses_as_hard():
     for law, bodies, pressure in ((LAW, model(), PRESSURE), (HardContact(), hard_model(), 200e5)):
-        seal = FluidAndContact(bodies, law, HeldFluid("outer"))
+        seal = CoupledContact(bodies, law, FluidAtContact("outer"))
         solution = solve_penetration(seal, applied_force=0.0, fluid_pressure=pressure)
         dry = solution.loads.gap_pressure == 0
         wet = solution.loads.gap_pressure == pressure
@@ -308,7 +308,7 @@ def test_where_the_contact_is_sealed_the_pressure_falls_in_the_sealed_part():
     contact = solve(model(), LAW, contact_force=1000.0)
     profile = contact.profile
     limit = 0.5 * profile.peak_pressure
-    path = FlowThrough(lambda *_: pytest.fail("nothing flows"), limit, "outer")
+    path = PenetratingFluid(lambda *_: pytest.fail("nothing flows"), limit, "outer")
     share = path.found(profile, PRESSURE)
     assert (share[(profile.x < 0) & (profile.pressure < 0.99 * limit)] == 0).all()
     assert (share[(profile.x > 0) & (profile.pressure < 0.99 * limit)] == 1).all()
@@ -319,7 +319,7 @@ def test_where_the_contact_is_sealed_the_pressure_falls_in_the_sealed_part():
 
 
 def test_force_and_pressure_are_two_ways_to_the_same_contact():
-    seal = FluidAndContact(model(), LAW, power_law("inner"))
+    seal = CoupledContact(model(), LAW, power_law("inner"))
     given = solve_penetration(seal, applied_force=2000.0, fluid_pressure=PRESSURE)
     back = solve_at_contact_force(seal, contact_force=given.contact_force, fluid_pressure=PRESSURE)
     assert back.applied_force == pytest.approx(2000.0, rel=1e-9)
@@ -328,10 +328,10 @@ def test_force_and_pressure_are_two_ways_to_the_same_contact():
 # ---------------------------------------------------------------- blow-off
 
 
-@pytest.mark.parametrize("path", [power_law("inner"), HeldFluid("inner")])
+@pytest.mark.parametrize("path", [power_law("inner"), FluidAtContact("inner")])
 def test_blow_off_is_where_the_fluid_carries_the_spring(path):
     spring = 1500.0
-    seal = FluidAndContact(model(), LAW, path)
+    seal = CoupledContact(model(), LAW, path)
     opens = blow_off_pressure(seal, applied_force=spring)
     just_before = solve_penetration(seal, applied_force=spring, fluid_pressure=0.999 * opens)
     radius = effective_radius(just_before, 0.999 * opens)
@@ -340,7 +340,7 @@ def test_blow_off_is_where_the_fluid_carries_the_spring(path):
     assert math.pi * radius**2 * 0.999 * opens == pytest.approx((1 - left) * spring, rel=1e-9)
     # within the contact, three standard deviations wide
     std = just_before.profile.std
-    assert radius == pytest.approx(model().touch_radius, abs=3 * std)
+    assert radius == pytest.approx(model().initial_contact_radius, abs=3 * std)
     with pytest.raises(OpenSealError, match="lifts the closure off") as failure:
         solve_penetration(seal, applied_force=spring, fluid_pressure=1.001 * opens)
     assert failure.value.blow_off_pressure == pytest.approx(opens, rel=1e-4)
@@ -348,13 +348,13 @@ def test_blow_off_is_where_the_fluid_carries_the_spring(path):
 
 def test_flow_lets_the_contact_go_at_the_sealed_area():
     spring = 1500.0
-    opens = blow_off_pressure(FluidAndContact(model(), LAW, power_law("inner")), applied_force=spring)
+    opens = blow_off_pressure(CoupledContact(model(), LAW, power_law("inner")), applied_force=spring)
     # the last contact is symmetric about first touch, to a share of its width of 0.3 mm in 14 mm
-    assert opens == pytest.approx(spring / (math.pi * model().touch_radius ** 2), rel=1e-3)
+    assert opens == pytest.approx(spring / (math.pi * model().initial_contact_radius ** 2), rel=1e-3)
 
 
 def test_pressure_from_outside_never_lifts():
-    seal = FluidAndContact(model(), LAW, power_law("outer"))
+    seal = CoupledContact(model(), LAW, power_law("outer"))
     assert blow_off_pressure(seal, applied_force=100.0) == math.inf
     with pytest.raises(OpenSealError, match="nothing is left"):
         solve_penetration(seal, applied_force=-3000.0, fluid_pressure=PRESSURE)

@@ -16,17 +16,17 @@ import leak
 from fem_seal.answers.uncertainty import _Study
 from fem_seal.bodies.elasticity import boundary_dofs, node_dofs
 from fem_seal.bodies.supports import Supports
-from fem_seal.case.tables import Spread, Uncertainty
+from fem_seal.case.tables import InputSpread, Uncertainty
 from fem_seal.contact.laws import HardContact, Law
 from fem_seal.contact.load_path import ElastoplasticContact, LoadPath, load_path
 from fem_seal.contact.model import ContactModel
 from fem_seal.contact.newton import solve
-from fem_seal.contact.other_loads import FurtherLoads
+from fem_seal.contact.other_loads import BodyLoads
 from fem_seal.contact.penetration import (
-    FlowThrough,
-    FluidAndContact,
+    CoupledContact,
+    FluidAtContact,
     FluidPath,
-    HeldFluid,
+    PenetratingFluid,
     blow_off_pressure,
     effective_radius,
     solve_penetration,
@@ -35,17 +35,17 @@ from fem_seal.contact.plastic_step import PathLoad, PlasticSettings
 from fem_seal.loads import PressureSide
 from fem_seal.materials import HardeningCurve
 from fem_seal.seal.evaluate import evaluate
-from fem_seal.seal.leak_model import RoughFlow
+from fem_seal.seal.leak_model import LeakModel
 from fem_seal.seal.load_result import LoadResult, SolvedSeal
 from fem_seal.seal.load_solver import LoadSolver, SolvedLoads, linearised_again
 from fem_seal.seal.problem import SealFlow, SealProblem
 from fem_seal.studies.responses import evaluate_design
 
 STRONG = replace(STEEL, hardening=HardeningCurve((0.0,), (50e9,)))
-FIT = FurtherLoads.press_fit(2e-6)
+FIT = BodyLoads.press_fit(2e-6)
 
 
-def flowing(side: PressureSide) -> FlowThrough:
+def flowing(side: PressureSide) -> PenetratingFluid:
     """A liquid through sigma ~ 1/p; its pressure does not depend on the factor."""
 
     def along(profile, fluid_pressure):  # type: ignore[no-untyped-def]
@@ -58,7 +58,7 @@ def flowing(side: PressureSide) -> FlowThrough:
             pressure_side=side,
         ).fluid_pressure
 
-    return FlowThrough(along, math.inf, side)
+    return PenetratingFluid(along, math.inf, side)
 
 
 @cache
@@ -88,8 +88,8 @@ def relief(steps: int = SPRING_FIRST) -> LoadPath:
     [
         (LAW, flowing("inner")),
         (LAW, flowing("outer")),
-        (LAW, HeldFluid("inner")),
-        (HardContact(), HeldFluid("outer")),
+        (LAW, FluidAtContact("inner")),
+        (HardContact(), FluidAtContact("outer")),
     ],
     ids=["bore", "outside", "held", "hard"],
 )
@@ -101,7 +101,7 @@ def test_bodies_that_never_yield_are_elastic_ones(law: Law, path: FluidPath) -> 
     model, force = seal(law, 2e6, closure=STRONG, seat=STRONG, refine=0.35, supports=Supports(wall="fixed"))
     spring, pressure = (force, 5e5) if path.side == "inner" else (0.0, 2e6)
     elastic = solve_penetration(
-        FluidAndContact(model, law, path, FIT), applied_force=spring, fluid_pressure=pressure
+        CoupledContact(model, law, path, FIT), applied_force=spring, fluid_pressure=pressure
     )
     whole = load_path(
         model,
@@ -166,12 +166,12 @@ def test_even_pressure_all_around_makes_nothing_yield() -> None:
     seat = model.seat.held
     places = seat.nodes[0][seat.wall_nodes, 0]
     strain = p * (1 - 2 * STEEL.poissons_ratio) / E
-    tight = FurtherLoads.press_fit(strain * float(places.max()))
-    fluid = FurtherLoads.of_fluid((p, p), np.full_like(model.line.x, p), tight)
+    tight = BodyLoads.press_fit(strain * float(places.max()))
+    fluid = BodyLoads.of_fluid((p, p), np.full_like(model.line.x, p), tight)
     few = PlasticSettings(steps=2)
     alone, wet = (
         load_path(model, LAW, [PathLoad(force, loads)], settings=few, unload=False).contacts[0]
-        for loads in (FurtherLoads(), fluid)
+        for loads in (BodyLoads(), fluid)
     )
     free = load_path(
         model, LAW, [PathLoad(1e-6 * force, fluid)], settings=PlasticSettings(steps=1), unload=False
@@ -259,11 +259,11 @@ def test_an_open_seal_leaves_no_trace() -> None:
     model, _ = soft()
     # the spring's force on a circle inside the contact
     radius = math.sqrt(soft()[1] / (math.pi * path.opened[4].error.blow_off_pressure))
-    assert abs(radius - model.touch_radius) < 3 * path.contacts[0].profile.std
+    assert abs(radius - model.initial_contact_radius) < 3 * path.contacts[0].profile.std
     assert path.contacts[-1].contact_force > path.contacts[1].contact_force
 
 
-@pytest.mark.parametrize("fluid", [flowing("inner"), HeldFluid("inner")], ids=["flowing", "held"])
+@pytest.mark.parametrize("fluid", [flowing("inner"), FluidAtContact("inner")], ids=["flowing", "held"])
 def test_blow_off_of_a_coined_seat_is_where_its_path_ends(fluid: FluidPath) -> None:
     """Foretold from the unloading of the coined bodies, and met by the path."""
     model, spring = soft()
@@ -272,7 +272,7 @@ def test_blow_off_of_a_coined_seat_is_where_its_path_ends(fluid: FluidPath) -> N
         model, LAW, [PathLoad(spring, path=fluid, fluid_pressure=0.0)], settings=few, unload=False
     ).contacts[0]
     assert isinstance(coined, ElastoplasticContact)
-    opens = blow_off_pressure(FluidAndContact(coined.unloading, LAW, fluid), applied_force=spring)
+    opens = blow_off_pressure(CoupledContact(coined.unloading, LAW, fluid), applied_force=spring)
     pressures = (0.0, 0.995 * opens, 1.005 * opens)
     path = load_path(
         model,
@@ -284,9 +284,9 @@ def test_blow_off_of_a_coined_seat_is_where_its_path_ends(fluid: FluidPath) -> N
     assert list(path.opened) == [2]
     closed = path.contacts[1]
     # a held fluid gets through while there still is a contact
-    assert 0 < closed.contact_force < (0.03 if isinstance(fluid, FlowThrough) else 0.1) * spring
+    assert 0 < closed.contact_force < (0.03 if isinstance(fluid, PenetratingFluid) else 0.1) * spring
     radius = effective_radius(closed, pressures[1])
-    assert radius == pytest.approx(model.touch_radius, abs=3 * coined.profile.std)
+    assert radius == pytest.approx(model.initial_contact_radius, abs=3 * coined.profile.std)
 
 
 def test_bodies_answer_to_unloading_as_their_path_does() -> None:
@@ -363,7 +363,7 @@ def test_a_relief_valve_from_its_case() -> None:
     )
     assert path.contacts[1].pressure == pytest.approx(solved.contacts[0].pressure, rel=1e-9)
     opens = solver.blow_off_pressure(6000.0, solved.contacts[0])
-    assert opens == pytest.approx(6000 / (math.pi * problem.touch_radius**2), rel=0.02)
+    assert opens == pytest.approx(6000 / (math.pi * problem.initial_contact_radius**2), rel=0.02)
     # after a larger load less leaks than through surfaces that remember nothing
     flow = SealFlow.of(problem)
     assert flow is not None
@@ -399,7 +399,7 @@ def leak_of(case: fem_seal.Case) -> float:
 def test_samples_of_a_surface_linearise_bodies_that_yield() -> None:
     """Against a path of its own for every sample: off by less than 6 % of what the sample changes ln Q by, or 1e-3."""
     problem, result = sampled()
-    settings = Uncertainty(rms_height=Spread(relative=0.1), hardness=Spread(relative=0.1))
+    settings = Uncertainty(rms_height=InputSpread(relative=0.1), hardness=InputSpread(relative=0.1))
     assert result.contact[0].states["seat"].plastic.accumulated.max() > 1e-3  # type: ignore[attr-defined]
     (same,) = linearised_again(result.contact, problem.law)
     assert same.pressure == pytest.approx(result.contact[0].pressure, rel=1e-6)
@@ -413,7 +413,7 @@ def test_samples_of_a_surface_linearise_bodies_that_yield() -> None:
 
 def test_a_sample_of_the_modulus_has_its_own_path() -> None:
     _, result = sampled()
-    study = _Study.of(result, Uncertainty(youngs_modulus=Spread(relative=0.07)))
+    study = _Study.of(result, Uncertainty(youngs_modulus=InputSpread(relative=0.07)))
     assert study.whole_paths and not study.linearised
     (rates,) = study.leak_rates([0])
     factor = study.values["youngs_modulus"][0, 0]
@@ -441,8 +441,8 @@ def sampled() -> tuple[SealProblem, SolvedSeal]:
     evaluated = evaluate(problem)
     mesh, model, solved = evaluated.seal_mesh, evaluated.model, evaluated.solved
     (contact,) = solved.contacts
-    rough = RoughFlow.of(problem.surface, problem.flow, [contact])
-    load = LoadResult(*problem.loads.points[0], contact).knowing(rough=rough)
+    rough = LeakModel.of(problem.surface, problem.flow, [contact])
+    load = LoadResult(*problem.loads.points[0], contact).with_values(rough=rough)
     return problem, SolvedSeal(case, problem, mesh, model, (load,))
 
 

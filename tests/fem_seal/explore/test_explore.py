@@ -130,7 +130,7 @@ def test_a_pressure_moves_the_other_loads_in_proportion(session):
     low, high = session.answer({"fluid_pressure": "40 bar"}).loads
     assert low.values["fluid_pressure_Pa"] / high.values["fluid_pressure_Pa"] == pytest.approx(0.25)
     assert high.values["contact_force_N"] == pytest.approx(
-        40e5 * math.pi * session.base.touch_radius**2, rel=1e-9
+        40e5 * math.pi * session.base.initial_contact_radius**2, rel=1e-9
     )
 
 

@@ -53,7 +53,7 @@ def test_a_round_seal_has_none_of_it():
 def test_scratches_alone_leave_nothing_to_draw_around_the_axis():
     result = oval_result()
     load = result.loads[0]
-    even = load.knowing(around=replace(load.around, form=replace(load.around.form, waves=())))
+    even = load.with_values(around=replace(load.around, form=replace(load.around.form, waves=())))
     scratched = replace(result, loads=(even,))
     with style():
         assert [make(scratched) for make in MAKERS] == [None, None, None]

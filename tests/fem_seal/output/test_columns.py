@@ -104,7 +104,7 @@ def test_the_highest_load_is_the_same_everywhere(capsys):
 def test_a_column_stands_alone_where_the_one_it_is_compared_with_is_missing():
     """A step that failed leaves the yielding asperities without u_c, and the elastic ones have theirs."""
     result = rough_result()
-    loads = tuple(load.knowing(critical_separation=None) for load in result.loads)
+    loads = tuple(load.with_values(critical_separation=None) for load in result.loads)
     table = load_table(replace(result, loads=loads))
     (heading,) = [text for text in table.headings if text.startswith("u_c")]
     assert re.fullmatch(r"u_c, elastic \[(µm|nm)\]", heading)

@@ -26,10 +26,10 @@ from fem_seal.output.pictures.surface import surface_picture
 from fem_seal.output.report.tables import comparison_table
 from fem_seal.output.report.words import facts, headline, leakage_lines, reasons
 from fem_seal.seal.bounds import Bounds
-from fem_seal.seal.findings import Caution, Level, Validity
+from fem_seal.seal.findings import Finding, Level, Validity
 from fem_seal.seal.load_result import DiscretisationError
 from fem_seal.seal.problem import SealProblem
-from fem_seal.units import LIQUID, digits_beside, digits_within, quantity_worth, rounded, worth
+from fem_seal.units import LIQUID, digits_beside, digits_within, format_digits, quantity_worth, rounded
 from fem_seal.validity.checks import contact_cautions
 
 ERRORS = st.floats(1e-6, 2.0)
@@ -62,7 +62,7 @@ def with_too_many_digits(text: str, value: float, digits: int) -> list[str]:
 def of_mesh(peak: float, fwhm: float, std: float, leak_rate: float):
     """A result as a mesh this bad would give it."""
     error, result = DiscretisationError(peak, fwhm, std, leak_rate), rough_result()
-    loads = tuple(load.knowing(mesh_error=error) for load in result.loads)
+    loads = tuple(load.with_values(mesh_error=error) for load in result.loads)
     return replace(result.answered(accuracy=replace(result.accuracy, error=error)), loads=loads)
 
 
@@ -145,7 +145,7 @@ def test_beside_a_limit_a_number_stands_on_its_side_of_it(value, apart, digits):
 
 @given(value=st.floats(1e-3, 9e5), error=ERRORS)
 def test_of_an_error_the_last_digit_is_wrong_by_at_most_five(value, error):
-    written = worth(value, digits_within(error))
+    written = format_digits(value, digits_within(error))
     if digits_within(error) < 4:
         assert significant(written) <= digits_within(error)
         size = 10.0 ** (math.floor(math.log10(rounded(value, digits_within(error))) + 1e-12))
@@ -158,7 +158,7 @@ def test_a_peak_just_above_the_hardness_is_not_told_as_the_hardness(share):
     hardness = SealProblem.of(case()).hardness
     assert hardness is not None
     load = judged_load(peak=share * hardness)
-    load = load.knowing(mesh_error=DiscretisationError(0.08, 0.08, 0.08, None))
+    load = load.with_values(mesh_error=DiscretisationError(0.08, 0.08, 0.08, None))
     (found,) = judged("hardness", load)
     stress, times = re.findall(r"pressure ([\d.]+) MPa .* is ([\d.]+) of the hardness", found.text)[0]
     assert float(stress) > hardness / 1e6 and float(times) > 1
@@ -169,7 +169,7 @@ def test_a_peak_just_above_the_hardness_is_not_told_as_the_hardness(share):
 def test_a_peak_just_above_the_sealing_pressure_is_above_it_as_written():
     sealing = SURFACE.sealing_pressure
     load = judged_load(peak=1.001 * sealing)
-    load = load.knowing(mesh_error=DiscretisationError(0.08, 0.08, 0.08, None))
+    load = load.with_values(mesh_error=DiscretisationError(0.08, 0.08, 0.08, None))
     (found,) = judged("sealed", load)
     peak, limit = re.findall(r"peak pressure ([\d.]+) MPa is above ([\d.]+) MPa", found.text)[0]
     assert float(peak) > float(limit)
@@ -219,13 +219,13 @@ def test_a_run_on_a_coarse_mesh_tells_the_digits_of_its_table_everywhere(tmp_pat
 
 def doubted(kind: str, leak_error: float) -> Validity:
     return Validity.of(
-        [Caution(kind, Level.DOUBTFUL, "few channels", "...", Bounds.either_way(1 + leak_error))]
+        [Finding(kind, Level.DOUBTFUL, "few channels", "...", Bounds.factor_bounds(1 + leak_error))]
     )
 
 
 @pytest.mark.parametrize(("error", "digits"), [(0.0, 4), (0.02, 3), (0.7, 1), (2.3, 1), (math.inf, 1)])
 def test_a_leak_rate_has_the_digits_that_its_theory_leaves(error, digits):
-    load = rough_result().highest.knowing(validity=doubted("few channels", error))
+    load = rough_result().highest.with_values(validity=doubted("few channels", error))
     for name in ("leak_rate_m3_per_s", "leak_rate_high_m3_per_s", "leak_rate_elastic_m3_per_s"):
         assert COLUMNS[name].digits(load) == digits == load.leak_digits
     # pressures do not follow from the theory of flow, and a force for a target from that of another contact
@@ -252,10 +252,10 @@ def test_few_channels_say_how_far_the_leak_rate_may_be_off():
 )
 def test_nothing_is_no_number_with_a_unit(level, said):
     """Outside the theory a zero is no claim, in whatever unit."""
-    validity = Validity.of([Caution("hardness", level, "reason", "...")])
+    validity = Validity.of([Finding("hardness", level, "reason", "...")])
     load = rough_result().highest
     nothing = load.leak.scaled(0.0)
-    tight = with_capped(load.knowing(leak=nothing, validity=validity), nothing)
+    tight = with_capped(load.with_values(leak=nothing, validity=validity), nothing)
     (first, *_) = leakage_lines(rough_result().case, tight, [tight])
     assert first.startswith(f"Leak rate at 20 bar: {said} ({level}")
 

@@ -25,7 +25,7 @@ from fem_seal.output.report import tables
 from fem_seal.output.report import words as report_words
 from fem_seal.output.report.page import pictures, report
 from fem_seal.result import SealResult
-from fem_seal.seal.findings import Caution, Level, Validity
+from fem_seal.seal.findings import Finding, Level, Validity
 from fem_seal.units import leak_range_text
 from leak import Reading
 
@@ -208,7 +208,7 @@ def sealed(result: SealResult, above: float) -> SealResult:
     return replace(
         result,
         loads=tuple(
-            with_capped(load.knowing(leak=nothing(load), critical_separation=0.0), nothing(load))
+            with_capped(load.with_values(leak=nothing(load), critical_separation=0.0), nothing(load))
             if load.fluid_pressure > above
             else load
             for load in result.loads
@@ -285,14 +285,14 @@ def judged(result, *levels):
     return replace(
         result,
         loads=tuple(
-            load.knowing(validity=Validity(() if level is Level.VALID else (said(level),)))
+            load.with_values(validity=Validity(() if level is Level.VALID else (said(level),)))
             for load, level in zip(result.loads, levels, strict=True)
         ),
     )
 
 
 def said(level):
-    return Caution("kind", level, "seat: 7.4 times its yield stress", "A sentence.")
+    return Finding("kind", level, "seat: 7.4 times its yield stress", "A sentence.")
 
 
 def leakless(result):
@@ -300,7 +300,7 @@ def leakless(result):
     return replace(
         result,
         loads=tuple(
-            with_capped(load.knowing(leak=nothing(load), critical_separation=0.0), nothing(load))
+            with_capped(load.with_values(leak=nothing(load), critical_separation=0.0), nothing(load))
             for load in result.loads
         ),
     )

@@ -23,7 +23,7 @@ from fem_seal.errors import InputError, OutputError
 from fem_seal.files import write_text
 from fem_seal.output import files, folders
 from fem_seal.output.folders import FILE as LOCK
-from fem_seal.output.folders import UNFINISHED, alone, replaced_together, unfinished
+from fem_seal.output.folders import UNFINISHED, folder_lock, replaced_together, unfinished
 
 posix = pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
 
@@ -298,9 +298,9 @@ def test_a_lock_that_was_removed_meanwhile_is_taken_anew(tmp_path, monkeypatch):
             removed.append(True)
 
     monkeypatch.setattr(folders, "_lock", too_late)
-    with alone(tmp_path):
+    with folder_lock(tmp_path):
         assert (tmp_path / LOCK).exists()
-        with pytest.raises(InputError), alone(tmp_path):
+        with pytest.raises(InputError), folder_lock(tmp_path):
             pass
     assert not (tmp_path / LOCK).exists()
 
@@ -313,7 +313,7 @@ def test_without_locks_nobody_is_kept_out(tmp_path, monkeypatch, reason):
 
     error = OSError(getattr(errno, reason), "no locks here")
     monkeypatch.setattr(folders, "_lock", Mock(side_effect=error))
-    with alone(tmp_path), alone(tmp_path):
+    with folder_lock(tmp_path), folder_lock(tmp_path):
         pass
 
 

@@ -14,15 +14,15 @@ import pytest
 from sample_results import case, rough_result, single_result, smooth_result
 
 import fem_seal
-from fem_seal.answers.judgement import Why
+from fem_seal.answers.judgement import VerdictReason
 from fem_seal.errors import OutputError
 from fem_seal.files import write_bytes, write_text
 from fem_seal.output.columns import PROFILE_COLUMNS
 from fem_seal.output.files import summary, write_summary
-from fem_seal.output.prose import prose, said
+from fem_seal.output.prose import prose, sentence
 from fem_seal.output.sources import used
 from fem_seal.output.tables import leak_table, profile_array, write_leak_csv, write_profile_csv
-from fem_seal.units import given, leak_rate_text, number, percent, quantity, trimmed, unit_for
+from fem_seal.units import format_quantity, leak_rate_text, number, percent, quantity, trimmed, unit_for
 
 LEAK_HEADER = (
     "fluid_pressure_Pa,contact_force_N,line_load_N_per_m,peak_pressure_Pa,contact_radius_m,fwhm_m,std_m,"
@@ -237,7 +237,7 @@ def test_units_suit_the_value(kind, value, text):
 
 
 def test_numbers_for_readers():
-    assert given("fluid pressure", 2e6) == "20 bar"
+    assert format_quantity("fluid pressure", 2e6) == "20 bar"
     assert trimmed(0.30) == "0.3" and trimmed(100.0) == "100" and trimmed(1.0016) == "1.0016"
     assert number(1.234e-9) == "1.23·10⁻⁹"
     assert number(-0.5) == "−0.500"
@@ -297,7 +297,7 @@ def test_every_sentence_of_the_report_is_asked_for_and_every_one_asked_for_is_th
     # chosen by the interface law of the case, by the order of its loads and by the reading
     elsewhere = {"smooth", "exponential", "spectrum", "joined", "numbered", "conserved"}
     elsewhere |= {f"{what}_{also}" for what in ("inputs", "finish") for also in ("own", "both")}
-    elsewhere |= set(Why)
+    elsewhere |= set(VerdictReason)
     changed = ("rms_height", "hardness", "youngs_modulus", "q_rolloff", "hurst")
     elsewhere |= {f"{key}_{way}" for key in changed for way in ("less", "more")}
     keys = {key for table in tables.values() for key in table}
@@ -311,7 +311,7 @@ def test_every_sentence_of_the_report_is_asked_for_and_every_one_asked_for_is_th
 
 
 def test_sentences_stand_one_after_the_other_with_their_values():
-    text = said("captions.scan", "several", "", "spectrum", count=3, form="tilt")
+    text = sentence("captions.scan", "several", "", "spectrum", count=3, form="tilt")
     assert text.startswith("Left: the first of 3 scans without its tilt. Right: ")
 
 

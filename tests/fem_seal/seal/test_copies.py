@@ -10,7 +10,7 @@ from threading import Thread
 import pytest
 
 from fem_seal.errors import ConvergenceError
-from fem_seal.processes import can_copy, in_copies, usable_cores
+from fem_seal.processes import can_copy, fork_map, usable_cores
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="no copies there")
 HERE = os.getpid()
@@ -19,11 +19,11 @@ HERE = os.getpid()
 @pytest.mark.parametrize("processes", [1, 2, 3, 9])
 @pytest.mark.parametrize("items", [0, 1, 2, 7])
 def test_results_stand_in_the_order_of_the_items(items, processes):
-    assert in_copies(lambda n: n**2, range(items), processes) == [n**2 for n in range(items)]
+    assert fork_map(lambda n: n**2, range(items), processes) == [n**2 for n in range(items)]
 
 
 def test_every_process_has_its_share():
-    pids = in_copies(lambda _: os.getpid(), range(6), 3)
+    pids = fork_map(lambda _: os.getpid(), range(6), 3)
     assert pids[:3] == pids[3:] and pids[0] == HERE and len(set(pids)) == 3
 
 
@@ -35,7 +35,7 @@ def test_the_error_is_that_of_the_first_item_that_fails(processes):
         return n
 
     with pytest.raises(ConvergenceError, match="item 4"):
-        in_copies(fails, range(8), processes)
+        fork_map(fails, range(8), processes)
 
 
 def test_the_share_of_a_copy_that_died_is_calculated_here():
@@ -44,7 +44,7 @@ def test_the_share_of_a_copy_that_died_is_calculated_here():
             os._exit(9)
         return -n
 
-    assert in_copies(dies_in_a_copy, range(5), 2) == [0, -1, -2, -3, -4]
+    assert fork_map(dies_in_a_copy, range(5), 2) == [0, -1, -2, -3, -4]
 
 
 def test_an_interruption_ends_the_copies():
@@ -55,7 +55,7 @@ def test_an_interruption_ends_the_copies():
 
     begin = time.monotonic()
     with pytest.raises(KeyboardInterrupt):
-        in_copies(interrupted, range(4), 2)
+        fork_map(interrupted, range(4), 2)
     assert time.monotonic() - begin < 10 and not active_children()
 
 
@@ -65,7 +65,7 @@ def test_no_copies_beside_threads_or_in_a_process_that_was_started():
     thread.start()
     thread.join()
     assert found == [False]
-    assert in_copies(lambda _: can_copy(), range(2), 2)[1] is False
+    assert fork_map(lambda _: can_copy(), range(2), 2)[1] is False
 
 
 def test_copies_beside_the_wheel_that_turns_on_a_terminal():
@@ -74,9 +74,9 @@ def test_copies_beside_the_wheel_that_turns_on_a_terminal():
 from io import StringIO
 from threading import active_count
 from rich.console import Console
-from fem_seal.processes import can_copy, in_copies
+from fem_seal.processes import can_copy, fork_map
 with Console(file=StringIO(), force_terminal=True).status("sampling"):
-    found = active_count() > 1, can_copy(), in_copies(lambda n: n**2, range(6), 2)
+    found = active_count() > 1, can_copy(), fork_map(lambda n: n**2, range(6), 2)
 print(*found)
 """
     done = subprocess.run(

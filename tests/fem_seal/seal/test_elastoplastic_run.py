@@ -22,7 +22,7 @@ from fem_seal.bodies.fields import ElastoplasticField, von_mises
 from fem_seal.case.case import load_case
 from fem_seal.contact.load_path import ElastoplasticContact, load_path
 from fem_seal.contact.newton import solve
-from fem_seal.contact.other_loads import FurtherLoads
+from fem_seal.contact.other_loads import BodyLoads
 from fem_seal.contact.plastic_step import PathLoad
 from fem_seal.contact.solution import plastic_zone, yielding_of
 from fem_seal.errors import InputError
@@ -110,8 +110,8 @@ def folder(result: SealResult, tmp_path_factory: pytest.TempPathFactory) -> Path
 def test_a_run_is_the_load_path_of_the_case(result: SealResult) -> None:
     """The same contacts as those of the solver called by hand on the same mesh; same code, so to round-off."""
     case, law = result.case, result.problem.law
-    fit = FurtherLoads(seat={"wall": 2e-6})
-    forces = [contact_force(case.touch_radius, pressure) for pressure in (300e5, 50e5)]
+    fit = BodyLoads(seat={"wall": 2e-6})
+    forces = [contact_force(case.initial_contact_radius, pressure) for pressure in (300e5, 50e5)]
     path = load_path(result.model, law, [PathLoad(force, fit) for force in forces], at_rest=fit)
     for load, contact in zip(result.loads, path.contacts, strict=True):
         assert isinstance(load.contact, ElastoplasticContact)
@@ -141,7 +141,7 @@ def test_the_press_fit_is_no_imprint(result: SealResult) -> None:
     """The fit moves the whole face; the imprint is what the loads have added, next to nothing far from the contact."""
     assert result.unloaded is not None
     imprint = result.unloaded.imprints["seat"]
-    fit = result.model.seat.held.retreat(result.unloaded.before["seat"].displacement)
+    fit = result.model.seat.held.normal_displacement(result.unloaded.before["seat"].displacement)
     assert np.abs(fit).min() > 3 * imprint.deepest
     assert abs(imprint.depth[[0, -1]]).max() < 0.15 * imprint.deepest
     assert 0 < imprint.width < 2 * result.loads[0].contact.profile.fwhm
@@ -207,7 +207,7 @@ def test_summary_says_where_and_how_far(result: SealResult, folder: Path) -> Non
     assert seat["yield_stress_Pa"] == YIELD
     assert 0 <= seat["depth_m"] < seat["yielded_down_to_m"] < 1e-3
     at = np.array([seat["at_r_m"], seat["at_z_m"]])
-    first = np.array([result.model.touch_radius, 0.0])
+    first = np.array([result.model.initial_contact_radius, 0.0])
     assert np.linalg.norm(at - first) < seat["yielded_down_to_m"]
     # below the flow stress of the largest strain, above the elastic limit: the ball is harder and has no yield stress
     assert told["yielding"][0]["closure"] is None

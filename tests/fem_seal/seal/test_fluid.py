@@ -300,7 +300,7 @@ def test_a_liquid_through_a_wide_gap_is_too_fast_for_viscous_flow():
     assert one.validity.level is not Level.VALID
     # a kilogram per second and metre over the viscosity, twice
     told = float(re.findall(r"Reynolds number of ([\d.]+) ", said)[0])
-    per_length = one.leak.mass_flow / (2 * math.pi * one.contact.model.touch_radius)
+    per_length = one.leak.mass_flow / (2 * math.pi * one.contact.model.initial_contact_radius)
     assert told == pytest.approx(2 * per_length / one.effective_viscosity, rel=0.06)
 
 
@@ -341,7 +341,7 @@ def test_inertia_of_a_liquid_in_a_uniform_gap():
     q = gap**3 * drop / (12 * eta * length)
     profile = SimpleNamespace(radius=np.array([r]), pressure=np.ones(1), std=0.5 * length)
     load = LoadResult(drop, 0.0, SimpleNamespace(profile=profile))
-    load = load.knowing(leak=LeakResult(2 * math.pi * r * q, 1.0, None).with_density(900.0))
+    load = load.with_values(leak=LeakResult(2 * math.pi * r * q, 1.0, None).with_density(900.0))
     reynolds, reduced = _of_liquid(SimpleNamespace(viscosity=eta), load)
     assert reynolds == pytest.approx(2 * 900 * q / eta) and reduced == pytest.approx(
         900 * q / eta * gap / length

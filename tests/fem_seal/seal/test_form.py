@@ -206,7 +206,7 @@ def sealed(**form: Any) -> Case:
 
 def error_of(case: Case) -> FormError:
     assert case.form is not None
-    return case.form.error(case.contact.angle, case.touch_radius)
+    return case.form.error(case.contact.angle, case.initial_contact_radius)
 
 
 def message(**form: Any) -> str:

@@ -79,7 +79,7 @@ def assert_same(one, other, factors=None) -> None:
 @pytest.mark.parametrize(("closure", "seat"), PAIRS)
 def test_the_pressure_carries_the_axial_force(closure, seat) -> None:
     """F_N = int 2 pi r p n_z facing dx, the seat's own normal from differences of its outline."""
-    area = math.pi * Case(**tables(closure, seat)).touch_radius ** 2
+    area = math.pi * Case(**tables(closure, seat)).initial_contact_radius ** 2
     pressures, springs = (7e5, 45e5), (0.8 * area * 7e5, -0.4 * area * 45e5)
     load = {
         "fluid_pressure": [f"{one!r} Pa" for one in pressures],
@@ -106,7 +106,9 @@ def test_the_pressure_carries_the_axial_force(closure, seat) -> None:
         along = columns["x_m"][of_load]
         assert np.trapezoid(column, along) == pytest.approx(one.contact_force, rel=1e-4)
         # f_N is the force along the normal, not along the axis
-        at_touch = profile.arc_weight @ (profile.pressure * facing * profile.radius) / contact.touch_radius
+        at_touch = (
+            profile.arc_weight @ (profile.pressure * facing * profile.radius) / contact.initial_contact_radius
+        )
         assert one.line_load == pytest.approx(at_touch, rel=3e-3)
 
 

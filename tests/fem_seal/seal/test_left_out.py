@@ -25,14 +25,14 @@ from fem_seal.output import files
 from fem_seal.output.columns import LEAK_COLUMNS
 from fem_seal.output.tables import leak_table
 from fem_seal.seal.lazy import OptionalSteps
-from fem_seal.seal.leak_model import Flow, RoughFlow
+from fem_seal.seal.leak_model import FlowModel, LeakModel
 from fem_seal.seal.load_result import LoadResult, digits_near_opening
 from fem_seal.seal.load_solver import LoadSolver, SolvedLoads
 from fem_seal.seal.problem import Loads
 from fem_seal.validity.words import left_out
 
 # 20 bar lift a closure that touches at 14.142 mm with 1256.64 N.
-OPENS = math.pi * case().touch_radius ** 2 * 20e5
+OPENS = math.pi * case().initial_contact_radius ** 2 * 20e5
 
 
 def seal(pressures, forces="1 kN", **load):
@@ -200,7 +200,7 @@ def test_a_later_step_that_fails_costs_neither_contact_nor_leak(broken, named, m
             ["leak_rate_elastic_m3_per_s"],
         ),
         (
-            (RoughFlow, "table"),
+            (LeakModel, "table"),
             "flow conductivity",
             [
                 "leak_rate_m3_per_s",
@@ -240,14 +240,14 @@ def test_a_number_of_a_load_that_fails_costs_no_other(broken, named, lost, monke
 
 
 def test_a_leak_rate_that_fails_costs_no_contact(monkeypatch):
-    leak_of = Flow.leak_of
+    leak_of = FlowModel.leak_of
 
     def failing(flow, table, surface, profile, fluid_pressure):
         if fluid_pressure == 5e5:
             raise ZeroDivisionError("float division by zero")
         return leak_of(flow, table, surface, profile, fluid_pressure)
 
-    monkeypatch.setattr(Flow, "leak_of", failing)
+    monkeypatch.setattr(FlowModel, "leak_of", failing)
     result = run_loads(case())
     assert result.table.leak_rate_m3_per_s.isna().tolist() == [False, True, False]
     assert result.table.peak_pressure_Pa.notna().all()

@@ -14,7 +14,7 @@ from fem_seal.answers.accuracy import Comparison
 from fem_seal.output.columns import COLUMNS, LEAK_COLUMNS
 from fem_seal.output.tables import leak_rows
 from fem_seal.seal.findings import VALID
-from fem_seal.seal.leak_model import Flow, RoughFlow
+from fem_seal.seal.leak_model import FlowModel, LeakModel
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.sources import EXACT
 from fem_seal.studies import responses
@@ -33,14 +33,14 @@ def numbers(load: LoadResult) -> list[float]:
 
 
 def test_nothing_is_worked_out_before_it_is_asked_for_and_nothing_twice(monkeypatch):
-    result, made, table_around = rough_result(), [], Flow.table_around
+    result, made, table_around = rough_result(), [], FlowModel.table_around
 
     def counted(flow, surface, log_peaks):
         made.append(surface)
         return table_around(flow, surface, log_peaks)
 
-    monkeypatch.setattr(Flow, "table_around", counted)
-    rough = RoughFlow.of(result.surface, result.problem.flow, result.contact)
+    monkeypatch.setattr(FlowModel, "table_around", counted)
+    rough = LeakModel.of(result.surface, result.problem.flow, result.contact)
     loads = [LoadResult(*load.point, load.contact, rough) for load in result.loads]
     assert "leak" not in repr(loads[0]) and made == []
     rates = [load.leak.leak_rate for load in loads]
@@ -53,7 +53,7 @@ def test_nothing_is_worked_out_before_it_is_asked_for_and_nothing_twice(monkeypa
 def test_more_of_a_load_is_known_without_working_it_out_again():
     load = untouched(rough_result().loads[0])
     leak = load.leak
-    known = load.knowing(blow_off_pressure=4e5, critical_separation=0.0)
+    known = load.with_values(blow_off_pressure=4e5, critical_separation=0.0)
     assert known.leak is leak and known.blow_off_pressure == 4e5 and known.critical_separation == 0.0
     assert load.blow_off_pressure is None and load.critical_separation > 0.0
     # another pressure is another leak rate, of water that becomes thinner by it
@@ -63,7 +63,7 @@ def test_more_of_a_load_is_known_without_working_it_out_again():
         2 * leak.leak_rate * thinner, rel=1e-12
     )
     with pytest.raises(AttributeError, match="no optional blow_off"):
-        load.knowing(blow_off=4e5)
+        load.with_values(blow_off=4e5)
 
 
 def test_a_load_answers_alike_after_pickling_touched_or_not():
@@ -95,7 +95,7 @@ def test_a_contact_apart_from_the_others_has_its_own_critical_separation():
 def test_a_load_without_roughness_or_fluid_leaks_nothing():
     load = rough_result().loads[0]
     smooth = LoadResult(2e5, 0.0, load.contact)
-    dry = replace(smooth, rough=RoughFlow.of(rough_result().surface, None, [load.contact]))
+    dry = replace(smooth, rough=LeakModel.of(rough_result().surface, None, [load.contact]))
     assert (
         smooth.leak
         is smooth.reading(Reading.ELASTIC).leak

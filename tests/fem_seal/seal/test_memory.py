@@ -26,8 +26,8 @@ from fem_seal.output.report import words
 from fem_seal.output.report.page import report
 from fem_seal.result import SealResult
 from fem_seal.seal.evaluate import evaluate
-from fem_seal.seal.findings import Caution, Validity
-from fem_seal.seal.leak_model import RoughFlow
+from fem_seal.seal.findings import Finding, Validity
+from fem_seal.seal.leak_model import LeakModel
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.load_solver import linearised_again, solved_again
 from fem_seal.seal.problem import SealProblem
@@ -49,7 +49,7 @@ def solved(asked: fem_seal.Case) -> list[LoadResult]:
     problem = SealProblem.of(asked)
     found = evaluate(problem).solved
     assert not found.failures
-    rough = RoughFlow.of(problem.surface, problem.flow, found.contacts)
+    rough = LeakModel.of(problem.surface, problem.flow, found.contacts)
     points = problem.loads.points
     return [LoadResult(*point, contact, rough) for point, contact in zip(points, found.contacts, strict=True)]
 
@@ -171,7 +171,7 @@ def test_a_body_that_would_have_yielded_under_the_earlier_load_is_doubtful_at_ev
     assert _judged(problem, found, [caution]).level == caution.level
 
 
-def _judged(problem: SealProblem, found: Any, before: list[Caution]) -> Validity:
+def _judged(problem: SealProblem, found: Any, before: list[Finding]) -> Validity:
     load = LoadResult(*problem.loads.points[0], found.contacts[0], mesh_error=NOT_ESTIMATED)
     return load_validity(problem, load, before)
 
@@ -216,7 +216,7 @@ def oval() -> LoadResult:
     found = evaluate(problem).solved
     (contact,), (formed,) = found.contacts, found.formed
     bare = LoadResult(*problem.loads.points[0], contact, formed=formed)
-    return bare.knowing(rough=RoughFlow.of(problem.surface, problem.flow, bare.contacts))
+    return bare.with_values(rough=LeakModel.of(problem.surface, problem.flow, bare.contacts))
 
 
 def test_every_place_of_the_circumference_remembers_its_own_load() -> None:
@@ -269,7 +269,7 @@ def yielding(forces: list[str], earlier: str | None = None) -> list[LoadResult]:
 
 
 def test_is_the_first_load_of_the_path_of_a_body_that_yields() -> None:
-    area = np.pi * case().touch_radius ** 2
+    area = np.pi * case().initial_contact_radius ** 2
     explicit = yielding([f"{4e3 - 5e5 * area} N", "1 kN", "3 kN"])
     proof = yielding(["1 kN", "3 kN"], "4 kN")
     for one, other in zip(proof, explicit[1:], strict=True):

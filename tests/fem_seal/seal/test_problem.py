@@ -13,7 +13,7 @@ import fem_seal
 from fem_seal.bodies.supports import Supports
 from fem_seal.contact.laws import HardContact
 from fem_seal.errors import LoadProblem
-from fem_seal.seal.leak_model import Flow, log_peaks
+from fem_seal.seal.leak_model import FlowModel, log_peaks
 from fem_seal.seal.problem import Loads, SealProblem, expected_forces
 
 
@@ -31,7 +31,7 @@ def test_loads_that_leave_the_seal_open_size_nothing():
         load={"fluid_pressure": ["5 bar", "20 bar"], "applied_force": "1 kN", "pressure_side": "inner"}
     )
     problem = SealProblem.of(lifted)
-    area = math.pi * problem.touch_radius**2
+    area = math.pi * problem.initial_contact_radius**2
     assert list(problem.loads.refused) == [1]
     assert expected_forces(problem) == pytest.approx([1e3 - 5e5 * area], rel=1e-12)
 
@@ -76,11 +76,11 @@ def test_the_seat_of_a_case_and_its_larger_housing():
     assert problem.supports == Supports(wall="fixed") and problem.interference == pytest.approx(2e-6)
     larger = problem.larger_housing()
     assert larger.seat.largest_radius == pytest.approx(2 * held.contact.seat.largest_radius, rel=1e-12)
-    assert larger.touch_radius == pytest.approx(held.touch_radius, rel=1e-12)
+    assert larger.initial_contact_radius == pytest.approx(held.initial_contact_radius, rel=1e-12)
 
 
 def test_a_liquid_without_density_has_no_mass_flow_and_only_a_gas_a_throughput():
-    own, rough = Flow("my oil", 0.05), rough_result().loads[0].rough
+    own, rough = FlowModel("my oil", 0.05), rough_result().loads[0].rough
     profile = rough_result().loads[0].contact.profile
     drops = own.leak_of(rough.table, rough.surface, profile, 1e5)
     assert (drops.mass_flow, drops.throughput, drops.standard_leak_rate) == (None, None, None)

@@ -5,7 +5,7 @@ from sample_results import rough_result
 
 from fem_seal.answers.form import _Formed
 from fem_seal.seal.bounds import Bounds
-from fem_seal.seal.leak_model import RoughFlow
+from fem_seal.seal.leak_model import LeakModel
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.readings import FURTHER, OWN, WORDS
 from leak import Reading
@@ -36,7 +36,7 @@ def test_a_further_reading_is_one_more_name(monkeypatch):
     """Of the paper's theory there are three for once: the last stands in all that asks for all."""
     monkeypatch.setitem(READINGS, "paper", (Reading.CONSERVED, Reading.CAPPED, Reading.VON_MISES))
     result = rough_result()
-    rough = RoughFlow.of(result.surface, result.problem.flow, result.contact)
+    rough = LeakModel.of(result.surface, result.problem.flow, result.contact)
     load = LoadResult(*result.highest.point, result.highest.contact, rough)
     third = load.reading(Reading.VON_MISES)
     assert list(load.others) == [Reading.CAPPED, Reading.VON_MISES]
@@ -49,5 +49,5 @@ def test_a_further_reading_is_one_more_name(monkeypatch):
 def test_bounds_are_widened_and_back():
     ends = Bounds.of([3.0, 1.0, 2.0])
     assert ends == (1.0, 3.0) and ends.apart and not Bounds(1.0, 1.004).apart
-    wide = ends.widened(Bounds.either_way(4.0))
-    assert wide == (0.25, 12.0) and wide.ratio_to(Bounds.either_way(4.0)) == ends
+    wide = ends.widened(Bounds.factor_bounds(4.0))
+    assert wide == (0.25, 12.0) and wide.ratio_to(Bounds.factor_bounds(4.0)) == ends

@@ -32,7 +32,7 @@ from fem_seal.case.material_library import LIBRARY
 from fem_seal.contact.conduction import Face, Surroundings, conduct
 from fem_seal.contact.load_path import load_path
 from fem_seal.contact.model import ContactModel, line_points
-from fem_seal.contact.other_loads import FurtherLoads
+from fem_seal.contact.other_loads import BodyLoads
 from fem_seal.contact.plastic_step import PathLoad
 from fem_seal.contact.solution import fields_at_rest
 from fem_seal.errors import InputError
@@ -179,7 +179,7 @@ def test_the_column_of_the_closure_is_its_free_expansion() -> None:
     by_stiffness = grown(model.closure, 1.0)
     # the solver's round-off
     assert column.response == pytest.approx(by_stiffness, abs=1e-8 * np.abs(by_stiffness).max())
-    loads = FurtherLoads(closure={"expansion": 2e-3})
+    loads = BodyLoads(closure={"expansion": 2e-3})
     stress = fields_at_rest(model, loads)["closure"].stress
     assert np.abs(stress).max() < 1e-9 * 2e-3 * STEEL.youngs_modulus
 
@@ -188,7 +188,8 @@ def test_a_seal_that_grows_evenly_only_changes_its_scale() -> None:
     """Both bodies together open the gap by strain times gap and a rigid motion: nothing but another scale."""
     model, strain = model_of(), 2e-3
     both = sum(
-        body.held.trace @ body.held.retreat(grown(body, strain)) for body in (model.closure, model.seat)
+        body.held.trace @ body.held.normal_displacement(grown(body, strain))
+        for body in (model.closure, model.seat)
     )
     way = model.line.normal[1]
     scaled = strain * model.line.initial_gap
@@ -288,7 +289,7 @@ def test_a_ring_in_a_colder_bore_is_that_of_lame() -> None:
     # the whole ring wants to grow, and its wall cannot: by the stiffness of the held ring ...
     stress = without_free_strain(seat.recovery.stress(grown(seat, strain)), STEEL, strain)
     # ... by the interference that is calculated with ...
-    fitted = fields_at_rest(model, FurtherLoads.press_fit(strain * outer))["seat"]
+    fitted = fields_at_rest(model, BodyLoads.press_fit(strain * outer))["seat"]
     scale = np.abs(fitted.stress).max()
     assert stress == pytest.approx(fitted.stress, abs=1e-7 * scale)
     # ... and by Lame: hoop stress at the bore 2 E/(1 - nu) A, u = A (r + B/r) = -e b at the wall
@@ -974,7 +975,7 @@ def test_a_field_of_heat_makes_a_body_yield_as_it_would_by_its_stress() -> None:
     heating = Heating(Surroundings(faces, None, (-1e-4, 1e-4)), 300.0)
     materials = {"closure": CONDUCTING, "seat": soft}
     model = fem_seal.condense(seal, materials, None, heating.of_bodies(seal, materials))
-    loads = FurtherLoads({"heat": 1.0}, {"heat": 1.0})
+    loads = BodyLoads({"heat": 1.0}, {"heat": 1.0})
     path = load_path(model, fem_seal.HardContact(), [PathLoad(1e3, loads)], at_rest=loads)
     state = path.unloaded.before["seat"]
     assert state.plastic.accumulated.max() > 1e-4

@@ -11,7 +11,7 @@ import pytest
 
 import fem_seal
 from fem_seal.contact.laws import ScaledLaw
-from fem_seal.contact.newton import Pressing, solve, solve_together
+from fem_seal.contact.newton import ContactProblem, solve, solve_many
 from fem_seal.errors import ConvergenceError
 from fem_seal.seal.evaluate import Batch
 from fem_seal.studies.time_limit import Block, Watch
@@ -40,11 +40,11 @@ def laws():
 
 def test_contacts_that_are_solved_together_are_those_of_each_alone(model, laws):
     pressings = [
-        Pressing(model, law, force)
+        ContactProblem(model, law, force)
         for force in (200.0, 1257.0, 5e3)
         for law in laws[:: 1 if force > 1e3 else 2]
     ]
-    found = solve_together(pressings)
+    found = solve_many(pressings)
     assert len({one.iterations for one in found}) > 1
     for one, asked in zip(found, pressings, strict=True):
         own = solve(asked.model, asked.law, contact_force=asked.contact_force)
@@ -58,8 +58,8 @@ def test_a_contact_that_has_no_solution_leaves_the_others_theirs(model, laws):
     stiff = replace(laws[0], height=1e-4)
     needed = max(solve(model, law, contact_force=1257.0).iterations for law in laws[1:3])
     settings = fem_seal.ContactSettings(max_iterations=needed + 1)
-    first, never, last = solve_together(
-        [Pressing(model, law, 1257.0, settings=settings) for law in (laws[2], stiff, laws[1])]
+    first, never, last = solve_many(
+        [ContactProblem(model, law, 1257.0, settings=settings) for law in (laws[2], stiff, laws[1])]
     )
     assert isinstance(never, ConvergenceError)
     assert f"did not converge in {needed + 1} iterations" in str(never)
@@ -131,10 +131,10 @@ def test_quadrature_covers_each_cell_of_a_contact():
 
 
 def test_workers_come_to_where_their_shares_meet():
-    from fem_seal.studies.pools import _Shares
+    from fem_seal.studies.pools import _WorkQueue
 
     chunks = [object() for _ in range(12)]
-    shares, place = _Shares(chunks, ["a", "b"]), {id(chunk): n for n, chunk in enumerate(chunks)}
+    shares, place = _WorkQueue(chunks, ["a", "b"]), {id(chunk): n for n, chunk in enumerate(chunks)}
     # b is twice as fast
     order = [(worker, place[id(shares.next(worker))]) for worker in "abb" * 4]
     assert sorted(n for _, n in order) == list(range(12))

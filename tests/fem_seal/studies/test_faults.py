@@ -181,11 +181,11 @@ def test_a_library_that_never_comes_back_ends_the_process_and_not_the_study(tmp_
 
 def test_what_takes_minutes_travels_one_design_at_a_time():
     """So that a worker that dies or hangs loses that design alone."""
-    from fem_seal.studies.work import Recipe, chunks
+    from fem_seal.studies.work import DesignSpec, chunks
 
     def sizes(**tables):
         plan = study(**tables)
-        return [len(chunk) for chunk in chunks(Recipe.of(plan), plan.points)]
+        return [len(chunk) for chunk in chunks(DesignSpec.of(plan), plan.points)]
 
     assert sizes() == [4]
     assert sizes(changes={**COARSE, "load.closing": "penetration"}) == [4]
@@ -231,7 +231,7 @@ def test_a_worker_without_a_nanny_is_left_alone(tmp_path, monkeypatch):
     from dask.distributed import Client, LocalCluster
 
     from fem_seal.studies.pools import Cluster
-    from fem_seal.studies.work import Recipe, chunks
+    from fem_seal.studies.work import DesignSpec, chunks
 
     free = []
 
@@ -241,7 +241,7 @@ def test_a_worker_without_a_nanny_is_left_alone(tmp_path, monkeypatch):
 
     monkeypatch.setattr(responses, "warmed", hang_in(responses, wait_here))
     slow_enough = study(run={"time_limit": "6 s"})
-    recipe = Recipe.of(slow_enough)
+    recipe = DesignSpec.of(slow_enough)
     with (
         LocalCluster(
             n_workers=2, threads_per_worker=1, processes=False, dashboard_address=None, silence_logs=50
@@ -441,7 +441,7 @@ def scanned_as_it_is(plan):
 
 
 def test_a_data_file_of_a_parameter_is_watched_only_by_its_designs(tmp_path):
-    from fem_seal.studies.work import Recipe, calculate, chunks
+    from fem_seal.studies.work import DesignSpec, calculate, chunks
 
     scanned(tmp_path)
     table = {"kind": "table", "file": str(EXAMPLES / "studies" / "spectrum.csv")}
@@ -451,7 +451,7 @@ def test_a_data_file_of_a_parameter_is_watched_only_by_its_designs(tmp_path):
         parameters={"roughness.spectrum.file": [str(tmp_path / "a.csv"), str(tmp_path / "b.csv")]},
         responses=["line_load_N_per_m"],
     )
-    recipe = Recipe.of(plan)
+    recipe = DesignSpec.of(plan)
     rougher(tmp_path / "b.csv")
     (whole,) = chunks(recipe, plan.points)
     (done,) = calculate(recipe, whole[:1])
@@ -486,10 +486,10 @@ def test_a_data_file_that_is_removed_during_a_study_is_noticed(tmp_path, monkeyp
 def test_a_worker_on_another_machine_need_not_have_what_it_does_not_read(tmp_path):
     from dataclasses import replace
 
-    from fem_seal.studies.work import Recipe, calculate, chunks
+    from fem_seal.studies.work import DesignSpec, calculate, chunks
 
     plan = study()
-    recipe = replace(Recipe.of(plan), files={str(tmp_path / "curve.csv"): "its contents at home"})
+    recipe = replace(DesignSpec.of(plan), files={str(tmp_path / "curve.csv"): "its contents at home"})
     (whole,) = chunks(recipe, plan.points)
     assert [row.reason for row in calculate(recipe, whole)] == [None] * 4
 
@@ -498,10 +498,10 @@ def test_a_worker_on_another_machine_need_not_have_what_it_does_not_read(tmp_pat
 def test_workers_notice_an_edited_file_too(tmp_path):
     pytest.importorskip("distributed")
     from fem_seal.studies.pools import Cluster, local_client
-    from fem_seal.studies.work import Recipe, chunks
+    from fem_seal.studies.work import DesignSpec, chunks
 
     plan = scanned(tmp_path)
-    recipe = Recipe.of(plan)
+    recipe = DesignSpec.of(plan)
     rougher(tmp_path / "a.csv")
     with local_client(1) as client, pytest.raises(InputError, match=r"a\.csv: was changed or removed"):
         list(Cluster(client, 1, 60.0).results(recipe, chunks(recipe, plan.points)))

@@ -208,10 +208,10 @@ def test_a_port_that_is_taken_is_passed_over_in_silence(recwarn):
 def test_a_design_that_kills_every_worker_costs_itself_only(tmp_path):
     """Whoever calculates the third design dies at once."""
     from fem_seal.studies.pools import Cluster, local_client
-    from fem_seal.studies.work import Recipe
+    from fem_seal.studies.work import DesignSpec
 
     study = load_study(_small(tmp_path))
-    recipe = Recipe.of(study)
+    recipe = DesignSpec.of(study)
     deadly = float(study.points[2, 0])
     with local_client(2) as client:
         client.register_plugin(_arming(deadly))
@@ -250,14 +250,14 @@ def test_nobody_waits_for_ever(tmp_path):
     from dask.distributed import Client, LocalCluster
 
     from fem_seal.studies.pools import Cluster
-    from fem_seal.studies.work import Recipe
+    from fem_seal.studies.work import DesignSpec
 
     study = load_study(_small(tmp_path))
     with (
         LocalCluster(n_workers=0, processes=False, dashboard_address=None, silence_logs=50) as cluster,
         Client(cluster) as client,
     ):
-        rows = Cluster(client, 1, 3.0).results(Recipe.of(study), [study.points])
+        rows = Cluster(client, 1, 3.0).results(DesignSpec.of(study), [study.points])
         with pytest.raises(ClusterError, match=r"no worker for 3 s.*--resume"):
             next(rows)
 
@@ -268,7 +268,7 @@ def test_chunks_of_the_only_worker_are_given_to_its_successor(tmp_path, monkeypa
 
     from fem_seal.studies import responses
     from fem_seal.studies.pools import Cluster
-    from fem_seal.studies.work import Recipe
+    from fem_seal.studies.work import DesignSpec
 
     study, begun, free, found = load_study(_small(tmp_path)), Event(), Event(), []
     harmless = responses.warmed
@@ -286,7 +286,7 @@ def test_chunks_of_the_only_worker_are_given_to_its_successor(tmp_path, monkeypa
         Client(cluster) as client,
     ):
         # not even one more attempt: the designs have done nothing wrong
-        rows = Cluster(client, 0, PATIENCE).results(Recipe.of(study), [one[None] for one in study.points])
+        rows = Cluster(client, 0, PATIENCE).results(DesignSpec.of(study), [one[None] for one in study.points])
         reader = Thread(target=lambda: found.extend(row for some in rows for row in some))
         reader.start()
         assert begun.wait(PATIENCE)
@@ -326,7 +326,7 @@ def test_chunks_that_were_taken_back_are_no_silence(monkeypatch):
         subscribe_topic=lambda *about: None,
     )
     monkeypatch.setattr(pools, "_HEARTBEAT", 0.01)
-    on_the_way = pools._OnTheWay(pools.Cluster(client, 1, PATIENCE), None)
+    on_the_way = pools._Pending(pools.Cluster(client, 1, PATIENCE), None)
     on_the_way.send(np.zeros((1, 1)), "tcp://there")
     for _ in range(5):
         on_the_way._settled.put(Future())

@@ -21,12 +21,12 @@ from fem_seal import InputError, Study, load_study
 from fem_seal.errors import Problem
 from fem_seal.files import own_tables
 from fem_seal.output.columns import LEAK_COLUMNS
-from fem_seal.output.folders import alone
+from fem_seal.output.folders import folder_lock
 from fem_seal.output.tables import leak_rows
 from fem_seal.sampling import LogNormal, Normal
 from fem_seal.seal import sources
 from fem_seal.seal.conductivity_tables import family_table
-from fem_seal.seal.leak_model import Flow
+from fem_seal.seal.leak_model import FlowModel
 from fem_seal.studies import designs, store, work
 from fem_seal.studies.designs_table import pareto_front
 from fem_seal.studies.expressions import Constraint, Expression, ExpressionError
@@ -421,7 +421,7 @@ def test_conductivities_of_a_family_are_those_of_the_surface_itself_up_to_half_i
     )
     surface = leak.RoughContact(spectrum, effective_modulus=115e9, hardness=3.5e9)
     sealing = surface.sealing_pressure
-    table = family_table(Flow("water", 1e-3), surface)
+    table = family_table(FlowModel("water", 1e-3), surface)
     p = np.geomspace(1e-7, 0.5, 40) * sealing
     # cubes of u_eff, asked for without any table
     found, own = np.asarray(table.effective_separation(p)) ** 3, surface.effective_separation(p) ** 3
@@ -488,7 +488,7 @@ def test_spots_are_rounded_down_and_edges_stay_where_they_are():
 
 def test_rows_do_not_depend_on_order_or_neighbours(calculated):
     study, result = calculated
-    recipe = work.Recipe.of(study)
+    recipe = work.DesignSpec.of(study)
     for number in (4, 0, 3):
         (row,) = work.calculate(recipe, study.points[number : number + 1])
         assert row.outputs == tuple(result.table.loc[number, study.output_names])
@@ -543,7 +543,7 @@ def test_designs_are_grouped_by_bodies_then_surfaces():
             "seat.angle": ["40 deg", "50 deg"],
         }
     )
-    every = np.vstack(list(work.chunks(work.Recipe.of(study), study.points)))
+    every = np.vstack(list(work.chunks(work.DesignSpec.of(study), study.points)))
     assert sorted(map(tuple, every)) == sorted(map(tuple, study.points))
     assert np.count_nonzero(np.diff(every[:, 2])) == 1
     assert np.count_nonzero(np.diff(every[:, 1])) == 3
@@ -553,7 +553,7 @@ def test_new_bodies_travel_a_few_at_a_time_and_further_loads_many():
     angles = {"seat.angle": {"start": "30 deg", "stop": "60 deg", "num": 12}}
     loads = {"load.applied_force": {"start": "0 N", "stop": "90 N", "num": 200}}
     bodies, designs_of_one = (
-        [len(chunk) for chunk in work.chunks(work.Recipe.of(study), study.points)]
+        [len(chunk) for chunk in work.chunks(work.DesignSpec.of(study), study.points)]
         for study in (small(parameters=angles), small(parameters=loads))
     )
     # about a second: a new cone takes a quarter of it, one more load on it some milliseconds
@@ -563,17 +563,17 @@ def test_new_bodies_travel_a_few_at_a_time_and_further_loads_many():
 
 def test_keys_depend_on_everything_and_on_nothing_else(tmp_path):
     study = small()
-    key = work.Recipe.of(study).key(study.points[1])
-    assert work.Recipe.of(small()).key(study.points[1]) == key
+    key = work.DesignSpec.of(study).key(study.points[1])
+    assert work.DesignSpec.of(small()).key(study.points[1]) == key
     turned = small(parameters=dict(reversed(list(study.written["parameters"].items()))))
-    assert work.Recipe.of(turned).key(study.points[1][::-1]) == key
+    assert work.DesignSpec.of(turned).key(study.points[1][::-1]) == key
     others = [
         small(changes={**COARSE, "fluid.viscosity": "2 mPa s"}),
         small(responses=["fwhm_m"]),
         small(run={"interpolate_surfaces": False}),
     ]
-    assert all(work.Recipe.of(one).key(study.points[1]) != key for one in others)
-    assert work.Recipe.of(study).key(study.points[2]) != key
+    assert all(work.DesignSpec.of(one).key(study.points[1]) != key for one in others)
+    assert work.DesignSpec.of(study).key(study.points[2]) != key
 
 
 def test_keys_depend_on_the_contents_of_files(tmp_path):
@@ -586,7 +586,7 @@ def test_keys_depend_on_the_contents_of_files(tmp_path):
             Study(tmp_path / "profile_from_drawing.toml", parameters={"load.applied_force": ["0 N"]}),
             Study(tmp_path / "profile_from_drawing.toml", parameters={"seat.file": [str(drawing)]}),
         )
-        return [work.Recipe.of(study).key(study.points[0]) for study in studies]
+        return [work.DesignSpec.of(study).key(study.points[0]) for study in studies]
 
     before = keys()
     assert keys() == before
@@ -724,7 +724,7 @@ def test_another_study_is_not_mixed_in(tmp_path):
     run_study(small(), folder=tmp_path, workers=0)
     with pytest.raises(InputError, match="other columns"):
         run_study(small(responses=["fwhm_m"]), folder=tmp_path, workers=0, resume=True)
-    with alone(tmp_path), pytest.raises(InputError, match="another fem-seal process"):
+    with folder_lock(tmp_path), pytest.raises(InputError, match="another fem-seal process"):
         run_study(small(), folder=tmp_path, workers=0, resume=True)
 
 

@@ -137,7 +137,7 @@ def test_a_row_says_what_the_run_says_but_for_the_mesh():
 def test_a_design_near_opening_says_so():
     """The margin counts in a study as it does in a run."""
     case = fem_seal.load_case(CASE)
-    opens = case.touch_radius**2 * math.pi * 20e5
+    opens = case.initial_contact_radius**2 * math.pi * 20e5
     load = {"load.fluid_pressure": "20 bar", "load.pressure_side": "inner"}
     near, far = (
         evaluate_design(

@@ -18,14 +18,14 @@ from fem_seal.case.case import Case
 from fem_seal.output.report.tables import comparison_note
 from fem_seal.profile import PressureProfile
 from fem_seal.result import run
-from fem_seal.seal.findings import NOT_JUDGED, VALID, Caution, Level, Validity, worst_first
+from fem_seal.seal.findings import NOT_JUDGED, VALID, Finding, Level, Validity, worst_first
 from fem_seal.seal.load_result import GivenContact, GivenLoad, LoadResult
 from fem_seal.validity import checks as warnings
 from fem_seal.validity.checks import load_validity, profile_validity
 
 
 def caution(level, reason):
-    return Caution("kind", level, reason, f"A sentence about {reason}.")
+    return Finding("kind", level, reason, f"A sentence about {reason}.")
 
 
 def level_of(found):
@@ -164,7 +164,7 @@ def test_a_coarse_mesh_makes_all_loads_doubtful(soft_result):
     from fem_seal.seal.load_result import DiscretisationError
 
     result, coarse = rough_result(), DiscretisationError(0.01, 0.0, 0.0, None)
-    found = load_validity(result.problem, result.loads[0].knowing(mesh_error=coarse))
+    found = load_validity(result.problem, result.loads[0].with_values(mesh_error=coarse))
     assert found.level is Level.DOUBTFUL and found.reasons == ("estimated discretisation error 1 %",)
     assert found.without("mesh") == VALID
 
@@ -225,7 +225,7 @@ def test_a_mesh_error_that_is_not_known_is_no_clean_bill():
     from fem_seal.seal.load_result import DiscretisationError
 
     result, unknown = rough_result(), DiscretisationError(math.nan, math.nan, math.nan, None)
-    found = load_validity(result.problem, result.loads[0].knowing(mesh_error=unknown))
+    found = load_validity(result.problem, result.loads[0].with_values(mesh_error=unknown))
     assert found.reasons == ("discretisation error not estimated",)
 
 
@@ -286,7 +286,7 @@ def test_check_says_where_the_law_is_no_exponential_and_where_only_a_run_decides
         "applied_force": "1 kN",
     }
     spring = case(load={**tables, "closing": "penetration"})
-    opens = 1000 / (math.pi * spring.touch_radius**2) / 1e5
+    opens = 1000 / (math.pi * spring.initial_contact_radius**2) / 1e5
     found = derive(spring)
     assert [math.isnan(load.contact_force) for load in found.loads] == [p > opens for p in (1, 60, 70)]
     assert "only a run can tell" in nearly_open(found)

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from fem_seal.arrays import FloatArray
 from fem_seal.bodies.condensed import CondensedBody
+from fem_seal.bodies.constrained_body import LoadName
 from fem_seal.bodies.fields import von_mises
-from fem_seal.bodies.held_body import LoadName
 
 # Points of the contact line to one spline: three points lie in an element, ten elements in the narrowest contact.
 _POINTS_PER_PATTERN, _FEWEST = 8, 8
@@ -22,8 +22,8 @@ _OF_THE_REST = 5.0
 
 
 @dataclass(frozen=True)
-class StressScreen:
-    """Stress of a body under smooth pressures on its contact line; see `StressScreen.of`.
+class StressBound:
+    """Stress of a body under smooth pressures on its contact line; see `StressBound.of`.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ class StressScreen:
     alone: FloatArray
 
     @classmethod
-    def of(cls, body: CondensedBody, area_weight: FloatArray) -> StressScreen:
+    def of(cls, body: CondensedBody, area_weight: FloatArray) -> StressBound:
         """Take the stress of a body apart; takes as long as the fields of some twenty loads.
 
         Parameters
@@ -107,7 +107,7 @@ class StressScreen:
         pressure : ndarray, shape (m,)
             All that presses on the contact line [Pa].
         magnitudes : mapping
-            Of the body's further loads, see `fem_seal.contact.other_loads.FurtherLoads`.
+            Of the body's further loads, see `fem_seal.contact.other_loads.BodyLoads`.
         """
         if not magnitudes.keys() <= self.further.keys():
             return np.inf

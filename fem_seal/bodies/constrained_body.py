@@ -49,7 +49,7 @@ class Heat:
 
 
 @dataclass(frozen=True)
-class HeldBody:
+class ConstrainedBody:
     """Discrete body with its contact line, supports and further loads; nothing is said about its material law.
 
     Parameters
@@ -106,7 +106,7 @@ class HeldBody:
         """Radial and axial dof of the contact nodes, shape (2, n)."""
         return node_dofs(self.mesh)[:, self.contact_nodes]
 
-    def holding_wall(self) -> HeldBody:
+    def holding_wall(self) -> ConstrainedBody:
         """The same seat with its outer wall held radially."""
         wall = boundary_dofs(self.mesh, "seat_wall", 0)
         return replace(self, free=np.setdiff1d(self.free, wall), wall=wall)
@@ -137,7 +137,7 @@ class HeldBody:
         counted[node_dofs(self.mesh)[1]] -= self.balance @ displacement
         return counted
 
-    def retreat(self, displacement: FloatArray) -> FloatArray:
+    def normal_displacement(self, displacement: FloatArray) -> FloatArray:
         """How far the contact nodes move along the normal into the body [m], shape (n,) or (n, k)."""
         return np.sum((self.normal.T * self.counted(displacement)[self.contact_dofs].T).T, axis=0)
 
@@ -167,7 +167,7 @@ class HeldBody:
         return number
 
 
-def held_body(
+def constrained_body(
     seal_mesh: SealMesh,
     name: str,
     material: Material,
@@ -175,7 +175,7 @@ def held_body(
     area_weight: FloatArray,
     supports: Supports | None = None,
     heat: Heat | None = None,
-) -> HeldBody:
+) -> ConstrainedBody:
     """One body of a seal: the seat stands on its bottom, the closure floats under its closing load.
 
     Parameters
@@ -213,7 +213,7 @@ def held_body(
         balance = closing / closing[axial].sum()
         # Fluid all around must lift nothing, and that up to first touch acts on the area of its circle. What is left to
         # that is the node there, which stands on both sides, or of a ready mesh its facets across the ends of the line.
-        in_gap, sealed = area_weight * (trace @ normal[1]), np.pi * contact.touch_radius**2
+        in_gap, sealed = area_weight * (trace @ normal[1]), np.pi * contact.initial_contact_radius**2
         middle = int(np.argmin(np.abs(contact_x)))
         for region, end, area in (
             (0, 0, sealed - in_gap[x < 0].sum()),
@@ -233,7 +233,7 @@ def held_body(
     free_strain = {"expansion": np.ones(len(quadratic_nodes(mesh)[0]))} if name == "closure" else {}
     if heat is not None:
         free_strain["heat"] = heat.strain
-    return HeldBody(
+    return ConstrainedBody(
         name,
         mesh,
         material,
