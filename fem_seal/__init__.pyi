@@ -12,9 +12,9 @@ from .contact.model import ContactModel as ContactModel
 from .contact.model import condense as condense
 from .contact.newton import solve as solve
 from .contact.other_loads import BodyLoads as BodyLoads
+from .contact.penetration import CoupledContact as CoupledContact
 from .contact.penetration import FluidAtContact as FluidAtContact
 from .contact.penetration import PenetratingFluid as PenetratingFluid
-from .contact.penetration import CoupledContact as CoupledContact
 from .contact.penetration import blow_off_pressure as blow_off_pressure
 from .contact.penetration import solve_penetration as solve_penetration
 from .contact.solution import ContactSettings as ContactSettings

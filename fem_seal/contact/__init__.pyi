@@ -4,9 +4,9 @@ from .model import Supports as Supports
 from .model import condense as condense
 from .newton import solve as solve
 from .other_loads import BodyLoads as BodyLoads
+from .penetration import CoupledContact as CoupledContact
 from .penetration import FluidAtContact as FluidAtContact
 from .penetration import PenetratingFluid as PenetratingFluid
-from .penetration import CoupledContact as CoupledContact
 from .penetration import blow_off_pressure as blow_off_pressure
 from .penetration import solve_penetration as solve_penetration
 from .solution import ContactSettings as ContactSettings

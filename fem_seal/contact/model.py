@@ -57,8 +57,8 @@ class ContactLine:
         Quadrature weights over x [m].
     normal : ndarray, shape (2, m)
         Unit contact normal (n_r, n_z), towards the closure, see `meshes.ContactGeometry`.
-    facing : ndarray, shape (m,)
-        Cosine of the angle between contact normal and seat.
+    area_weight : ndarray, shape (m,)
+        Area across the contact normal that each point stands for [m^2], see `line_points`.
     initial_gap : ndarray, shape (m,)
         Exact gap g0(x) at first touch [m].
     bend : ndarray, shape (m,)
@@ -75,7 +75,7 @@ class ContactLine:
     radius: FloatArray
     arc_weight: FloatArray
     normal: FloatArray
-    facing: FloatArray
+    area_weight: FloatArray
     initial_gap: FloatArray
     bend: FloatArray
     vertices: FloatArray
@@ -123,11 +123,6 @@ class ContactLine:
             (right - left) / (left * right),
             left / (right * (left + right)),
         )
-
-    @cached_property
-    def area_weight(self) -> FloatArray:
-        """Area across the contact normal that each point stands for, 2 pi r facing dx [m^2]."""
-        return 2 * np.pi * self.radius * self.facing * self.arc_weight
 
 
 @dataclass(frozen=True)
@@ -261,9 +256,7 @@ def condense(
         raise ValueError(f'materials of {sorted(materials)}: needed are those of "closure" and "seat"')
     contact = seal_mesh.contact
     x, weight, vertices = _gauss_points(seal_mesh)
-    radius = contact.radius(x)
-    facing = contact.facing(x)
-    area_weight = 2 * np.pi * radius * facing * weight
+    area_weight = _area_weight(contact, x, weight)
     warm = heat or {}
 
     def body(name: str) -> CondensedBody:
@@ -281,7 +274,9 @@ def condense(
     normal = np.stack([seat.held.trace @ component for component in contact.normal(seat.held.contact_x)])
     gap, bend = contact.gap(x), contact.bend(x)
     hollow = contact if contact.normal_turns and contact.closure_curvature > 0 else None
-    line = ContactLine(x, radius, weight, normal, facing, gap, bend, vertices, contact.reach, hollow)
+    line = ContactLine(
+        x, contact.radius(x), weight, normal, area_weight, gap, bend, vertices, contact.reach, hollow
+    )
     return ContactModel(
         (line,),
         closure,
@@ -327,8 +322,12 @@ def _as_known(
 def line_points(seal_mesh: SealMesh) -> tuple[FloatArray, FloatArray]:
     """Points of the contact line, arc length from first touch [m], and the area that each stands for [m^2]."""
     x, weight, _ = _gauss_points(seal_mesh)
-    contact = seal_mesh.contact
-    return x, 2 * np.pi * contact.radius(x) * contact.facing(x) * weight
+    return x, _area_weight(seal_mesh.contact, x, weight)
+
+
+def _area_weight(contact: ContactGeometry, x: FloatArray, arc_weight: FloatArray) -> FloatArray:
+    """2 pi r facing dx [m^2]; facing is the cosine of the angle between contact normal and seat."""
+    return 2 * np.pi * contact.radius(x) * contact.facing(x) * arc_weight
 
 
 def line_compliance(closure: CondensedBody, seat: CondensedBody) -> FloatArray:

@@ -81,7 +81,7 @@ ALSO_HEAVY = {
     "numpy.ma",
     "jinja2",
     "concurrent.futures",
-    "fem_seal.bodies.held_body",
+    "fem_seal.bodies.constrained_body",
     "leak.direct",
 }
 # Commands in their order, and what none of them has loaded up to its end.
