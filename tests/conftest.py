@@ -196,7 +196,9 @@ def read_here(monkeypatch: pytest.MonkeyPatch) -> None:
     `tests/meshes/test_own_process.py`, the damaged files, and every case that names a drawing.
     """
     for module in ("section", "meshed_body"):
-        monkeypatch.setattr(f"meshes.drawings.{module}.run_in_subprocess", lambda limit, read, *given: read(*given))
+        monkeypatch.setattr(
+            f"meshes.drawings.{module}.run_in_subprocess", lambda limit, read, *given: read(*given)
+        )
 
 
 @pytest.fixture
