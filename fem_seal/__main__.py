@@ -30,9 +30,9 @@ def main() -> int:
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     # Nearly all that a command makes stays to its end: going through it a thousand times takes a fifteenth of a run.
     gc.set_threshold(150_000, 20, 50)
-    from fem_seal.cli.quick_start import spare
+    from fem_seal.cli.quick_start import postpone_unused_imports
 
-    spare()
+    postpone_unused_imports()
     try:
         from fem_seal.cli.app import main as command_line
 

@@ -23,7 +23,7 @@ POSTPONED = frozenset(
 )
 
 
-def spare() -> None:
+def postpone_unused_imports() -> None:
     """Load what is postponed on first use; to be called before anything is imported."""
     sys.meta_path.insert(0, _Postponing)
 

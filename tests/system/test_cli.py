@@ -5,7 +5,6 @@ import json
 import os
 import subprocess
 import sys
-import time
 from unittest.mock import Mock
 
 import numpy as np
@@ -57,19 +56,9 @@ def changed(tmp_path):
 # --- start ------------------------------------------------------------------------------------------------
 
 
-def test_version_is_fast():
-    def now():
-        # of the processor, for which nobody else's processes count; Windows does not tell it
-        spent = os.times()
-        return time.perf_counter() if sys.platform == "win32" else spent.children_user + spent.children_system
-
-    times = []
-    for _ in range(3):
-        start = now()
-        done = program("--version")
-        times.append(now() - start)
-        assert (done.returncode, done.stdout, done.stderr) == (0, f"fem-seal {fem_seal.__version__}\n", "")
-    assert min(times) < 0.2
+def test_version():
+    done = program("--version")
+    assert (done.returncode, done.stdout, done.stderr) == (0, f"fem-seal {fem_seal.__version__}\n", "")
 
 
 # What reading a case takes no longer than it must: units that nearly every case is written in need no pint, the few
@@ -100,6 +89,7 @@ print("loaded:", *sorted({{"dash", "plotly", "flask"}} & set(sys.modules)))
 def test_commands_load_no_more_than_they_need(tmp_path):
     """Asked of one process: what a command has loaded stays, so that those that may load least come first."""
     asked = [
+        (["--version"], HEAVY | ALSO_HEAVY | {"numpy"}),
         (["check", str(CASE)], HEAVY | ALSO_HEAVY),
         (["schema"], HEAVY),
         (["leak", str(PROFILE), str(CASE), "-o", str(tmp_path / "leak")], HEAVY),
@@ -112,7 +102,7 @@ def test_commands_load_no_more_than_they_need(tmp_path):
     )
     assert done.returncode == 0, done.stderr
     loaded = [line for line in done.stdout.splitlines() if line.startswith("loaded:")]
-    assert loaded == ["loaded: 0", "loaded: 0", "loaded: 0", "loaded: 0 gmsh", "loaded:"], done.stderr
+    assert loaded == [*["loaded: 0"] * 4, "loaded: 0 gmsh", "loaded:"], done.stderr
 
 
 def test_usage_errors_leave_with_2(call):

@@ -94,9 +94,9 @@ def test_the_shapes_of_a_case_are_made_once():
 
 _DRAWN = """
 import json, sys, types
-from fem_seal.cli.quick_start import POSTPONED, spare
+from fem_seal.cli.quick_start import POSTPONED, postpone_unused_imports
 if sys.argv[1] == "command":
-    spare()
+    postpone_unused_imports()
 import scipy.special
 from matplotlib.artist import ArtistInspector
 from fem_seal.output.pictures.style import label, panels, style, svg
