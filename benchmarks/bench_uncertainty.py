@@ -21,7 +21,7 @@ import fem_seal
 from fem_seal import processes
 from fem_seal.answers import chain
 from fem_seal.answers.uncertainty import _Study, leak_interval
-from fem_seal.case.tables import InputSpread, Scans, Uncertainty
+from fem_seal.case.tables import Scans, Spread, Uncertainty
 
 STEEL = {
     "youngs_modulus": "210 GPa",
@@ -55,7 +55,7 @@ def result(request):
 
 @pytest.mark.parametrize("inputs", [FOUR, ALL], ids=["4 inputs", "6 inputs"])
 def test_ten_thousand_samples(benchmark, result, inputs):
-    settings = Uncertainty(samples=10000, **{name: InputSpread(relative=0.1) for name in inputs})
+    settings = Uncertainty(samples=10000, **{name: Spread(relative=0.1) for name in inputs})
     interval = benchmark.pedantic(lambda: leak_interval(result, settings), rounds=1)
     benchmark.extra_info.update(goal_s=60, runs=interval.runs, error=interval.error)
     assert interval.leak_rate.shape == (len(result.loads), 10000)
@@ -149,9 +149,7 @@ def solved(spectra):
         )
         names = (*FOUR[1:], *BESIDE.get(kind, ()), *(["form"] if form else []))
         between = {"spectrum": Scans(distribution="scans")} if kind.startswith("scans") else {}
-        settings = Uncertainty(
-            samples=ASKED, **{name: InputSpread(relative=0.1) for name in names}, **between
-        )
+        settings = Uncertainty(samples=ASKED, **{name: Spread(relative=0.1) for name in names}, **between)
         with pytest.MonkeyPatch.context() as patch:
             # a finish has an interval without being asked; here it is asked for
             patch.setattr(chain, "ANSWERS", [one for one in chain.ANSWERS if one.name != "uncertainty"])

@@ -374,7 +374,7 @@ def format_beside(value: float, limit: float, digits: int) -> str:
 
     Examples
     --------
-    >>> beside(7213.0, 6800.0, 2), beside(7213.0, 7200.0, 2), beside(1.004, 1.0, 2)
+    >>> format_beside(7213.0, 6800.0, 2), format_beside(7213.0, 7200.0, 2), format_beside(1.004, 1.0, 2)
     ('7200', '7210', '1.004')
     """
     return f"{rounded(value, digits_beside(value, limit, digits)):.{_MOST_DIGITS}g}"

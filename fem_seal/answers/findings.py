@@ -22,7 +22,7 @@ class Findings:
     ----------
     validity : tuple of Validity
         Of each load.
-    cautions : tuple of Caution
+    cautions : tuple of Finding
         The worst first.
     by_theory : tuple of mapping
         Validity of each load by the theories that it is not calculated with; empty for loads of which no more than the

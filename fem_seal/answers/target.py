@@ -186,7 +186,7 @@ class TargetForces:
         See `LoadResult.force_for_target` [N].
     validity : sequence of Validity or None
         Of the reading of the loads themselves.
-    remarks : tuple of Caution
+    remarks : tuple of Finding
     others : mapping
         The forces in the other readings.
     """

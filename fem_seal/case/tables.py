@@ -170,7 +170,7 @@ class Direct(Table):
         return self
 
 
-class InputSpread(Table):
+class Spread(Table):
     """How an input spreads about its value in the case."""
 
     distribution: Literal["lognormal", "normal", "uniform"] = "lognormal"
@@ -192,21 +192,21 @@ class Uncertainty(Table):
     samples: Annotated[int, Whole(16, 100000)] = 256
     seed: Annotated[int, Whole(0, 2**31 - 1)] = 1
     confidence: Annotated[float, Number(0.5, 0.999)] = 0.9
-    viscosity: InputSpread | None = None
-    hardness: InputSpread | None = None
-    youngs_modulus: InputSpread | None = None
-    rms_height: InputSpread | None = None
-    hurst: InputSpread | None = None
-    q_rolloff: InputSpread | None = None
-    q_high: InputSpread | None = None
-    form: InputSpread | None = None
+    viscosity: Spread | None = None
+    hardness: Spread | None = None
+    youngs_modulus: Spread | None = None
+    rms_height: Spread | None = None
+    hurst: Spread | None = None
+    q_rolloff: Spread | None = None
+    q_high: Spread | None = None
+    form: Spread | None = None
     spectrum: Scans | None = None
 
     @property
-    def spreads(self) -> dict[str, InputSpread]:
+    def spreads(self) -> dict[str, Spread]:
         """The uncertain inputs with their spreads, without the spectrum between scans, in the order of the table."""
         fields = {name: getattr(self, name) for name in type(self).model_fields}
-        return {name: value for name, value in fields.items() if isinstance(value, InputSpread)}
+        return {name: value for name, value in fields.items() if isinstance(value, Spread)}
 
 
 # Pressures that are written in other units than those of the loads are the same up to rounding.

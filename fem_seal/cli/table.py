@@ -117,7 +117,7 @@ def _show(found: LeakMap) -> None:
 
 def _left_out(found: LeakMap, whole: LeakMap) -> list[str]:
     from fem_seal.output.leak_map import CSV
-    from fem_seal.output.prose import sentence
+    from fem_seal.output.prose import phrase
 
     gaps = sum(one is None for row in found.validity for one in row)
     if not gaps:
@@ -125,4 +125,4 @@ def _left_out(found: LeakMap, whole: LeakMap) -> list[str]:
     rows, columns = found.fluid_pressure.size, found.applied_force.size
     kept = {"kept_rows": whole.fluid_pressure.size, "kept_columns": whole.applied_force.size, "csv": CSV}
     sizes = {"gaps": gaps, "points": rows * columns, "rows": rows, "columns": columns}
-    return [sentence("leak_map.files", "gaps", **sizes, **kept), *found.reasons[:1]]
+    return [phrase("leak_map.files", "gaps", **sizes, **kept), *found.reasons[:1]]

@@ -127,7 +127,7 @@ def solve_many(pressings: Sequence[ContactProblem]) -> list[ContactSolution | Co
 
     Parameters
     ----------
-    pressings : sequence of Pressing
+    pressings : sequence of ContactProblem
 
     Returns
     -------

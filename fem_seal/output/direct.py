@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem_seal.files import as_json, write_bytes, write_text
-from fem_seal.output.prose import prose, sentence
+from fem_seal.output.prose import phrase, prose
 from fem_seal.output.tables import write_rows_csv
 from fem_seal.seal.direct import QUANTILES, DirectRow, DirectSimulation, DirectTable
 from fem_seal.seal.readings import FURTHER, OWN
@@ -139,9 +139,9 @@ def direct_lines(table: DirectTable) -> list[str]:
     simulation = table.simulation
     patches = "1 patch" if simulation.settings.samples == 1 else f"{simulation.settings.samples} patches"
     if simulation.heights is not None:
-        return [sentence("direct.patch", "map", simulation=simulation), _asperities(simulation)]
+        return [phrase("direct.patch", "map", simulation=simulation), _asperities(simulation)]
     lines = [
-        sentence("direct.patch", "random", "held", simulation=simulation, patches=patches),
+        phrase("direct.patch", "random", "held", simulation=simulation, patches=patches),
         _asperities(simulation),
     ]
     theory = [row.theory for row in table.loading if row.theory is not None]
@@ -150,15 +150,15 @@ def direct_lines(table: DirectTable) -> list[str]:
         cuts = [cut for one in theory if math.isfinite(cut := one.cut(reading))]
         if cuts:
             told = reading if len(readings) > 1 else Reading.ELASTIC
-            lines.append(sentence("direct.cost", told, low=min(cuts), high=max(cuts)))
+            lines.append(phrase("direct.cost", told, low=min(cuts), high=max(cuts)))
     halves = [row.cutoff_ratio for row in table.loading if math.isfinite(row.cutoff_ratio)]
     if halves:
-        lines.append(sentence("direct.cost", "half", low=min(halves), high=max(halves)))
+        lines.append(phrase("direct.cost", "half", low=min(halves), high=max(halves)))
     return lines
 
 
 def _asperities(simulation: DirectSimulation) -> str:
-    return sentence("direct.asperities", simulation.asperities, simulation=simulation)
+    return phrase("direct.asperities", simulation.asperities, simulation=simulation)
 
 
 def write_direct(table: DirectTable, folder: Path, viscosity: float | None) -> None:
@@ -265,7 +265,7 @@ def seal_lines(rows: Sequence[SealRow]) -> list[str]:
     widths = [row.place.strip.width for row in rows]
     shortest = max(2.0 * math.pi / row.place.strip.q_high for row in rows)
     return [
-        sentence(
+        phrase(
             "direct.seal",
             "strips",
             least=min(widths),
@@ -273,7 +273,7 @@ def seal_lines(rows: Sequence[SealRow]) -> list[str]:
             points=strip.points,
             shortest=shortest,
         ),
-        sentence("direct.seal", "chain"),
+        phrase("direct.seal", "chain"),
     ]
 
 

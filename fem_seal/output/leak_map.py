@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem_seal.files import write_text
-from fem_seal.output.prose import sentence
+from fem_seal.output.prose import phrase
 from fem_seal.output.tables import with_text, write_rows_csv
 from fem_seal.version import __version__
 
@@ -138,10 +138,10 @@ def _about(found: LeakMap) -> Iterator[str]:
     # a line break in a title would end the comment
     yield " ".join(f"{found.title or 'seal'}, {found.fluid}; fem-seal {__version__}".split())
     for key in ("grid", "gas" if found.is_gas else "liquid", "ends"):
-        yield sentence("leak_map.files", key)
+        yield phrase("leak_map.files", key)
     worst = sorted({word for row in found.level for word in row} - {"valid"})
     if worst:
-        yield sentence("leak_map.files", "validity", levels=" and ".join(worst))
+        yield phrase("leak_map.files", "validity", levels=" and ".join(worst))
 
 
 def _unit(name: str) -> str:

@@ -60,7 +60,7 @@ def template(name: str, *, escaped: bool = True) -> Template:
         optimized=False,
     )
     environment.filters["written"] = written
-    environment.globals |= {"math": math, "said": sentence, "load_name": load_name}
+    environment.globals |= {"math": math, "said": phrase, "load_name": load_name}
     return environment.get_template(name)
 
 
@@ -140,12 +140,12 @@ def other_reading(reading: Reading, told: str) -> str:
     told : str
         A clause.
     """
-    return sentence(
+    return phrase(
         "readings.load", "other", taken=WORDS[OWN].taken, condition=WORDS[reading].condition, told=told
     )
 
 
-def sentence(where: str, *parts: str, **values: object) -> str:
+def phrase(where: str, *parts: str, **values: object) -> str:
     """Some of the sentences of one table of the file, one after the other.
 
     Parameters

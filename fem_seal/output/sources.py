@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from fem_seal.output.prose import prose, sentence
+from fem_seal.output.prose import phrase, prose
 from fem_seal.output.tables import standards_used
 from fem_seal.version import __version__
 
@@ -120,6 +120,6 @@ def citation() -> str:
     """Both references as text, and as BibTeX below."""
     values = {"version": __version__, "year": _YEAR}
     program, paper = (
-        [sentence(f"citation.{name}", form, **values) for form in ("text", "bibtex")] for name in _NAMES
+        [phrase(f"citation.{name}", form, **values) for form in ("text", "bibtex")] for name in _NAMES
     )
     return "\n\n".join([f"{program[0]}\n{paper[0]}", program[1], paper[1]])

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fem_seal.files import as_json, write_bytes, write_text
-from fem_seal.output.prose import sentence, worded_rows
+from fem_seal.output.prose import phrase, worded_rows
 from fem_seal.units import format_quantity, number, percent, quantity
 
 if TYPE_CHECKING:
@@ -153,7 +153,7 @@ def _hurst(surface: MeasuredSurface) -> str:
     fit = surface.rolloff
     if fit.hurst is None or fit.hurst_interval is None:
         return "not determined: no part of the spectrum is long and clear enough"
-    text = sentence("surface.hurst", "fit", fit=fit)
+    text = phrase("surface.hurst", "fit", fit=fit)
     return text if 0.0 < fit.hurst <= 1.0 else f"{text}; outside 0 to 1: not self-affine"
 
 

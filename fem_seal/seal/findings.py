@@ -65,7 +65,7 @@ def worst_first(cautions: Iterable[Finding]) -> tuple[Finding, ...]:
 
     Parameters
     ----------
-    cautions : iterable of Caution
+    cautions : iterable of Finding
     """
     return tuple(sorted(cautions, key=lambda one: -_RANK[one.level]))
 
@@ -76,12 +76,12 @@ class Validity:
 
     Parameters
     ----------
-    cautions : tuple of Caution
+    cautions : tuple of Finding
         The worst first; see `Validity.of`.
 
     Examples
     --------
-    >>> soft = Caution("yield stress", Level.OUTSIDE, "seat: 3 times its yield stress", "...")
+    >>> soft = Finding("yield stress", Level.OUTSIDE, "seat: 3 times its yield stress", "...")
     >>> str(Validity.of([soft]).level), str(Validity().level)
     ('outside the theory', 'valid')
     """
@@ -94,7 +94,7 @@ class Validity:
 
         Parameters
         ----------
-        cautions : iterable of Caution
+        cautions : iterable of Finding
         """
         return cls(worst_first(cautions))
 

@@ -558,7 +558,7 @@ class SolvedSeal:
         At the largest load before those of the case; None without one.
     missing : mapping
         Fluid pressure [Pa] and applied force [N] of each load without a result, with the reason.
-    left_out : tuple of Caution
+    left_out : tuple of Finding
         The same in words.
     """
 

@@ -14,7 +14,7 @@ import numpy as np
 from fem_seal.arrays import FloatArray
 from fem_seal.errors import InputError
 from fem_seal.files import own_tables, write_text
-from fem_seal.output.prose import sentence, template
+from fem_seal.output.prose import phrase, template
 from fem_seal.output.report.words import volumes_of_gas
 from fem_seal.seal.findings import Level
 from fem_seal.seal.readings import WORDS
@@ -261,7 +261,7 @@ def _distribution(display: Display) -> Iterator[Section]:
         headings += (WORDS[reading].title, "[m³/s]")
         ends = quantiles(rates).values()
         rows = [(*row, leak_rate_text(end), short(end)) for row, end in zip(rows, ends, strict=True)]
-        other = sentence("readings.ends", "what")
+        other = phrase("readings.ends", "what")
     yield Section(
         "Distribution of the leak rate",
         _words().distribution(_counted(designs), designs.by_chance, other),

@@ -16,7 +16,7 @@ from fem_seal.case.words import problem
 from fem_seal.errors import InputError
 from fem_seal.files import parse_json, read_text, write_text
 from fem_seal.output.folders import folder_lock
-from fem_seal.output.prose import sentence
+from fem_seal.output.prose import phrase
 from fem_seal.studies.cost import design_seconds
 from fem_seal.studies.pools import KEPT, Pool, pool
 from fem_seal.studies.progress import Progress
@@ -88,7 +88,7 @@ def run_study(
         if row is not None:
             with closing(create(place / FILE, _column_types(study), study.output_names)) as store:
                 store.write([row])
-        progress.note(sentence("studies.notes", "stuck", kept=KEPT))
+        progress.note(phrase("studies.notes", "stuck", kept=KEPT))
         progress.end()
         leave()
 
@@ -131,7 +131,7 @@ def _set_aside(study: StudyPlan, path: Path, progress: Progress) -> None:
     for end in ("", "-wal", "-shm"):
         if (part := path.with_name(path.name + end)).exists():
             part.replace(aside.with_name(aside.name + end))
-    progress.note(sentence("studies.notes", "set_aside", name=aside.name))
+    progress.note(phrase("studies.notes", "set_aside", name=aside.name))
 
 
 def _calculate(study: StudyPlan, store: Store, ready: Pool, progress: Progress) -> None:
@@ -144,7 +144,7 @@ def _calculate(study: StudyPlan, store: Store, ready: Pool, progress: Progress) 
         held = store.size
         store.set_design((recipe.key(point) for point in study.points), **about)
         if held and store.counts()["open"] == len(study.points):
-            progress.note(sentence("studies.notes", "none_known", held=held, version=__version__))
+            progress.note(phrase("studies.notes", "none_known", held=held, version=__version__))
         _fill(recipe, store, ready, study, progress)
 
 
@@ -154,7 +154,7 @@ def _fill(recipe: DesignSpec, store: Store, ready: Pool, study: StudyPlan, progr
     expected = counts["open"] * design_seconds(recipe.case, recipe.columns)
     if expected > _WORTH_TELLING:
         each, left = duration(expected / counts["open"]), duration(expected)
-        progress.note(sentence("studies.notes", "expected", each=each, all=left))
+        progress.note(phrase("studies.notes", "expected", each=each, all=left))
     progress.begin(len(study.points), done)
     todo = chunks(recipe, study.points)
     try:
@@ -233,7 +233,7 @@ def _keep_fields(
     for number in numbers:
         key, place = store.key(number), folder / "designs" / f"{number:06d}"
         if key is None:
-            progress.note(sentence("studies.notes", "not_to_keep", number=number))
+            progress.note(phrase("studies.notes", "not_to_keep", number=number))
             continue
         # written last: says that the folder is complete, and whose results it holds
         mark = place / "design.json"
@@ -247,7 +247,7 @@ def _keep_fields(
             with ended_after(limit, stuck=stuck):
                 run(study.case.replace_written(changes)).write(place)
         except OvertimeError:
-            progress.note(sentence("studies.notes", "not_kept", number=number, reason=overtime_reason(limit)))
+            progress.note(phrase("studies.notes", "not_kept", number=number, reason=overtime_reason(limit)))
             continue
         write_text(mark, json.dumps({"number": number, "key": key, "inputs": inputs}, indent=2) + "\n")
 

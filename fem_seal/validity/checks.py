@@ -157,7 +157,7 @@ def load_validity(
     problem : SealProblem
     load : LoadResult
         With what its mesh leaves uncertain, where that is known.
-    before : iterable of Caution
+    before : iterable of Finding
         See `earlier_cautions`.
     sealing : float, optional
         Pressure from which on the surface is tight, where a table has it [Pa]: to look for it takes longer than a
@@ -712,7 +712,7 @@ def _blown_open(loads: Sequence[LoadResult]) -> Iterator[Finding]:
 
 
 def _coarse(load: LoadResult) -> Iterator[Finding]:
-    """Caution about the mesh, the same for all loads; none where its error is not known."""
+    """Finding about the mesh, the same for all loads; none where its error is not known."""
     error, model = load.mesh_error, load.contact.model
     if error is None:
         return

@@ -55,7 +55,7 @@ def fluid_cautions(flow: FlowModel, loads: Sequence[LoadResult]) -> Iterator[Fin
 
 
 def molecule_cautions(flow: FlowModel, loads: Sequence[LoadResult]) -> Iterator[Finding]:
-    """Caution where the critical separation is narrower than a molecule.
+    """Finding where the critical separation is narrower than a molecule.
 
     Parameters
     ----------
@@ -163,7 +163,7 @@ def _not_ideal(flow: FlowModel, gas: Gas, highest: float) -> Iterator[Finding]:
 
 
 def _inertia(flow: FlowModel, loads: Sequence[LoadResult]) -> Iterator[Finding]:
-    """Caution where flow is too fast to be viscous, in the result or else in its upper end."""
+    """Finding where flow is too fast to be viscous, in the result or else in its upper end."""
     fastest = _fastest_liquid if flow.gas is None else _fastest_gas
     # with the other readings of yielding asperities as far as somebody has asked for their leak
     others = [(load, other) for load in loads for other in load.others.values() if _leak_known(other)]
@@ -181,7 +181,7 @@ def _fastest_gas(
     *,
     end: bool,
 ) -> Finding | None:
-    """Caution about the inertia of a gas; None below the limits. `end`: it concerns one end of the interval only."""
+    """Finding about the inertia of a gas; None below the limits. `end`: it concerns one end of the interval only."""
     found = [(inertia, load) for load, read in readings if (inertia := _inertia_of(flow, read))]
     if not found:
         return None

@@ -10,11 +10,11 @@ import subprocess
 import sys
 import time
 from operator import truediv
-from pathlib import Path
 
 import pytest
+from places import ROOT
 
-from meshes import Curve, GeometryError, Profile
+from meshes import GeometryError, Profile
 from meshes.own_process import OwnProcessError, TimeLimitError, run_in_subprocess
 
 LONG = 120.0
@@ -66,7 +66,7 @@ def test_a_script_without_a_main_guard_is_not_run_again(tmp_path) -> None:
         "import math\nfrom meshes.own_process import run_in_subprocess\n"
         "print('once', run_in_subprocess(120.0, math.hypot, 3, 4))\n"
     )
-    environment = {**os.environ, "PYTHONPATH": str(Path(sys.modules[Curve.__module__].__file__).parents[1])}
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
     ended = subprocess.run(
         [sys.executable, str(script)],
         capture_output=True,

@@ -12,7 +12,7 @@ import numpy as np
 from fem_seal.answers.leakage_class import OF_LEAK_RATE, volume_of
 from fem_seal.answers.solution import SealSolution
 from fem_seal.output.columns import AROUND_COLUMNS
-from fem_seal.output.prose import other_reading, sentence
+from fem_seal.output.prose import other_reading, phrase
 from fem_seal.output.shown import ReadableTable, Section, Shown, by_reading, worded_section, worded_table
 from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.load_names import load_name
@@ -49,7 +49,7 @@ def _sentences(result: SealSolution, answers: FormAnswers) -> Iterator[str]:
             [leak.leak_rate for leak in leaks if leak is not None]
             for leaks in zip(*((one.leak, one.leak_round) for one in load.readings.values()), strict=True)
         )
-        yield sentence(
+        yield phrase(
             "form.leak",
             "round",
             load=at,
@@ -57,17 +57,17 @@ def _sentences(result: SealSolution, answers: FormAnswers) -> Iterator[str]:
             round=_rate(load, *as_round, beside=(*own, *as_round)),
         )
         if state := volume_of(result.case).state:
-            yield sentence("form.leak", "volume", state=state)
+            yield phrase("form.leak", "volume", state=state)
     if answers.tolerance_waves is not None:
-        yield sentence("form.tolerance", "worst", waves=answers.tolerance_waves)
+        yield phrase("form.tolerance", "worst", waves=answers.tolerance_waves)
     if len(answers.waves) > 1:
-        yield sentence("form.waves", "worst", worst=answers.waves[0], load=at)
+        yield phrase("form.waves", "worst", worst=answers.waves[0], load=at)
     yield from _closing(answers, load)
     if answers.allowed is not None and not load.validity.outside:
         yield from _allowed(answers.allowed, answers.allowed_others, load)
     yield from _scratches(answers, load)
     if answers.goes_round is not None:
-        yield sentence("form.round", "share", share=answers.goes_round, load=at)
+        yield phrase("form.round", "share", share=answers.goes_round, load=at)
 
 
 def _rate(load: LoadResult, *rates: float | None, beside: Sequence[float] = ()) -> str:
@@ -87,7 +87,7 @@ def _closing(answers: FormAnswers, load: LoadResult) -> Iterator[str]:
 
     force = answers.closing_force
     kind = "never" if force is None else "enough" if force <= load.applied_force else "force"
-    yield sentence("form.closing", kind, force=force, load=load, closed=CLOSED)
+    yield phrase("form.closing", kind, force=force, load=load, closed=CLOSED)
 
 
 def _allowed(allowed: Allowed, others: Mapping[Reading, Allowed], load: LoadResult) -> Iterator[str]:
@@ -95,11 +95,11 @@ def _allowed(allowed: Allowed, others: Mapping[Reading, Allowed], load: LoadResu
     names = {"target": "target", OF_LEAK_RATE: "required leak rate"}
     limit = names.get(allowed.limit, f"limit of {allowed.limit}")
     if allowed.factor is None:
-        yield sentence("form.allowed", "round_leaks_more", limit=limit, rate=allowed.leak_rate)
+        yield phrase("form.allowed", "round_leaks_more", limit=limit, rate=allowed.leak_rate)
         return
     if math.isfinite(allowed.factor):
         kind, factor = "larger" if allowed.factor > 1 else "smaller", _down(allowed.factor)
-        yield sentence("form.allowed", kind, factor=factor, limit=limit, rate=allowed.leak_rate)
+        yield phrase("form.allowed", kind, factor=factor, limit=limit, rate=allowed.leak_rate)
     for reading, other in others.items():
         if other.factor is None:
             yield other_reading(reading, "even the round seal leaks more")
@@ -108,11 +108,11 @@ def _allowed(allowed: Allowed, others: Mapping[Reading, Allowed], load: LoadResu
             if first != told:
                 yield other_reading(reading, f"the form error may be {told} times as large")
     if load.around is not None and load.around.scratches is not None:
-        yield sentence("form.allowed", "aside")
+        yield phrase("form.allowed", "aside")
     if allowed.zone is not None and math.isfinite(allowed.zone):
         kind, zone = _DIRECTIONS[allowed.direction], _down(allowed.zone)
         which = "drawing" if zone else "no_zone"
-        yield sentence("form.allowed", which, kind=kind, zone=zone, waves=allowed.waves, limit=limit)
+        yield phrase("form.allowed", which, kind=kind, zone=zone, waves=allowed.waves, limit=limit)
     for reading, other in others.items():
         if other.zone is not None and math.isfinite(other.zone):
             first, told = (quantity("length", _down(one or 0.0), 2) for one in (allowed.zone, other.zone))
@@ -127,12 +127,12 @@ def _scratches(answers: FormAnswers, load: LoadResult) -> Iterator[str]:
         return
     every = [end for ends in known for end in ends]
     low, high = (_rate(load, *ends, beside=every) for ends in zip(*known, strict=True))
-    yield sentence("form.scratches", "both", low=low, high=high)
+    yield phrase("form.scratches", "both", low=low, high=high)
     if answers.deepest_scratch is not None:
         depth, width = map(_down, answers.deepest_scratch)
-        yield sentence("form.scratches", "deepest", depth=depth, width=width)
+        yield phrase("form.scratches", "deepest", depth=depth, width=width)
         if len(known) > 1:
-            yield sentence("form.scratches", "both_readings")
+            yield phrase("form.scratches", "both_readings")
 
 
 def _down(value: float) -> float:
@@ -197,12 +197,12 @@ def _of_load(load: LoadResult, result: SealSolution) -> Iterator[str]:
     angles, width = least_loaded(around)
     at = _angles_text(angles)
     if around.line_load.min() == 0:
-        yield sentence("notes.around", "parted", load=name, at=at, width=_degrees(width))
+        yield phrase("notes.around", "parted", load=name, at=at, width=_degrees(width))
     else:
-        yield sentence("notes.around", "falls", load=name, at=at, around=around)
+        yield phrase("notes.around", "falls", load=name, at=at, around=around)
     turn = None if around.leak_rate is None else turn_that_leaks(around.leak_rate, _MOST)
     if turn is not None:
-        yield sentence("notes.around", "leak", share=_MOST, turn=_degrees(turn))
+        yield phrase("notes.around", "leak", share=_MOST, turn=_degrees(turn))
 
 
 def least_loaded(around: Circumference) -> tuple[list[float], float]:

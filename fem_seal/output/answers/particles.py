@@ -23,7 +23,7 @@ from fem_seal.output.pictures.style import (
     logarithmic,
     panels,
 )
-from fem_seal.output.prose import sentence
+from fem_seal.output.prose import phrase
 from fem_seal.output.shown import ReadableTable, Section, Shown, worded_section, worded_table
 from fem_seal.seal.load_names import load_name
 from fem_seal.units import quantity, unit_for
@@ -49,14 +49,14 @@ def particles_in_words(result: SealSolution) -> list[str]:
 
 def _sentences(result: SealSolution, answers: ParticleAnswers) -> Iterator[str]:
     at = load_name(result.highest, result.loads)
-    yield sentence("particles.narrow", "from", load=at, sizes=answers.narrowest)
+    yield phrase("particles.narrow", "from", load=at, sizes=answers.narrowest)
     yield _filter(answers)
     yield _stopped(result, answers)
     if math.isfinite(answers.half_volume[0]):
-        yield sentence("particles.decay", "half", found=answers)
+        yield phrase("particles.decay", "half", found=answers)
     around = result.highest.around
     scratched = around is not None and around.scratches is not None
-    yield sentence("particles.estimate", "all", "scratches" if scratched else "")
+    yield phrase("particles.estimate", "all", "scratches" if scratched else "")
 
 
 def _stopped(result: SealSolution, answers: ParticleAnswers) -> str:
@@ -64,11 +64,11 @@ def _stopped(result: SealSolution, answers: ParticleAnswers) -> str:
     assert fluid is not None and fluid.particles is not None  # the answers are about them
     size = fluid.particles.counts.sizes[0]
     if many == 0:
-        return sentence("particles.stopped", "none")
+        return phrase("particles.stopped", "none")
     if math.isnan(many):
-        return sentence("particles.stopped", "uncounted", size=size)
+        return phrase("particles.stopped", "uncounted", size=size)
     further = "extrapolated" if answers.narrowest[0] < size else ""
-    return sentence("particles.stopped", "count", further, count=(few * _PER_ML, many * _PER_ML), size=size)
+    return phrase("particles.stopped", "count", further, count=(few * _PER_ML, many * _PER_ML), size=size)
 
 
 def _filter(answers: ParticleAnswers) -> str:
@@ -79,7 +79,7 @@ def _filter(answers: ParticleAnswers) -> str:
         kinds = ["keeps", "safe" if len(ends) > 1 else ""]
     if answers.filter is not None and answers.left is not None:
         kinds.append("given")
-    return sentence("particles.filter", *kinds, found=answers, lost=1.0 - KEPT)
+    return phrase("particles.filter", *kinds, found=answers, lost=1.0 - KEPT)
 
 
 def particle_table(result: SealSolution) -> ReadableTable:

@@ -6,7 +6,7 @@ import math
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
-from fem_seal.output.prose import sentence
+from fem_seal.output.prose import phrase
 from fem_seal.output.shown import ReadableTable, Shown, worded_table
 from fem_seal.seal.load_names import load_name
 from fem_seal.units import format_digits, range_text, trimmed, unit_for
@@ -44,14 +44,14 @@ def step_in_words(case: Case, lever: Lever) -> str:
     if lever.key == "force":
         assert lever.before is not None and lever.after is not None  # of a force
         if lever.before > 0:
-            return sentence("levers.step", "force", more=lever.factor - 1.0)
-        return sentence("levers.step", "force_added", added=lever.after - lever.before)
+            return phrase("levers.step", "force", more=lever.factor - 1.0)
+        return phrase("levers.step", "force_added", added=lever.after - lever.before)
     if lever.key in _STEPS:
         key = f"{lever.key}_{'more' if lever.factor > 1 else 'less'}"
         finish = _finish(case)
         if key == "rms_height_less" and finish:
-            return sentence("levers.step", "rms_height_less_finish", finish=finish)
-        return sentence("levers.step", key, lever=lever)
+            return phrase("levers.step", "rms_height_less_finish", finish=finish)
+        return phrase("levers.step", key, lever=lever)
     return _dimension(lever)
 
 
@@ -72,8 +72,8 @@ def _dimension(lever: Lever) -> str:
     unit = unit_for(kind, lever.after - lever.before)
     by = f"{trimmed(unit.of(lever.after - lever.before))} {unit.name}".replace(" °", "°")
     if both:
-        return sentence("levers.step", "angles", by=by)
-    return sentence("levers.step", "dimension", by=by, body=body, what=key.replace("_", " "))
+        return phrase("levers.step", "angles", by=by)
+    return phrase("levers.step", "dimension", by=by, body=body, what=key.replace("_", " "))
 
 
 def ratio_in_words(lever: Lever) -> str:
@@ -85,9 +85,9 @@ def ratio_in_words(lever: Lever) -> str:
     """
     low, high = sorted(lever.ratio)
     if high == 0:
-        return sentence("levers.said", "sealed")
+        return phrase("levers.said", "sealed")
     ends = range_text(*(format_digits(one, 2) if one else "0" for one in (low, high)))
-    return sentence("levers.said", "effect", ratio=ends)
+    return phrase("levers.said", "effect", ratio=ends)
 
 
 def _exponents(lever: Lever) -> str:
@@ -106,11 +106,9 @@ def lever_lines(result: SealSolution) -> list[str]:
     found = told_levers(result)
     if not found:
         return []
-    lines = [sentence("levers.said", "heading", load=_load(result)) + ":"]
+    lines = [phrase("levers.said", "heading", load=_load(result)) + ":"]
     for one in found:
-        exponent = sentence(
-            "levers.said", "exponent" if one.straight else "locally", exponents=_exponents(one)
-        )
+        exponent = phrase("levers.said", "exponent" if one.straight else "locally", exponents=_exponents(one))
         lines.append(f"  {step_in_words(result.case, one)}: {ratio_in_words(one)} ({exponent})")
     return lines
 
@@ -144,7 +142,7 @@ def lever_note(result: SealSolution) -> str:
     result : SealSolution
     """
     both = "note_both" if result.highest.yields else ""
-    return sentence("levers.said", "note", both, load=_load(result))
+    return phrase("levers.said", "note", both, load=_load(result))
 
 
 SHOWN = Shown(

@@ -11,7 +11,7 @@ from fem_seal.answers.leakage_class import volume_of
 from fem_seal.answers.solution import SealSolution
 from fem_seal.output.answers.verdict import force_to_pass, verdict_force_sentences
 from fem_seal.output.columns import SHOWN_COLUMNS
-from fem_seal.output.prose import other_reading, sentence
+from fem_seal.output.prose import other_reading, phrase
 from fem_seal.output.shown import ReadableTable, Shown, columns_table, filled_column
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.units import format_digits, format_quantity, quantity, range_text, unit_for
@@ -36,7 +36,7 @@ def opens_at(load: LoadResult) -> str | None:
 def valve_facts(result: SealSolution, load: JudgedLoad) -> Iterator[tuple[str, str, str]]:
     """Name, value and remark of the pressure that opens the seal and of the force for the target leak rate."""
     if opens := opens_at(load):
-        yield "Opens at", opens, sentence("facts.remark", "opens", load=load)
+        yield "Opens at", opens, phrase("facts.remark", "opens", load=load)
     target = result.case.load.target_leak_rate
     if target is not None and load.force_for_target is not None:
         every = (load.force_for_target, *_other_forces(load).values())
@@ -45,7 +45,7 @@ def valve_facts(result: SealSolution, load: JudgedLoad) -> Iterator[tuple[str, s
         yield (
             TARGET_FORCE,
             range_text(low, high),
-            sentence("facts.remark", both, target=_target(result, target)),
+            phrase("facts.remark", both, target=_target(result, target)),
         )
     if found := load.verdict_force:
         none = "none" if found.looked_for else "not looked for"
@@ -53,7 +53,7 @@ def valve_facts(result: SealSolution, load: JudgedLoad) -> Iterator[tuple[str, s
         yield (
             "Force for a pass",
             none if found.force is None else force_to_pass(found.force),
-            found.why_none or sentence("facts.remark", "pass", begins=begins),
+            found.why_none or phrase("facts.remark", "pass", begins=begins),
         )
 
 
@@ -63,7 +63,7 @@ def what_opens(result: SealSolution, load: JudgedLoad) -> Iterator[str]:
         assert load.blow_off_pressure is not None
         share = load.fluid_pressure / load.blow_off_pressure
         digits = 2 if load.digits == 4 else 4
-        yield sentence("reasons.opening", "all", opens=opens, share=share, share_digits=digits, load=load)
+        yield phrase("reasons.opening", "all", opens=opens, share=share, share_digits=digits, load=load)
     yield from _what_the_target_takes(result, load)
     yield from verdict_force_sentences([load])
 
@@ -73,7 +73,7 @@ def _what_the_target_takes(result: SealSolution, load: LoadResult) -> Iterator[s
     if target is None or force is None:
         return
     acting = load.applied_force
-    told = sentence(
+    told = phrase(
         "reasons.target",
         "force",
         ("more" if force > acting else "less") if acting else "none",

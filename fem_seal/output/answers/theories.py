@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.answers.solution import SealSolution
-from fem_seal.output.prose import sentence
+from fem_seal.output.prose import phrase
 from fem_seal.output.shown import Shown, worded_section
 from fem_seal.seal.bounds import EXACT, Bounds
 from fem_seal.seal.load_names import load_name
@@ -44,7 +44,7 @@ def corrected_beside(result: SealSolution) -> str:
     if load.in_theory("paper") is not load or other is None:
         return ""
     rate, at = _rate_text(result, other) if _rate(other) else "nothing", load_name(load, result.loads)
-    return sentence("theories.beside", "headline", rate=rate, load=at, inputs=_inputs(load))
+    return phrase("theories.beside", "headline", rate=rate, load=at, inputs=_inputs(load))
 
 
 def theories_in_words(result: SealSolution) -> list[str]:
@@ -62,13 +62,13 @@ def theories_in_words(result: SealSolution) -> list[str]:
     if len(others) == 1:
         ((theory, other),) = others.items()
         found += [*_contact(result, theory, other), *_yielding(load, theory, other)]
-    return [*found, *_simulated(load), sentence("theories.why", "believe")]
+    return [*found, *_simulated(load), phrase("theories.why", "believe")]
 
 
 def _compared(result: SealSolution, load: LoadResult, theory: str, other: LoadResult) -> str:
     own, rate = _rate(load), _rate(other)
     kind = "tight" if not rate else "compared" if own else "leaks"
-    return sentence(
+    return phrase(
         "theories.beside",
         kind,
         theory=THEORIES[theory],
@@ -87,7 +87,7 @@ def _contact(result: SealSolution, theory: str, other: LoadResult) -> Iterator[s
     peaks = Bounds.of([load.peak_pressure, other.peak_pressure])
     if not all((own, same, rate)) or peaks.high < _NOTICED * peaks.low:
         return
-    yield sentence(
+    yield phrase(
         "theories.why",
         "contact",
         theory=THEORIES[theory],
@@ -107,14 +107,14 @@ def _yielding(load: LoadResult, theory: str, other: LoadResult) -> Iterator[str]
         if not elastic or one.reading(Reading.ELASTIC) is one:
             return
         left[name] = _rate(one) / elastic
-    yield sentence("theories.why", "yielding", **left)
+    yield phrase("theories.why", "yielding", **left)
 
 
 def _simulated(load: LoadResult) -> Iterator[str]:
     """What the corrected theory may be off by here, as direct simulation finds it."""
     corrected = load.in_theory("corrected")
     if corrected is not None and corrected.theory_error != EXACT:
-        yield sentence("theories.why", "simulated", error=corrected.theory_error)
+        yield phrase("theories.why", "simulated", error=corrected.theory_error)
 
 
 SHOWN = Shown(

@@ -10,7 +10,7 @@ import numpy as np
 
 from fem_seal.answers.error_shares import ErrorShares, error_shares, measured_profiles
 from fem_seal.answers.leakage_class import volume_of
-from fem_seal.output.prose import prose, sentence
+from fem_seal.output.prose import phrase, prose
 from fem_seal.output.shown import ReadableTable, Shown
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.load_result import highest_load
@@ -72,7 +72,7 @@ def interval_note(result: SealSolution) -> str:
     given_as = {} if settings is None else settings.spreads
     spreads = {name: f" ±{percent(one.relative)} ({one.distribution})" for name, one in given_as.items()}
     sealed = float(interval.sealed.max())
-    return sentence(
+    return phrase(
         "notes.interval",
         "samples",
         "polynomial" if interval.runs < interval.samples else "",
@@ -111,7 +111,7 @@ def error_sentence(result: SealSolution) -> str:
     largest = next(iter(found.of_width))
     measured = found.by_profiles
     told = [(name, share) for name, share in list(found.of_width.items())[:_NAMED] if share >= _LEAST]
-    return sentence(
+    return phrase(
         "notes.error_shares",
         "interval",
         "doubt" if largest.startswith("accuracy: ") else "source",

@@ -9,7 +9,7 @@ from fem_seal.answers.leakage_class import volume_of
 from fem_seal.answers.solution import SealSolution
 from fem_seal.answers.variants import ratio_to_case
 from fem_seal.output.columns import VARIANT_COLUMNS
-from fem_seal.output.prose import prose, sentence
+from fem_seal.output.prose import phrase, prose
 from fem_seal.output.shown import ReadableTable, Shown, by_reading, worded_table
 from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.load_names import load_name
@@ -102,7 +102,7 @@ def theory_note(result: SealSolution) -> str:
     load = highest_load(result.loads)
     rates = [variant.leak_rate[load] for variant in result.theory_variants]
     tight = min(rates) <= 0
-    return sentence(
+    return phrase(
         "notes.theory",
         "tight" if tight else "factor",
         "yields" if result.highest.yields else "",

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from fem_seal.answers.judgement import Limit, SealJudgement, Utilisation, VerdictReason
 from fem_seal.answers.leakage_class import OF_LEAK_RATE, limits, next_class, nominal_size, volume_of
 from fem_seal.case.fields import Bubbles, NormalVolume, Throughput
-from fem_seal.output.prose import sentence
+from fem_seal.output.prose import phrase
 from fem_seal.output.shown import Shown
 from fem_seal.seal.findings import YIELD_STRESS, Level
 from fem_seal.seal.load_names import load_name
@@ -125,7 +125,7 @@ def _verdict(found: SealJudgement, load: str, digits: int, volume: LeakVolume) -
     over = [end / limit.leak_rate if limit.leak_rate else math.nan for end in measured]
     none = leak_rate_text(judged.ends[1], volume=volume)
     at_most = _amount(high, digits, limit.leak_rate) if high else none
-    return sentence(
+    return phrase(
         "verdict.said",
         key,
         load=load,
@@ -170,22 +170,22 @@ def _as_written(leak_rate: float) -> str:
 def _further_sentences(result: SealSolution, found: SealJudgement) -> Iterator[str]:
     volume = volume_of(result.case)
     if volume.state and found.worst.why not in _WITHOUT_RATES and not _in_mbar(found.worst.limit):
-        yield sentence("verdict.said", "volume", state=volume.state)
+        yield phrase("verdict.said", "volume", state=volume.state)
     limit, decided = (
         found.worst.limit,
         found.worst.why in (VerdictReason.LIMIT, VerdictReason.INTERVAL, VerdictReason.ACCURACY),
     )
     if limit.bubble_volume is not None:
-        yield sentence("verdict.said", "bubble", volume=_bubble(limit.bubble_volume))
+        yield phrase("verdict.said", "bubble", volume=_bubble(limit.bubble_volume))
     if limit.test_fluid and decided and not math.isinf(found.margin):
-        yield sentence("verdict.said", "converted", fluid=limit.test_fluid, ratio=tuple(sorted(limit.ratio)))
+        yield phrase("verdict.said", "converted", fluid=limit.test_fluid, ratio=tuple(sorted(limit.ratio)))
     if reason := _doubt(result, found):
-        yield sentence("verdict.said", "doubtful", reason=reason)
+        yield phrase("verdict.said", "doubtful", reason=reason)
     yield from _to_measure(result, found)
     yield from _other_theory(result, found)
     count = len(found.judged) + found.left_out
     if count > 1:
-        yield sentence("verdict.said", "several", count=count)
+        yield phrase("verdict.said", "several", count=count)
 
 
 def _to_measure(result: SealSolution, found: SealJudgement) -> Iterator[str]:
@@ -205,14 +205,14 @@ def _to_measure(result: SealSolution, found: SealJudgement) -> Iterator[str]:
         length = shares.by_profiles.length
         yields = any(one.kind == YIELD_STRESS for one in result.loads[found.number].validity.cautions)
         curve = "curve" if yields else ""
-        yield sentence("verdict.said", "profile", curve, length=length, height=height)
+        yield phrase("verdict.said", "profile", curve, length=length, height=height)
 
 
 def _other_theory(result: SealSolution, found: SealJudgement) -> Iterator[str]:
     """That the other theory would come to another verdict."""
     sampled = found.number is not None and result.loads[found.number].sampled is not None
     for theory, (place, judged, own) in result.judgement_by_theory.items():
-        yield sentence(
+        yield phrase(
             "verdict.said",
             "theory_as_given" if sampled else "theory",
             theory=THEORIES[theory],
@@ -265,7 +265,7 @@ def used_in_words(result: SealSolution, shares: Utilisation) -> str:
     shares : Shares
     """
     return ", ".join(
-        sentence("verdict.used", name, share=share, body=shares.body)
+        phrase("verdict.used", name, share=share, body=shares.body)
         for name, share in _shares(result, shares).items()
     )
 
@@ -299,9 +299,9 @@ def verdict_facts(result: SealSolution) -> list[tuple[str, str, str]]:
     told = factor_text(margin, _digits(result, found)) if math.isfinite(margin) else "–"
     if math.isinf(margin):
         told = "sealed"
-    facts = [("Margin", told, sentence("verdict.facts", "margin"))]
+    facts = [("Margin", told, phrase("verdict.facts", "margin"))]
     for name, share in _shares(result, shares).items():
-        facts.append((_USED[name], share, sentence("verdict.facts", name, body=shares.body)))
+        facts.append((_USED[name], share, phrase("verdict.facts", name, body=shares.body)))
     return facts
 
 
@@ -321,11 +321,11 @@ def next_class_in_words(case: Case, load: LoadResult) -> str:
     if found is None:
         return ""
     if found.as_calculated:
-        return sentence("verdict.next", "as_calculated", found=found)
+        return phrase("verdict.next", "as_calculated", found=found)
     if found.factor < _HARDLY:
-        return sentence("verdict.next", "near", found=found, less=1 - 1 / found.factor)
+        return phrase("verdict.next", "near", found=found, less=1 - 1 / found.factor)
     factor = factor_text(found.factor, min(load.leak_digits, 2))
-    return sentence("verdict.next", "class", found=found, factor=factor)
+    return phrase("verdict.next", "class", found=found, factor=factor)
 
 
 def next_class_of(result: SealSolution) -> str:
@@ -375,10 +375,10 @@ def verdict_force_sentences(loads: Sequence[JudgedLoad]) -> list[str]:
 
 def _verdict_force_sentence(pressure: float, found: VerdictForce) -> str:
     if not found.looked_for:
-        return sentence("verdict.force", "unasked", why=found.why_none)
+        return phrase("verdict.force", "unasked", why=found.why_none)
     kind, force = ("none", "") if found.force is None else ("passes", force_to_pass(found.force))
     begins = f" {found.begins}" if found.begins else ""
-    return sentence("verdict.force", kind, pressure=pressure, begins=begins, force=force, why=found.why_none)
+    return phrase("verdict.force", kind, pressure=pressure, begins=begins, force=force, why=found.why_none)
 
 
 def force_to_pass(force: float) -> str:
@@ -417,17 +417,15 @@ def requirement_lines(case: Case) -> list[str]:
                 at.setdefault((limit.name, limit.leak_rate), []).append(pressure)
     told = [_announced(name, rate, pressures) for (name, rate), pressures in at.items()]
     if fluid.volume.state and not all(_in_mbar(one) for one in limits(case, case.load.fluid_pressure[0])):
-        told.append(sentence("verdict.check", "volume", state=fluid.volume.state))
+        told.append(phrase("verdict.check", "volume", state=fluid.volume.state))
     for limit in limits(case, case.load.fluid_pressure[0]):
         if limit.name != OF_LEAK_RATE:
-            told.append(sentence("verdict.check", "size", size=nominal_size(case)))
+            told.append(phrase("verdict.check", "size", size=nominal_size(case)))
         if limit.bubble_volume is not None:
-            told.append(sentence("verdict.check", "bubble", volume=_bubble(limit.bubble_volume)))
+            told.append(phrase("verdict.check", "bubble", volume=_bubble(limit.bubble_volume)))
         if limit.test_fluid:
             ratio = tuple(sorted(limit.ratio))
-            told.append(
-                sentence("verdict.check", "fluid", fluid=limit.test_fluid, ratio=ratio, own=fluid.name)
-            )
+            told.append(phrase("verdict.check", "fluid", fluid=limit.test_fluid, ratio=ratio, own=fluid.name))
     return told
 
 
@@ -436,7 +434,7 @@ def _announced(name: str, leak_rate: float, pressures: Sequence[float]) -> str:
     ends = min(pressures), max(pressures)
     several = f" ({len(pressures)} pressures)" if len(pressures) > 1 else ""
     allowed = _limit_text(leak_rate)
-    return sentence(
+    return phrase(
         "verdict.check", kind, limit=name, allowed=allowed, si=leak_rate, loads=ends, several=several
     )
 

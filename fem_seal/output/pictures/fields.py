@@ -13,7 +13,7 @@ from fem_seal.bodies.fields import BodyField, ElastoplasticField
 from fem_seal.contact.solution import plastic_zone
 from fem_seal.output.columns import in_words
 from fem_seal.output.pictures.style import BLUE, INK, ORANGE, Picture, captioned, label, panels
-from fem_seal.output.prose import sentence
+from fem_seal.output.prose import phrase
 from fem_seal.seal.load_names import load_name
 from fem_seal.units import unit_for
 
@@ -266,7 +266,7 @@ def imprint_picture(result: SealSolution) -> Picture | None:
     strains = _strains(strain, result, unloaded)
     digits = result.strongest.digits_of("fwhm")
     imprints = "; ".join(
-        sentence("captions.imprint", "one", body=name, imprint=imprint, digits=digits)
+        phrase("captions.imprint", "one", body=name, imprint=imprint, digits=digits)
         for name, imprint in unloaded.imprints.items()
     )
     return captioned(figure, "imprint", "all", imprints=imprints, strains=strains)
@@ -305,6 +305,6 @@ def _strains(axes: Axes, result: SealSolution, unloaded: Unloaded) -> str:
     scale_of_colours([axes], bands, f"accumulated plastic strain  [{unit}]", lowest="0")
     digits = result.strongest.digits_of("fwhm")
     return " ".join(
-        sentence("captions.imprint", "zone", body=name, zone=zone, digits=digits)
+        phrase("captions.imprint", "zone", body=name, zone=zone, digits=digits)
         for name, zone in zones.items()
     )

@@ -31,7 +31,7 @@ from fem_seal.output.pictures.style import (
     style,
     svg,
 )
-from fem_seal.output.prose import sentence
+from fem_seal.output.prose import phrase
 from fem_seal.seal.load_names import different, load_axis, load_name
 from fem_seal.seal.readings import FURTHER, OWN, WORDS
 from fem_seal.units import LeakVolume, Unit, format_digits, percent, unit_for
@@ -159,7 +159,7 @@ def _single_leak(
         "leak",
         svg(figure),
         f"Leak rate at {load}: " + ", ".join(f"{name} {one}" for name, one in zip(names, told, strict=True)),
-        sentence("captions.leak", "single"),
+        phrase("captions.leak", "single"),
     )
 
 

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from fem_seal.errors import printable
 from fem_seal.files import own_tables
-from fem_seal.output.prose import sentence
+from fem_seal.output.prose import phrase
 from fem_seal.units import superscript
 
 if TYPE_CHECKING:
@@ -155,7 +155,7 @@ def captioned(
         What stands for {names} in them.
     """
     where = f"captions.{group or name}"
-    return Picture(name, svg(figure), sentence(where, *alt, **values), sentence(where, *parts, **values))
+    return Picture(name, svg(figure), phrase(where, *alt, **values), phrase(where, *parts, **values))
 
 
 def _drawn(figure: Figure) -> bytes:

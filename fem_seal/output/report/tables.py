@@ -12,7 +12,7 @@ from fem_seal.contact.load_path import ElastoplasticContact
 from fem_seal.contact.solution import PlasticZone, yielding_of
 from fem_seal.output.case_words import law_word
 from fem_seal.output.columns import SHOWN_COLUMNS, own_theory
-from fem_seal.output.prose import sentence
+from fem_seal.output.prose import phrase
 from fem_seal.output.shown import ReadableTable, columns_table, filled_column, worded_table
 from fem_seal.seal.findings import Level
 from fem_seal.seal.load_names import load_name
@@ -71,10 +71,10 @@ def comparison_table(result: SealSolution, sizes: Mapping[str, Sizes]) -> Readab
 def comparison_note(result: SealSolution) -> str:
     """What to expect of the comparison with the closed forms; empty if nothing needs saying."""
     if result.unloaded is not None:
-        return sentence("notes.comparison", "yielding")
+        return phrase("notes.comparison", "yielding")
     if limits := closed_form_limits(result.case, derive(result.case)):
         return f"{limits[0].upper()}{limits[1:]}."
-    return sentence("notes.comparison", law_word(result.case))
+    return phrase("notes.comparison", law_word(result.case))
 
 
 def _difference(share: float, load: LoadResult, measure: str) -> str:
@@ -93,7 +93,7 @@ def imprint_in_words(result: SealSolution) -> tuple[str, str] | None:
         return None
     name, imprint = max(imprints.items(), key=lambda item: item[1].deepest)
     digits = result.strongest.digits_of("fwhm")  # as good as the width of the contact that made it
-    where = sentence("facts.remark", "imprint", imprint=imprint, body=name, digits=digits)
+    where = phrase("facts.remark", "imprint", imprint=imprint, body=name, digits=digits)
     return quantity_worth("length", imprint.deepest, digits), where
 
 
@@ -103,9 +103,9 @@ def what_yielded(result: SealSolution, load: LoadResult) -> Iterator[str]:
         return
     zones = [zone for zone in yielding_of(load.contact).values() if isinstance(zone, PlasticZone)]
     if not zones:
-        yield sentence("reasons.yielding", "none")
+        yield phrase("reasons.yielding", "none")
     for zone in zones:
-        yield sentence("reasons.yielding", "zone", zone=zone, digits=load.digits_of("fwhm"))
+        yield phrase("reasons.yielding", "zone", zone=zone, digits=load.digits_of("fwhm"))
 
 
 def yielding_table(result: SealSolution) -> ReadableTable:

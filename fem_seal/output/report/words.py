@@ -16,7 +16,7 @@ from fem_seal.output.answers.target import TARGET_FORCE, opens_at, valve_facts, 
 from fem_seal.output.answers.theories import corrected_beside
 from fem_seal.output.case_words import earlier_load
 from fem_seal.output.columns import COLUMNS, in_words
-from fem_seal.output.prose import sentence
+from fem_seal.output.prose import phrase
 from fem_seal.output.report.tables import imprint_in_words, what_yielded
 from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.findings import Level, Validity
@@ -124,7 +124,7 @@ def _leak_facts(case: Case, load: JudgedLoad) -> Iterator[Fact]:
         readings_in_words(load, volume),
         *([] if sampled else accuracy_in_words(load)),
     ]
-    name = sentence("readings.fact", ("finish" if has_finish(case) else "inputs") if sampled else "only")
+    name = phrase("readings.fact", ("finish" if has_finish(case) else "inputs") if sampled else "only")
     told = leak_range_text(rate, load.leak_digits, claimed=not load.validity.outside, volume=volume)
     yield Fact(name, told, "; ".join(filter(None, remarks)))
     if load.leak.leak_rate > 0:
@@ -188,7 +188,7 @@ def usual_rate_of(load: LoadResult) -> float | tuple[float, float]:
 
 def state_in_words(volume: LeakVolume) -> str:
     """The state of a gas whose volumes are told; empty for a liquid."""
-    return sentence("readings.volume", "at", state=volume.state) if volume.state else ""
+    return phrase("readings.volume", "at", state=volume.state) if volume.state else ""
 
 
 def volume_notes(volume: LeakVolume, units: Sequence[str], *, unmeasured: bool) -> list[str]:
@@ -202,10 +202,10 @@ def volume_notes(volume: LeakVolume, units: Sequence[str], *, unmeasured: bool) 
     unmeasured : bool
         Whether some of them are too small to be measured.
     """
-    found = [sentence("readings.volume", "least", least=volume.least_name)] if unmeasured else []
+    found = [phrase("readings.volume", "least", least=volume.least_name)] if unmeasured else []
     if volume.state:
         found += [
-            sentence("readings.volume", "column", unit=unit, state=volume.state)
+            phrase("readings.volume", "column", unit=unit, state=volume.state)
             for unit in dict.fromkeys(units)
         ]
     return found
@@ -213,7 +213,7 @@ def volume_notes(volume: LeakVolume, units: Sequence[str], *, unmeasured: bool) 
 
 def volumes_of_gas(gas: bool) -> str:
     """What volumes of a gas are where its temperature differs from row to row, " (...)"; empty for a liquid."""
-    return f" ({sentence('readings.volume', 'heading')})" if gas else ""
+    return f" ({phrase('readings.volume', 'heading')})" if gas else ""
 
 
 def readings_in_words(load: LoadResult, volume: LeakVolume = LIQUID) -> str:
@@ -221,7 +221,7 @@ def readings_in_words(load: LoadResult, volume: LeakVolume = LIQUID) -> str:
     if not load.yields or load.leak_range is None:
         return ""
     if not _told_apart(load):
-        return sentence("readings.load", "same")
+        return phrase("readings.load", "same")
     digits, claimed = min(load.leak_digits, 2), not load.validity.outside
     rates = {reading: one.leak.leak_rate for reading, one in load.readings.items() if one.leak is not None}
     beside = tuple(rates.values())
@@ -247,7 +247,7 @@ def _interval_fact(result: SealSolution, load: LoadResult) -> Fact:
     volume = volume_of(result.case)
     remarks = [
         state_in_words(volume),
-        sentence("facts.remark", "finish" if has_finish(result.case) else "inputs")
+        phrase("facts.remark", "finish" if has_finish(result.case) else "inputs")
         + (", in both readings of asperities that yield" if load.yields else ""),
         *accuracy_in_words(load),
     ]
@@ -285,11 +285,9 @@ def remembered(result: SealSolution) -> list[str]:
     earlier = earlier_load(result.case.load)
     remembers = any(load.remembers for load in result.loads)
     if not earlier:
-        return [sentence("notes.headline", "path")] if remembers else []
+        return [phrase("notes.headline", "path")] if remembers else []
     return [
-        sentence(
-            "notes.headline", "remembers" if remembers or result.unloaded else "forgets", earlier=earlier
-        )
+        phrase("notes.headline", "remembers" if remembers or result.unloaded else "forgets", earlier=earlier)
     ]
 
 
@@ -337,11 +335,11 @@ def _what_leaks(result: SealSolution) -> str:
         missing = "roughness" if result.surface is None else "fluid"
         after = f"; after {span}, {_contact(last)} at {load_values(last, loads)}" if changed else ""
         contact = _contact(highest) + after
-        return sentence("notes.headline", "contact", load=span, contact=contact, missing=missing)
+        return phrase("notes.headline", "contact", load=span, contact=contact, missing=missing)
     if all(load.validity.outside for load in shown):
-        return sentence("notes.headline", "not_claimed", load=span)
+        return phrase("notes.headline", "not_claimed", load=span)
     if all(load.leak and rate_of(load) in (0, (0, 0)) and not load.validity.outside for load in loads):
-        return sentence("notes.headline", "sealed", load=span)
+        return phrase("notes.headline", "sealed", load=span)
     ends = [end for rate in rates for end in (rate if isinstance(rate, tuple) else (rate,))]
     volume = volume_of(result.case)
     told = [
@@ -381,11 +379,11 @@ def held_in_words(case: Case, load: LoadResult) -> list[str]:
     if load.sampled is not None:
         held = [_samples_in_words(case, load)]
     elif load.leak_range is not None and (not load.yields or _told_apart(load)):
-        held = [sentence("readings.ends", "what" if load.yields else "simulated")]
+        held = [phrase("readings.ends", "what" if load.yields else "simulated")]
     else:
         held = []
     off = accuracy_in_words(load)
-    return [*held, *(sentence("readings.accuracy", "also" if held else "alone", off=one) for one in off)]
+    return [*held, *(phrase("readings.accuracy", "also" if held else "alone", off=one) for one in off)]
 
 
 # Factors by which the calculation may be off that are not seen in two digits.
@@ -406,7 +404,7 @@ def accuracy_in_words(load: LoadResult) -> list[str]:
         if factor > _NOTICED_IN_ENDS
     ]
     told = "; ".join(dict.fromkeys(reasons))
-    return [sentence("readings.accuracy", "what", reason=told)] if told else []
+    return [phrase("readings.accuracy", "what", reason=told)] if told else []
 
 
 def _samples_in_words(case: Case, load: LoadResult) -> str:
@@ -414,7 +412,7 @@ def _samples_in_words(case: Case, load: LoadResult) -> str:
     assert case.sampled is not None
     what = "finish" if has_finish(case) else "inputs"
     also = "_both" if load.yields else "" if load.flow_error is None else "_own"
-    return sentence("readings.sampled", what + also, share=case.sampled.confidence)
+    return phrase("readings.sampled", what + also, share=case.sampled.confidence)
 
 
 def far_field_sentence(result: SealSolution) -> str:
@@ -422,7 +420,7 @@ def far_field_sentence(result: SealSolution) -> str:
     if not result.far_field:
         return ""
     changes = "; ".join(
-        sentence(
+        phrase(
             "notes.far_field",
             "peak" if change.leak_rate is None else "both",
             change=change.name,
@@ -433,7 +431,7 @@ def far_field_sentence(result: SealSolution) -> str:
     )
     which = "one" if len(result.loads) == 1 else "strongest"
     load = load_name(result.strongest, result.loads)
-    return sentence("notes.far_field", which, load=load, changes=changes)
+    return phrase("notes.far_field", which, load=load, changes=changes)
 
 
 def _change_in_words(change: float) -> str:
@@ -463,7 +461,7 @@ def reasons(result: SealSolution, derived: Derived) -> list[str]:
 def _what_sets_the_width(result: SealSolution, derived: Derived, load: LoadResult) -> Iterator[str]:
     hertz = derived.loads[result.loads.index(load)].hertz
     if hertz is None:
-        yield sentence("reasons.width", "conforming", contact=_contact(load))
+        yield phrase("reasons.width", "conforming", contact=_contact(load))
         return
     smooth = result.case.interface.law == "smooth"
     bulk = min((hertz.std / load.std) ** 2, 1.0)
@@ -476,7 +474,7 @@ def _what_sets_the_width(result: SealSolution, derived: Derived, load: LoadResul
     else:
         dominant = "roughness" if bulk < 0.25 else "elasticity" if bulk > 0.75 else "both"
         parts = [dominant, "rough"]
-    yield sentence("reasons.width", *parts, hertz=hertz, peak=_peak(load), width=in_words(load, "fwhm_m"))
+    yield phrase("reasons.width", *parts, hertz=hertz, peak=_peak(load), width=in_words(load, "fwhm_m"))
 
 
 def _leaves_curvature(result: SealSolution, hertz: HertzLine, peak: float) -> bool:
@@ -489,14 +487,14 @@ def _what_throttles(load: LoadResult) -> Iterator[str]:
     if load.leak is None or load.leak.leak_rate == 0:
         return
     if not math.isfinite(load.leak.leak_rate):
-        yield sentence("reasons.fluid", "forced_open")
+        yield phrase("reasons.fluid", "forced_open")
         return
     x, share = load.tightest.x, load.leak.fluid_pressure / load.fluid_pressure
     rising = share if share[-1] > share[0] else 1 - share
     ends = np.interp(_MIDDLE, rising, x)
     width, middle = float(ends[1] - ends[0]), _MIDDLE[1] - _MIDDLE[0]
     # as good as the width of the contact
-    yield sentence("reasons.fluid", "middle", share=middle, width=width, digits=load.digits_of("fwhm"))
+    yield phrase("reasons.fluid", "middle", share=middle, width=width, digits=load.digits_of("fwhm"))
     ratio = load.fluid_pressure / load.peak_pressure
     if isinstance(load.leak, CoupledLeakResult):
         effect = "local"
@@ -504,7 +502,7 @@ def _what_throttles(load: LoadResult) -> Iterator[str]:
         effect = "penetration"
     else:
         effect = "opens" if ratio > FLUID_OPENS else "neglected"
-    yield sentence("reasons.fluid", "ratio", effect, ratio=ratio)
+    yield phrase("reasons.fluid", "ratio", effect, ratio=ratio)
 
 
 def _what_yields(result: SealSolution, load: LoadResult) -> Iterator[str]:
@@ -514,15 +512,15 @@ def _what_yields(result: SealSolution, load: LoadResult) -> Iterator[str]:
     peak = load.peak_pressure
     if surface.hardness is None:
         if load.leak is not None:
-            yield sentence("reasons.asperities", "elastic")
+            yield phrase("reasons.asperities", "elastic")
         return
     area = float(surface.contact_area(peak))
     yielded = float(surface.plastic_area(peak)) / area
     share = "nearly all" if yielded > 0.999 else "next to nothing" if yielded < 1e-3 else percent(yielded)
     factor, effect = _less_by_yielding(load)
-    yield sentence("reasons.asperities", "yielded", effect, area=area, share=share, factor=factor)
+    yield phrase("reasons.asperities", "yielded", effect, area=area, share=share, factor=factor)
     if load.yields and _told_apart(load):
-        yield sentence("readings.load", "why", readings=readings_in_words(load))
+        yield phrase("readings.load", "why", readings=readings_in_words(load))
 
 
 def _less_by_yielding(load: LoadResult) -> tuple[str, str]:
@@ -610,9 +608,7 @@ def judged_as(case: Case, load: LoadResult) -> str:
     """
     assert case.fluid is not None
     fluid, ratio = test_of(case.fluid, load.fluid_pressure, load)
-    return (
-        sentence("readings.classes", "test_fluid", fluid=fluid, ratio=tuple(sorted(ratio))) if fluid else ""
-    )
+    return phrase("readings.classes", "test_fluid", fluid=fluid, ratio=tuple(sorted(ratio))) if fluid else ""
 
 
 def leakage_lines(case: Case, load: LoadResult, loads: Sequence[LoadResult]) -> list[str]:
@@ -645,4 +641,4 @@ def _as_given(case: Case, load: LoadResult) -> str:
     """The leak rate without what is uncertain, in both readings of yielding asperities."""
     # in the unit of the line above
     rate = leakage_text(load, volume_of(case), usual_rate_of(load)).split(" = ")[0]
-    return sentence("readings.as_given", "finish" if has_finish(case) else "inputs", rate=rate)
+    return phrase("readings.as_given", "finish" if has_finish(case) else "inputs", rate=rate)

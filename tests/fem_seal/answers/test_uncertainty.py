@@ -34,7 +34,7 @@ from fem_seal.answers.uncertainty import (
 )
 from fem_seal.answers.variants import theory_variants
 from fem_seal.case.roughness import UncertainHeight
-from fem_seal.case.tables import InputSpread, Uncertainty
+from fem_seal.case.tables import Spread, Uncertainty
 from fem_seal.errors import InputError
 from fem_seal.output.answers.variants import VARIANT_COLUMNS, variant_rows
 from fem_seal.output.files import summary
@@ -44,7 +44,7 @@ from fem_seal.seal.conductivity_tables import family_table
 from fem_seal.seal.leak_model import FlowModel
 from leak import PowerSpectrum, Reading
 
-TEN_PER_CENT = InputSpread(relative=0.1)
+TEN_PER_CENT = Spread(relative=0.1)
 
 
 def rates(result):
@@ -150,7 +150,7 @@ def test_hardness_alone_gives_the_leak_rates_of_its_own_quantiles():
 
 def test_polynomial_gives_the_samples_that_it_has_not_seen():
     settings = Uncertainty(
-        samples=128, seed=3, rms_height=InputSpread(relative=0.1), youngs_modulus=InputSpread(relative=0.05)
+        samples=128, seed=3, rms_height=Spread(relative=0.1), youngs_modulus=Spread(relative=0.05)
     )
     result = single_result()
     interval = leak_interval(result, settings)
@@ -177,7 +177,7 @@ def test_a_wider_input_gives_a_wider_interval_and_more_confidence_too():
     def width(relative, confidence=0.9):
         interval = leak_interval(
             rough_result(),
-            Uncertainty(samples=512, confidence=confidence, viscosity=InputSpread(relative=relative)),
+            Uncertainty(samples=512, confidence=confidence, viscosity=Spread(relative=relative)),
         )
         return float((interval.high / interval.low)[0])
 

@@ -209,12 +209,12 @@ def test_an_interval_at_few_loads_goes_through_all(base):
 
 def test_what_the_user_knows_is_no_longer_uncertain(base):
     from fem_seal.answers.uncertainty import uncertain_inputs
-    from fem_seal.case.tables import InputSpread, Uncertainty
+    from fem_seal.case.tables import Spread, Uncertainty
 
     known = base.replace_written({"roughness": {**LAPPED, "hurst": 0.8, "q_high": "6e6 1/m"}})
     names = [one.name for one in uncertain_inputs(known, known.sampled)]
     assert names == ["q_rolloff", "rms_height"]
-    told = Uncertainty(hurst=InputSpread(relative=0.05), hardness=InputSpread(relative=0.1))
+    told = Uncertainty(hurst=Spread(relative=0.05), hardness=Spread(relative=0.1))
     case = base.replace_written({"roughness": LAPPED})
     assert [one.name for one in uncertain_inputs(case, told)] == [
         "hardness",

@@ -16,7 +16,7 @@ import leak
 from fem_seal.answers.uncertainty import _Study
 from fem_seal.bodies.elasticity import boundary_dofs, node_dofs
 from fem_seal.bodies.supports import Supports
-from fem_seal.case.tables import InputSpread, Uncertainty
+from fem_seal.case.tables import Spread, Uncertainty
 from fem_seal.contact.laws import HardContact, Law
 from fem_seal.contact.load_path import ElastoplasticContact, LoadPath, load_path
 from fem_seal.contact.model import ContactModel
@@ -399,7 +399,7 @@ def leak_of(case: fem_seal.Case) -> float:
 def test_samples_of_a_surface_linearise_bodies_that_yield() -> None:
     """Against a path of its own for every sample: off by less than 6 % of what the sample changes ln Q by, or 1e-3."""
     problem, result = sampled()
-    settings = Uncertainty(rms_height=InputSpread(relative=0.1), hardness=InputSpread(relative=0.1))
+    settings = Uncertainty(rms_height=Spread(relative=0.1), hardness=Spread(relative=0.1))
     assert result.contact[0].states["seat"].plastic.accumulated.max() > 1e-3  # type: ignore[attr-defined]
     (same,) = linearised_again(result.contact, problem.law)
     assert same.pressure == pytest.approx(result.contact[0].pressure, rel=1e-6)
@@ -413,7 +413,7 @@ def test_samples_of_a_surface_linearise_bodies_that_yield() -> None:
 
 def test_a_sample_of_the_modulus_has_its_own_path() -> None:
     _, result = sampled()
-    study = _Study.of(result, Uncertainty(youngs_modulus=InputSpread(relative=0.07)))
+    study = _Study.of(result, Uncertainty(youngs_modulus=Spread(relative=0.07)))
     assert study.whole_paths and not study.linearised
     (rates,) = study.leak_rates([0])
     factor = study.values["youngs_modulus"][0, 0]

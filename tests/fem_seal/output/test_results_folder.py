@@ -257,8 +257,8 @@ HOLDER = """
 import sys, time
 from pathlib import Path
 from unittest.mock import Mock
-from fem_seal.output.folders import alone
-with alone(Path(sys.argv[1])):
+from fem_seal.output.folders import folder_lock
+with folder_lock(Path(sys.argv[1])):
     print("mine", flush=True)
     time.sleep(600)
 """

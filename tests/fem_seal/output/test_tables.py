@@ -19,7 +19,7 @@ from fem_seal.errors import OutputError
 from fem_seal.files import write_bytes, write_text
 from fem_seal.output.columns import PROFILE_COLUMNS
 from fem_seal.output.files import summary, write_summary
-from fem_seal.output.prose import prose, sentence
+from fem_seal.output.prose import phrase, prose
 from fem_seal.output.sources import used
 from fem_seal.output.tables import leak_table, profile_array, write_leak_csv, write_profile_csv
 from fem_seal.units import format_quantity, leak_rate_text, number, percent, quantity, trimmed, unit_for
@@ -288,7 +288,7 @@ def test_every_sentence_of_the_report_is_asked_for_and_every_one_asked_for_is_th
         "surface",
     )
     tables = {f"{kind}.{name}": table for kind in kinds for name, table in prose()[kind].items()}
-    asked = set(re.findall(r'said\(\s*"([^"]+)"', code))
+    asked = set(re.findall(r'phrase\(\s*"([^"]+)"', code))
     asked |= {f"captions.{name}" for name in re.findall(r'captioned\(\s*figure,\s*"([^"]+)"', code)}
     # whose captions stand under another name
     asked -= {"captions.profiles", "captions.direct_map"}
@@ -311,7 +311,7 @@ def test_every_sentence_of_the_report_is_asked_for_and_every_one_asked_for_is_th
 
 
 def test_sentences_stand_one_after_the_other_with_their_values():
-    text = sentence("captions.scan", "several", "", "spectrum", count=3, form="tilt")
+    text = phrase("captions.scan", "several", "", "spectrum", count=3, form="tilt")
     assert text.startswith("Left: the first of 3 scans without its tilt. Right: ")
 
 

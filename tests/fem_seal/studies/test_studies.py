@@ -334,7 +334,7 @@ def test_every_message_is_asked_for_and_every_one_asked_for_is_there():
     code = "\n".join(path.read_text("utf-8") for path in files)
     problems = {name for name in own_tables("problems.toml") if name.startswith("study_")}
     assert set(re.findall(r'(?:problem|sentence)\(\s*"([^"]+)"', code)) == problems
-    notes = re.findall(r'said\(\s*"studies.notes",\s*"([^"]+)"', code)
+    notes = re.findall(r'phrase\(\s*"studies.notes",\s*"([^"]+)"', code)
     assert set(notes) == set(own_tables("words.toml")["studies"]["notes"])
 
 
