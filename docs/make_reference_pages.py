@@ -198,3 +198,8 @@ if __name__ == "__main__":
     (FOLDER / "api").mkdir(exist_ok=True)
     for name, text in api():
         (FOLDER / "api" / f"{name}.rst").write_text(text, encoding="utf-8")
+    # autosummary leaves the pages of names that are public no more
+    for page in (FOLDER / "api" / "names").glob("*.rst"):
+        package, _, name = page.stem.rpartition(".")
+        if name not in import_module(package).__all__:
+            page.unlink()
