@@ -14,7 +14,8 @@ import time
 from pathlib import Path
 
 from fem_seal.case.case import load_case
-from fem_seal.explore.figures import figures
+from fem_seal.explore.factors import Factor
+from fem_seal.explore.figures import designs_shown, figures
 from fem_seal.explore.live import Session
 
 EXAMPLES = Path(__file__).parent.parent / "examples"
@@ -29,7 +30,7 @@ def timed(session: Session, designs: list[dict[str, str]]) -> list[float]:
     for design in designs:
         start = time.process_time()
         screen = session.answer(design)
-        for figure in figures(screen, [], dark=False).values():
+        for figure in figures(designs_shown(screen, []), dark=False).values():
             json.dumps(figure.plain())
         found.append(1e3 * (time.process_time() - start))
         if screen.problem:
@@ -37,10 +38,9 @@ def timed(session: Session, designs: list[dict[str, str]]) -> list[float]:
     return found
 
 
-def moves(session: Session, key: str, count: int) -> list[dict[str, str]]:
+def moves(factor: Factor, count: int) -> list[dict[str, str]]:
     """Designs of a slider that goes to the right from where it stands."""
-    factor = session.factors[key]
-    return [{key: text} for text in factor.stops[factor.place + 1 : factor.place + 1 + count]]
+    return [{factor.key: text} for text in factor.stops[factor.place + 1 : factor.place + 1 + count]]
 
 
 def measure(path: Path, count: int) -> None:
@@ -51,17 +51,16 @@ def measure(path: Path, count: int) -> None:
     timed(session, [{}])
     print(f"{path.stem}: first answer {time.process_time() - start:.2f} s")
     for factor in session.factors.sliders:
-        designs = moves(session, factor.key, count)
+        designs = moves(factor, count)
         if factor.group != "dimension":
             for design in [*designs[::_AHEAD], *designs[-1:]]:
                 for name in session.needs(design):
                     session.make(name)
         show(factor.label, timed(session, designs))
+    force = next(one for one in session.factors.sliders if one.key == "force")
     others = [name for name in ("water", "nitrogen") if name != session.factors.given.get("fluid")]
     for name in others if session.factors.fluids else []:
-        first, *again = timed(
-            session, [{"fluid": name}, {"fluid": name, "force": session.factors["force"].stops[-1]}]
-        )
+        first, *again = timed(session, [{"fluid": name}, {"fluid": name, "force": force.stops[-1]}])
         print(f"    fluid {name}: first time {first:.0f} ms, then {again[0]:.0f} ms")
 
 
