@@ -130,7 +130,7 @@ def _solved(case: Case, clock: Clock, steps: OptionalSteps) -> SolvedSeal:
         loads = tuple(
             _read(
                 steps,
-                _settled(steps, load.with_values(rough=rough), {} if load.formed is None else _AROUND),
+                _compute_values(steps, load.with_values(rough=rough), {} if load.formed is None else _AROUND),
                 _LEAK,
             )
             for load in found.loads
@@ -138,7 +138,9 @@ def _solved(case: Case, clock: Clock, steps: OptionalSteps) -> SolvedSeal:
     with clock.step("stress", "stress in both bodies"):
         with suppress(MemoryError):  # one after the other they may fit
             move_together([load.contact for load in loads])
-        loads = tuple(_settled(steps, _read(steps, load, _SEPARATION), _STRESS, _NO_STRESS) for load in loads)
+        loads = tuple(
+            _compute_values(steps, _read(steps, load, _SEPARATION), _STRESS, _NO_STRESS) for load in loads
+        )
     return replace(
         found.seal(case.without_loads(missing)).with_loads(loads),
         missing={whole.loads.points[number]: one for number, one in missing.items()},
@@ -148,9 +150,9 @@ def _solved(case: Case, clock: Clock, steps: OptionalSteps) -> SolvedSeal:
 
 def _read(steps: OptionalSteps, one: Read, values: Mapping[str, str]) -> Read:
     """A load, or its surfaces, with some values in all readings, with asperities that never yield to compare with."""
-    one = _settled(steps, one, values)
+    one = _compute_values(steps, one, values)
     others = {
-        reading: _settled(
+        reading: _compute_values(
             steps, other, {name: f"{what} of {WORDS[reading].asperities}" for name, what in values.items()}
         )
         for reading in dict.fromkeys((*one.readings, Reading.ELASTIC))
@@ -159,6 +161,8 @@ def _read(steps: OptionalSteps, one: Read, values: Mapping[str, str]) -> Read:
     return one.with_readings(others)
 
 
-def _settled(steps: OptionalSteps, one: Read, values: Mapping[str, str], otherwise: object = None) -> Read:
+def _compute_values(
+    steps: OptionalSteps, one: Read, values: Mapping[str, str], otherwise: object = None
+) -> Read:
     at = f" at {format_quantity('fluid pressure', one.fluid_pressure)}" if isinstance(one, LoadResult) else ""
     return steps.compute_values(one, {name: f"{what}{at}" for name, what in values.items()}, otherwise)

@@ -296,10 +296,12 @@ def _interval_of_finish(
     shares = _shares(study, ratios * usual, surface)
     near = np.argmin(np.abs(np.arange(len(result.loads))[:, None] - chosen), axis=1)
     kinds = [one.T for one in rates]
-    return _told(study, settings, result.loads, kinds, runs=runs, shares=shares[near], error=error)
+    return _interval_of_samples(
+        study, settings, result.loads, kinds, runs=runs, shares=shares[near], error=error
+    )
 
 
-def _told(
+def _interval_of_samples(
     study: _Study,
     settings: Uncertainty,
     loads: Sequence[LoadResult],
@@ -372,7 +374,9 @@ def _interval(study: _Study, settings: Uncertainty, progress: Callable[[str], No
         nominal[checked] = np.where(np.isnan(truth), nominal[checked], truth)
     by_kind = np.split((nominal / viscosity[:, None]).T, study.kinds)
     shares = _shares(study, nominal, surface)
-    return _told(study, settings, study.result.loads, by_kind, runs=runs, shares=shares, error=error)
+    return _interval_of_samples(
+        study, settings, study.result.loads, by_kind, runs=runs, shares=shares, error=error
+    )
 
 
 def _largest_difference(found: FloatArray, truth: FloatArray, of_case: Sequence[float]) -> float:

@@ -234,7 +234,7 @@ class _System:
             conductance = _PERFECT * max(one.largest_conductivity for one in materials.values()) / size
         jump = bmat([[closure.trace, -seat.trace]]).tocsr()
         contact = csc_matrix(conductance * (jump.T @ jump.multiply(weight[:, None])))
-        return cls(bodies, surroundings, films, contact, weight, _held(bodies, surroundings))
+        return cls(bodies, surroundings, films, contact, weight, _nodes_at_temperature(bodies, surroundings))
 
     @property
     def size(self) -> int:
@@ -304,7 +304,9 @@ def _film(bodies: tuple[_Body, _Body], face: str, beside: FloatArray | None) -> 
     return csc_matrix(block_diag(parts))
 
 
-def _held(bodies: tuple[_Body, _Body], surroundings: Surroundings) -> dict[str, NDArray[np.int64]]:
+def _nodes_at_temperature(
+    bodies: tuple[_Body, _Body], surroundings: Surroundings
+) -> dict[str, NDArray[np.int64]]:
     """Nodes of each face that has a temperature itself; a corner between two such faces is one of the first."""
     held: dict[str, NDArray[np.int64]] = {}
     closure, seat = bodies

@@ -276,7 +276,9 @@ class Session:
         whole = SealProblem.of(case)
         left = [number for number in range(len(whole.loads.points)) if number not in whole.loads.refused]
         gas = whole.flow is not None and whole.flow.gas is not None
-        kept = left if whole.curves else _few(left, whole, _LIVE_LOADS_OF_GAS if gas else _LIVE_LOADS)
+        kept = (
+            left if whole.curves else _evenly_spread(left, whole, _LIVE_LOADS_OF_GAS if gas else _LIVE_LOADS)
+        )
         gone = [number for number in range(len(whole.loads.points)) if number not in kept]
         loads = replace(whole.loads.without(gone), target_leak_rate=None)
         own = len(loads.points)
@@ -348,7 +350,7 @@ class Session:
                         yield {**design, one.key: one.stops[place]}
 
 
-def _few(numbers: Sequence[int], problem: SealProblem, most: int) -> set[int]:
+def _evenly_spread(numbers: Sequence[int], problem: SealProblem, most: int) -> set[int]:
     """At most so many of some loads, evenly spread, with the last and the highest."""
     if len(numbers) <= most:
         return set(numbers)

@@ -309,7 +309,7 @@ class Answers:
         self._given_up: dict[tuple[tuple[str, str], ...], str] = {}
         self._lost, self._lost_at = "", 0.0
         self._ahead = Worker(session.given, make_ahead, self._told_ahead)
-        self._runner = Worker(session.given, run_to_the_end, self._told)
+        self._runner = Worker(session.given, run_to_the_end, self._receive)
 
     def answer(self, design: Mapping[str, str], page: str = "", number: int = 0) -> Screen | None:
         """What is shown of a design; None if the page has asked for a newer one.
@@ -414,7 +414,7 @@ class Answers:
         between = tuple(map(without_interval, live.between)) if live.widens else live.between
         return replace(complete, between=between)
 
-    def _told(self, got: object) -> None:
+    def _receive(self, got: object) -> None:
         with self._lock:
             if isinstance(got, Written):
                 self._written[got.folder] = got

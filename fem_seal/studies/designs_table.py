@@ -72,12 +72,12 @@ class Designs:
     @cached_property
     def validity(self) -> pd.Series:
         """How far each design that did not fail can be trusted, in words; empty in files that do not say it yet."""
-        return self._told("validity")
+        return self._texts("validity")
 
     @cached_property
     def verdict(self) -> pd.Series:
         """What is said of the requirement at each design that did not fail; empty where nothing was asked."""
-        return self._told("verdict")
+        return self._texts("verdict")
 
     @property
     def verdicts(self) -> dict[str, int]:
@@ -87,9 +87,9 @@ class Designs:
     @cached_property
     def worst_reason(self) -> pd.Series:
         """The first reason why a design that did not fail is not simply valid; empty if it is."""
-        return self._told("validity_reasons").str.split("; ").str[0]
+        return self._texts("validity_reasons").str.split("; ").str[0]
 
-    def _told(self, name: str) -> pd.Series:
+    def _texts(self, name: str) -> pd.Series:
         import pandas as pd
 
         told = self.done.get(name, pd.Series("", index=self.done.index, dtype=object))

@@ -72,7 +72,7 @@ def _reached(problem: SealProblem, key: str, temperature: float) -> list[float]:
     return [temperature, *(face.temperature for face in heating.surroundings.faces.values())]
 
 
-def _said(key: str, value: float) -> str:
+def _with_unit(key: str, value: float) -> str:
     _, unit, factor = _WORDS[key]
     return f"{value * factor:.4g}{unit}"
 
@@ -91,7 +91,7 @@ def _beyond(name: str, material: Material, key: str, at: float) -> Finding:
     table = material.table(key)
     assert table is not None  # of those that were looked at
     end = table.temperature[0] if at < table.temperature[0] else table.temperature[-1]
-    value = _said(key, table.at(end))
+    value = _with_unit(key, table.at(end))
     found = caution(
         "beyond_temperatures",
         name=name,
@@ -108,7 +108,7 @@ def _beyond(name: str, material: Material, key: str, at: float) -> Finding:
 
 
 def _plain(name: str, material: Material, keys: list[str], temperature: float) -> Finding:
-    value, several = _said(keys[0], getattr(material, keys[0])), len(keys) > 1
+    value, several = _with_unit(keys[0], getattr(material, keys[0])), len(keys) > 1
     found = caution(
         "no_temperature",
         name=name,

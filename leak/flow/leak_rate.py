@@ -566,7 +566,7 @@ def flow_through(
         gap = gap_of(permeant, sigma)
         permeant = permeant.at_narrowest(float(gap.min()))
         ends = potential_ends(permeant, pressure_side)
-        whole = _settled(profile, resistance, permeant, permeant.gain(asked, gap), ends)
+        whole = _resistance_with_gains(profile, resistance, permeant, permeant.gain(asked, gap), ends)
         at_peak = float(gap_of(permeant, permeant.sigma(profile.first_loading(x[peak], np.log(p[peak])))))
     first, last = potential_ends(permeant, pressure_side)
     before, cells = int(profile.panels[0] is not None), profile.x.size - 1
@@ -576,7 +576,7 @@ def flow_through(
     return flow, permeant.potential.pressure(first * (1.0 - share) + last * share), peak, at_peak
 
 
-def _settled(
+def _resistance_with_gains(
     profile: ContactProfile,
     resistance: FloatArray,
     permeant: Permeant,

@@ -66,7 +66,8 @@ def first_touch(closure: Curve, seat: Curve) -> Touch:
     if not places:
         raise GeometryError(
             f"closure and seat do not meet: the closure's face reaches from r = {mm(upper[0].start)} to "
-            f"{mm(upper[-1].end)}, the seat's from {mm(lower[0].start)} to {mm(lower[-1].end)}"
+            f"{mm(upper[-1].end)}, the seat's from {mm(lower[0].start)} to {mm(lower[-1].end)}; change the radii, the "
+            "angle or the bore so that they overlap"
         )
     drop = min(distance for _, distance in places)
     slack = 1e-13 * max(closure.length, seat.length)

@@ -141,7 +141,7 @@ def housing(face: Curve, outer_radius: float, height: float, step: float = 0.0) 
         ((end[0], top), "seat_outer"),
         (end, ""),
     ]
-    rest = tuple(Segment(a, b, name) for (a, name), (b, _) in pairwise(around) if _apart(a, b))
+    rest = tuple(Segment(a, b, name) for (a, name), (b, _) in pairwise(around) if _are_distinct(a, b))
     return Outline("seat", (*face.reversed.segments, *rest))
 
 
@@ -182,11 +182,11 @@ def plunger(face: Curve, height: float) -> Outline:
         ((0.0, start[1]), "closure_inner"),
         (start, ""),
     ]
-    rest = tuple(Segment(a, b, name) for (a, name), (b, _) in pairwise(around) if _apart(a, b))
+    rest = tuple(Segment(a, b, name) for (a, name), (b, _) in pairwise(around) if _are_distinct(a, b))
     return Outline("closure", (*face.segments, *rest))
 
 
-def _apart(a: Point, b: Point) -> bool:
+def _are_distinct(a: Point, b: Point) -> bool:
     return abs(a[0] - b[0]) + abs(a[1] - b[1]) > 1e-12 * (abs(a[0]) + abs(a[1]) + abs(b[0]) + abs(b[1]))
 
 

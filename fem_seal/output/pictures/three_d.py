@@ -140,11 +140,11 @@ def view(folder: Path, png: Path | None = None, load: int | None = None) -> None
         only = "there is one load" if len(files) == 1 else f"the loads are numbered 1 to {len(files)}"
         raise InputError.at("load", f"no such load; {only}", str(load))
     if png is not None:
-        write_bytes(png, _apart(_SOON, _png, files[number - 1], True))
+        write_bytes(png, _draw_in_subprocess(_SOON, _png, files[number - 1], True))
         return
     if sys.platform not in ("win32", "darwin") and not os.environ.get("DISPLAY"):
         raise DrawingError(_NO_DISPLAY)
-    if not _apart(_OPEN, _window, files, number - 1):
+    if not _draw_in_subprocess(_OPEN, _window, files, number - 1):
         raise DrawingError(_NO_DISPLAY)
 
 
@@ -164,7 +164,7 @@ def drawn_in_space(result: SealSolution) -> bytes | None:
         with TemporaryDirectory(prefix="fem-seal-") as name:
             folder = Path(name)
             write_for_view(replace(result, loads=(result.highest,)), folder)
-            image: bytes = _apart(_SOON, _png, loads_in(folder)[0], False)
+            image: bytes = _draw_in_subprocess(_SOON, _png, loads_in(folder)[0], False)
             return image
     except (DrawingError, OSError):
         return None
@@ -229,7 +229,7 @@ def _without_margins(image: FloatArray) -> FloatArray:
     return image[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
 
 
-def _apart(time_limit: float, function: Any, /, *arguments: object) -> Any:
+def _draw_in_subprocess(time_limit: float, function: Any, /, *arguments: object) -> Any:
     try:
         return run_in_subprocess(time_limit, function, *arguments)
     except OwnProcessError as error:

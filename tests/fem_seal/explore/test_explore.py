@@ -684,7 +684,7 @@ def test_work_of_a_killed_process_is_done_by_another_one_and_given_up_after_two(
 def test_what_was_given_up_is_refused_and_not_begun_again(session):
     answers = alone(session)
     design = session.design({})
-    answers._told(Lost(-9, (), (Ask(design), Ask(design, "report.out"))))
+    answers._receive(Lost(-9, (), (Ask(design), Ask(design, "report.out"))))
     assert "was killed (SIGKILL)" in answers.lost
     assert "not tried again" in answers.given_up(design)
     assert answers.written(Path("report.out")).problem == answers.lost
