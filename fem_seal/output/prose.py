@@ -60,7 +60,7 @@ def template(name: str, *, escaped: bool = True) -> Template:
         optimized=False,
     )
     environment.filters["written"] = written
-    environment.globals |= {"math": math, "said": phrase, "load_name": load_name}
+    environment.globals |= {"math": math, "load_name": load_name}
     return environment.get_template(name)
 
 
