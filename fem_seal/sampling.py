@@ -156,6 +156,10 @@ class UncertainInput:
         """Variable in which a leak rate is a smooth function: ln of the factor."""
         return np.log(values)
 
+    def shown(self, values: FloatArray) -> FloatArray:
+        """The factors, shape (n,)."""
+        return values[:, 0]
+
 
 def sobol_points(samples: int, dimensions: int, seed: int) -> FloatArray:
     """Scrambled Sobol points inside the unit cube, shape (samples, dimensions)."""

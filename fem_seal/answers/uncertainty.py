@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from fem_seal.answers.answer import Answer
-from fem_seal.answers.response_surface import ResponseSurface, fit
+from fem_seal.answers.response_surface import IntArray, ResponseSurface, fit
 from fem_seal.arrays import FloatArray
 from fem_seal.case.checks import problems_with_uncertainty
 from fem_seal.case.roughness import (
@@ -102,6 +102,9 @@ class LeakInterval:
         Of the theory, at each load; it is in both ends of the interval.
     in_test : LeakInterval or None
         The same samples with the gas of the standards' tests; None where the fluid is one, and of a liquid.
+    values : mapping of ndarray, shape (samples,)
+        Of each input in each sample: its factor, or the value itself of what a finish leaves open; of a spectrum the
+        weights of its scans, shape (samples, scans).
     """
 
     inputs: tuple[str, ...]
@@ -114,6 +117,7 @@ class LeakInterval:
     others: Mapping[Reading, FloatArray] = field(default_factory=dict, repr=False)
     own_error: Sequence[FlowError | None] = field(default=(), repr=False)
     in_test: LeakInterval | None = field(default=None, repr=False)
+    values: Mapping[str, FloatArray] = field(default_factory=dict, repr=False)
 
     @property
     def samples(self) -> int:
@@ -277,8 +281,9 @@ def _interval_of_finish(
         surface = fit(scores, np.log(rates[known]), study.scores, _RUNS_PER_TERM) if smooth else None
         if surface is None or np.any(surface.error > _ERROR_OF_WIDE * np.sqrt(surface.variance)):
             goal = min(2 * runs, len(study.uniform), _MOST_RUNS)
+    chosen_samples: slice | IntArray = slice(None)
     if surface is None:
-        ratios, viscosity = rates[known], viscosity[known]
+        ratios, viscosity, chosen_samples = rates[known], viscosity[known], known
     else:
         ratios = np.exp(surface(study.scores))
         checked = np.array(_ends((ratios * usual / viscosity)[:, study.last_load], settings.confidence))
@@ -297,7 +302,14 @@ def _interval_of_finish(
     near = np.argmin(np.abs(np.arange(len(result.loads))[:, None] - chosen), axis=1)
     kinds = [one.T for one in rates]
     return _interval_of_samples(
-        study, settings, result.loads, kinds, runs=runs, shares=shares[near], error=error
+        study,
+        settings,
+        result.loads,
+        kinds,
+        runs=runs,
+        shares=shares[near],
+        error=error,
+        chosen=chosen_samples,
     )
 
 
@@ -310,14 +322,21 @@ def _interval_of_samples(
     runs: int,
     shares: FloatArray,
     error: float | None,
+    chosen: slice | IntArray = slice(None),
 ) -> LeakInterval:
-    """The interval of samples, shape (loads, samples) in each reading of the case's fluid, then of the tests' gas."""
+    """The interval of samples, shape (loads, samples) in each reading of the case's fluid, then of the tests' gas.
+
+    `chosen` are the samples whose rates these are.
+    """
     names = tuple(one.name for one in study.inputs)
     errors = [load.flow_error for load in loads]
+    values = {one.name: one.shown(study.values[one.name])[chosen] for one in study.inputs}
 
     def interval(own: FloatArray, *others: FloatArray) -> LeakInterval:
         read = dict(zip(study.others, others, strict=True))
-        return LeakInterval(names, settings.confidence, settings.seed, runs, own, shares, error, read, errors)
+        return LeakInterval(
+            names, settings.confidence, settings.seed, runs, own, shares, error, read, errors, values=values
+        )
 
     own, *tested = (
         interval(*rates[first : first + study.readings]) for first in range(0, study.kinds, study.readings)
@@ -771,6 +790,10 @@ class UncertainScans:
     def scores(self, values: FloatArray) -> FloatArray:
         """Variables in which a leak rate is a smooth function: all weights but the last."""
         return values[:, :-1]
+
+    def shown(self, values: FloatArray) -> FloatArray:
+        """The weights, shape (n, scans)."""
+        return values
 
     def spectrum(self, weights: FloatArray) -> PowerSpectrum:
         """Mean spectrum with weights, shape (scans,); those of 1e-6 or less are left out."""

@@ -530,6 +530,10 @@ class UncertainHeight:
         """Variable in which a leak rate is a smooth function: ln of the factor."""
         return np.log(values)
 
+    def shown(self, values: FloatArray) -> FloatArray:
+        """The factors, shape (n,)."""
+        return values[:, 0]
+
     def spectrum(self, measured: PowerSpectrum, factor: float) -> PowerSpectrum:
         """The measured spectrum with its long waves changed so that the rms height is `factor` times what it was."""
         from leak import PowerSpectrum
@@ -606,6 +610,10 @@ class UncertainFinish:
         return np.asarray(
             np.mean([np.log(one.at(values, log=self.name != "hurst")) for one in self.spreads], axis=0)
         )
+
+    def shown(self, values: FloatArray) -> FloatArray:
+        """The values themselves, geometric mean over the faces, shape (n,)."""
+        return np.asarray(np.exp(self.scores(values)[:, 0]))
 
 
 def uncertain_finishes(roughness: Roughness | None, *, known: Collection[str]) -> Iterator[UncertainFinish]:

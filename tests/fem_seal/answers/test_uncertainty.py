@@ -148,6 +148,17 @@ def test_hardness_alone_gives_the_leak_rates_of_its_own_quantiles():
         np.testing.assert_allclose(end, outer(conserved, capped), rtol=3e-3)
 
 
+def test_each_sample_knows_the_values_of_its_inputs():
+    settings = Uncertainty(samples=64, viscosity=TEN_PER_CENT, hardness=TEN_PER_CENT)
+    found = leak_interval(rough_result(), settings)
+    assert set(found.values) == {"viscosity", "hardness"}
+    viscosity, hardness = found.values["viscosity"], found.values["hardness"]
+    assert viscosity.shape == hardness.shape == (64,)
+    # a thicker liquid leaks as much less, a harder surface more
+    fluidity = found.leak_rate[0] * viscosity
+    assert np.corrcoef(fluidity.argsort().argsort(), hardness.argsort().argsort())[0, 1] > 0.999
+
+
 def test_polynomial_gives_the_samples_that_it_has_not_seen():
     settings = Uncertainty(
         samples=128, seed=3, rms_height=Spread(relative=0.1), youngs_modulus=Spread(relative=0.05)
