@@ -1,4 +1,5 @@
 from . import contact as contact
+from .answers.calibration import Calibration as Calibration
 from .answers.closed_forms import derive as derive
 from .answers.leak_map import LeakMap as LeakMap
 from .answers.leak_map import leak_map as leak_map
@@ -29,6 +30,7 @@ from .profile import PressureProfile as PressureProfile
 from .result import SealResult as SealResult
 from .result import applied_force_for_leak as applied_force_for_leak
 from .result import blow_off_pressures as blow_off_pressures
+from .result import calibrate as calibrate
 from .result import direct as direct
 from .result import direct_seal as direct_seal
 from .result import run as run

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
+    from fem_seal.answers.calibration import Calibration
     from fem_seal.case.tables import Asperities
     from fem_seal.seal.direct import DirectTable
     from fem_seal.seal.direct_seal import SealRow
@@ -257,6 +258,45 @@ def run(
     with given_back():
         solution = solve(case_of(case), progress, Wanted(levers, verdict_force))
     return SealResult(**{field.name: getattr(solution, field.name) for field in fields(solution)})
+
+
+def calibrate(
+    case: CaseSource,
+    measured: str | os.PathLike[str] | pd.DataFrame,
+    progress: Callable[[str], None] | None = None,
+) -> Calibration:
+    """What measured leak rates say about a seal: its uncertain inputs, its leak rates, conflicts, the next test.
+
+    Parameters
+    ----------
+    case : Case, path or mapping
+        With roughness and fluid; its loads are predicted, its uncertain inputs narrowed.
+    measured : path or DataFrame
+        Readings, see `fem_seal.case.measured.read_measured`.
+    progress : callable, optional
+        Called with a status message before each step.
+
+    Raises
+    ------
+    InputError
+        If a reading is wrong, or a load of the case or of a reading cannot be calculated.
+
+    Examples
+    --------
+    >>> found = fem_seal.calibrate("seal.toml", "measured.csv")  # doctest: +SKIP
+    >>> found.predictions[-1].posterior  # doctest: +SKIP
+    (9.6e-07, 1.1e-06, 1.3e-06)
+    """
+    from fem_seal.answers import calibration
+    from fem_seal.case.measured import measured_in, read_measured
+
+    case = case_of(case)
+    if isinstance(measured, (str, os.PathLike)):
+        readings = read_measured(case, Path(measured))
+    else:
+        readings = measured_in(case, measured.to_csv(index=False))
+    with given_back():
+        return calibration.calibrate(case, readings, progress or (lambda text: None))
 
 
 def applied_force_for_leak(case: CaseSource, target_leak_rate: float | None = None) -> FloatArray:

@@ -126,6 +126,7 @@ from .theory.line_contact import crossover_widths as crossover_widths
 from .theory.line_contact import gaussian_line as gaussian_line
 from .theory.line_contact import hertz_line as hertz_line
 from .theory.own_error import FlowError as FlowError
+from .theory.own_error import error_correlation as error_correlation
 from .theory.own_error import flow_error as flow_error
 from .theory.persson import relative_contact_area as relative_contact_area
 from .theory.plasticity import AreaFractions as AreaFractions

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from fem_seal.answers.answer import Answer
+from fem_seal.answers.posterior import Posterior, columns_of
 from fem_seal.answers.response_surface import IntArray, ResponseSurface, fit
 from fem_seal.arrays import FloatArray
 from fem_seal.case.checks import problems_with_uncertainty
@@ -105,6 +106,9 @@ class LeakInterval:
     values : mapping of ndarray, shape (samples,)
         Of each input in each sample: its factor, or the value itself of what a finish leaves open; of a spectrum the
         weights of its scans, shape (samples, scans).
+    error_scores : ndarray, shape (loads, samples), or None
+        The theory's own error in standard deviations, of samples that a leak test has left; None where each sample has
+        evenly spread ones.
     """
 
     inputs: tuple[str, ...]
@@ -118,6 +122,7 @@ class LeakInterval:
     own_error: Sequence[FlowError | None] = field(default=(), repr=False)
     in_test: LeakInterval | None = field(default=None, repr=False)
     values: Mapping[str, FloatArray] = field(default_factory=dict, repr=False)
+    error_scores: FloatArray | None = field(default=None, repr=False)
 
     @property
     def samples(self) -> int:
@@ -145,6 +150,10 @@ class LeakInterval:
         every = [self.leak_rate, *self.others.values()]
         if not any(self.own_error):
             return every
+        if self.error_scores is not None:
+            own = zip(self.own_error, self.error_scores, strict=True)
+            factor = np.array([np.ones(len(z)) if one is None else one.factor_at(z) for one, z in own])
+            return [rates * factor for rates in every]
         count = min(_FACTORS, max(_MOST_FOUND // self.samples, 1))
         even = (np.arange(count) + 0.5) / count
         factors = np.array([np.ones(count) if one is None else one.factor(even) for one in self.own_error])
@@ -331,12 +340,18 @@ def _interval_of_samples(
     names = tuple(one.name for one in study.inputs)
     errors = [load.flow_error for load in loads]
     values = {one.name: one.shown(study.values[one.name])[chosen] for one in study.inputs}
+    scores = None
+
+    if settings.posterior is not None:
+        # first-order shares are those of independent inputs
+        shares = np.full(shares.shape, np.nan)
+        peaks = np.log10([load.peak_pressure for load in loads])
+        scores = Posterior.read(settings.posterior).error_at(peaks, settings.seed)[:, chosen]
 
     def interval(own: FloatArray, *others: FloatArray) -> LeakInterval:
         read = dict(zip(study.others, others, strict=True))
-        return LeakInterval(
-            names, settings.confidence, settings.seed, runs, own, shares, error, read, errors, values=values
-        )
+        about = names, settings.confidence, settings.seed, runs, own, shares, error, read, errors
+        return LeakInterval(*about, values=values, error_scores=scores)
 
     own, *tested = (
         interval(*rates[first : first + study.readings]) for first in range(0, study.kinds, study.readings)
@@ -508,8 +523,12 @@ class _Study:
     @classmethod
     def of(cls, result: SolvedSeal, settings: Uncertainty) -> _Study:
         inputs = uncertain_inputs(result.case, settings)
-        dimensions = sum(one.dimensions for one in inputs)
-        uniform = sobol_points(settings.samples, dimensions, settings.seed)
+        if settings.posterior is None:
+            dimensions = sum(one.dimensions for one in inputs)
+            uniform = sobol_points(settings.samples, dimensions, settings.seed)
+        else:
+            columns = [name for one in inputs for name in columns_of(one.name, one.dimensions)]
+            uniform = Posterior.read(settings.posterior).of_inputs(columns)
         study = cls(result, inputs, uniform)
         return replace(study, whole_paths=study._bulk)
 

@@ -267,7 +267,7 @@ def case_of(source: CaseSource) -> Case:
 
 
 # Keys of all tables at which a file is named.
-_FILES = ("file", "files", "trace", "profile")
+_FILES = ("file", "files", "trace", "profile", "posterior")
 
 
 def _placed(entry: Any, folder: Path, name: str = "") -> Any:

@@ -404,6 +404,7 @@ def problems_with_uncertainty(case: CaseTables, table: Uncertainty) -> Iterator[
     if (
         not table.spreads
         and table.spectrum is None
+        and table.posterior is None
         and not any(uncertain_heights(case.roughness, between_scans=False))
         and not (case.roughness is not None and case.roughness.finishes)
     ):

@@ -201,6 +201,7 @@ class Uncertainty(Table):
     q_high: Spread | None = None
     form: Spread | None = None
     spectrum: Scans | None = None
+    posterior: str | None = None
 
     @property
     def spreads(self) -> dict[str, Spread]:

@@ -6,8 +6,7 @@ import errno
 import os
 import sys
 import traceback
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -16,6 +15,7 @@ from typer.core import TyperCommand
 
 import fem_seal
 from fem_seal.case.words import problem, sentence
+from fem_seal.cli.calibrate import calibrate
 from fem_seal.cli.library import fluids, materials
 from fem_seal.cli.new import new
 from fem_seal.cli.study import app as study_app
@@ -27,11 +27,10 @@ from fem_seal.cli.terminal import (
     Quiet,
     ResultsFolder,
     argument,
-    cell,
     complain,
-    note,
     option,
     output_option,
+    progress_of,
     say,
     say_json,
     show_answers,
@@ -59,7 +58,7 @@ app = typer.Typer(
 )
 
 app.add_typer(study_app, name="study")
-for _command in (new, materials, fluids, table):
+for _command in (new, materials, fluids, table, calibrate):
     app.command()(_command)
 
 
@@ -157,7 +156,7 @@ def run(
     from fem_seal.output.folders import folder_lock
     from fem_seal.output.tables import leak_rows
 
-    with folder_lock(folder), _progress(quiet) as progress:
+    with folder_lock(folder), progress_of(quiet) as progress:
         result = seal_result.run(case, progress=progress, levers=levers)
         progress("writing results")
         failures = files.write(result, folder)
@@ -310,7 +309,7 @@ def direct(
     given = None if case.direct is None else case.direct.folder
     folder = _made(output or (Path(given) if given else case_file.with_suffix(".direct")))
     processes = jobs or os.cpu_count() or 1
-    with folder_lock(folder), _progress(quiet) as progress:
+    with folder_lock(folder), progress_of(quiet) as progress:
         if seal:
             strips = seal_result.direct_seal(case, folder=folder, jobs=processes, progress=progress)
             progress("drawing")
@@ -470,24 +469,6 @@ def _list_files(folder: Path) -> None:
     others = [name for name in names if name not in steps]
     listed = ", ".join(others) + (f" and {len(steps)} VTK files" if steps else "")
     say(f"Results in {os.path.join(folder, '')}: {listed}")
-
-
-@contextmanager
-def _progress(quiet: bool) -> Iterator[Callable[[str], None]]:
-    """Show on stderr what is being done: a changing line on a terminal, lines elsewhere, or nothing."""
-    try:
-        if quiet:
-            yield lambda text: None
-        elif not sys.stderr.isatty():
-            yield note
-        else:
-            from rich.console import Console
-
-            with Console(stderr=True, highlight=False).status("starting") as status:
-                yield lambda text: status.update(cell(text))
-    except KeyboardInterrupt:
-        note("interrupted")
-        raise
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -9,7 +9,8 @@ from __future__ import annotations
 import math
 import shutil
 import sys
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -66,6 +67,29 @@ ResultsFolder = Annotated[Path, argument("common", "results_folder")]
 Quiet = Annotated[bool, option("common", "quiet")]
 Json = Annotated[bool, json_option()]
 Debug = Annotated[bool, option("common", "debug")]
+
+
+@contextmanager
+def progress_of(quiet: bool) -> Iterator[Callable[[str], None]]:
+    """Show on stderr what is being done: a changing line on a terminal, lines elsewhere, or nothing.
+
+    Parameters
+    ----------
+    quiet : bool
+    """
+    try:
+        if quiet:
+            yield lambda text: None
+        elif not sys.stderr.isatty():
+            yield note
+        else:
+            from rich.console import Console
+
+            with Console(stderr=True, highlight=False).status("starting") as status:
+                yield lambda text: status.update(cell(text))
+    except KeyboardInterrupt:
+        note("interrupted")
+        raise
 
 
 def say(*lines: str, bold: bool = False) -> None:

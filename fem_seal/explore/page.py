@@ -16,8 +16,8 @@ from dash import ALL, Dash, Input, Output, State, ctx, dcc, html, no_update
 from dash.exceptions import PreventUpdate
 from flask import Response, abort, send_file
 
+from fem_seal.case.case_file import free_name, write_case
 from fem_seal.errors import SealError
-from fem_seal.explore.case_file import free_name, write_case
 from fem_seal.explore.figures import PINS, designs_shown, figures
 from fem_seal.explore.gate import Asked, Design, Entered, answered, checked, place_of, refuse
 from fem_seal.explore.screen import not_taken_words, preliminary_words, refused_words, slow_words, still_words

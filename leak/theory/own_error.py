@@ -26,6 +26,9 @@ LONG_WAVES, SUMMITS, CHANNELS = 0.40, 0.15, 1.3
 # Of contacts that yield all over: 0.13 by what the equivalent pressure misses on direct simulations of single maps
 # (`docs/direct_yielding.py`), and 0.08 by Poisson's ratio (0.3 to 0.45) and hardening (none to 2 % of E).
 YIELDING_SPREAD = 0.15
+# Decades of pressure over which the errors of one surface belong together: among 35 surfaces of the same rows, errors
+# half a decade apart have a correlation of 0.77, one apart 0.47, 1.5 apart 0.18 and two apart none.
+_BELONG_TOGETHER = 0.81
 # A_c/A0 of direct simulation, and the largest share of it that the rows fitted to reach.
 _THRESHOLD, _CLOSEST = 0.42, 0.9
 
@@ -66,7 +69,17 @@ class FlowError:
         share = np.asarray(quantile, dtype=float)
         if not np.all((share > 0.0) & (share < 1.0)):
             raise ConductivityError(f"quantile = {quantile!r}: must lie between 0 and 1")
-        return np.asarray(np.exp(self.bias + self.spread * ndtri(share)))
+        return self.factor_at(ndtri(share))
+
+    def factor_at(self, score: ArrayLike) -> FloatArray:
+        """Factor on the conductivity that is so many standard deviations from the mean of ln.
+
+        Parameters
+        ----------
+        score : array_like
+            Broadcast against `bias` [-].
+        """
+        return np.asarray(np.exp(self.bias + self.spread * np.asarray(score, dtype=float)))
 
 
 def closing(contact_area: ArrayLike) -> FloatArray:
@@ -117,3 +130,28 @@ def flow_error(
     parts = {"gap law": OPEN_SPREAD**2 + (CLOSING_SPREAD * X) ** 2, "few waves": sample, "yielding": metal}
     bias, spread = np.broadcast_arrays(bias, np.sqrt(np.sum(np.broadcast_arrays(*parts.values()), axis=0)))
     return FlowError(bias, spread, parts)
+
+
+def error_correlation(log_pressure: ArrayLike, other: ArrayLike | None = None) -> FloatArray:
+    """Correlation of the error of one seal at some pressures with its error at others, exp(-d^2/(2 d_0^2)).
+
+    d is the distance in decades of the pressure, d_0 = 0.81 is found by `docs/own_error_fit.py`.
+
+    Parameters
+    ----------
+    log_pressure, other : array_like, shapes (n,) and (m,)
+        Decimal logarithms of the peak pressures [Pa]; the same ones unless given.
+
+    Returns
+    -------
+    ndarray, shape (n, m)
+
+    Examples
+    --------
+    >>> error_correlation([6.0, 6.5, 8.0]).round(2)[0].tolist()
+    [1.0, 0.83, 0.05]
+    """
+    here = np.asarray(log_pressure, dtype=float)
+    there = here if other is None else np.asarray(other, dtype=float)
+    away = (here[:, None] - there) / _BELONG_TOGETHER
+    return np.asarray(np.exp(-0.5 * away**2))

@@ -15,8 +15,8 @@ from places import EXAMPLES
 
 import fem_seal
 from fem_seal.case.case import input_tables, load_case
+from fem_seal.case.case_file import case_text, free_name, write_case
 from fem_seal.errors import InputError
-from fem_seal.explore.case_file import case_text, free_name, write_case
 from fem_seal.explore.figures import leak_figure
 from fem_seal.explore.live import Missing, OwnTable, Session, conductivity
 from fem_seal.explore.screen import SHOWN, Screen, Shown, numbers_of, validity_words

@@ -15,7 +15,7 @@ from fem_seal.files import write_text
 if TYPE_CHECKING:
     from fem_seal.case.case import Case
 
-_FILES = ("file", "files", "trace", "profile")
+_FILES = ("file", "files", "trace", "profile", "posterior")
 _BARE = re.compile(r"[A-Za-z0-9_-]+")
 _NAME = re.compile(r"[\w][\w .+-]*")
 _MOST = 1000

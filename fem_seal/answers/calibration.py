@@ -1,0 +1,694 @@
+"""What a leak test says about a seal: its uncertain inputs and its leak rates, given measured ones.
+
+Bayes' rule on samples. Draws of the prior, the uncertain inputs of the case and the error of the theory, have the
+likelihood of the readings as weights. Leak rates of the draws come from a polynomial through a few runs of each group
+of loads (`fem_seal.answers.uncertainty`).
+
+Notation: y = ln Q, n draws, m readings, l loads of the case.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_seal.answers.posterior import Posterior, columns_of
+from fem_seal.answers.response_surface import IntArray, fit
+from fem_seal.answers.uncertainty import AnyInput, leak_interval, uncertain_inputs
+from fem_seal.arrays import FloatArray
+from fem_seal.case.case import Case
+from fem_seal.case.measured import MeasuredLeak, with_fluid
+from fem_seal.case.tables import Uncertainty, curves
+from fem_seal.case.words import problem
+from fem_seal.errors import InputError, SealError
+from fem_seal.sampling import sobol_points
+from fem_seal.seal.evaluate import evaluate
+from fem_seal.seal.heating import warmed
+from fem_seal.seal.load_solver import Clock, Progress
+from fem_seal.seal.problem import SealProblem
+from leak import error_correlation
+
+_DRAWS = 2**15
+# Draws that keep the posterior: as many as a run has samples in its finest intervals.
+_KEPT = 512
+# Largest share of data sets of the prior that are farther from it than those that are called a conflict.
+_CONFLICT = 0.02
+_SIMULATED = 4000
+# Of an expected width: truths that it is the mean of, and draws that show each.
+_TRUTHS, _SHOWN = 64, 4096
+# Accuracy of a leak rate that is measured next, and of a hardness by a Vickers series [-].
+_NEXT_READING, _HARDNESS = 0.1, 0.03
+_SHARES = (0.05, 0.5, 0.95)
+# What a reading below the instrument's limit and a sealed draw count as.
+_NO_LEAK = -1e3
+
+Percentiles = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """Leak rate of one load before and after the test: 5, 50 and 95 % of the draws stay below [m^3/s]."""
+
+    fluid_pressure: float
+    applied_force: float
+    prior: Percentiles
+    posterior: Percentiles
+
+
+@dataclass(frozen=True)
+class LearnedInput:
+    """One uncertain input before and after the test.
+
+    Parameters
+    ----------
+    name : str
+        Key, or "theory" of the theory's own error.
+    prior, posterior : tuple of float
+        5, 50 and 95 % of the draws stay below: of a factor, or of a value that a finish leaves open.
+    """
+
+    name: str
+    prior: Percentiles
+    posterior: Percentiles
+
+    @property
+    def learned(self) -> float:
+        """One less the ratio of both widths, of logarithms [-]."""
+        before, after = (math.log(one[2] / one[0]) for one in (self.prior, self.posterior))
+        return 1.0 - after / before if before > 0.0 else 0.0
+
+
+@dataclass(frozen=True)
+class NextTest:
+    """A test that could follow, and how far it would narrow the last prediction.
+
+    Parameters
+    ----------
+    name : str
+        "force", "pressure", "unloading", "gas" or "hardness".
+    fluid : str
+    fluid_pressure, applied_force, largest_earlier_force : float
+        NaN where it is no leak test [Pa], [N], [N].
+    width, expected : float
+        95 over 5 % of the leak rate now, and expected after the test [-].
+    """
+
+    name: str
+    fluid: str = ""
+    fluid_pressure: float = math.nan
+    applied_force: float = math.nan
+    largest_earlier_force: float = math.nan
+    width: float = math.nan
+    expected: float = math.nan
+
+    @property
+    def narrowing(self) -> float:
+        """Share of the width of ln Q that goes [-]."""
+        return 1.0 - math.log(self.expected) / math.log(self.width) if self.width > 1.0 else 0.0
+
+
+@dataclass(frozen=True)
+class Conflict:
+    """Readings that the prior can hardly have made.
+
+    Parameters
+    ----------
+    factor : float
+        Measured over expected, geometric mean [-].
+    culprit : {"path", "factor"}
+        What explains them best: a path that no force closes (scratch, particle), or one factor (fluid, form).
+    """
+
+    factor: float
+    culprit: str
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """What measured leak rates say about a seal.
+
+    Parameters
+    ----------
+    case : Case
+    readings : tuple of MeasuredLeak
+    expected : tuple of Percentiles
+        Of each reading before the test [m^3/s].
+    predictions : tuple of Prediction
+        Of each load of the case.
+    inputs : tuple of LearnedInput
+    p_value : float
+        Share of data sets of the prior that are farther from it than the readings [-].
+    conflict : Conflict or None
+    alternatives : mapping
+        Probability of each theory, reading of yielding and history that could be compared, all alike before [-].
+    next_tests : tuple of NextTest
+        The most informative first.
+    effective_draws : float
+        Draws that the posterior is worth.
+    posterior : Posterior
+        As many draws of it as a case samples.
+    """
+
+    case: Case
+    readings: tuple[MeasuredLeak, ...]
+    expected: tuple[Percentiles, ...]
+    predictions: tuple[Prediction, ...]
+    inputs: tuple[LearnedInput, ...]
+    p_value: float
+    conflict: Conflict | None
+    alternatives: Mapping[str, float]
+    next_tests: tuple[NextTest, ...]
+    effective_draws: float
+    posterior: Posterior = field(repr=False)
+
+
+# -------------------------------------------------------------------- draws and their leak rates
+
+
+@dataclass(frozen=True)
+class _Draws:
+    """Draws of the prior.
+
+    Parameters
+    ----------
+    inputs : tuple
+    uniform : ndarray, shape (n, dimensions)
+    """
+
+    inputs: tuple[AnyInput, ...]
+    uniform: FloatArray
+
+    @classmethod
+    def of(cls, case: Case, settings: Uncertainty | None) -> _Draws:
+        inputs = () if settings is None else uncertain_inputs(case, settings)
+        dimensions = sum(one.dimensions for one in inputs)
+        seed = 1 if settings is None else settings.seed
+        return cls(inputs, sobol_points(_DRAWS, max(dimensions, 1), seed))
+
+    def columns(self) -> Iterator[tuple[AnyInput, slice]]:
+        """Each input with its columns of `uniform`."""
+        first = 0
+        for one in self.inputs:
+            yield one, slice(first, first + one.dimensions)
+            first += one.dimensions
+
+    def values(self) -> dict[str, FloatArray]:
+        """Of each input, as `LeakInterval.values` has them."""
+        return {one.name: one.shown(one.values(self.uniform[:, of])) for one, of in self.columns()}
+
+
+def _variables(values: Mapping[str, FloatArray], names: Sequence[str]) -> FloatArray:
+    """Variables of a polynomial from the values of inputs, shape (n, d)."""
+    parts = [np.log(v)[:, None] if v.ndim == 1 else v[:, :-1] for v in (values[name] for name in names)]
+    return np.concatenate(parts, axis=1)
+
+
+@dataclass(frozen=True)
+class _Group:
+    """Loads of one case, of which every draw has a leak rate.
+
+    Parameters
+    ----------
+    points : list of tuple
+        Fluid pressure [Pa] and applied force [N].
+    log_rate : ndarray, shape (readings, loads, n)
+        y by the theory; `_NO_LEAK` of what is sealed.
+    bias, spread : ndarray, shape (loads,)
+        Of the theory's own error [-].
+    log_peak : ndarray, shape (loads,)
+        Decimal logarithm of the peak pressure [Pa].
+    slack : float
+        Standard deviation of what the polynomial may be off by.
+    """
+
+    points: list[tuple[float, float]]
+    log_rate: FloatArray
+    bias: FloatArray
+    spread: FloatArray
+    log_peak: FloatArray
+    slack: float
+
+
+def _group(case: Case, settings: Uncertainty | None, draws: _Draws, progress: Progress) -> _Group:
+    """Leak rates of all draws at the loads of a case.
+
+    Raises
+    ------
+    InputError
+        If a draw is blown open or no polynomial can be found.
+    """
+    case = warmed(case)
+    seal = evaluate(SealProblem.of(case), clock=Clock(progress)).seal(case)
+    leaks = [[one.leak for one in (load, *load.others.values())] for load in seal.loads]
+    own = np.array([[math.nan if one is None else one.leak_rate for one in of_load] for of_load in leaks]).T
+    log_rate, slack = _logarithm(own)[:, :, None].repeat(_DRAWS, axis=2), 0.0
+    if settings is not None and uncertain_inputs(case, settings):
+        found = leak_interval(seal, settings, progress)
+        sampled = np.array([found.leak_rate, *found.others.values()])
+        if np.isinf(sampled).any():
+            raise InputError(problem("calibrate_open"))
+        known = (sampled > 0.0).all(axis=(0, 1))
+        flat = _logarithm(sampled).reshape(-1, sampled.shape[2])
+        own_values = _variables(found.values, found.inputs)
+        surface = fit(own_values[known], flat[:, known].T, own_values)
+        log_rate = surface(_variables(draws.values(), found.inputs)).T.reshape(*own.shape, _DRAWS)
+        slack = max(float(surface.error.max()), found.error or 0.0)
+    errors = [load.flow_error for load in seal.loads]
+    bias, spread = (
+        np.array([0.0 if one is None else float(getattr(one, name)) for one in errors])
+        for name in ("bias", "spread")
+    )
+    peaks = np.log10([load.peak_pressure for load in seal.loads])
+    return _Group([load.point for load in seal.loads], log_rate, bias, spread, peaks, slack)
+
+
+def _logarithm(rates: FloatArray) -> FloatArray:
+    with np.errstate(divide="ignore"):
+        return np.maximum(np.log(rates), _NO_LEAK)
+
+
+@dataclass(frozen=True)
+class _Joint:
+    """Leak rates of all draws at the loads of several groups, the theory's error included.
+
+    Parameters
+    ----------
+    y : ndarray, shape (n, loads)
+        Draws of all readings of yielding asperities, one after the other.
+    error : ndarray, shape (n, loads)
+        The theory's error in each draw, in standard deviations.
+    factor : ndarray, shape (n, loads)
+        ln of what it makes.
+    log_peak : ndarray, shape (loads,)
+        See `_Group`.
+    slack : float
+    """
+
+    y: FloatArray
+    error: FloatArray
+    factor: FloatArray
+    log_peak: FloatArray
+    slack: float
+
+    @classmethod
+    def of(cls, groups: Sequence[_Group], seed: int) -> _Joint:
+        peaks, bias, spread = (
+            np.concatenate([getattr(one, name) for one in groups]) for name in ("log_peak", "bias", "spread")
+        )
+        log_rate = np.concatenate([one.log_rate for one in groups], axis=1)
+        # the same contact may stand there twice
+        values, vectors = np.linalg.eigh(error_correlation(peaks))
+        root = vectors * np.sqrt(np.maximum(values, 0.0))
+        normal = np.random.default_rng(seed).standard_normal((log_rate.shape[0] * _DRAWS, peaks.size))
+        error = normal @ root.T
+        factor = bias + spread * error
+        y = log_rate.transpose(0, 2, 1).reshape(-1, peaks.size) + factor
+        return cls(y, error, factor, peaks, max(one.slack for one in groups))
+
+
+# -------------------------------------------------------------------- Bayes' rule
+
+
+@dataclass(frozen=True)
+class Data:
+    """Readings as the likelihood takes them, arrays of shape (m,).
+
+    Parameters
+    ----------
+    y : ndarray
+        ln of the leak rates, or of the instrument's limit.
+    spread : ndarray
+        Standard deviation of y.
+    below : ndarray of bool
+        Whether less leaked.
+    """
+
+    y: FloatArray
+    spread: FloatArray
+    below: NDArray[np.bool_]
+
+    @classmethod
+    def of(cls, readings: Sequence[MeasuredLeak], slack: float = 0.0) -> Data:
+        """Of readings whose leak rates are known to `slack`."""
+        y = np.log([one.leak_rate for one in readings])
+        spread = np.hypot([one.uncertainty for one in readings], slack)
+        return cls(y, spread, np.array([one.below for one in readings], dtype=bool))
+
+    def log_likelihood(self, y: FloatArray) -> FloatArray:
+        """Of each draw, from its y, shape (n, m); shape (n,)."""
+        from scipy.special import log_ndtr
+
+        away = (self.y - y) / self.spread
+        return np.asarray(np.where(self.below, log_ndtr(away), -0.5 * away**2).sum(axis=1))
+
+
+def weights_of(log_likelihood: FloatArray) -> FloatArray:
+    """Weights of draws, their sum one."""
+    weights = np.exp(log_likelihood - log_likelihood.max())
+    return np.asarray(weights / weights.sum())
+
+
+def weighted_quantiles(
+    values: FloatArray, weights: FloatArray, shares: Sequence[float] = _SHARES
+) -> Percentiles:
+    """Values that these shares of the weight stay below."""
+    order = np.argsort(values)
+    passed = np.cumsum(weights[order])
+    found = np.interp(np.array(shares) * passed[-1], passed - 0.5 * weights[order], values[order])
+    return tuple(found.tolist())
+
+
+def data_p_value(y: FloatArray, data: Data, seed: int) -> float:
+    """Share of data sets of the prior that are as far from its mean as the readings, or farther.
+
+    Parameters
+    ----------
+    y : ndarray, shape (n, m)
+        Of draws of the prior.
+    data : Data
+    seed : int
+    """
+    random = np.random.default_rng(seed)
+    few = y[random.choice(len(y), _SIMULATED, replace=len(y) < _SIMULATED)]
+    few = few + data.spread * random.standard_normal(few.shape)
+    shares = []
+    if not data.below.all():
+        shown = few[:, ~data.below]
+        covariance = np.atleast_2d(np.cov(shown.T)) + 1e-12 * np.eye(shown.shape[1])
+        inverse, mean = np.linalg.inv(covariance), shown.mean(axis=0)
+        far, own = shown - mean, data.y[~data.below] - mean
+        distance = np.einsum("ij,jk,ik->i", far, inverse, far)
+        shares.append(float((distance >= own @ inverse @ own).mean()))
+    if data.below.any():
+        shares.append(float((few[:, data.below] <= data.y[data.below]).all(axis=1).mean()))
+    # of several looks the most surprising
+    return min(1.0, len(shares) * max(min(shares), 1.0 / _SIMULATED))
+
+
+def _conflict(y: FloatArray, data: Data, drive: FloatArray) -> Conflict:
+    """What explains readings that the prior can hardly have made: a path beside the contact, or a factor.
+
+    A path that no force closes, a scratch or a particle, lets through what the pressure drives.
+    """
+    shown = ~data.below
+    if not shown.any():
+        return Conflict(0.0, "factor")
+    mean = y[:, shown].mean(axis=0)
+    covariance = np.atleast_2d(np.cov(y[:, shown].T)) + np.diag(data.spread[shown] ** 2)
+    inverse, away = np.linalg.inv(covariance), data.y[shown] - mean
+    ones = np.ones(away.size)
+    level = float(ones @ inverse @ away / (ones @ inverse @ ones))
+    rest = away - level
+    of_factor = float(rest @ inverse @ rest)
+    per_drive = np.log(drive[shown]) - mean
+    paths = [
+        away - np.log1p(np.exp(size + per_drive)) for size in np.linspace(-40.0, 10.0, 501) - per_drive.mean()
+    ]
+    of_path = min(float(one @ inverse @ one) for one in paths)
+    path = away.mean() > 0.0 and away.size > 1 and of_path < of_factor
+    return Conflict(math.exp(float(away.mean())), "path" if path else "factor")
+
+
+# -------------------------------------------------------------------- the calibration
+
+
+def calibrate(
+    case: Case, readings: Sequence[MeasuredLeak], progress: Progress = lambda text: None
+) -> Calibration:
+    """What measured leak rates say about a seal.
+
+    Parameters
+    ----------
+    case : Case
+        With roughness and fluid; its loads are what is predicted.
+    readings : sequence of MeasuredLeak
+    progress : callable
+        Called with a status message before each step.
+
+    Raises
+    ------
+    InputError
+        If the case has no leak rate, or a load of it or of a reading cannot be calculated.
+
+    References
+    ----------
+    A. Gelman et al., Bayesian Data Analysis (2013), section 10.4: importance sampling; 6.3: predictive checks.
+    """
+    if case.roughness is None or case.fluid is None or case.leak.conductivity == "direct":
+        raise InputError(problem("calibrate_without_leak"))
+    settings, seed = case.sampled, 1 if case.sampled is None else case.sampled.seed
+    draws = _Draws.of(case, settings)
+    own = case.replace({"requirement": None, "load.target_leak_rate": None})
+    tests = _load_tests(own)
+    progress("leak rates of the case's own loads")
+    wider = _with_points(own, [*own.load.points, *(point for _, point in tests)])
+    groups = [_group(wider, settings, draws, progress)]
+    if groups[0].points[: len(own.load.points)] != list(own.load.points):
+        raise InputError(problem("calibrate_load"))
+    order: list[int] = []
+    for numbers, measured in _by_fluid_and_memory(readings):
+        progress(f"leak rates of {len(numbers)} readings")
+        groups.append(_group(measured, _settings_for(measured, case, settings), draws, progress))
+        if len(groups[-1].points) != len(numbers):
+            raise InputError(problem("calibrate_reading", line=readings[numbers[0]].line))
+        order += numbers
+    others: list[tuple[str, Case]] = []
+    for name, other in _other_tests(own):
+        with suppress(SealError):
+            progress(f"leak rates of a next test: {name}")
+            groups.append(_group(other, _settings_for(other, case, settings), draws, progress))
+            others.append((name, other))
+    joint = _Joint.of(groups, seed)
+    first = len(groups[0].points)
+    places = first + np.argsort(order)
+    y = joint.y[:, places]
+    data = Data.of(readings, joint.slack)
+    weights = weights_of(data.log_likelihood(y))
+    kept = _resampled(weights, _SHOWN, seed)
+    p_value = data_p_value(y, data, seed)
+    conflict = _conflict(y, data, _drive(readings)) if p_value < _CONFLICT else None
+    last = len(own.load.points) - 1
+    candidates = [
+        (NextTest(name, case.fluid.name, *point), joint.y[kept, groups[0].points.index(point)])
+        for name, point in tests
+        if point in groups[0].points
+    ]
+    candidates += [
+        (
+            NextTest(name, _fluid(other), *other.load.points[-1], _earlier(other)),
+            joint.y[kept, first + len(order) + n],
+        )
+        for n, (name, other) in enumerate(others)
+    ]
+    values = draws.values()
+    copies = len(joint.y) // _DRAWS
+    every = {name: np.tile(one, copies) for name, one in values.items() if one.ndim == 1}
+    even = np.full(len(weights), 1.0 / len(weights))
+    theory = {"theory": np.exp(joint.factor[:, last])} if np.ptp(joint.factor[:, last]) > 0.0 else {}
+    return Calibration(
+        case,
+        tuple(readings),
+        tuple(_exp(weighted_quantiles(one, even)) for one in y.T),
+        tuple(
+            Prediction(*point, *(_exp(weighted_quantiles(joint.y[:, n], one)) for one in (even, weights)))
+            for n, point in enumerate(own.load.points)
+        ),
+        tuple(
+            LearnedInput(name, *(weighted_quantiles(one, w) for w in (even, weights)))
+            for name, one in {**every, **theory}.items()
+        ),
+        p_value,
+        conflict,
+        _alternatives(own, readings, data, y, settings, draws, progress),
+        _next_tests(candidates, joint.y[kept, last], every, kept),
+        float(1.0 / (weights**2).sum()),
+        _posterior(draws, joint, weights, [*range(last + 1), *places.tolist()], seed),
+    )
+
+
+def _exp(logarithms: Percentiles) -> Percentiles:
+    low, middle, high = (math.exp(one) if one > 0.5 * _NO_LEAK else 0.0 for one in logarithms)
+    return low, middle, high
+
+
+def _with_points(case: Case, points: Sequence[tuple[float, float]]) -> Case:
+    pressures, forces = zip(*points, strict=True)
+    return case.replace({"load.fluid_pressure": list(pressures), "load.applied_force": list(forces)})
+
+
+def _by_fluid_and_memory(readings: Sequence[MeasuredLeak]) -> Iterator[tuple[list[int], Case]]:
+    """Readings with the same fluid and memory, by their numbers, with a case that has their loads."""
+    groups: dict[tuple[str, Any], list[int]] = {}
+    for number, one in enumerate(readings):
+        groups.setdefault((_fluid(one.case), one.case.load.earlier), []).append(number)
+    for numbers in groups.values():
+        yield (
+            numbers,
+            _with_points(readings[numbers[0]].case, [readings[n].case.load.points[0] for n in numbers]),
+        )
+
+
+def _fluid(case: Case) -> str:
+    assert case.fluid is not None  # of all whose leak is asked for
+    return case.fluid.name
+
+
+def _earlier(case: Case) -> float:
+    return math.nan if case.load.earlier is None else case.load.earlier[1]
+
+
+def _settings_for(case: Case, own: Case, settings: Uncertainty | None) -> Uncertainty | None:
+    """What is uncertain with another fluid: not the viscosity of the case's own."""
+    return settings if _fluid(case) == _fluid(own) else case.sampled
+
+
+def _drive(readings: Sequence[MeasuredLeak]) -> FloatArray:
+    """What drives a flow through an open path, in any unit: p of a liquid, p^2 of a gas, over the viscosity."""
+    found = []
+    for one in readings:
+        fluid, p = one.case.fluid, one.fluid_pressure
+        assert fluid is not None  # of all whose leak is asked for
+        outlet = fluid.outlet_pressure or 0.0
+        found.append((p * (p + 2.0 * outlet) if fluid.gas is not None else p) / fluid.viscosity)
+    return np.array(found)
+
+
+def _resampled(weights: FloatArray, count: int, seed: int) -> IntArray:
+    """Numbers of draws that stand for the weighted ones, each as often as it weighs."""
+    places = (np.arange(count) + np.random.default_rng(seed).random()) / count
+    found = np.minimum(np.cumsum(weights).searchsorted(places), len(weights) - 1)
+    return np.asarray(np.random.default_rng(seed).permutation(found))
+
+
+def _posterior(
+    draws: _Draws, joint: _Joint, weights: FloatArray, loads: Sequence[int], seed: int
+) -> Posterior:
+    """Draws of the posterior, with the theory's error at the peak pressures of some loads."""
+    kept = _resampled(weights, _KEPT, seed)
+    names = [name for one in draws.inputs for name in columns_of(one.name, one.dimensions)]
+    uniform = dict(zip(names, draws.uniform[kept % _DRAWS].T, strict=False))
+    if not np.ptp(joint.factor) > 0.0:
+        return Posterior(uniform, error=np.empty((_KEPT, 0)))
+    _, different = np.unique(joint.log_peak[loads].round(2), return_index=True)
+    chosen = np.array(loads)[different]
+    return Posterior(uniform, joint.log_peak[chosen], joint.error[np.ix_(kept, chosen)])
+
+
+# -------------------------------------------------------------------- other theories, histories and tests
+
+
+def _alternatives(
+    case: Case,
+    readings: Sequence[MeasuredLeak],
+    data: Data,
+    y: FloatArray,
+    settings: Uncertainty | None,
+    draws: _Draws,
+    progress: Progress,
+) -> dict[str, float]:
+    """Probability of each theory and history that can be compared, all alike before."""
+    evidence: dict[str, float] = {case.leak.theory: _log_mean(data.log_likelihood(y))}
+    others: list[tuple[str, dict[str, Any]]] = [
+        (theory, {"leak.theory": theory}) for theory in SealProblem.of(warmed(case)).other_theories
+    ]
+    if any(one.case.load.earlier is not None for one in readings):
+        others.append(
+            ("first loading", {"load.largest_earlier_force": None, "load.largest_earlier_pressure": None})
+        )
+    for name, changes in others:
+        with suppress(SealError):
+            changed = [replace(one, case=one.case.replace(changes)) for one in readings]
+            groups, order = [], []
+            for numbers, measured in _by_fluid_and_memory(changed):
+                progress(f"leak rates of the readings: {name}")
+                groups.append(_group(measured, _settings_for(measured, case, settings), draws, progress))
+                order += numbers
+            joint = _Joint.of(groups, 1)
+            evidence[name] = _log_mean(
+                Data.of(readings, joint.slack).log_likelihood(joint.y[:, np.argsort(order)])
+            )
+    most = max(evidence.values())
+    shares = {name: math.exp(one - most) for name, one in evidence.items()}
+    return {name: one / sum(shares.values()) for name, one in shares.items()}
+
+
+def _log_mean(values: FloatArray) -> float:
+    most = float(values.max())
+    return most + math.log(float(np.exp(values - most).mean()))
+
+
+def _load_tests(case: Case) -> list[tuple[str, tuple[float, float]]]:
+    """Loads on the same bodies that a next test could have: half and twice the force, half the pressure."""
+    if curves(case):
+        return []  # whose loads are a path
+    pressure, force = case.load.points[-1]
+    known = set(case.load.points)
+    wanted = [("pressure", (0.5 * pressure, force))]
+    if force > 0.0:
+        wanted += [("force", (pressure, 2.0 * force)), ("force", (pressure, 0.5 * force))]
+    return [(name, point) for name, point in wanted if point not in known]
+
+
+def _other_tests(case: Case) -> Iterator[tuple[str, Case]]:
+    """Tests with another gas, and after a larger force, at the last load of the case."""
+    pressure, force = case.load.points[-1]
+    last = _with_points(case, [(pressure, force)])
+    gas = "helium" if _fluid(case) == "nitrogen" else "nitrogen"
+    yield "gas", with_fluid(last, gas)
+    if not curves(case) and case.hardness is not None and force > 0.0 and case.load.earlier is None:
+        yield "unloading", last.replace({"load.largest_earlier_force": 2.0 * force})
+
+
+def _next_tests(
+    candidates: Sequence[tuple[NextTest, FloatArray]],
+    target: FloatArray,
+    values: Mapping[str, FloatArray],
+    kept: IntArray,
+) -> tuple[NextTest, ...]:
+    """Tests in the order of what they are expected to say, from draws of the posterior."""
+    now = _width(target, np.full(target.size, 1.0 / target.size))
+    shown = [(test, y, _NEXT_READING) for test, y in candidates]
+    if "hardness" in values:
+        shown.append((NextTest("hardness"), np.log(values["hardness"][kept]), _HARDNESS))
+    found = [
+        replace(test, width=now, expected=expected_width(y, target, spread)) for test, y, spread in shown
+    ]
+    return tuple(sorted(found, key=lambda one: one.expected))
+
+
+def _width(y: FloatArray, weights: FloatArray) -> float:
+    low, _, high = weighted_quantiles(y, weights)
+    return math.exp(min(high - low, 700.0))
+
+
+def expected_width(shown: FloatArray, target: FloatArray, spread: float) -> float:
+    """95 over 5 % of a leak rate that is expected once something else is measured.
+
+    Parameters
+    ----------
+    shown : ndarray, shape (n,)
+        Logarithm of what is measured, of draws that are alike likely.
+    target : ndarray, shape (n,)
+        ln of the leak rate.
+    spread : float
+        Standard deviation of the measured logarithm.
+
+    Examples
+    --------
+    >>> y = np.linspace(-1.0, 1.0, 4001)
+    >>> 1.0 < expected_width(y, y, 0.01) < 1.05, round(expected_width(0.0 * y, y, 0.01) / np.exp(1.8), 2)
+    (True, 1.0)
+    """
+    random = np.random.default_rng(1)
+    truths = random.choice(shown.size, min(_TRUTHS, shown.size), replace=False)
+    widths = []
+    for truth in truths.tolist():
+        seen = shown[truth] + spread * random.standard_normal()
+        widths.append(math.log(_width(target, weights_of(-0.5 * ((shown - seen) / spread) ** 2))))
+    return math.exp(float(np.mean(widths)))

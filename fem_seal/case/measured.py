@@ -1,0 +1,223 @@
+"""Measured leak rates: one row of a table for each reading of a leak test."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from fem_seal.case.case import Case
+from fem_seal.case.words import problem
+from fem_seal.errors import InputError, Problem
+from fem_seal.files import UnreadableFileError, name_and_unit, read_text
+from fem_seal.units import split_unit
+
+# What stands in a column, and where the case has the same.
+_KEYS = {
+    "fluid_pressure": "load.fluid_pressure",
+    "applied_force": "load.applied_force",
+    "largest_earlier_force": "load.largest_earlier_force",
+    "leak_rate": "load.target_leak_rate",
+}
+_COLUMNS = (*_KEYS, "uncertainty", "fluid", "below")
+_NEEDED = ("fluid_pressure", "leak_rate")
+_ANSWERS = {"yes": True, "true": True, "1": True, "no": False, "false": False, "0": False, "": False}
+# Of a leak rate: what a flow meter or a bubble count reaches.
+USUAL_UNCERTAINTY = 0.1
+_MOST_UNCERTAIN, _MOST_ROWS = 3.0, 200
+
+
+@dataclass(frozen=True)
+class MeasuredLeak:
+    """One reading of a leak test.
+
+    Parameters
+    ----------
+    line : int
+        Where it stands in its table, the header being line 1.
+    case : Case
+        The seal under this load, with this fluid and what it remembers.
+    leak_rate : float
+        As `run` gives it [m^3/s]; of a reading below the instrument's limit that limit.
+    uncertainty : float
+        Standard deviation of its logarithm: for small ones the relative standard deviation [-].
+    below : bool
+        Whether less than `leak_rate` leaks.
+    """
+
+    line: int
+    case: Case
+    leak_rate: float
+    uncertainty: float = USUAL_UNCERTAINTY
+    below: bool = False
+
+    @property
+    def fluid_pressure(self) -> float:
+        """[Pa]."""
+        return self.case.load.points[0][0]
+
+    @property
+    def applied_force(self) -> float:
+        """[N]."""
+        return self.case.load.points[0][1]
+
+
+def read_measured(case: Case, file: str | Path) -> tuple[MeasuredLeak, ...]:
+    """Readings of a leak test from a CSV file.
+
+    Parameters
+    ----------
+    case : Case
+        The seal; what a row does not say comes from it.
+    file : path
+        Columns `fluid_pressure` and `leak_rate` and, as they apply, `applied_force`, `uncertainty`, `fluid`,
+        `largest_earlier_force` and `below`, with their units in the header ("leak_rate [ml/min]", "fluid_pressure_Pa")
+        or in each cell.
+
+    Raises
+    ------
+    InputError
+        With line and column of an entry that is wrong.
+    """
+    try:
+        return measured_in(case, read_text(file))
+    except InputError as error:
+        raise error.in_file(file) from None
+    except UnicodeDecodeError:
+        raise InputError(problem("measured_no_text"), file=file) from None
+    except UnreadableFileError as error:
+        raise InputError.at("", str(error), file=file) from None
+
+
+def measured_in(case: Case, text: str) -> tuple[MeasuredLeak, ...]:
+    """Readings of a leak test in the text of such a file, see `read_measured`.
+
+    Parameters
+    ----------
+    case : Case
+    text : str
+    """
+    return tuple(_rows(case, text))
+
+
+def _rows(case: Case, text: str) -> Iterator[MeasuredLeak]:
+    lines = text.lstrip("\ufeff").splitlines()
+    kept = [(n, line) for n, line in enumerate(lines, 1) if line.strip() and not line.startswith("#")]
+    if len(kept) < 2:
+        raise InputError(problem("measured_empty"))
+    if len(kept) - 1 > _MOST_ROWS:
+        raise InputError(problem("measured_too_many", rows=len(kept) - 1, most=_MOST_ROWS))
+    separator = next((one for one in ";\t" if one in kept[0][1]), ",")
+    reader = csv.reader(io.StringIO("\n".join(line for _, line in kept)), delimiter=separator)
+    header, *cells = [[cell.strip() for cell in row] for row in reader]
+    names = [_name_and_unit(one) for one in header]
+    known = [name for name, _ in names]
+    for name in (
+        *(one for one in known if one not in _COLUMNS),
+        *(one for one in _NEEDED if one not in known),
+    ):
+        which = "measured_column" if name in known else "measured_missing"
+        raise InputError(problem(which, name=name, columns=", ".join(_COLUMNS)))
+    for (line, _), row in zip(kept[1:], cells, strict=True):
+        if len(row) != len(header):
+            raise InputError(problem("measured_row", line=line, cells=len(row), columns=len(header)))
+        comma = separator != ","
+        entries = {
+            name: (cell.replace(",", ".") if comma else cell, unit)
+            for (name, unit), cell in zip(names, row, strict=True)
+        }
+        yield _reading(case, line, entries)
+
+
+def _name_and_unit(header: str) -> tuple[str, str]:
+    name, unit = name_and_unit(header)
+    return (name, unit) if unit else split_unit(name)
+
+
+def _reading(case: Case, line: int, entries: Mapping[str, tuple[str, str]]) -> MeasuredLeak:
+    """A row of the table, by its columns: text and unit of the header."""
+    changes: dict[str, Any] = {"requirement": None, "load.target_leak_rate": None}
+    for name, key in _KEYS.items():
+        text, unit = entries.get(name, ("", ""))
+        if text:
+            changes[key] = (
+                text if any(one.isalpha() for one in text.lower().replace("e", "")) else f"{text} {unit}"
+            )
+        elif name in _NEEDED:
+            raise InputError(problem("measured_cell", line=line, name=name))
+        elif name == "applied_force":
+            changes[key] = _only_force(case, line)
+    fluid = entries.get("fluid", ("", ""))[0]
+    try:
+        changed = with_fluid(case, fluid) if fluid else case
+        changed = changed.replace({key: value for key, value in changes.items() if value is None})
+        found = changed.replace_written({key: one for key, one in changes.items() if one is not None})
+    except InputError as error:
+        columns = {key: name for name, key in _KEYS.items()} | {"fluid": "fluid"}
+        raise InputError(
+            *(
+                Problem(f"line {line}, column {columns.get(one.key, one.key)}", one.message, one.value)
+                for one in error.problems
+            )
+        ) from None
+    rate = found.load.target_leak_rate
+    assert rate is not None
+    below = _ANSWERS.get(entries.get("below", ("", ""))[0].lower())
+    if below is None:
+        raise InputError(problem("measured_below", line=line, value=entries["below"][0]))
+    # a load alone is no search for the force of a target
+    return MeasuredLeak(
+        line, found.replace({"load.target_leak_rate": None}), rate, _uncertainty(line, entries), below
+    )
+
+
+def with_fluid(case: Case, name: str) -> Case:
+    """The case with another fluid of the library, at the same temperature.
+
+    Parameters
+    ----------
+    case : Case
+    name : str
+
+    Raises
+    ------
+    InputError
+        If the library has no such fluid.
+    """
+    if case.fluid is not None and name.lower() == case.fluid.name.lower():
+        return case
+    given = () if case.fluid is None else case.fluid.model_fields_set - {"name", "temperature"}
+    changes: dict[str, Any] = dict.fromkeys(f"fluid.{key}" for key in sorted(given))
+    if case.uncertainty is not None and case.uncertainty.viscosity is not None:
+        changes["uncertainty.viscosity"] = None  # of the other one
+        if not case.uncertainty.spreads.keys() - {"viscosity"}:
+            changes = {key: one for key, one in changes.items() if not key.startswith("uncertainty")}
+            changes["uncertainty"] = None
+    return case.replace({**changes, "fluid.name": name})
+
+
+def _only_force(case: Case, line: int) -> str:
+    forces = {force for _, force in case.load.points}
+    if len(forces) > 1:
+        raise InputError(problem("measured_force", line=line))
+    return f"{forces.pop()!r} N"
+
+
+def _uncertainty(line: int, entries: Mapping[str, tuple[str, str]]) -> float:
+    text, unit = entries.get("uncertainty", ("", ""))
+    if not text:
+        return USUAL_UNCERTAINTY
+    try:
+        number = float(text.removesuffix("%"))
+    except ValueError:
+        number = -1.0
+    if "%" in text or unit in ("%", "percent"):
+        number *= 0.01
+    elif not unit:
+        raise InputError(problem("measured_uncertainty_unit", line=line, value=text))
+    if not 0.0 < number <= _MOST_UNCERTAIN:
+        raise InputError(problem("measured_uncertainty", line=line, value=text))
+    return number

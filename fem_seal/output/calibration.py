@@ -1,0 +1,312 @@
+"""A calibration as files: predictions, inputs, next tests, draws, a case file that has them, report."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import astuple
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fem_seal.answers.leakage_class import volume_of
+from fem_seal.case.case_file import case_text
+from fem_seal.files import as_json, write_text
+from fem_seal.output.pictures.style import (
+    BLUE,
+    GREY,
+    ORANGE,
+    Picture,
+    captioned,
+    label,
+    logarithmic,
+    panels,
+    style,
+)
+from fem_seal.output.prose import phrase, template
+from fem_seal.output.tables import write_rows_csv
+from fem_seal.units import leak_range_text, number, percent, quantity, unit_for
+from fem_seal.version import __version__
+
+if TYPE_CHECKING:
+    from fem_seal.answers.calibration import Calibration, LearnedInput, NextTest, Percentiles
+
+POSTERIOR, CASE = "posterior.csv", "calibrated.toml"
+PREDICTION_COLUMNS = (
+    "fluid_pressure_Pa",
+    "applied_force_N",
+    *(f"{when}leak_rate_{share}_m3_per_s" for when in ("prior_", "") for share in ("p05", "p50", "p95")),
+)
+INPUT_COLUMNS = ("input", "prior_p05", "prior_p50", "prior_p95", "p05", "p50", "p95", "learned")
+TEST_COLUMNS = (
+    "test",
+    "fluid",
+    "fluid_pressure_Pa",
+    "applied_force_N",
+    "largest_earlier_force_N",
+    "width",
+    "expected_width",
+    "narrowing",
+)
+# An input of whose width less than this has gone is one that the readings say nothing about, and a theory that is this
+# many times as likely as another is preferred.
+_LEARNED, _PREFERRED = 0.1, 3.0
+
+
+def write_calibration(found: Calibration, folder: Path) -> None:
+    """Write all files of a calibration.
+
+    Parameters
+    ----------
+    found : Calibration
+    folder : Path
+    """
+    predictions = [(*astuple(one)[:2], *one.prior, *one.posterior) for one in found.predictions]
+    write_rows_csv(folder / "predictions.csv", PREDICTION_COLUMNS, predictions)
+    inputs = [(one.name, *one.prior, *one.posterior, one.learned) for one in found.inputs]
+    write_rows_csv(folder / "inputs.csv", INPUT_COLUMNS, inputs)
+    tests = [(*astuple(one), one.narrowing) for one in found.next_tests]
+    write_rows_csv(folder / "next_tests.csv", TEST_COLUMNS, tests)
+    path = found.posterior.write(folder / POSTERIOR)
+    changed = found.case.replace({"uncertainty.posterior": str(path.absolute())})
+    write_text(folder / CASE, case_text(changed, folder.absolute(), phrase("calibration.files", "case")))
+    write_text(folder / "summary.json", as_json(summary(found)))
+    write_text(folder / "report.html", report(found))
+
+
+def summary(found: Calibration) -> dict[str, Any]:
+    """What summary.json holds of a calibration.
+
+    Parameters
+    ----------
+    found : Calibration
+    """
+    return {
+        "title": found.case.title,
+        "readings": len(found.readings),
+        "p_value": found.p_value,
+        "conflict": None
+        if found.conflict is None
+        else {"factor": found.conflict.factor, "culprit": found.conflict.culprit},
+        "alternatives": dict(found.alternatives),
+        "effective_draws": found.effective_draws,
+        "learned": {one.name: one.learned for one in found.inputs},
+        "spread_of_ln_Q": {"prior": _spread(found, "prior"), "posterior": _spread(found, "posterior")},
+        "next_test": found.next_tests[0].name if found.next_tests else None,
+    }
+
+
+def _spread(found: Calibration, which: str) -> float | None:
+    """Standard deviation of ln Q at the last load: a 3.29th of what lies between 5 and 95 %."""
+    low, _, high = getattr(found.predictions[-1], which)
+    return math.log(high / low) / 3.29 if low > 0.0 else None
+
+
+def lines(found: Calibration) -> Iterator[str]:
+    """What a calibration says, in sentences.
+
+    Parameters
+    ----------
+    found : Calibration
+    """
+    last = found.predictions[-1]
+    yield phrase(
+        "calibration.sentences",
+        "prediction",
+        load=quantity("fluid pressure", last.fluid_pressure),
+        now=_range(found, last.posterior),
+        before=_range(found, last.prior),
+    )
+    if found.conflict is not None:
+        words = phrase(
+            "calibration.culprit",
+            f"{found.conflict.culprit}_{'more' if found.conflict.factor > 1 else 'less'}",
+        )
+        factor = number(max(found.conflict.factor, 1.0 / found.conflict.factor), 2)
+        way = "more" if found.conflict.factor > 1 else "less"
+        yield phrase(
+            "calibration.sentences", "conflict", p=found.p_value, factor=factor, way=way, culprit=words
+        )
+    told, silent = ([one for one in found.inputs if (one.learned >= _LEARNED) is it] for it in (True, False))
+    if told:
+        yield phrase("calibration.sentences", "learned", inputs=", ".join(map(_told, told)))
+    if silent:
+        yield phrase(
+            "calibration.sentences", "silent", inputs=", ".join(input_name(one.name) for one in silent)
+        )
+    ranked = sorted(found.alternatives.items(), key=lambda one: -one[1])
+    if len(ranked) > 1:
+        (best, share), (second, less) = ranked[:2]
+        which = "prefers" if share > _PREFERRED * less else "no_preference"
+        ratio = share / less if less > 0.0 else math.inf
+        names = {"best": _alternative(best), "second": _alternative(second)}
+        yield phrase(
+            "calibration.sentences",
+            which,
+            ratio="far more" if ratio > 100.0 else f"{ratio:.1f} times as",
+            **names,
+        )
+    if found.next_tests:
+        best_test = found.next_tests[0]
+        yield phrase(
+            "calibration.sentences",
+            "next",
+            test=test_in_words(best_test),
+            narrowing=max(best_test.narrowing, 0.0),
+        )
+    if found.effective_draws < 100.0:
+        yield phrase("calibration.sentences", "thin", draws=found.effective_draws)
+
+
+def _range(found: Calibration, rates: Percentiles) -> str:
+    return leak_range_text((rates[0], rates[2]), volume=volume_of(found.case))
+
+
+def _told(one: LearnedInput) -> str:
+    return phrase(
+        "calibration.sentences",
+        "input",
+        name=input_name(one.name),
+        learned=one.learned,
+        middle=one.posterior[1],
+    )
+
+
+def input_name(name: str) -> str:
+    """An uncertain input in words.
+
+    Parameters
+    ----------
+    name : str
+    """
+    from fem_seal.output.prose import prose
+
+    return str(prose()["calibration"]["names"].get(name, name))
+
+
+def _alternative(name: str) -> str:
+    return phrase("calibration.alternatives", name.replace(" ", "_"))
+
+
+def test_in_words(test: NextTest) -> str:
+    """A next test: "a leak test with nitrogen at 20 bar".
+
+    Parameters
+    ----------
+    test : NextTest
+    """
+    return phrase(
+        "calibration.tests",
+        test.name,
+        fluid=test.fluid,
+        pressure=quantity("fluid pressure", test.fluid_pressure),
+        force=quantity("force", test.applied_force),
+        earlier=quantity("force", test.largest_earlier_force),
+    )
+
+
+def prediction_rows(found: Calibration) -> list[list[str]]:
+    """Cells of the table of predictions: pressure, force, before and after.
+
+    Parameters
+    ----------
+    found : Calibration
+    """
+    return [
+        [
+            quantity("fluid pressure", one.fluid_pressure),
+            quantity("force", one.applied_force),
+            _range(found, one.prior),
+            _range(found, one.posterior),
+            quantity("flow", one.posterior[1], 2),
+        ]
+        for one in found.predictions
+    ]
+
+
+PREDICTION_HEADINGS = ("fluid pressure", "force", "expected before", "after the test", "median after")
+
+
+def report(found: Calibration) -> str:
+    """The calibration as one HTML page.
+
+    Parameters
+    ----------
+    found : Calibration
+    """
+    with style():
+        picture = calibration_picture(found)
+    readings = [
+        [
+            str(one.line),
+            one.case.fluid.name if one.case.fluid is not None else "",
+            quantity("fluid pressure", one.fluid_pressure),
+            quantity("force", one.applied_force),
+            ("< " if one.below else "") + quantity("flow", one.leak_rate, 3),
+            percent(one.uncertainty),
+            _range(found, expected),
+        ]
+        for one, expected in zip(found.readings, found.expected, strict=True)
+    ]
+    inputs = [
+        [
+            input_name(one.name),
+            *(number(x, 3) for x in (*one.prior, *one.posterior)),
+            percent(max(one.learned, 0.0)),
+        ]
+        for one in found.inputs
+    ]
+    tests = [
+        [test_in_words(one), number(one.width, 3), number(one.expected, 3), percent(max(one.narrowing, 0.0))]
+        for one in found.next_tests
+    ]
+    return template("calibration.html.j2").render(
+        title=found.case.title or "fem-seal",
+        version=__version__,
+        lines=list(lines(found)),
+        picture=picture,
+        predictions=prediction_rows(found),
+        prediction_headings=PREDICTION_HEADINGS,
+        readings=readings,
+        inputs=inputs,
+        tests=tests,
+        p_value=found.p_value,
+    )
+
+
+def calibration_picture(found: Calibration) -> Picture:
+    """Leak rates over the fluid pressure: expected before and after the test, and measured.
+
+    Parameters
+    ----------
+    found : Calibration
+    """
+    figure, (axes,) = panels(1, height=3.8)
+    rates = [one.leak_rate for one in found.readings] + [one.posterior[1] for one in found.predictions]
+    unit, pressure = (
+        unit_for("flow", float(np.median(rates))),
+        unit_for("fluid pressure", max(p.fluid_pressure for p in found.predictions)),
+    )
+    shown = sorted(found.predictions, key=lambda one: (one.fluid_pressure, one.applied_force))
+    p = np.array([one.fluid_pressure for one in shown]) / pressure.size
+    for which, colour, name in (("prior", GREY, "before the test"), ("posterior", BLUE, "after the test")):
+        ends = np.array([getattr(one, which) for one in shown]) / unit.size
+        axes.errorbar(
+            p,
+            ends[:, 1],
+            np.abs(ends[:, [0, 2]] - ends[:, 1:2]).T,
+            fmt="o",
+            color=colour,
+            capsize=4,
+            ms=4,
+            label=name,
+        )
+    x = [one.fluid_pressure / pressure.size for one in found.readings]
+    y = np.array([one.leak_rate for one in found.readings]) / unit.size
+    bars = y * np.array([one.uncertainty for one in found.readings])
+    axes.errorbar(x, y, bars, fmt="D", color=ORANGE, capsize=3, ms=5, label="measured")
+    axes.legend(loc="best")
+    logarithmic(axes, "y")
+    label(axes, "Leak rate", f"fluid pressure  [{pressure.name}]", f"leak rate  [{unit.name}]")
+    return captioned(figure, "calibration", "all")

@@ -1,0 +1,252 @@
+"""What a leak test says about a seal: against closed forms, over many synthetic tests, and through files."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import numpy as np
+import pandas as pd
+import pytest
+from places import EXAMPLES
+
+import fem_seal
+from fem_seal.answers.calibration import (
+    Conflict,
+    Data,
+    _conflict,
+    calibrate,
+    data_p_value,
+    expected_width,
+    weighted_quantiles,
+    weights_of,
+)
+from fem_seal.answers.posterior import Posterior
+from fem_seal.case.measured import measured_in, read_measured
+from fem_seal.cli.app import main
+from fem_seal.output.calibration import lines
+from leak import error_correlation
+
+HEADER = "fluid_pressure [bar], leak_rate [ml/min], uncertainty [%], below\n"
+
+
+def seal(**changes):
+    case = fem_seal.load_case(EXAMPLES / "ball_cone.toml")
+    return case.replace(
+        {
+            "leak.theory": "corrected",
+            "load.fluid_pressure": ["5 bar", "20 bar"],
+            "load.applied_force": "1 kN",
+            "uncertainty": {"hardness": {"relative": 0.1}, "rms_height": {"relative": 0.2}},
+            **{key.replace("__", "."): value for key, value in changes.items()},
+        }
+    )
+
+
+def table(folder, *rows, header=HEADER):
+    path = folder / "measured.csv"
+    path.write_text(header + "".join(f"{row}\n" for row in rows), encoding="utf-8")
+    return path
+
+
+# -------------------------------------------------------------------- Bayes' rule
+
+
+def linear(draws=2**15, seed=0):
+    """ln Q of three loads, linear in two normal inputs, the first two measured."""
+    x = np.random.default_rng(seed).standard_normal((draws, 2))
+    slopes = np.array([[0.8, 0.1], [0.6, -0.3], [0.7, 0.4]])
+    return x, slopes, x @ slopes.T
+
+
+def test_the_linear_gaussian_case_is_that_of_its_closed_form():
+    x, slopes, y = linear(2**18)
+    data = Data(np.array([0.5, 0.2]), np.array([0.3, 0.2]), np.array([False, False]))
+    weights = weights_of(data.log_likelihood(y[:, :2]))
+    A, noise = slopes[:2], np.diag(data.spread**2)
+    gain = A.T @ np.linalg.inv(A @ A.T + noise)
+    mean, covariance = gain @ data.y, np.eye(2) - gain @ A
+    low, middle, high = weighted_quantiles(y[:, 2], weights)
+    expected = float(slopes[2] @ mean), 1.645 * math.sqrt(float(slopes[2] @ covariance @ slopes[2]))
+    assert middle == pytest.approx(expected[0], abs=0.01 * expected[1])
+    assert 0.5 * (high - low) == pytest.approx(expected[1], rel=0.01)
+    for n in range(2):
+        low, _, high = weighted_quantiles(x[:, n], weights)
+        assert 0.5 * (high - low) == pytest.approx(1.645 * math.sqrt(covariance[n, n]), rel=0.01)
+
+
+def test_intervals_of_synthetic_tests_hold_the_truth_as_often_as_they_say():
+    """200 truths of the prior, readings with noise: 90 % intervals, narrower than those of the prior."""
+    _, _, y = linear()
+    error = (
+        np.random.default_rng(5).standard_normal((len(y), 3))
+        @ np.linalg.cholesky(error_correlation([7.0, 7.3, 7.8]) + 1e-9 * np.eye(3)).T
+    )
+    y = y + 0.1 * error
+    even = np.full(len(y), 1.0 / len(y))
+    before = weighted_quantiles(y[:, 2], even)
+    random = np.random.default_rng(7)
+    held, narrower, widest = 0, 0, 0.0
+    for truth in random.choice(len(y), 200, replace=False):
+        seen = y[truth, :2] + 0.1 * random.standard_normal(2)
+        data = Data(seen, np.full(2, 0.1), np.zeros(2, dtype=bool))
+        low, _, high = weighted_quantiles(y[:, 2], weights_of(data.log_likelihood(y[:, :2])))
+        held += low <= y[truth, 2] <= high
+        share = (high - low) / (before[2] - before[0])
+        narrower, widest = narrower + (share < 1.0), max(widest, share)
+    assert 170 <= held <= 190
+    assert narrower >= 190
+    assert widest < 1.1
+
+
+def test_a_leak_of_ten_times_the_end_of_the_prior_is_a_conflict_and_data_of_the_prior_are_none():
+    _, _, y = linear()
+    spread, below = np.full(2, 0.1), np.zeros(2, dtype=bool)
+    end = np.array([weighted_quantiles(one, np.full(len(y), 1.0 / len(y)))[2] for one in y[:, :2].T])
+    assert data_p_value(y[:, :2], Data(end + math.log(10.0), spread, below), 1) < 0.02
+    random = np.random.default_rng(3)
+    found = [
+        data_p_value(y[:, :2], Data(y[n, :2] + spread * random.standard_normal(2), spread, below), 1)
+        for n in random.choice(len(y), 100, replace=False)
+    ]
+    assert sum(p < 0.02 for p in found) <= 5
+    assert np.mean(found) == pytest.approx(0.5, abs=0.1)
+    # one that the instrument does not see although every draw leaks far more
+    unseen = Data(y[:, :2].min(axis=0) - 5.0, spread, np.ones(2, dtype=bool))
+    assert data_p_value(y[:, :2], unseen, 1) < 0.02
+
+
+def test_readings_below_the_limit_leave_the_draws_that_leak_less():
+    _, _, y = linear()
+    data = Data(np.array([0.0]), np.array([0.01]), np.array([True]))
+    weights = weights_of(data.log_likelihood(y[:, :1]))
+    assert weighted_quantiles(y[:, 0], weights, (0.999,) * 3)[0] < 0.02
+    assert weights[y[:, 0] < -0.1].sum() == pytest.approx(1.0 - weights[y[:, 0] >= -0.1].sum())
+
+
+def test_a_path_that_no_force_closes_is_told_from_a_factor():
+    """Theory: the leak falls with the pressure that closes; a scratch leaks what the pressure drives."""
+    pressure = np.array([5e5, 1e6, 2e6, 4e6])
+    theory = np.log(1e-12 * pressure * np.exp(-pressure / 1e6))
+    y = theory + 0.2 * np.random.default_rng(1).standard_normal((2000, 1))
+    spread, below = np.full(4, 0.05), np.zeros(4, dtype=bool)
+    scratched = Data(np.log(np.exp(theory) + 5e-12 * pressure), spread, below)
+    found = _conflict(y, scratched, pressure)
+    assert found.culprit == "path"
+    assert found.factor > 5.0
+    thinner = Data(theory + math.log(20.0), spread, below)
+    assert _conflict(y, thinner, pressure) == Conflict(pytest.approx(20.0, rel=0.05), "factor")
+
+
+def test_the_expected_width_is_that_of_the_closed_form():
+    _, slopes, y = linear(4096)
+    found = expected_width(y[:, 0], y[:, 2], 0.2)
+    a, b = slopes[0], slopes[2]
+    left = b @ b - (a @ b) ** 2 / (a @ a + 0.2**2)
+    assert math.log(found) == pytest.approx(3.29 * math.sqrt(left), rel=0.05)
+
+
+def test_draws_go_through_their_file(tmp_path):
+    random = np.random.default_rng(2)
+    draws = Posterior({"hardness": random.random(64)}, np.array([7.0, 8.0]), random.standard_normal((64, 2)))
+    read = Posterior.read(draws.write(tmp_path / "posterior.csv"))
+    assert read.of_inputs(["hardness"])[:, 0] == pytest.approx(draws.uniform["hardness"], rel=1e-8)
+    # what is known stays, between both it follows from both, far away it is free
+    there = read.error_at(np.array([7.0, 7.5, 12.0]), 1)
+    assert there[0] == pytest.approx(draws.error[:, 0], abs=0.01)
+    assert abs(np.corrcoef(there[2], draws.error[:, 1])[0, 1]) < 0.35
+    assert np.corrcoef(there[1], draws.error.sum(axis=1))[0, 1] > 0.9
+    with pytest.raises(fem_seal.InputError, match="has no draws of rms_height"):
+        read.of_inputs(["rms_height"])
+
+
+# -------------------------------------------------------------------- readings
+
+
+def test_readings_in_any_unit(tmp_path):
+    case = seal()
+    path = table(tmp_path, "5; 1,2; 5; no", "10; 3 cm^3/h; ; yes", header=HEADER.replace(",", ";"))
+    first, second = read_measured(case, path)
+    assert first.fluid_pressure == pytest.approx(5e5)
+    assert first.leak_rate == pytest.approx(1.2e-6 / 60.0)
+    assert (first.uncertainty, first.below) == (0.05, False)
+    assert second.leak_rate == pytest.approx(3e-6 / 3600.0)
+    assert (second.uncertainty, second.below) == (0.1, True)
+    assert first.applied_force == second.applied_force == 1000.0
+    frame = pd.DataFrame({"fluid_pressure_Pa": [5e5], "leak_rate_m3_per_s": [2e-8], "fluid": ["nitrogen"]})
+    (gas,) = measured_in(case, frame.to_csv(index=False))
+    assert gas.case.fluid.name == "nitrogen"
+    assert gas.leak_rate == pytest.approx(2e-8)
+
+
+@pytest.mark.parametrize(
+    ("rows", "header", "words"),
+    [
+        (["5, x, 5, no"], HEADER, r"line 2, column leak_rate"),
+        (["5, 1, 5, no", "-1, 1, 5, no"], HEADER, r"line 3, column fluid_pressure"),
+        (["5, 1, 5, perhaps"], HEADER, r'line 2, column below = "perhaps"'),
+        (["5, 1, 0, no"], HEADER, r'line 2, column uncertainty = "0"'),
+        (["5, , 5, no"], HEADER, r"line 2, column leak_rate: is empty"),
+        (["5, 1, 5"], HEADER, r"line 2: has 3 cells, the header has 4"),
+        (["5, 1"], "fluid_pressure, leak_rate [ml/min]\n", r"line 2, column fluid_pressure"),
+        (["5, 1"], "fluid_pressure [bar], temperature [degC]\n", r"temperature: no known column"),
+        (["5"], "fluid_pressure [bar]\n", r"leak_rate: the table has no such column"),
+        (["5, 1, beer"], "fluid_pressure [bar], leak_rate [ml/min], fluid\n", r"line 2, column fluid"),
+        ([], HEADER, r"holds no reading"),
+    ],
+)
+def test_a_wrong_row_is_named_by_line_and_column(tmp_path, rows, header, words):
+    with pytest.raises(fem_seal.InputError, match=words):
+        read_measured(seal(), table(tmp_path, *rows, header=header))
+
+
+# -------------------------------------------------------------------- whole calibrations
+
+
+def test_a_test_narrows_the_prediction_and_the_calibrated_case_has_it(tmp_path, capsys):
+    """A rougher seal is measured at three pressures; the case that comes out gives its interval."""
+    rougher = seal(load__fluid_pressure=["5 bar", "10 bar", "15 bar", "20 bar"], uncertainty=None)
+    rougher = rougher.replace({"roughness.spectrum.rms_height": "2.2 um"})
+    *shown, truth = [load.leak.leak_rate * 6e7 for load in fem_seal.run(rougher).loads]
+    path = table(tmp_path, *(f"{p}, {q:.4g}, 5, no" for p, q in zip((5, 10, 15), shown, strict=True)))
+    case = tmp_path / "seal.toml"
+    from fem_seal.case.case_file import case_text
+
+    case.write_text(case_text(seal(), tmp_path), encoding="utf-8")
+    assert main(["calibrate", str(case), str(path), "--quiet"]) == 0
+    folder = tmp_path / "seal.calibrated"
+    names = {"calibrated.toml", "inputs.csv", "next_tests.csv", "posterior.csv", "predictions.csv"}
+    assert {one.name for one in folder.iterdir() if one.is_file()} >= names | {"report.html", "summary.json"}
+    last = pd.read_csv(folder / "predictions.csv").iloc[-1] * 6e7
+    low, high = last["leak_rate_p05_m3_per_s"], last["leak_rate_p95_m3_per_s"]
+    assert low < truth < high
+    assert (
+        high / low < 1.5 < 4.0 < last["prior_leak_rate_p95_m3_per_s"] / last["prior_leak_rate_p05_m3_per_s"]
+    )
+    inputs = pd.read_csv(folder / "inputs.csv", index_col="input")
+    assert inputs.learned["rms_height"] > 0.7 > 0.2 > inputs.learned["hardness"]
+    assert inputs.p05["rms_height"] < 2.2 / 1.9 < inputs.p95["rms_height"]
+    told = json.loads((folder / "summary.json").read_text("utf-8"))
+    assert told["conflict"] is None
+    assert told["p_value"] > 0.05
+    assert sum(told["alternatives"].values()) == pytest.approx(1.0)
+    # every other command takes the case
+    interval = fem_seal.run(folder / "calibrated.toml").uncertainty
+    assert interval.samples == 512
+    assert interval.low[-1] * 6e7 == pytest.approx(low, rel=0.03)
+    assert interval.high[-1] * 6e7 == pytest.approx(high, rel=0.03)
+
+
+def test_a_seal_that_leaks_a_hundred_times_more_is_a_conflict(tmp_path):
+    case = seal(uncertainty={"hardness": {"relative": 0.1}})
+    found = calibrate(case, read_measured(case, table(tmp_path, "5, 2000, 10, no", "20, 5000, 10, no")))
+    assert found.p_value < 0.02
+    assert found.conflict is not None
+    assert found.conflict.factor > 10.0
+    assert any("Conflict" in line for line in lines(found))
+
+
+def test_without_a_leak_rate_nothing_is_calibrated(tmp_path):
+    case = seal(fluid=None, uncertainty=None, load__target_leak_rate=None)
+    with pytest.raises(fem_seal.InputError, match=r"needs \[roughness\], \[fluid\]"):
+        calibrate(case, ())
