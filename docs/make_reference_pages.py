@@ -8,7 +8,9 @@ that they live in, docs/tutorial/made/ by doing what the tutorial says.
 
 from __future__ import annotations
 
+import base64
 import os
+import re
 import sys
 from collections import defaultdict
 from collections.abc import Iterator
@@ -160,16 +162,31 @@ def tutorial(folder: Path) -> None:
         drawn = gallery.pictures(copy.with_suffix(".out"))
     for name in ("sketch", "leak"):
         (made / f"{name}.svg").write_bytes(drawn[name][0])
+    _leak_test(folder, made)
     (made / "headline.md").write_text(_quoted(fem_seal.run(case)), encoding="utf-8")
     (made / "finer.md").write_text(
         _quoted(fem_seal.run(case.replace({"roughness.Ra": "0.1 um"}))), encoding="utf-8"
     )
 
 
-def _terminal(command: str, case: Path) -> str:
+def _leak_test(folder: Path, made: Path) -> None:
+    """What the tutorial on a leak test shows."""
+    with TemporaryDirectory() as place:
+        for name in ("leak_test.toml", "leak_test.csv"):
+            (Path(place) / name).write_text((folder / name).read_text(encoding="utf-8"), encoding="utf-8")
+        case = Path(place) / "leak_test.toml"
+        (made / "calibrate.txt").write_text(_terminal("calibrate", case, "leak_test.csv"), encoding="utf-8")
+        drawn = re.search(
+            r'base64,([^"]+)', (case.with_suffix(".calibrated") / "report.html").read_text("utf-8")
+        )
+    assert drawn is not None
+    (made / "calibration.svg").write_bytes(base64.b64decode(drawn[1]))
+
+
+def _terminal(command: str, case: Path, *more: str) -> str:
     """A command and what it prints."""
     done = run(
-        [sys.executable, "-m", "fem_seal", command, case.name],
+        [sys.executable, "-m", "fem_seal", command, case.name, *more],
         cwd=case.parent,
         env={**os.environ, "PYTHONPATH": str(Path(__file__).parents[1]), "OPENBLAS_NUM_THREADS": "1"},
         capture_output=True,
@@ -180,7 +197,7 @@ def _terminal(command: str, case: Path) -> str:
         raise SystemExit(f"{command}: {done.stderr}")
     printed = done.stdout.replace(f"{case.parent}{os.sep}", "")
     return (
-        f"$ fem-seal {command} {case.name}\n"
+        f"$ fem-seal {' '.join([command, case.name, *more])}\n"
         + "\n".join(line.rstrip() for line in printed.splitlines())
         + "\n"
     )

@@ -153,6 +153,12 @@ class Calibration:
         Draws that the posterior is worth.
     posterior : Posterior
         As many draws of it as a case samples.
+
+    Examples
+    --------
+    >>> found = fem_seal.calibrate("seal.toml", "measured.csv")  # doctest: +SKIP
+    >>> found.conflict is None, round(found.p_value, 2)  # doctest: +SKIP
+    (True, 0.45)
     """
 
     case: Case

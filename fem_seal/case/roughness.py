@@ -612,8 +612,9 @@ class UncertainFinish:
         )
 
     def shown(self, values: FloatArray) -> FloatArray:
-        """The values themselves, geometric mean over the faces, shape (n,)."""
-        return np.asarray(np.exp(self.scores(values)[:, 0]))
+        """The values themselves, geometric mean over the faces, of waves their wavenumber, shape (n,)."""
+        found = np.exp(self.scores(values)[:, 0])
+        return np.asarray(2.0 * np.pi / found if self.name.startswith("q_") else found)
 
 
 def uncertain_finishes(roughness: Roughness | None, *, known: Collection[str]) -> Iterator[UncertainFinish]:

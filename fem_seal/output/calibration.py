@@ -26,7 +26,7 @@ from fem_seal.output.pictures.style import (
 )
 from fem_seal.output.prose import phrase, template
 from fem_seal.output.tables import write_rows_csv
-from fem_seal.units import leak_range_text, number, percent, quantity, unit_for
+from fem_seal.units import format_quantity, leak_range_text, number, percent, quantity, unit_for
 from fem_seal.version import __version__
 
 if TYPE_CHECKING:
@@ -114,7 +114,7 @@ def lines(found: Calibration) -> Iterator[str]:
     yield phrase(
         "calibration.sentences",
         "prediction",
-        load=quantity("fluid pressure", last.fluid_pressure),
+        load=format_quantity("fluid pressure", last.fluid_pressure),
         now=_range(found, last.posterior),
         before=_range(found, last.prior),
     )
@@ -200,9 +200,9 @@ def test_in_words(test: NextTest) -> str:
         "calibration.tests",
         test.name,
         fluid=test.fluid,
-        pressure=quantity("fluid pressure", test.fluid_pressure),
-        force=quantity("force", test.applied_force),
-        earlier=quantity("force", test.largest_earlier_force),
+        pressure=format_quantity("fluid pressure", test.fluid_pressure),
+        force=format_quantity("force", test.applied_force),
+        earlier=format_quantity("force", test.largest_earlier_force),
     )
 
 
@@ -215,8 +215,8 @@ def prediction_rows(found: Calibration) -> list[list[str]]:
     """
     return [
         [
-            quantity("fluid pressure", one.fluid_pressure),
-            quantity("force", one.applied_force),
+            format_quantity("fluid pressure", one.fluid_pressure),
+            format_quantity("force", one.applied_force),
             _range(found, one.prior),
             _range(found, one.posterior),
             quantity("flow", one.posterior[1], 2),
@@ -241,8 +241,8 @@ def report(found: Calibration) -> str:
         [
             str(one.line),
             one.case.fluid.name if one.case.fluid is not None else "",
-            quantity("fluid pressure", one.fluid_pressure),
-            quantity("force", one.applied_force),
+            format_quantity("fluid pressure", one.fluid_pressure),
+            format_quantity("force", one.applied_force),
             ("< " if one.below else "") + quantity("flow", one.leak_rate, 3),
             percent(one.uncertainty),
             _range(found, expected),
