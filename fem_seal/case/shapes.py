@@ -25,10 +25,8 @@ Rounding = Annotated[float, Quantity("length", "0.1 um", "10 m")]
 SmallLength = Annotated[float, Quantity("length", "0 um", "10 m")]
 Inclination = Annotated[float, Quantity("angle", "0 deg", "90 deg", exclusive=True)]
 
-# What stands at a key of a shape, if not a length.
+# What stands at a key of a shape that is neither a length above zero nor an inclination between 0 and 90 deg.
 _KINDS: dict[str, Any] = {
-    "angle": Inclination,
-    "contact_angle": Inclination,
     "relief_angle": Annotated[float, Quantity("angle", "0 deg", "90 deg")],
     "top_angle": Annotated[float, Quantity("angle", "-90 deg", "90 deg", exclusive=True)],
     "recess": SmallLength,
@@ -138,7 +136,8 @@ def _model(
     fields: dict[str, Any] = {"shape": (Literal[shape], ...)}
     for key, parameter in parameters.items():
         if key not in base.model_fields:
-            kind = edge if key == "edge_radius" else _KINDS.get(key, Length)
+            usual = Inclination if key.endswith("angle") else Length
+            kind = edge if key == "edge_radius" else _KINDS.get(key, usual)
             fields[key] = (kind, ...) if parameter.default is parameter.empty else (kind | None, None)
     if not is_seat:
         fields["material"] = (MaterialField, ...)

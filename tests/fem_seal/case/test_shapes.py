@@ -7,6 +7,7 @@ import json
 import math
 
 import pytest
+from pydantic import ValidationError
 from sample_results import run_loads
 from shape_tables import CLOSURES, PAIRS, SHAPES, STEEL, dimensions_of, tables
 
@@ -14,10 +15,12 @@ from fem_seal import Case, InputError, load_case, run
 from fem_seal.answers.closed_forms import derive
 from fem_seal.case.case import with_units
 from fem_seal.case.messages import choices, tables_of
+from fem_seal.case.shapes import _model
 from fem_seal.cli.terminal import show_derived
 from fem_seal.output.case_words import chosen_dimensions, dimensions
 from fem_seal.output.files import derived_numbers
 from fem_seal.output.report.page import report
+from meshes import Ball, ConicalSeat, Shape
 
 
 @pytest.mark.parametrize("table", SHAPES)
@@ -31,6 +34,17 @@ def test_a_dimension_is_a_length_unless_its_key_says_angle(table):
     keys = dimensions_of(table)
     units = {key: "1.0 rad" if key.endswith("angle") else "1.0 m" for key in keys}
     assert with_units(table, dict.fromkeys(keys, 1.0)) == units
+
+
+def test_a_table_follows_from_the_parameters_of_a_maker_whatever_they_are() -> None:
+    def cut(throat_angle: float, closure: Shape, *, throat_radius: float = 0.01) -> Shape:
+        return ConicalSeat.around(throat_angle, closure, bore_radius=throat_radius)
+
+    table = _model("Cut", "cut", cut)
+    made = table(shape="cut", throat_angle="30 deg", throat_radius="8 mm", material="steel").body(Ball(0.02))
+    assert made == ConicalSeat.around(math.radians(30), Ball(0.02), bore_radius=0.008)
+    with pytest.raises(ValidationError, match="above 0 deg and below 90 deg"):
+        table(shape="cut", throat_angle="95 deg", material="steel")
 
 
 def test_every_shape_is_in_a_pair() -> None:
