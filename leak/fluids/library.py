@@ -251,15 +251,22 @@ def _petroleum_law(bulk_modulus: float, highest: float) -> Callable[[float, floa
     return law
 
 
-def _ethanol_law(T: float, viscosity: float) -> PressureLaw:
-    """Fitted to the reference correlation at 0 to 75 degC, up to 2000 bar."""
-    compression = Tait.of_bulk_modulus(0.886e9 * float(np.exp(-0.0070 * (T - ROOM_TEMPERATURE))))
-    return Roelands(0.31 + 0.0033 * (T - ROOM_TEMPERATURE), viscosity, compression, 2e8, 0.1)
+def _known_law(data: Mapping[str, Any]) -> Callable[[float, float], PressureLaw] | None:
+    """Barus' or Roelands' law with the numbers of the liquid's own table; None where it has none."""
+    if "bulk_modulus" not in data:
+        return None
+    (modulus, fall), highest, uncertainty = (
+        data[key] for key in ("bulk_modulus", "highest_pressure", "uncertainty")
+    )
 
+    def law(T: float, viscosity: float) -> PressureLaw:
+        compression = Tait.of_bulk_modulus(modulus * float(np.exp(-fall * (T - ROOM_TEMPERATURE))))
+        if "pressure_viscosity" in data:
+            return Barus(data["pressure_viscosity"], compression, highest, uncertainty)
+        exponent = _polynomial(*data["roelands_z"])(T)
+        return Roelands(exponent, viscosity, compression, highest, uncertainty)
 
-def _glycol_law(T: float, viscosity: float) -> PressureLaw:
-    """An estimate: glycol thickens by some 4/GPa, water by next to nothing."""
-    return Barus(2.5e-9, Tait.of_bulk_modulus(2.8e9), 1.2e8, 0.4)
+    return law
 
 
 # -------------------------------------------------------------------- the library
@@ -283,7 +290,7 @@ def _liquid_entry(name: str, data: Mapping[str, Any]) -> _Entry[Liquid]:
     else:
         known, density = "log_viscosity" in data, _polynomial(*data["density"])
         viscosity = _exponential(*data["log_viscosity"]) if known else _interpolated(data["viscosity"])
-        law = {"glycol/water 50/50": _glycol_law, "ethanol": _ethanol_law}.get(name)
+        law = _known_law(data)
 
     def at(T: float) -> Liquid:
         eta = float(viscosity(T))

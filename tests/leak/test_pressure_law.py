@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 
 import leak
-from leak.fluids.library import _petroleum_law, water_density, water_law, water_viscosity
+from leak.fluids.library import _liquid_entry, _petroleum_law, water_density, water_law, water_viscosity
 
 R0, WIDTH, SIGMA = 0.014, 1e-3, 1e-15
 X = np.linspace(0.0, WIDTH, 101)
@@ -107,6 +107,28 @@ def test_ethanol_against_its_reference_correlation(temperature):
     for p in (2e7, 1e8, 1.9e8):
         eta, first = (CoolProp.PropsSI("V", "T", temperature, "P", one, "Ethanol") for one in (p, 101325.0))
         assert float(law.viscosity_ratio(p)) == pytest.approx(eta / first, rel=0.08)
+
+
+def test_a_liquid_is_one_table_with_what_pressure_makes_of_it():
+    known = {
+        "temperature": [273.15, 373.15],
+        "viscosity": [[0.0, 0.8], [50.0, 0.4]],
+        "density": [867.0, -0.93],
+        "source": "a handbook",
+    }
+    under_pressure = {"bulk_modulus": [1.1e9, 0.007], "highest_pressure": 1e8, "uncertainty": 0.2}
+    T, warmer = 313.15, 313.15 - 293.15
+    softened = leak.Tait.of_bulk_modulus(1.1e9 * float(np.exp(-0.007 * warmer)))
+
+    def made(**more):
+        return _liquid_entry("toluene", known | more).at(T)
+
+    assert made().pressure_law is None
+    barus = made(pressure_viscosity=9e-9, **under_pressure)
+    assert barus.pressure_law == leak.Barus(9e-9, softened, 1e8, 0.2)
+    roelands = made(roelands_z=[0.5, 0.001], **under_pressure)
+    expected = leak.Roelands(0.5 + 0.001 * warmer, roelands.viscosity, softened, 1e8, 0.2)
+    assert roelands.pressure_law == expected
 
 
 @pytest.mark.parametrize("name", [name for name in leak.FLUIDS if leak.FLUIDS[name].pressure_law])
