@@ -61,14 +61,14 @@ def write(result: SealSolution, folder: Path) -> tuple[str, ...]:
         If a file cannot be written.
     """
     folder, steps = Path(folder), OptionalSteps()
-    with replaced_together(folder) as draft:
+    tables = {name: table for shown in shown_answers.SHOWN for name, table in shown.tables.items()}
+    with replaced_together(folder, tables=tables) as draft:
         write_leak_csv(result, draft / "leak.csv")
         write_profile_csv(result, draft / "profile.csv")
         # a full disc concerns the other files as well
         for name, write_one in _FILES.items():
             with steps.attempt(name, but=OSError):
                 write_one(result, draft)
-        tables = {name: table for shown in shown_answers.SHOWN for name, table in shown.tables.items()}
         for name, table in {"imprint.csv": imprint_rows, **tables}.items():
             with steps.attempt(name, but=OSError):
                 columns, rows = table(result)

@@ -111,9 +111,10 @@ def _release(path: Path, handle: int) -> None:
 UNFINISHED = "UNFINISHED.txt"
 _DRAFT = ".fem-seal-draft"
 
-# All files that a run may write: those that the last one did not write are of an earlier one.
+# All files that a run may write, but the tables of its answers: those that the last one did not write are of an earlier
+# one.
 _OF_A_RUN = re.compile(
-    r"(leak|profile|imprint|variants|around|particles)\.csv|summary\.json|report\.html|mesh\.msh"
+    r"(leak|profile|imprint)\.csv|summary\.json|report\.html|mesh\.msh"
     r"|(contact|contact_line|around)\.pvd|contact_\d{3,}\.vtu|(contact_line|around)_\d{3,}\.vtp|unloaded\.vtu"
 )
 
@@ -127,7 +128,7 @@ _MIXED = (
 
 
 @contextmanager
-def replaced_together(folder: Path, *, whole: bool = True) -> Iterator[Path]:
+def replaced_together(folder: Path, *, whole: bool = True, tables: Collection[str] = ()) -> Iterator[Path]:
     """Give a folder to write results into, and at the end move them to `folder`, all of them or none.
 
     The draft stands in `folder` itself, so that its files can take their places by being renamed, whatever file system
@@ -142,6 +143,8 @@ def replaced_together(folder: Path, *, whole: bool = True) -> Iterator[Path]:
         Whether the new files are all results of a run, so that other results are those of an earlier one and are
         removed. If not, such results stay, and if the new ones differ from what stood there, ``UNFINISHED.txt`` says
         that they do not belong together.
+    tables : collection of str
+        Names of the files that an answer of a run may have.
 
     Raises
     ------
@@ -155,7 +158,7 @@ def replaced_together(folder: Path, *, whole: bool = True) -> Iterator[Path]:
             shutil.rmtree(draft)
         draft.mkdir(parents=True)
         yield draft
-        _move(draft, folder, whole)
+        _move(draft, folder, whole, tables)
     except OutputError as error:
         # the draft is gone when this is read
         raise OutputError(str(error).replace(str(draft), str(folder))) from error
@@ -175,10 +178,10 @@ def unfinished(folder: Path) -> str | None:
     return None
 
 
-def _move(draft: Path, folder: Path, whole: bool) -> None:
+def _move(draft: Path, folder: Path, whole: bool, tables: Collection[str]) -> None:
     new = {path.name for path in draft.iterdir()}
     there = {path.name for path in folder.iterdir() if not path.is_dir()}
-    others = {name for name in there - new if _OF_A_RUN.fullmatch(name)}
+    others = {name for name in there - new if _OF_A_RUN.fullmatch(name) or name in tables}
     # the same files may stand there already
     if not whole and not any(filecmp.cmpfiles(draft, folder, new, shallow=False)[1:]):
         return

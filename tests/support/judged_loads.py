@@ -12,6 +12,7 @@ from sample_results import case
 
 from fem_seal.bodies.fields import BodyField, ElastoplasticField
 from fem_seal.case.case import Case
+from fem_seal.profile import PressureProfile
 from fem_seal.seal.findings import Finding
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.problem import SealProblem
@@ -47,9 +48,9 @@ def load(
 ) -> Any:
     """What the checks look at in a load."""
     pressure = np.array([end_share * peak, peak, 0.0])
-    profile = SimpleNamespace(
-        peak_pressure=peak, highest=peak, std=std, pressure=pressure, x=_X, radius=_POINTS[:, 0]
-    )
+    profile = PressureProfile(_X, _POINTS[:, 0], pressure, np.zeros(3), np.full(3, 1e-3))
+    # as asked for, and not of the three points
+    vars(profile).update(peak=(0.0, peak), std=std)
     contact = SimpleNamespace(
         profile=profile,
         profiles=(profile,),

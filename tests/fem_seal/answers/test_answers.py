@@ -112,6 +112,7 @@ def test_an_added_answer_is_in_the_result_and_in_all_its_files(tmp_path):
 def test_where_it_does_not_apply_there_is_neither_section_nor_file(tmp_path):
     result = run_loads(smooth_case(load={"fluid_pressure": "20 bar"}))
     assert result.answers["indentation"] == () and "indentation" not in result.timings
+    (tmp_path / "indentation.csv").write_text("of an earlier run")
     result.write(tmp_path)
     assert not (tmp_path / "indentation.csv").exists()
     assert "indentation" not in (tmp_path / "report.html").read_text()
