@@ -1,9 +1,12 @@
 """Rules of the sources that no tool checks."""
 
 import ast
+import re
 
 import pytest
 from places import ROOT
+
+from fem_seal.files import own_tables
 
 PACKAGE = ROOT / "fem_seal"
 # Rooms that solve for the contact, and so may know that today's seals have one line.
@@ -32,3 +35,17 @@ def test_what_asks_for_the_only_line_is_found():
         "load.contact.profile",
     ]
     assert one_line("said('captions.profile', load.profiles, model.lines)") == []
+
+
+@pytest.mark.parametrize(
+    ("file", "functions"),
+    [("findings.toml", "caution|_over"), ("problems.toml", "problem|load_problem|wrong")],
+)
+def test_every_check_has_its_words_and_all_words_have_a_check(file, functions):
+    """A check whose words are missing would fail only where it has something to say."""
+    words = own_tables(file).keys()
+    code = "\n".join(path.read_text(encoding="utf-8") for path in sorted(PACKAGE.rglob("*.py")))
+    assert set(re.findall(rf'\b(?:{functions})\(\s*"(\w+)"', code)) <= words
+    # f"trace_{what}" asks for all that begin so
+    beginnings = tuple(re.findall(r'f"(\w+_)\{', code))
+    assert [one for one in words if f'"{one}"' not in code and not one.startswith(beginnings)] == []
