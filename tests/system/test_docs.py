@@ -90,6 +90,15 @@ def test_every_name_of_the_architecture_page_is_defined_somewhere():
     assert len(names) > 25
 
 
+def test_a_name_that_the_architecture_page_gives_with_its_file_stands_there():
+    page = (ROOT / "docs" / "developer" / "architecture.md").read_text(encoding="utf-8")
+    given = re.findall(rf"`([\w.]+)`,?\s+(?:in |of |\()`((?:{'|'.join(PACKAGES)})/[\w/]+\.py)`", page)
+    assert len(given) > 20
+    for name, file in given:
+        last, code = name.rpartition(".")[2], (ROOT / file).read_text(encoding="utf-8")
+        assert re.search(rf"^\s*(def|class)? ?{last}\b( ?[:=(]|$)", code, re.MULTILINE), f"{name} in {file}"
+
+
 def test_the_floors_of_the_architecture_page_are_those_of_the_contract():
     (floors,) = re.findall(
         r"```\n( fem_seal.*?)```", (ROOT / "docs" / "developer" / "architecture.md").read_text(), re.DOTALL
