@@ -15,6 +15,9 @@ from fem_seal.answers.calibration import (
     Conflict,
     Data,
     _conflict,
+    _Draws,
+    _group,
+    _Joint,
     calibrate,
     data_p_value,
     expected_width,
@@ -235,6 +238,28 @@ def test_a_test_narrows_the_prediction_and_the_calibrated_case_has_it(tmp_path, 
     assert interval.samples == 512
     assert interval.low[-1] * 6e7 == pytest.approx(low, rel=0.03)
     assert interval.high[-1] * 6e7 == pytest.approx(high, rel=0.03)
+
+
+def test_intervals_of_a_real_seal_hold_the_truth_as_often_as_they_say():
+    """200 seals of the prior of a case, with the theory's error, readings at 5 and 10 bar, 20 bar predicted."""
+    case = seal(load__fluid_pressure=["5 bar", "10 bar", "20 bar"])
+    case = case.replace({"uncertainty": {"viscosity": {"relative": 0.05}, "q_high": {"relative": 0.3}}})
+    draws = _Draws.of(case, case.uncertainty)
+    joint = _Joint.of([_group(case, case.uncertainty, draws, lambda text: None)], seed=3)
+    y, even = joint.y, np.full(len(joint.y), 1.0 / len(joint.y))
+    before = weighted_quantiles(y[:, 2], even)
+    random = np.random.default_rng(11)
+    held, narrower, widest = 0, 0, 0.0
+    for truth in random.choice(len(y), 200, replace=False):
+        seen = y[truth, :2] + 0.1 * random.standard_normal(2)
+        data = Data(seen, np.full(2, 0.1), np.zeros(2, dtype=bool))
+        low, _, high = weighted_quantiles(y[:, 2], weights_of(data.log_likelihood(y[:, :2])))
+        held += low <= y[truth, 2] <= high
+        share = (high - low) / (before[2] - before[0])
+        narrower, widest = narrower + (share < 1.0), max(widest, share)
+    assert 170 <= held <= 190
+    assert narrower >= 190
+    assert widest < 1.1
 
 
 def test_a_seal_that_leaks_a_hundred_times_more_is_a_conflict(tmp_path):
