@@ -290,18 +290,15 @@ def calibration_picture(found: Calibration) -> Picture:
     )
     shown = sorted(found.predictions, key=lambda one: (one.fluid_pressure, one.applied_force))
     p = np.array([one.fluid_pressure for one in shown]) / pressure.size
-    for which, colour, name in (("prior", GREY, "before the test"), ("posterior", BLUE, "after the test")):
-        ends = np.array([getattr(one, which) for one in shown]) / unit.size
-        axes.errorbar(
-            p,
-            ends[:, 1],
-            np.abs(ends[:, [0, 2]] - ends[:, 1:2]).T,
-            fmt="o",
-            color=colour,
-            capsize=4,
-            ms=4,
-            label=name,
-        )
+    # beside each other
+    apart = 0.006 * max(p.max(), max(one.fluid_pressure for one in found.readings) / pressure.size)
+    for which, colour, name, away in (
+        ("prior", GREY, "before the test", -apart),
+        ("posterior", BLUE, "after it", apart),
+    ):
+        low, middle, high = (np.array([getattr(one, which) for one in shown]) / unit.size).T
+        bars = np.array([middle - low, high - middle])
+        axes.errorbar(p + away, middle, bars, fmt="o", color=colour, capsize=4, ms=4, label=name)
     x = [one.fluid_pressure / pressure.size for one in found.readings]
     y = np.array([one.leak_rate for one in found.readings]) / unit.size
     bars = y * np.array([one.uncertainty for one in found.readings])
