@@ -40,6 +40,8 @@ _KEPT = 512
 # Largest share of data sets of the prior that are farther from it than those that are called a conflict.
 _CONFLICT = 0.02
 _SIMULATED = 4000
+# ln of a factor that is none.
+_AS_MUCH = 0.4
 # Of an expected width: truths that it is the mean of, and draws that show each.
 _TRUTHS, _SHOWN = 64, 4096
 # Accuracy of a leak rate that is measured next, and of a hardness by a Vickers series [-].
@@ -121,8 +123,9 @@ class Conflict:
     ----------
     factor : float
         Measured over expected, geometric mean [-].
-    culprit : {"path", "factor"}
-        What explains them best: a path that no force closes (scratch, particle), or one factor (fluid, form).
+    culprit : {"path", "factor", "order"}
+        What explains them best: a path that no force closes (scratch, particle), one factor (fluid, form), or none of
+        them: as much leaks as expected, at other loads.
     """
 
     factor: float
@@ -417,8 +420,11 @@ def _conflict(y: FloatArray, data: Data, drive: FloatArray) -> Conflict:
         away - np.log1p(np.exp(size + per_drive)) for size in np.linspace(-40.0, 10.0, 501) - per_drive.mean()
     ]
     of_path = min(float(one @ inverse @ one) for one in paths)
+    factor = math.exp(float(away.mean()))
+    if abs(away.mean()) < _AS_MUCH:
+        return Conflict(factor, "order")
     path = away.mean() > 0.0 and away.size > 1 and of_path < of_factor
-    return Conflict(math.exp(float(away.mean())), "path" if path else "factor")
+    return Conflict(factor, "path" if path else "factor")
 
 
 # -------------------------------------------------------------------- the calibration

@@ -124,7 +124,9 @@ def lines(found: Calibration) -> Iterator[str]:
             f"{found.conflict.culprit}_{'more' if found.conflict.factor > 1 else 'less'}",
         )
         factor = number(max(found.conflict.factor, 1.0 / found.conflict.factor), 2)
-        way = "more" if found.conflict.factor > 1 else "less"
+        way, culprit = "more" if found.conflict.factor > 1 else "less", found.conflict.culprit
+        words = phrase("calibration.culprit", culprit if culprit == "order" else f"{culprit}_{way}")
+        factor = number(max(found.conflict.factor, 1.0 / found.conflict.factor), 2)
         yield phrase(
             "calibration.sentences", "conflict", p=found.p_value, factor=factor, way=way, culprit=words
         )
@@ -138,16 +140,11 @@ def lines(found: Calibration) -> Iterator[str]:
     ranked = sorted(found.alternatives.items(), key=lambda one: -one[1])
     if len(ranked) > 1:
         (best, share), (second, less) = ranked[:2]
-        which = "prefers" if share > _PREFERRED * less else "no_preference"
         ratio = share / less if less > 0.0 else math.inf
+        which = "prefers_clearly" if ratio > 100.0 else "prefers" if ratio > _PREFERRED else "no_preference"
         names = {"best": _alternative(best), "second": _alternative(second)}
-        yield phrase(
-            "calibration.sentences",
-            which,
-            ratio="far more" if ratio > 100.0 else f"{ratio:.1f} times as",
-            **names,
-        )
-    if found.next_tests:
+        yield phrase("calibration.sentences", which, ratio=ratio, **names)
+    if found.next_tests and found.conflict is None:
         best_test = found.next_tests[0]
         yield phrase(
             "calibration.sentences",

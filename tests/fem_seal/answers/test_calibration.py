@@ -139,6 +139,8 @@ def test_a_path_that_no_force_closes_is_told_from_a_factor():
     assert found.factor > 5.0
     thinner = Data(theory + math.log(20.0), spread, below)
     assert _conflict(y, thinner, pressure) == Conflict(pytest.approx(20.0, rel=0.05), "factor")
+    turned = Data(theory[::-1], spread, below)
+    assert _conflict(y, turned, pressure).culprit == "order"
 
 
 def test_the_expected_width_is_that_of_the_closed_form():
