@@ -119,11 +119,6 @@ def lines(found: Calibration) -> Iterator[str]:
         before=_range(found, last.prior),
     )
     if found.conflict is not None:
-        words = phrase(
-            "calibration.culprit",
-            f"{found.conflict.culprit}_{'more' if found.conflict.factor > 1 else 'less'}",
-        )
-        factor = number(max(found.conflict.factor, 1.0 / found.conflict.factor), 2)
         way, culprit = "more" if found.conflict.factor > 1 else "less", found.conflict.culprit
         words = phrase("calibration.culprit", culprit if culprit == "order" else f"{culprit}_{way}")
         factor = number(max(found.conflict.factor, 1.0 / found.conflict.factor), 2)
