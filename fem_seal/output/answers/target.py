@@ -48,7 +48,7 @@ def valve_facts(result: SealSolution, load: JudgedLoad) -> Iterator[tuple[str, s
             phrase("facts.remark", both, target=_target(result, target)),
         )
     if found := load.verdict_force:
-        none = "none" if found.looked_for else "not looked for"
+        none = "none" if found.looked_for else "not calculated"
         begins = f" {found.begins}" if found.begins else ""
         yield (
             "Force for a pass",

@@ -282,7 +282,7 @@ def _shares(result: SealSolution, shares: Utilisation) -> dict[str, str]:
     return used if shares.opening is None else {**used, "opening": percent(shares.opening)}
 
 
-_USED = {"yield": "Of the yield stress", "hardness": "Of the hardness", "opening": "Left to opening"}
+_USED = {"yield": "Of the yield stress", "hardness": "Of the hardness", "opening": "Margin to opening"}
 
 
 def verdict_facts(result: SealSolution) -> list[tuple[str, str, str]]:

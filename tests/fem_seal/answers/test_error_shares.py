@@ -86,7 +86,7 @@ def test_the_papers_theory_has_its_readings_and_no_error_of_its_own():
 
 def test_the_sentence_and_the_summary_have_them(tmp_path):
     told = error_sentence(result())
-    assert "spans a factor of" in told and "rms height" in told and "known exactly a factor of" in told
+    assert "spans a factor of" in told and "rms height" in told and "known exactly, a factor of" in told
     close = run_loads(case(load={"fluid_pressure": "20 bar"}, roughness=FEW, leak=CORRECTED))
     assert "Without the doubt of long waves a factor of" in error_sentence(close)
     assert error_sentence(result(*SPREADS, theory="paper")) == ""
@@ -127,7 +127,7 @@ def test_a_measured_profile_leaves_what_was_foretold(tmp_path, seed):
     found = fem_seal.run(finished())
     (shares,) = error_shares_of(found)
     assert shares.factor > 2.5 and shares.by_profiles.length == pytest.approx(5.6e-3)
-    assert "One measured profile of 5.6 mm of each face with a drawing's finish" in error_sentence(found)
+    assert "With one measured profile of 5.6 mm of each face that has a drawing's finish" in error_sentence(found)
     (after,) = error_shares_of(fem_seal.run(measured(finished(), tmp_path, seed)))
     assert after.factor == pytest.approx(shares.by_profiles.left, rel=0.15)
 

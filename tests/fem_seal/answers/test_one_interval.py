@@ -102,13 +102,13 @@ def test_what_widens_the_interval_is_said_beside_it():
     few = known_as(rough_result(), Bounds.factor_bounds(3.3), Level.DOUBTFUL, 1e-3)
     load = few.highest
     held = leakage_lines(few.case, load, few.loads)[2]
-    assert held == "  They also hold what the calculation may be off by: few channels."
+    assert held == "  The interval also covers the error of the calculation: few channels."
     assert held.strip() in headline(few)
-    assert "what the calculation may be off by: few channels" in facts(few)[0].remark
+    assert "error of the calculation: few channels" in facts(few)[0].remark
     alone = known_as(single_result(), Bounds.factor_bounds(3.3), Level.DOUBTFUL, 1e-3)
-    assert "The ends hold what the calculation may be off by: few channels." in headline(alone)
+    assert "The interval covers the error of the calculation: few channels." in headline(alone)
     plain = known_as(rough_result(), (1.0, 1.0), Level.VALID, 1e-3)
-    assert not any("off by" in one for one in leakage_lines(plain.case, plain.highest, plain.loads))
+    assert not any("error of the calculation" in one for one in leakage_lines(plain.case, plain.highest, plain.loads))
 
 
 def test_a_verdict_that_only_the_accuracy_decides_says_so_with_the_same_ends():
@@ -118,7 +118,7 @@ def test_a_verdict_that_only_the_accuracy_decides_says_so_with_the_same_ends():
     worst = few.judgement.worst
     assert worst.why is VerdictReason.ACCURACY and worst.ends[0] < 2 * high < worst.ends[1]
     assert few.margin == pytest.approx(2 * high / few.leak_ranges[-1][1], rel=1e-12)
-    assert "because of what the calculation may be off by: few channels" in verdict_sentences(few)[0]
+    assert "because of the error of the calculation: few channels" in verdict_sentences(few)[0]
 
 
 # -------------------------------------------------------------------- the gas of the test

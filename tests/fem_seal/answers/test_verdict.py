@@ -160,7 +160,7 @@ def test_what_the_mesh_leaves_uncertain_has_to_fit_between_too():
         judged = [required(one, leak_rate=f"{limit!r} m^3/s") for one in (solved, coarse)]
         assert [one.loads[-1].verdict for one in judged] == [fine, rough]
     (told, *_) = verdict_sentences(required(coarse, leak_rate=f"{1.04 * high!r} m^3/s"))
-    assert told.endswith("what the calculation may be off by: the mesh leaves an error of 5 %.")
+    assert told.endswith("error of the calculation: the mesh leaves an error of 5 %.")
     # nor is a class claimed, of which G allows 2 mm³/s per mm of DN 25
     at_limit = with_ends(solved.highest, 1e-10, 0.96 * 50e-9)
     assert "G" in {one.name for one in leakage_classes(solved.case, at_limit)}
@@ -381,14 +381,14 @@ def test_each_way_to_a_verdict_has_its_sentence():
         "which has no result: no convergence": required(missing=unsolved, leak_rate="1e-3 m^3/s"),
         "outside the theory (seat: 3 times": required(outside, leak_rate="1 ml/min"),
         "times the allowed": required(leak_rate=f"{0.5 * (low + high)} m^3/s"),
-        "which is seen": required(standard="ISO 5208", **{"class": "A"}),
-        "because of what the calculation may be off by: few channels": required(
+        "which is visible": required(standard="ISO 5208", **{"class": "A"}),
+        "because of the error of the calculation: few channels": required(
             doubted, leak_rate=f"{2 * high} m^3/s"
         ),
     }
     for words, result in told.items():
         assert words in verdict_sentences(result)[0]
-    assert verdict_lines(solved)[0].startswith("  ISO 5208 G would take ")
+    assert verdict_lines(solved)[0].startswith("  ISO 5208 G would need ")
 
 
 @pytest.mark.parametrize("over", [1e-4, 0.1, 0.3, 0.8, 0.99, 1.01, 1.2, 3.0, 10.0, 1e3])
@@ -439,8 +439,8 @@ def test_next_class_is_the_loosest_one_that_is_missed():
         validity=Validity.of([Finding("channels", Level.DOUBTFUL, "few", "...", Bounds.factor_bounds(2.0))])
     )
     for end, name, told in (
-        (30e-9, "G", "ISO 5208 G is met as calculated, but not by as much as the calculation may be off by"),
-        (65e-9, "G", "ISO 5208 G would take 3 times less leakage"),
+        (30e-9, "G", "ISO 5208 G is met as calculated, but by less than the error of the calculation"),
+        (65e-9, "G", "ISO 5208 G would need 3 times less leakage"),
     ):
         assert next_class(result.case, with_ends(few, 1e-10, end)).name == name
         assert next_class_in_words(result.case, with_ends(few, 1e-10, end)) == told
@@ -454,7 +454,7 @@ def test_what_little_is_missing_to_a_class_is_told_in_per_cent(over, told):
     """Two digits of a factor would say "1.0 times less"."""
     result = rough_result()
     words = next_class_in_words(result.case, with_ends(result.highest, 1e-10, over * 50e-9))
-    assert words == f"ISO 5208 G would take {told} leakage"
+    assert words == f"ISO 5208 G would need {told} leakage"
 
 
 def test_check_says_what_will_be_judged_and_where():
@@ -466,7 +466,7 @@ def test_check_says_what_will_be_judged_and_where():
     )
     assert told[0] == "leak rate: 0.10 ml/min (1.67·10⁻⁹ m³/s) at 2 bar to 20 bar (3 pressures)"
     assert told[1].startswith("ISO 5208 D: 0.15 ml/min (2.50·10⁻⁹ m³/s)")
-    assert "tested with water, of which 46 times as much leaks" in told[3]
+    assert "tested with water, which leaks 46 times as much" in told[3]
 
 
 def test_a_design_of_a_study_is_judged_like_a_run():
@@ -565,7 +565,7 @@ def test_a_class_is_claimed_for_the_fluid_of_its_test_whether_it_is_required_or_
     )
     assert "Classes are those" not in "".join(leakage_lines(water, load, solved.loads))
     (tile,) = (one for one in facts(replace(solved, case=oil)) if one.name.startswith("Leakage class"))
-    assert tile.remark.endswith("of which 46 times as much leaks")
+    assert tile.remark.endswith("which leaks 46 times as much")
 
 
 def test_a_limit_in_mbar_litres_per_second_is_compared_in_them():
@@ -641,7 +641,7 @@ def test_where_nothing_visible_may_leak_the_sentence_compares_with_no_number():
     solved = rough_result()
     doubted = replace(solved, loads=tuple(load.with_values(validity=few) for load in solved.loads))
     (told, *_) = verdict_sentences(required(doubted, standard="ISO 5208", **{"class": "A"}))
-    assert "may be off by so much that none is seen: few channels." in told and "times" not in told
+    assert "within the error of the calculation it may be invisible: few channels." in told and "times" not in told
 
 
 def test_what_the_interval_holds_is_not_counted_again():

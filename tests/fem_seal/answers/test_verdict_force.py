@@ -141,9 +141,9 @@ def test_of_a_body_that_yields_it_is_not_looked_for_unless_asked(monkeypatch):
     plain = run_loads(of)
     assert all(not one.verdict_force.looked_for and one.force_for_verdict is None for one in plain.loads)
     (said,) = verdict_force_sentences(plain.loads)
-    assert said.startswith("The force with which the verdict passes was not looked for: where a body yields ")
+    assert said.startswith("The force with which the verdict passes was not calculated: where a body yields ")
     (tile,) = [one for one in valve_facts(plain, plain.loads[0]) if one[0] == "Force for a pass"]
-    assert tile[1] == "not looked for"
+    assert tile[1] == "not calculated"
     with pytest.MonkeyPatch.context() as few:
         few.setattr("fem_seal.answers.accuracy.on_coarser_mesh", lambda *given: None)
         few.setattr("fem_seal.answers.accuracy.discretisation_error", lambda *given: NOT_ESTIMATED)

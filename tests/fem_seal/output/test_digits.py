@@ -271,4 +271,4 @@ def test_of_a_contact_that_reaches_its_ends_hertz_is_no_measure():
     flatter = replace(smooth, radius=smooth.radius * higher**2)
     narrow = replace(derived, loads=(*derived.loads[:-1], replace(derived.loads[-1], hertz=flatter)))
     (told, *_) = reasons(result, narrow)
-    assert "reaches where the faces bend otherwise or end" in told and "governs" not in told
+    assert "extends beyond that curvature or to the end of a face" in told and "governs" not in told

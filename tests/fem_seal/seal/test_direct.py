@@ -307,7 +307,7 @@ def test_metal_that_flows_is_loaded_step_by_step():
     assert drawn.gap == pytest.approx(states[0][3].gap, abs=1e-3 * states[0][3].gap.max())
     assert np.mean(drawn.touches) == pytest.approx(states[0][3].contact_area, abs=2e-3)
     assert np.mean(drawn.yielded) == pytest.approx(states[0][3].yielded_area, abs=4e-3)
-    assert "flows by von Mises' rule from 1.21 GPa" in " ".join(direct_lines(found))
+    assert "flows at a von Mises stress of 1.21 GPa" in " ".join(direct_lines(found))
     assert direct_numbers(found)["load_step_Pa"] == pytest.approx(0.025 * 3.5e9)
 
 
@@ -326,7 +326,7 @@ def test_command_simulates_metal_that_flows(tmp_path, capsys):
     file.write_text(given.replace('["40 MPa", "150 MPa", "500 MPa"]', '["40 MPa", "300 MPa"]'))
     assert cli.main(["direct", str(file), "--jobs", "2"]) == 0
     out, said = capsys.readouterr()
-    assert "The metal flows by von Mises' rule" in out
+    assert "The metal flows at a von Mises stress" in out
     assert "direct simulation: 3 of 3 pieces" in said
     folder = tmp_path / "seal.direct"
     # two paths of two pressures and back, and one of two pressures
@@ -528,7 +528,7 @@ def test_report_names_what_yields(tmp_path):
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert "direct simulation of rough patches, metal that flows by von Mises" in page
     assert "Pei" in page
-    assert "Orange touches where metal below has flowed" in page
+    assert "Orange: contact above metal that has flowed" in page
 
 
 def test_report_shows_the_simulation(tmp_path):

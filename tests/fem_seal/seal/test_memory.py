@@ -417,7 +417,7 @@ def test_a_run_of_a_path_says_that_it_remembers() -> None:
     with style():
         picture = memory_picture(loop())
     assert picture is not None and ">after the loads before it<" in picture.svg.decode()
-    assert "what yielded under a larger load before" in report(loop())
+    assert "asperities that yielded under a larger load before" in report(loop())
     # the table's row of each load is its own
     np.testing.assert_array_equal(
         loop().table.leak_rate_capped_m3_per_s,
@@ -510,7 +510,7 @@ def test_words_say_whether_anything_is_remembered() -> None:
     (said,) = words.remembered(
         replace(result(), loads=first)
     )  # as if the earlier load had been the smaller one
-    assert "all of this is first loading" in said
+    assert "these results are for first loading" in said
 
 
 def test_an_earlier_load_below_all_others_is_not_remembered() -> None:
