@@ -498,7 +498,7 @@ def _above_hardness(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterat
         loads,
         outside=share > 1,
         pressure=_named_pressure(load),
-        told=_times(share, load),
+        times=_times(share, load),
         peak=_mpa(peak, load, rounded(hardness / 1e6, DIGITS)),
         why=sentence("hardness", "above" if share > 1 else "near"),
     )

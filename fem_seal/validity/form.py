@@ -104,7 +104,7 @@ def _crest(problem: SealProblem, loads: Sequence[LoadResult], formed: _Formed) -
     stress = ratio * load.max_von_mises
     if load.max_von_mises <= min(limits) < stress:
         limit = rounded(min(limits) / 1e6, DIGITS)
-        told = format_beside(stress / 1e6, limit, min(load.pressure_digits, 3))
+        in_mpa = format_beside(stress / 1e6, limit, min(load.pressure_digits, 3))
         times = format_beside(stress / min(limits), 1.0, min(load.pressure_digits, 2))
         yield caution(
             "yield_stress_in_part",
@@ -113,6 +113,6 @@ def _crest(problem: SealProblem, loads: Sequence[LoadResult], formed: _Formed) -
             outside=stress > LARGEST_EXCESS * min(limits),
             times=times,
             ratio=ratio,
-            told=told,
+            stress=in_mpa,
             limit=limit,
         )

@@ -167,7 +167,7 @@ def test_what_has_no_result_stays_empty_and_the_rest_is_complete(inside):
             {"seat": cone({"name": "316L", "stress_strain": {"plastic_strain": [0], "stress": ["240 MPa"]}})},
             None,
             None,
-            "load.largest_earlier_force: is missing: a body that yields",
+            "load.largest_earlier_force: is missing: the leak of a body that yields",
         ),
         (
             {

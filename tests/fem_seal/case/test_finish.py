@@ -108,7 +108,7 @@ def test_changes_from_another_kind_and_back(base):
         ({"seat": {"kind": "finish", "process": "lapped"}}, "needs Ra, Rq or Rz"),
         ({"Ra": "0.4"}, "has no unit"),
         ({"Ra": "0.4 um", "lambda_c": "1 um"}, "must be shorter than lambda_c"),
-        ({"Ra": "0.4 um", "seat": LAPPED}, "the finish of each of both faces, and seat"),
+        ({"Ra": "0.4 um", "seat": LAPPED}, "the finish of each face, and seat"),
         ({"along": LAPPED, "across": LAPPED}, "a finish along or across the flow"),
         ("mirror", "is no finish"),
     ],

@@ -144,11 +144,11 @@ WRONG = {
     "words": ("a roundness of two microns\n" * 20, "has no 8 rows of numbers"),
     "no unit": (
         "angle [deg], deviation\n" + rows(),
-        "does not say the unit of the deviation; write it into the",
+        "does not give the unit of the deviation; write it into the",
     ),
     "no unit of small angles": (
         "angle, deviation [um]\n" + rows(angle=np.radians(ANGLE)),
-        "does not say the unit of the angle; write it",
+        "does not give the unit of the angle; write it",
     ),
     "gon": (
         "angle [gon], deviation [um]\n" + rows(),

@@ -371,10 +371,10 @@ def test_what_changes_nothing_is_said(tmp_path: Path, capsys: pytest.CaptureFixt
     guided = sealed(eccentricity="2 um", guide="guided").form
     assert guided is not None and not guided.without_effect(ANGLE45)
     shifted = sealed(seat={"harmonics": [{**OVAL, "waves": 1}]}).form
-    assert shifted is not None and "gives way to one wave per turn" in shifted.without_effect(ANGLE45)[0]
+    assert shifted is not None and "follows one wave per turn" in shifted.without_effect(ANGLE45)[0]
     flat = sealed(seat={"harmonics": [OVAL]}).form
     assert flat is not None and not flat.without_effect(ANGLE45)
-    assert 'what changes the gap is a deviation "axial"' in flat.without_effect(0.0)[0]
+    assert 'only a deviation "axial" changes the gap' in flat.without_effect(0.0)[0]
     assert not np.any(flat.error(0.0, 0.014).gap(TURN))
     lines = ['form.eccentricity = "2 um"']
     for table, entries in tables().items():
@@ -382,7 +382,7 @@ def test_what_changes_nothing_is_said(tmp_path: Path, capsys: pytest.CaptureFixt
     (tmp_path / "case.toml").write_text("\n".join(lines).replace("'", '"'))
     assert main(["check", str(tmp_path / "case.toml")]) == 0
     warned = " ".join(capsys.readouterr().err.split())
-    assert "a closure that is free gives way to it" in warned
+    assert "a free closure moves until this has no effect" in warned
     assert "what follows is that of the round seal" in warned
 
 

@@ -525,7 +525,7 @@ def test_a_folder_that_is_deleted_stops_the_study_at_once(tmp_path, monkeypatch,
     monkeypatch.setattr(responses, "warmed", armed)
     optimise = {"optimise": {"minimise": "line_load_N_per_m", "trials": 8, "batch": 2}} if search else {}
     with pytest.raises(
-        OutputError, match=r"study\.sqlite: was deleted or moved while the study ran, which stops"
+        OutputError, match=r"study\.sqlite: was deleted or moved while the study ran, so the study stops"
     ):
         run_study(study(**optimise), folder=folder, workers=0)
     assert len(begun) == 2

@@ -457,7 +457,7 @@ def test_front_course_and_best_leave_out_what_is_outside_the_theory():
     assert small.y[-1] == pytest.approx(3)
     assert "outside the theory: too soft" in display.hover(designs.done.index, [])[2]
     shown = headings(designs)
-    assert "2 designs are left out, their numbers being outside the theory" in shown["Best designs"].note
+    assert "2 designs are left out because their numbers are outside the theory" in shown["Best designs"].note
     assert shown["Best designs"].columns[-1] == "validity"
     assert "without trials that are outside the theory" in shown["Search"].note
     kept = judged(made([FORCE], columns, goals=goals, outside_theory="keep"), *LEVELS)

@@ -71,7 +71,7 @@ def test_page_and_exports_tell(calculated, tmp_path):
         "1 design is outside the theory, where nothing may be claimed from the numbers (design 1: seat:"
         in page
     )
-    assert "1 design is left out, its numbers being outside the theory" in page
+    assert "1 design is left out because its numbers are outside the theory" in page
     rows = list(csv.DictReader(calculated.export(tmp_path / "t.csv").open()))
     assert [row["validity"] for row in rows] == ["valid", "outside the theory"]
     assert rows[0]["validity_reasons"] == "" and "yield stress" in rows[1]["validity_reasons"]
@@ -89,7 +89,7 @@ def test_the_command_says_how_many_it_left_out(tmp_path, capsys):
     )
     assert main(["study", str(study), "--workers", "0"]) == 0
     told = capsys.readouterr().out
-    assert "1 design is left out, its numbers being outside the theory" in told
+    assert "1 design is left out because its numbers are outside the theory" in told
     (line,) = [line for line in told.splitlines() if line.startswith("applied force")]
     assert line.split()[-1] == "0"
     assert main(["study", str(study), "--workers", "0", "--resume", "--json"]) == 0
