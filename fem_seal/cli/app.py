@@ -1,4 +1,4 @@
-"""The command line. Each command imports heavy packages itself."""
+"""The command line. Each command imports heavy packages itself, so that the others start fast."""
 
 from __future__ import annotations
 
@@ -120,7 +120,7 @@ def explore(
 
     def opened(address: str) -> None:
         if no_browser or not quiet:
-            # without the token in it nobody can open the page
+            # the page opens only with the token in its address
             say(f"{case.title}: {address}   (Ctrl-C ends it)")
         if not no_browser:
             import webbrowser
@@ -173,7 +173,7 @@ def run(
 
 
 class _PictureNamedOrNot(TyperCommand):
-    """Takes `--picture` with or without a file behind it; the case file is none."""
+    """Takes `--picture` with or without a file after it; a .toml file is the case, not a picture."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Put an empty name where none is given."""
@@ -247,7 +247,7 @@ def mesh(
     path = folder / "mesh.msh"
     with folder_lock(folder), replaced_together(folder, whole=False) as draft:
         seal_mesh.write(draft / path.name)
-    _warn_of_mixture(folder)
+    _warn_of_unfinished(folder)
     quality = asdict(seal_mesh.quality)
     if json:
         say_json({"file": str(path), **quality})
@@ -276,12 +276,12 @@ def leak(
 
     case = fem_seal.load_case(case_file)
     profiles = read_profiles(profile_file)
-    folder = _made(output or profile_file.with_suffix(".leak"))
+    folder = _created(output or profile_file.with_suffix(".leak"))
     loads = leak_of_profiles(SealProblem.of(case), profiles)
     rows = profile_leak_rows(loads)
     with folder_lock(folder), replaced_together(folder, whole=False) as draft:
         write_rows(rows, draft / "leak.csv")
-    _warn_of_mixture(folder)
+    _warn_of_unfinished(folder)
     if json:
         say_json({"folder": str(folder), "loads": rows})
     elif not quiet:
@@ -300,14 +300,14 @@ def direct(
     json: Json = False,
     debug: Debug = False,
 ) -> None:
-    """Simulate rough contact and flow of a case's surface directly, beside the theory; an interrupted run goes on."""
+    """Simulate rough contact and flow of a case's surface directly and compare the theory; interrupted runs go on."""
     from fem_seal import result as seal_result
     from fem_seal.output import direct as samples
     from fem_seal.output.folders import folder_lock
 
     case = fem_seal.load_case(case_file)
     given = None if case.direct is None else case.direct.folder
-    folder = _made(output or (Path(given) if given else case_file.with_suffix(".direct")))
+    folder = _created(output or (Path(given) if given else case_file.with_suffix(".direct")))
     processes = jobs or os.cpu_count() or 1
     with folder_lock(folder), progress_of(quiet) as progress:
         if seal:
@@ -370,7 +370,7 @@ def surface(
         "q_high": q_high,
     }
     measured = scan_case([str(file) for file in files], entries).measured()
-    folder = _made(output or files[0].with_suffix(".surface"))
+    folder = _created(output or files[0].with_suffix(".surface"))
     with folder_lock(folder), replaced_together(folder, whole=False) as draft:
         write_surface(measured, draft)
     warn(measured.warnings)
@@ -390,10 +390,10 @@ def view(
     quiet: Quiet = False,
     debug: Debug = False,
 ) -> None:
-    """Show a results folder in space: the seal cut open, contact pressure on the seat, a slider over the loads."""
+    """Show a results folder in 3D: the seal cut open, contact pressure on the seat, a slider over the loads."""
     from fem_seal.output.pictures import three_d
 
-    _warn_of_mixture(folder)
+    _warn_of_unfinished(folder)
     three_d.view(folder, png, load)
     if png is not None and not quiet:
         say(f"picture in {png}")
@@ -415,11 +415,11 @@ def schema(
 
 
 def _results_folder(output: Path | None, case: Case) -> Path:
-    return _made(output or Path(case.output.folder or "fem-seal.out"))
+    return _created(output or Path(case.output.folder or "fem-seal.out"))
 
 
-def _made(folder: Path) -> Path:
-    """Make a results folder before the work starts, not after it."""
+def _created(folder: Path) -> Path:
+    """Create a results folder, before the calculation starts."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except (OSError, ValueError) as error:
@@ -456,7 +456,7 @@ def _remarks(case: Case) -> list[str]:
     return remarks
 
 
-def _warn_of_mixture(folder: Path) -> None:
+def _warn_of_unfinished(folder: Path) -> None:
     from fem_seal.output.folders import unfinished
 
     said = unfinished(folder)
@@ -517,12 +517,12 @@ def _explained(error: Exception) -> tuple[int, str]:
         if extra := extra_with(error.name):
             return WRONG_INPUT, f"this {needed(extra, error)}"
     if isinstance(error, OSError):
-        return OTHER_FAILURE, _said_by_system(error)
+        return OTHER_FAILURE, _system_message(error)
     return OTHER_FAILURE, unexpected(error)
 
 
-def _said_by_system(error: OSError) -> str:
-    """Where and why the system refused; on a full disc, what has no file name was printed."""
+def _system_message(error: OSError) -> str:
+    """File and reason of an error of the system; on a full disc an error without a file name is about the output."""
     reason = (error.strerror or str(error)).lower()
     if error.errno in (errno.ENOSPC, getattr(errno, "EDQUOT", errno.ENOSPC)):
         return f"{error.filename or 'output'}: cannot be written ({reason})"

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 Json = Annotated[bool, json_option("the entries")]
 Csv = Annotated[bool, option("library", "csv")]
 Temperature = Annotated[str, option("library", "temperature")]
-# So wide a terminal has room for a column of words beside the numbers.
+# Width of a terminal from which on a column of words fits next to the numbers.
 _WIDE = 120
 
 
@@ -84,7 +84,7 @@ def _print_rows(rows: Sequence[dict[str, Any]], single: bool, as_json_text: bool
         say_json(rows[0] if single else rows)
         return
     writer = csv.writer(sys.stdout, lineterminator="\n")
-    # tables have no place in a cell
+    # a table does not fit into a cell
     rows = [{key: cell for key, cell in row.items() if not isinstance(cell, dict)} for row in rows]
     writer.writerow(rows[0])
     for row in rows:
@@ -104,7 +104,7 @@ def _print_lines(lines: Iterable[tuple[str, str]]) -> None:
 def _print_table(
     headings: Sequence[str], cells: Sequence[Sequence[str]], more: str, words: Sequence[str]
 ) -> None:
-    """Print numbers beside the names, and where the terminal is wide or the output no terminal, words beside them."""
+    """Print names and numbers, and a last column of words on a wide terminal or into a file."""
     console = _console()
     wide = console.width >= _WIDE
     if wide:
@@ -116,5 +116,5 @@ def _print_table(
 def _console() -> Console:
     from rich.console import Console
 
-    # what is no terminal has no width
+    # a file or pipe has no width
     return Console(highlight=False, width=None if sys.stdout.isatty() else 10_000)

@@ -41,7 +41,7 @@ def new(
     force: Annotated[bool, option("new", "force")] = False,
     debug: Debug = False,
 ) -> None:
-    """Write a commented case that runs: asks a handful of questions, or none with --template."""
+    """Write a commented case that runs; it asks a few questions, or none with --template."""
     from fem_seal.case import new_case
 
     if axial_force is not None:
@@ -77,7 +77,7 @@ def new(
         new_case.read_text_case(text)
     _write(text, path)
     say(f"{path} is written; next:")
-    say(f"  fem-seal check {_quoted(path)} --picture   (its section as a drawing)")
+    say(f"  fem-seal check {_quoted(path)} --picture   (draws its section)")
     say(f"  fem-seal run {_quoted(path)}   (leak rate and report)")
 
 
@@ -88,7 +88,7 @@ def _can_ask() -> bool:
 def _chosen_template() -> str:
     from fem_seal.case import new_case
 
-    say("What is it like?")
+    say("Which kind of seal?")
     for number, one in enumerate(new_case.TEMPLATES, start=1):
         say(f"  {number}  {one:14}{new_case.about(one)}")
     while True:
@@ -111,7 +111,7 @@ def _with_options(text: str, name: str, given: Mapping[str, str], entries: list[
     from fem_seal.case import new_case
 
     paths = {question.name: path for question, path, _ in new_case.asked(text)}
-    # a template with a class takes a leak rate beside it, and one with a leak rate a class instead
+    # a template with a class also takes a leak rate; in one with a leak rate a class replaces it
     paths.setdefault("leak-rate", "requirement.leak_rate")
     paths.setdefault("class", "requirement.class")
     missing = [key for key in given if key not in paths]
@@ -124,7 +124,7 @@ def _with_options(text: str, name: str, given: Mapping[str, str], entries: list[
         if not (equals and key.strip() and value.strip()):
             raise InputError.at("--set", 'must be KEY=VALUE, such as seat.land_width="1 mm"', entry)
         changes[key.strip()] = value.strip()
-    # the bore before the closure, which may have its own size
+    # the bore is scaled first; the closure may then get its own size
     leading = next((paths[key] for key in ("bore", "diameter") if paths.get(key) in changes), None)
     if leading is not None:
         text = new_case.scaled(text, leading, changes[leading], kept=tuple(changes))
@@ -139,10 +139,10 @@ def _with_options(text: str, name: str, given: Mapping[str, str], entries: list[
 
 
 def _with_answers(text: str, given: Mapping[str, str]) -> str:
-    """Ask for every entry that no option has given; what does not fit together is asked again."""
+    """Ask for every entry that no option has given; answers that contradict each other are asked again."""
     from fem_seal.case import new_case
 
-    say("Enter keeps what stands in brackets.")
+    say("Enter keeps the value in brackets.")
     while True:
         answered: list[str] = []
         for question in new_case.QUESTIONS:
@@ -162,7 +162,7 @@ def _with_answers(text: str, given: Mapping[str, str]) -> str:
 
 
 def _answered(text: str, question: Question, path: str, value: str, kept: list[str]) -> str:
-    """The text with an answer that may stand at its place; what is not answered yet goes with the size of the valve."""
+    """The text with a valid answer to a question; entries not answered yet are scaled with the size of the valve."""
     from fem_seal.case import new_case
 
     while True:
@@ -176,7 +176,7 @@ def _answered(text: str, question: Question, path: str, value: str, kept: list[s
         try:
             new_case.read_text_case(changed)
         except NoLoadLeftError:
-            # the force, which comes last, may put it right
+            # the force is asked last and may correct this
             return changed
         except InputError as error:
             wrong = [one for one in error.problems if one.key == path or one.key.startswith(f"{path}.")]
@@ -188,7 +188,7 @@ def _answered(text: str, question: Question, path: str, value: str, kept: list[s
 
 
 def _write(text: str, path: Path) -> None:
-    """The case with the schema for editors beside it."""
+    """Write the case, and the schema for editors next to it."""
     from fem_seal.case import new_case
     from fem_seal.case.schema import case_schema
     from fem_seal.files import as_json, write_text

@@ -11,7 +11,7 @@ from importlib.machinery import ModuleSpec, PathFinder
 from importlib.util import LazyLoader
 from types import ModuleType
 
-# Loaded by scipy and matplotlib for nothing that happens here, with a hundred and fifty others.
+# Modules that scipy and matplotlib load, with a hundred and fifty others, and that no command uses.
 POSTPONED = frozenset(
     {
         "PIL.ExifTags",
@@ -24,18 +24,18 @@ POSTPONED = frozenset(
 
 
 def postpone_unused_imports() -> None:
-    """Load what is postponed on first use; to be called before anything is imported."""
+    """Load `POSTPONED` modules on first use; call this before anything is imported."""
     sys.meta_path.insert(0, _Postponing)
 
 
 class _Postponing:
-    """Finds the postponed modules, as Python does, and has them loaded lazily."""
+    """Finder of the postponed modules that makes Python load them lazily."""
 
     @staticmethod
     def find_spec(
         fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
-        """Where the module is; None for all others, which Python finds by itself."""
+        """Spec of a postponed module; None for all others, which Python finds itself."""
         spec = PathFinder.find_spec(fullname, path, target) if fullname in POSTPONED else None
         if spec is not None and spec.loader is not None:
             spec.loader = LazyLoader(spec.loader)

@@ -79,7 +79,7 @@ def run(
 
 
 def _leave() -> None:
-    """End the process at once, from whatever thread: one that never comes back cannot be waited for."""
+    """End the process at once, from any thread: a thread that never returns cannot be joined."""
     sys.stdout.flush()
     os._exit(1)
 
@@ -131,7 +131,7 @@ def _show(result: StudyResult, quiet: bool, json: bool) -> None:
 
 
 def _show_best(designs: Designs) -> None:
-    """Print the best designs side by side, as many beside each other as fit; numbers are never cut."""
+    """Print the best designs side by side, as many as fit; numbers are never cut."""
     from fem_seal.studies.display import Display
     from fem_seal.studies.page import outside_left_out
 

@@ -93,7 +93,7 @@ def grid(text: str, dimension: str) -> list[float]:
 
 
 def _show(found: LeakMap) -> None:
-    """Print the leak rates, one line per pressure, with a mark where they are not valid."""
+    """Print the leak rates, one line per pressure, marked where they are not valid."""
     from fem_seal.output.report.words import volumes_of_gas
     from fem_seal.seal.findings import Level
     from fem_seal.units import digits_within, rounded
@@ -107,7 +107,7 @@ def _show(found: LeakMap) -> None:
             if one is None:
                 rows[m].append("-")
                 continue
-            # as in the tables of a run: no more digits than the theory leaves
+            # as in the tables of a run: no more digits than the error of the theory allows
             digits = min(3, digits_within(one.leak_error))
             rate = rounded(float(found.leak_rate[m, n]) * 6e7, digits)
             rows[m].append(f"{rate:.3g}{Level(one.level).mark}")

@@ -1,6 +1,6 @@
-"""What goes in and out on a terminal: options, lines, tables.
+"""Input and output of the terminal: options, lines, tables.
 
-What is said of an option stands in `templates/options.toml`. All output of the commands passes here and is stripped of
+The help of the options is in `templates/options.toml`. All output of the commands passes here and is stripped of
 control characters.
 """
 
@@ -40,7 +40,7 @@ def option(command: str, name: str, **words: str) -> Any:
     command, name : str
         Its table and key in the file.
     words
-        What stands between the braces of its help.
+        Values for the braces of its help.
     """
     described = dict(own_tables("options.toml")[command][name])
     described["help"] = described["help"].format(**words)
@@ -53,12 +53,12 @@ def argument(command: str, name: str) -> Any:
 
 
 def output_option(default: str | bool, what: str = "Folder for the results.", metavar: str = "DIR") -> Any:
-    """Where a command writes to."""
+    """Option for the folder or file that a command writes."""
     return typer.Option("--output", "-o", metavar=metavar, show_default=default, help=what)
 
 
 def json_option(what: str = "the result") -> Any:
-    """Whether a command prints JSON instead of words."""
+    """Option to print JSON instead of words."""
     return typer.Option("--json", help=f"Print {what} as JSON, in SI units.")
 
 
@@ -93,7 +93,7 @@ def progress_of(quiet: bool) -> Iterator[Callable[[str], None]]:
 
 
 def say(*lines: str, bold: bool = False) -> None:
-    """Print lines; an empty one without any."""
+    """Print lines; without any, an empty one."""
     for line in lines or ("",):
         typer.secho(printable(line), bold=bold or None)
 
@@ -104,28 +104,28 @@ def say_json(value: object) -> None:
 
 
 def note(line: str) -> None:
-    """Print what is being done, on standard error."""
+    """Print a status line on standard error."""
     typer.secho(printable(line), err=True)
 
 
 def warn(warnings: Iterable[str]) -> None:
     """Print warnings on standard error."""
     for warning in warnings:
-        _call("warning: ", warning, typer.colors.YELLOW)
+        _print_after("warning: ", warning, typer.colors.YELLOW)
 
 
 def complain(message: str, word: str = "error: ") -> None:
-    """Print an error on standard error, each of its lines behind a word."""
-    _call(word, message, typer.colors.RED)
+    """Print an error on standard error, with a word before each of its lines."""
+    _print_after(word, message, typer.colors.RED)
 
 
-def _call(word: str, message: str, colour: str) -> None:
+def _print_after(word: str, message: str, colour: str) -> None:
     for line in message.split("\n"):
         typer.secho(f"{word}{printable(line)}", err=True, fg=colour)
 
 
 def cell(text: str) -> str:
-    """A cell of a table, or a line of progress, for rich: no markup in it, its own line breaks kept."""
+    """A cell of a table, or a line of progress, for rich: markup is escaped, line breaks are kept."""
     from rich.markup import escape
 
     return escape("\n".join(map(printable, text.split("\n"))))
@@ -139,7 +139,7 @@ def numbers_table(
     names: bool = False,
     words: bool = False,
 ) -> Table:
-    """A table of numbers, to the right and none of them cut.
+    """A table of numbers, aligned to the right and never cut.
 
     Parameters
     ----------
@@ -175,7 +175,7 @@ def show(table: Table, console: Console | None = None) -> None:
 
 
 def prompt(words: str, default: str) -> str:
-    """Ask a question; the answer without blanks around it."""
+    """Ask a question and return the answer, stripped of blanks."""
     answer: Any = typer.prompt(printable(words), default=printable(default))
     return default if answer == printable(default) else str(answer).strip()
 
@@ -190,16 +190,16 @@ def show_leak_table(
     loads: Sequence[LoadResult],
     volume: LeakVolume = LIQUID,
 ) -> None:
-    """Print rows of leak.csv as a table, without the columns that no row fills, and a legend of its marks.
+    """Print rows of leak.csv as a table without empty columns, and a legend of its marks.
 
     Parameters
     ----------
     rows : sequence of mapping
     title : str
     loads : sequence of LoadResult
-        Of the rows: they know how many digits a number is worth.
+        Loads of the rows, which determine the number of digits.
     volume : LeakVolume, optional
-        What a volume is that leaks; that of a liquid unless given.
+        State of the leaking volume; that of a liquid unless given.
     """
     from fem_seal.output.columns import COLUMNS, LEAK_ON_TERMINAL, own_theory
     from fem_seal.output.report.words import volume_notes
@@ -224,7 +224,7 @@ def show_leak_table(
     flows = [column.unit.name for column in columns if COLUMNS[column.name].kind == "flow"]
     unmeasured = any("<" in texts for _, texts in table)
     levels = [Level(row["validity"]) for row in rows]
-    # what tells the rows apart stays beside every part of a table that is too wide
+    # columns that tell the rows apart are repeated in every part of a wide table
     several_forces = len({row["fluid_pressure_Pa"] for row in rows}) < len(rows)
     keys = 2 if several_forces and columns[1].name == "contact_force_N" else 1
     if any(level.mark for level in levels):
@@ -243,7 +243,7 @@ def show_leak_table(
 
 
 def _leak_cell(value: float | None, shown: TerminalColumn, load: LoadResult, volume: LeakVolume) -> str:
-    """A cell of a load: "<" for less than anybody could measure, and a margin that is read, none above a million."""
+    """A cell of a load: "<" for an unmeasurable leak rate, ">1e6" for a margin above a million."""
     from fem_seal.output.columns import COLUMNS
 
     column = COLUMNS[shown.name]
@@ -273,7 +273,7 @@ def show_leakage(case: Case, loads: Sequence[LoadResult]) -> None:
 
 
 def show_answers(result: SealSolution) -> None:
-    """Print in words after which larger load the results hold, and what form, particles, verdict and levers say.
+    """Print the answers in words: largest earlier load, form error, particles, verdict, levers.
 
     Parameters
     ----------
@@ -288,9 +288,9 @@ def show_answers(result: SealSolution) -> None:
 
 
 def show_table(title: str, headings: Sequence[str], rows: Sequence[Sequence[str]], keys: int = 1) -> None:
-    """Print a table, numbers to the right and none of them cut.
+    """Print a table, numbers aligned to the right and never cut.
 
-    A terminal that is too narrow gets it in parts below each other. What is no terminal has no width.
+    On a narrow terminal its parts are printed below each other; a file or pipe has no width limit.
 
     Parameters
     ----------
@@ -299,13 +299,13 @@ def show_table(title: str, headings: Sequence[str], rows: Sequence[Sequence[str]
         Of two lines at most.
     rows : sequence of sequence of str
     keys : int
-        So many first columns say which row it is; they stand in every part.
+        Number of first columns that identify a row; they are repeated in every part.
     """
     from rich.console import Console
 
-    # the terminal's own width decides how many columns stand side by side, never how many digits of one
+    # the width of the terminal limits the columns of a part, never the digits of a number
     console = Console(width=_ENDLESS, highlight=False)
-    # above the table and not its title, which would be broken to the width of the table
+    # not the title of the rich table, which would be broken to the width of the table
     say(title, bold=True)
     widths = [
         max(len(line) for cell in (heading, *column) for line in cell.split("\n"))
@@ -316,9 +316,9 @@ def show_table(title: str, headings: Sequence[str], rows: Sequence[Sequence[str]
 
 
 def _parts(widths: Sequence[int], keys: int) -> Iterator[list[int]]:
-    """Columns that stand side by side: as many as fit beside the keys, and one at least."""
+    """Columns of each part: the keys and as many others as fit, at least one."""
     room = shutil.get_terminal_size().columns if sys.stdout.isatty() else _ENDLESS
-    # a blank on either side of each column, one between two and one at either end
+    # each column has a blank on either side and one more after it; one blank begins the line
     taken = [width + 3 for width in widths]
     alone = 1 + sum(taken[:keys])
     part, used = list(range(keys)), alone
@@ -343,7 +343,7 @@ def _cell(value: float | None, unit: Unit, digits: int = DIGITS) -> str:
         exponent = math.floor(math.log10(abs(rounded(shown, digits))) + 1e-12)
         if -4 <= exponent < DIGITS:
             return f"{rounded(shown, digits):.{max(digits - 1 - exponent, 0)}f}"
-    # so many digits, also when they are zeros: columns stay aligned
+    # trailing zeros are kept: columns stay aligned
     return f"{shown:#.{digits}g}".removesuffix(".")
 
 

@@ -33,56 +33,56 @@ if TYPE_CHECKING:
     from leak import RoughContact
 
 
-# Share of what acts that is left to opening below which the contact force is a small difference of large ones.
+# Margin to opening over the acting force or pressure, below which the contact force is a small difference of large ones.
 _NEAR_OPENING = 0.05
-# Pressure at the ends of the contact zone over the peak pressure above which contact is cut off, and above which what
-# is missing shows in the result.
+# Pressure at the end of the contact zone over the peak pressure: above the first the contact is cut off, above the
+# second the missing part changes the result noticeably.
 _CUT_OFF, _MUCH_CUT_OFF = 1e-6, 1e-2
 # Share of the hardness above which the theory of yielding asperities is stretched; above the hardness it is void.
 _NEAR_HARDNESS = 0.3
 _LARGEST_ERROR = 2e-3
-# With load steps: what 16 of them leave on a perfectly plastic seat (docs/theory/elastoplastic.md).
+# With load steps: error of 16 steps on a perfectly plastic seat (docs/theory/elastoplastic.md).
 _LARGEST_ERROR_OF_PATH = 1e-2
 # The theory's own A/A0 beyond which its flow conductivity differs from direct numerical results by more than 30 %,
 # and the factors by which it does; the direct area is 0.19 and 0.25 there (docs/verification/verification.md).
 _FEW_CHANNELS = 0.15
 _FACTORS = ((0.2, 1.7), (1.0, 3.3))
-# ... where they end; from there to the percolation threshold the conductivity falls to nothing.
+# ... where the direct results end; from there to the percolation threshold the conductivity falls to zero.
 _DIRECT_END = 0.39
 # With a lay it differs by up to these factors, up to some A/A0, where the fluid crosses the lay and where it flows
 # along it: direct results for elastic asperities, correlation lengths up to 5 times longer one way, A/A0 up to 0.16.
 # For a lay 10 times longer the factors rise by 10/5 to this power.
 _LAY_ACROSS, _LAY_ALONG, _LAY_KNOWN = ((0.02, 1.4), (0.1, 1.5), (1.0, 2.5)), 1.4, 0.16
 _LAY_LONG, _LAY_LONGEST, _LAY_POWER = 5.0, 10.0, 0.7
-_WORTH_SAYING = 1.3
-# Factor by which a simulated conductivity may be off without a word.
+_LAY_REPORTED = 1.3
+# Uncertainty factor of a simulated conductivity above which it is reported.
 _UNSURE = 2.0
-# Share of the height variance in waves too long to be roughness of this contact.
+# Share of the height variance in waves too long to be roughness of the contact.
 _LONG_WAVES = 0.1
-# ... and what strips of such seals let through, less or more than the corrected theory says, per such share.
+# ... and how much less or more strips of such seals leak than by the corrected theory, per such share.
 _LESS_OF_LONG, _MORE_OF_LONG = 0.25, 1.5
 # Fluid pressure over peak contact pressure from which on it opens the gap noticeably: a fifth more leaks at 0.1.
 FLUID_OPENS = 0.1
-# ... and from which on a leak rate that does not take it into account says nothing.
+# ... and from which on a leak rate without this effect is meaningless.
 _FLUID_LIFTS = 0.5
 # Plastic strain up to which small-strain theory holds.
 _LARGE_STRAIN = 0.1
-# Separation of the surfaces over the radius to which their faces bend, in the mean over the contact pressure, above
-# which the law of parallel planes is stretched, and above which it means nothing; see docs/theory/geometry.md.
+# Separation of the surfaces over the radius of curvature of their faces, averaged over the contact pressure: above the
+# first the interface law of parallel planes is doubtful, above the second void; see docs/theory/geometry.md.
 _THICK_LAYER, _NO_LAYER = 0.1, 1.0
-# Way by which such a layer moves closest approach along the seat, over the radius of first touch: the line load, and
-# with it peak and leak rate, are uncertain by as much.
+# Shift of the closest approach along the seat by such a layer, over the radius of first touch: line load, peak and leak
+# rate are uncertain by the same share.
 _SLIDES = 0.02
-# Turning of the contact normal by heat [rad], and way along the face over that to its end, which are not seen by a
-# contact that stays where it is: line load and contact are then uncertain by some per cent.
+# Limits of heat for a contact calculated at its place on the drawing: rotation of the contact normal [rad], and slide
+# over the distance to the end of the face. Above them line load and contact are uncertain by some per cent.
 _TURNS, _NEAR_END, _TINY = 0.02, 0.2, 1e-12
-# Beyond this share of the ball's radius the contact is no narrow line any more.
+# Two standard deviations over the radius of first touch, above which the contact is no narrow line.
 _NARROW = 0.2
 # u_eff [m] above which u_c, which is of its size, need not be compared with molecules of half a nanometre.
 _WIDE_GAP = 20e-9
 
 
-# What is said of a problem and its loads, about the worst of them.
+# Findings about the worst of the loads of a problem.
 Check = Callable[[SealProblem, Sequence[LoadResult]], Iterator[Finding]]
 
 
@@ -93,9 +93,9 @@ def contact_cautions(problem: SealProblem, loads: Sequence[LoadResult]) -> tuple
     ----------
     problem : SealProblem
     loads : sequence of LoadResult
-        With what their mesh leaves uncertain.
+        With their mesh error.
     """
-    # remarks that are nothing against the numbers
+    # remarks that do not make the numbers doubtful
     near = [one for one in temperature_cautions(problem) if one.level is Level.VALID]
     return (*_of_surface(problem), *load_cautions(problem, loads), *_coarse(loads[0]), *near)
 
@@ -117,7 +117,7 @@ def load_cautions(
         _touched_beside,
         _near_opening,
         _yielding,
-        _table_left,
+        _beyond_curve,
         _turned,
         _cut_off,
         _wide,
@@ -156,12 +156,12 @@ def load_validity(
     ----------
     problem : SealProblem
     load : LoadResult
-        With what its mesh leaves uncertain, where that is known.
+        With its mesh error, where it is known.
     before : iterable of Finding
         See `earlier_cautions`.
     sealing : float, optional
-        Pressure from which on the surface is tight, where a table has it [Pa]: to look for it takes longer than a
-        design of a study.
+        Pressure above which the surface is tight, if a table has it [Pa]: finding it takes longer than a design of a
+        study.
     """
     own = load_cautions(problem, [load], sealing)
     return Validity.of((*_of_surface(problem), *own, *_coarse(load), *before))
@@ -176,9 +176,10 @@ def validity_of(
     ----------
     found : Evaluation
     load : LoadResult
-        One of its loads, with what its mesh leaves uncertain where that is known.
+        One of its loads, with its mesh error where it is known.
     by_table : bool
-        Whether, where bodies are shared, a conductivity table may spare the search for what takes longer than a design.
+        Whether the conductivity table may give the sealing pressure where bodies are shared: a search takes longer than
+        a design.
     usual_only : bool
         Whether the range of a finish is left out.
     """
@@ -186,7 +187,7 @@ def validity_of(
     if usual_only:
         problem = replace(problem, usual_only=True)
     if found.model.closure.solve is None:
-        # without a way to stresses
+        # stresses cannot be calculated
         materials = {name: replace(one, yield_stress=None) for name, one in problem.materials.items()}
         problem = replace(problem, materials=materials)
     table = None if load.rough is None or load.rough.flow is None else load.rough.table
@@ -194,7 +195,7 @@ def validity_of(
     table = getattr(table, "liquid", table)
     if by_table and found.seal_mesh is None and isinstance(table, ConductivityTable) and table.acting is None:
         sealing = table.sealing_pressure
-        # u_eff falls over the pressure: that of the next one in the table is a bound
+        # u_eff falls with pressure: its value at the next pressure of the table is a lower bound
         beyond = table.separation[table.pressure.searchsorted(load.peak_pressure) :]
         if len(beyond) and beyond[0] >= _WIDE_GAP:
             load = load.with_values(critical_separation=None)
@@ -225,20 +226,20 @@ def profile_validity(problem: SealProblem, load: GivenLoad) -> Validity:
 def earlier_cautions(
     problem: SealProblem, earlier: ContactSolution | None, error: DiscretisationError | None = None
 ) -> tuple[Finding, ...]:
-    """Cautions about the largest load before those of a problem, whose contact the loads remember.
+    """Cautions about the largest earlier load of a problem.
 
     Parameters
     ----------
     problem : SealProblem
     earlier : ContactSolution or None
-        Under that load.
+        The contact under that load.
     error : DiscretisationError, optional
         Of its mesh.
     """
     if earlier is None or problem.loads.earlier is None:
         return ()
     load = LoadResult(*problem.loads.earlier, earlier, mesh_error=error)
-    bodies: tuple[Check, ...] = (_yielding, _table_left, _turned, _cut_off)
+    bodies: tuple[Check, ...] = (_yielding, _beyond_curve, _turned, _cut_off)
     return tuple(
         replace(
             one,
@@ -350,7 +351,7 @@ def _yielding(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Fin
         )
 
 
-def _table_left(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
+def _beyond_curve(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
     for name, material in problem.materials.items():
         curve = material.hardening
         if curve is None:
@@ -382,14 +383,14 @@ def _cut_off(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Find
         shares = [float(one.pressure[end]) / one.peak_pressure for one in ends]
         if max(shares) > _CUT_OFF:
             load = loads[shares.index(max(shares))]
-            # where faces fit each other along a stretch, that they end is part of the contact
-            fitting = math.isinf(load.contact.model.relative_radius)
-            much, x = max(shares) > _MUCH_CUT_OFF and not fitting, 1e3 * ends[0].x[end]
+            # conforming faces always end inside the contact
+            conforming = math.isinf(load.contact.model.relative_radius)
+            much, x = max(shares) > _MUCH_CUT_OFF and not conforming, 1e3 * ends[0].x[end]
             yield caution("cut_off", load, loads, outside=much, side=side, share=max(shares), x=x)
 
 
 def _over(name: str, share: Callable[[LoadResult], float], limit: float, much: float = math.inf) -> Check:
-    """Check of a number of each load against a limit, from which on it is doubtful, and one where theory ends."""
+    """Check of a number of each load: doubtful above `limit`, outside the theory above `much`."""
 
     def check(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
         load = max(loads, key=share)
@@ -407,14 +408,14 @@ def _gap_at_peak(load: LoadResult) -> float:
     return float(load.contact.gap[int(np.argmax(load.contact.pressure))])
 
 
-def _gap_over_bend(load: LoadResult) -> float:
-    """Separation over the radius to which the faces bend, in the mean over the contact pressure."""
+def _gap_over_radius(load: LoadResult) -> float:
+    """Separation over the radius of curvature of the faces, averaged over the contact pressure."""
     forces, bend = load.contact.point_forces, [line.bend for line in load.contact.model.lines]
     return float(np.maximum(load.contact.gap, 0.0) * np.concatenate(bend) @ forces / forces.sum())
 
 
-def _slide_of_gap(load: LoadResult) -> float:
-    """Way by which the separation moves closest approach along the seat, over the radius of first touch."""
+def _shift_by_gap(load: LoadResult) -> float:
+    """Shift of the closest approach along the seat by the separation, over the radius of first touch."""
     model = load.contact.model
     slope = math.sqrt(1 - model.touch_normal_z**2) / model.touch_normal_z / model.initial_contact_radius
     return slope * _gap_at_peak(load)
@@ -422,12 +423,12 @@ def _slide_of_gap(load: LoadResult) -> float:
 
 _turned = _over("small_strain", lambda load: load.contact.turning, TURNED, LARGEST_TURNING)
 _wide = _over("wide_contact", lambda load: 2 * load.std / load.contact.model.initial_contact_radius, _NARROW)
-_thick_layer = _over("thick_layer", _gap_over_bend, _THICK_LAYER, _NO_LAYER)
-_slides = _over("steep_seat", _slide_of_gap, _SLIDES)
+_thick_layer = _over("thick_layer", _gap_over_radius, _THICK_LAYER, _NO_LAYER)
+_slides = _over("steep_seat", _shift_by_gap, _SLIDES)
 
 
 def _moved_by_heat(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
-    """Heat slides the faces along each other, but the contact is calculated where the drawing has it."""
+    """Heat slides the faces along each other, but the contact is calculated at its place on the drawing."""
     if not problem.temperatures:
         return
     model = loads[0].contact.model
@@ -459,7 +460,7 @@ def _hot(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]
 
 
 def _mpa(pressure: float, load: LoadResult, limit: float) -> str:
-    """A pressure or stress of a load [Pa] in MPa, beside what it is compared with [MPa]."""
+    """A pressure or stress of a load [Pa] in MPa, with enough digits to tell it from a limit [MPa]."""
     return format_beside(pressure / 1e6, limit, load.pressure_digits)
 
 
@@ -469,12 +470,12 @@ def _times(share: float, load: LoadResult, most: int = 2) -> str:
 
 
 def _um(length: float, load: LoadResult, most: int = DIGITS) -> str:
-    """A length that is as good as the width of the contact, in um."""
+    """A length with the accuracy of the contact width, in um."""
     return f"{rounded(1e6 * length, min(load.digits_of('std'), most)):g} um"
 
 
 def _highest_pressure(load: LoadResult) -> float:
-    """Highest contact pressure, now or remembered; of a seal that is not round, around its axis [Pa]."""
+    """Highest contact pressure of this load and the loads before; of a seal that is not round, around its axis [Pa]."""
     before = load.tightest.highest
     return before if load.formed is None else max(before, float(load.formed.peak_pressure.max()))
 
@@ -509,7 +510,7 @@ def _sealing_pressure(problem: SealProblem, surface: RoughContact) -> float:
 
 
 def _is_sealed(load: LoadResult, sealing: float) -> bool:
-    """Whether a load is sealed by its own pressure, or by what a larger load before has left."""
+    """Whether a load is sealed by its own pressure, or still sealed by a larger load before."""
     profile = load.tightest
     stays = profile.highest >= sealing and load.leak is not None and load.leak.leak_rate == 0.0
     return profile.peak_pressure >= sealing or stays
@@ -556,7 +557,7 @@ def _nearly_sealed(
     area = float(surface.contact_area(load.peak_pressure))
     factor = next(factor for limit, factor in _FACTORS if area <= limit) if area > _FEW_CHANNELS else 1.0
     lay = _lay_factor(area, surface.peklenik)
-    if lay > _WORTH_SAYING and area <= _DIRECT_END:
+    if lay > _LAY_REPORTED and area <= _DIRECT_END:
         lay = max(lay, factor)
         long = max(surface.peklenik, 1.0 / surface.peklenik) > _LAY_LONGEST
         ends = [name for name, unknown in (("area", area > _LAY_KNOWN), ("length", long)) if unknown]
@@ -589,7 +590,7 @@ def _nearly_sealed(
             ),
         )
     elif area > _FEW_CHANNELS and surface.theory == "paper":
-        # the corrected theory has this in its own error
+        # the error of the corrected theory includes this
         yield caution(
             "few_channels",
             load,
@@ -602,9 +603,9 @@ def _nearly_sealed(
 
 
 def _most_leak(load: LoadResult, surface: RoughContact) -> float:
-    """Leak rate if no place were pressed harder than where direct results end, over the calculated one.
+    """Upper bound of the leak rate, over the calculated one: with the pressure limited to where direct results end.
 
-    What is pressed harder lets no more through. Infinite where it is not known: around an axis that is not round.
+    A harder pressed place leaks no more. Infinite where it is not known: for a seal that is not round.
     """
     leak = load.leak
     if load.rough is None or load.formed is not None or leak is None or not leak.leak_rate > 0.0:
@@ -685,7 +686,7 @@ def _long_waves(surface: RoughContact, loads: Sequence[LoadResult]) -> Iterator[
 
 def _fluid_opens(problem: SealProblem, flow: FlowModel, loads: Sequence[LoadResult]) -> Iterator[Finding]:
     if flow.fluid_in_gap == "local":
-        yield from _blown_open(loads)
+        yield from _lifted_open(loads)
     elif problem.loads.closing != "penetration":
         load = max(loads, key=lambda load: load.fluid_pressure / load.peak_pressure)
         share = load.fluid_pressure / load.peak_pressure
@@ -703,7 +704,7 @@ def _fluid_opens(problem: SealProblem, flow: FlowModel, loads: Sequence[LoadResu
             )
 
 
-def _blown_open(loads: Sequence[LoadResult]) -> Iterator[Finding]:
+def _lifted_open(loads: Sequence[LoadResult]) -> Iterator[Finding]:
     blown = [load for load in loads if load.leak is not None and math.isinf(load.leak.leak_rate)]
     if blown:
         load = min(blown, key=lambda load: load.point)

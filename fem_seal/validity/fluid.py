@@ -22,22 +22,23 @@ if TYPE_CHECKING:
 
 # Pressure from which on the thickening of a liquid should be known [Pa].
 _THICKENS = 2e7
-# Between which a liquid of unknown kind thickens: mixtures with water [1/Pa], and oils of this exponent of Roelands.
+# Bounds of the thickening of an unknown liquid: mixtures with water (Barus [1/Pa]) and oils (exponent of Roelands).
 _LEAST, _MOST = 2.5e-9, 0.75
-# Viscosity below which the latter says too little of thin liquids [Pa s].
+# Viscosity below which Roelands' law predicts too little thickening [Pa s].
 _THIN = 5e-4
-# Uncertainty of the leak rate by that of a pressure law, and thickening beyond its range, that are worth saying.
+# Uncertainty of the leak rate from the pressure law, and thickening beyond its range, above which they are reported.
 _UNCERTAIN, _SLIGHTLY = 0.2, 1.05
 
-# Share of what drives a gas that inertia may take, and from which on nothing can be said; Mach number of choking.
+# Share of the driving force of a gas that inertia takes: doubtful above the first, void above the second; Mach number
+# of choking.
 _ACCELERATED, _CHOKED, _CHOKES = 0.05, 0.3, 0.8
 # Reynolds numbers: of the hydraulic diameter, where flow becomes turbulent, and of the gap times gap over width.
 _TURBULENT, _REDUCED = 2000.0, 1.0
-# Share of the pressure that inertia takes where the latter is one: 6/5 of rho v^2 over 12 eta v L/u^2.
+# Share of the pressure that inertia takes at a reduced Reynolds number of one: 6/5 of rho v^2 over 12 eta v L/u^2.
 _PRESSURE_SHARE = 0.1
-# Of a liquid of which none is given [kg/m^3].
+# Density of a liquid for which none is given [kg/m^3].
 _DENSITY = 1000.0
-# Contact pressure below which the gap is as good as open [Pa].
+# Contact pressure below which the gap counts as open [Pa].
 _NO_PRESSURE = 1e-200
 
 
@@ -165,7 +166,7 @@ def _not_ideal(flow: FlowModel, gas: Gas, highest: float) -> Iterator[Finding]:
 def _inertia(flow: FlowModel, loads: Sequence[LoadResult]) -> Iterator[Finding]:
     """Finding where flow is too fast to be viscous, in the result or else in its upper end."""
     fastest = _fastest_liquid if flow.gas is None else _fastest_gas
-    # with the other readings of yielding asperities as far as somebody has asked for their leak
+    # the other readings of yielding asperities only where their leak is already calculated
     others = [(load, other) for load in loads for other in load.others.values() if _leak_known(other)]
     for end, readings in ((False, [(load, load) for load in loads]), (True, others)):
         found = fastest(flow, loads, readings, end=end)
@@ -235,7 +236,7 @@ def _fastest_liquid(
 def _of_liquid(flow: FlowModel, load: LoadResult) -> tuple[float, float] | None:
     """Reynolds number of the hydraulic diameter, and of the gap times gap over width; None where nothing flows.
 
-    The gap is the uniform one over the width of the contact that lets as much through.
+    The gap is the uniform gap across the width of the contact with the same flow.
     """
     found = _where_most_leaks(load) if _leak_known(load) else None
     if found is None or not 0 < found[1].leak_rate < math.inf or not load.fluid_pressure > 0:
@@ -250,12 +251,12 @@ def _of_liquid(flow: FlowModel, load: LoadResult) -> tuple[float, float] | None:
 
 
 def _leak_known(load: LoadResult) -> bool:
-    """Whether the leak is worked out, which is not worth doing for a check alone."""
+    """Whether the leak is already calculated; a check alone does not calculate it."""
     return not vars(load).keys().isdisjoint({"leak", "leak_round", "around"})
 
 
 def _where_most_leaks(load: LoadResult) -> tuple[PressureProfile, LeakResult] | None:
-    """Contact pressure where most leaks around the axis, and the leak of a seal that is so everywhere."""
+    """Contact pressure at the angle with the largest leak, and the leak of a seal with this pressure all around."""
     if load.formed is None:
         return None if load.leak is None else (load.tightest, load.leak)
     around = load.around

@@ -16,15 +16,15 @@ from fem_seal.units import DIGITS, format_beside, rounded, share_text
 from fem_seal.validity.words import caution
 
 # Wave number times standard deviation of the contact up to which the long-wave equation is within 0.3 % of the mean
-# line load, and beyond which it means nothing; see docs/theory/form.md.
+# line load, and beyond which it is void; see docs/theory/form.md.
 _LONG, _LONGEST = 0.2, 0.6
-# A wave with less than this share of the form error's amplitudes is not what is asked.
+# A wave with less than this share of the form error's amplitudes is ignored.
 _COUNTS = 0.03
-# Line load over its mean below which a place is called open.
+# Line load over its mean below which a place counts as open.
 _OPEN = 1e-2
-# Stress over the yield stress of a body that is solved as elastic from which on the contact is another one.
+# Stress over yield stress of a body solved as elastic, above which its contact is outside the theory.
 LARGEST_EXCESS = 1.5
-# Fluid pressure over the contact's peak somewhere around the axis from which on it opens the gap noticeably there.
+# Fluid pressure over the local peak contact pressure, above which it opens the gap noticeably.
 _FLUID_OPENS = 0.5
 
 
@@ -95,7 +95,7 @@ def _fluid_opens(problem: SealProblem, loads: Sequence[LoadResult], formed: _For
 
 
 def _crest(problem: SealProblem, loads: Sequence[LoadResult], formed: _Formed) -> Iterator[Finding]:
-    """The stress where the line load is largest, from that at the mean: below a line contact it goes with the peak."""
+    """Stress at the largest line load: that at the mean line load, scaled with the peak pressure."""
     limits = [one.yield_stress for one in problem.materials.values() if one.yield_stress is not None]
     if not limits:
         return

@@ -11,10 +11,10 @@ from fem_seal.seal.findings import Finding, Level
 from fem_seal.seal.problem import SealProblem
 from fem_seal.validity.words import caution
 
-# How far a temperature may lie outside what is known of a number without a word, and from where on the results are
-# doubtful [K]: 316L loses 1 % of its modulus and 5 % of its yield stress in 25 K, 4 % and a fifth in 100 K.
+# Distance of a temperature from the known range of a number above which it is reported, and above which the results
+# are doubtful [K]: 316L loses 1 % of its modulus and 5 % of its yield stress in 25 K, 4 % and a fifth in 100 K.
 _NEAR, _FAR = 25.0, 100.0
-# Number of a material -> its name, what a table of it is given in, and the factor to that unit.
+# Key of a material -> its name, the unit of its table, and the factor to that unit.
 _WORDS = {
     "youngs_modulus": ("Young's modulus", " GPa", 1e-9),
     "hardness": ("hardness", " GPa", 1e-9),
@@ -26,13 +26,15 @@ _OF_SURFACE = ("youngs_modulus", "hardness")
 
 
 def temperature_cautions(problem: SealProblem, *, bodies: bool = True) -> Iterator[Finding]:
-    """Cautions about material numbers known at other temperatures than the body has; nearby ones leave it valid.
+    """Cautions about material numbers known only at other temperatures than that of the body.
+
+    A small difference of temperature leaves the result valid.
 
     Parameters
     ----------
     problem : SealProblem
     bodies : bool, optional
-        Whether the bodies themselves are solved; otherwise only the contact of their roughness is looked at.
+        Whether the bodies themselves are solved; otherwise only the contact of the rough surfaces is checked.
     """
     for name, temperature in problem.temperatures.items():
         material = problem.materials[name]
@@ -65,7 +67,7 @@ def _used(problem: SealProblem, material: Material) -> Iterator[str]:
 
 
 def _reached(problem: SealProblem, key: str, temperature: float) -> list[float]:
-    """Temperatures at which a number is taken [K]: of a body that conducts heat none is outside those around it."""
+    """Temperatures at which a number is used [K]; those of a body that conducts heat lie between those around it."""
     heating = problem.heating
     if heating is None or key in ("youngs_modulus", "hardness", "yield_stress"):
         return [temperature]
@@ -78,7 +80,7 @@ def _with_unit(key: str, value: float) -> str:
 
 
 def _table(key: str, known: float, at: float, value: str) -> str:
-    # tens further out: a calculated temperature changes a little with the numbers that it depends on
+    # rounded outwards to tens: a calculated temperature changes a little with these numbers
     tens, outwards = (at - 273.15) / 10.0, math.copysign(1.0, at - known)
     end = 10.0 * outwards * math.ceil(outwards * tens - 1e-6)
     ends = [f'"{one}"' for one in (celsius(known), f"{end:.4g} degC")]
@@ -89,7 +91,7 @@ def _table(key: str, known: float, at: float, value: str) -> str:
 
 def _beyond(name: str, material: Material, key: str, at: float) -> Finding:
     table = material.table(key)
-    assert table is not None  # of those that were looked at
+    assert table is not None  # only keys with a table are checked
     end = table.temperature[0] if at < table.temperature[0] else table.temperature[-1]
     value = _with_unit(key, table.at(end))
     found = caution(

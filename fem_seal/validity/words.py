@@ -23,7 +23,7 @@ def caution(
     leak_factor: Bounds = EXACT,
     **values: object,
 ) -> Finding:
-    """A caution in the words of its entry.
+    """A caution with the texts of its entry.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ def caution(
     leak_factor
         See `Finding`.
     **values
-        What the words have in braces.
+        Values for the braces of the texts.
     """
     if load is not None:
         values["where"] = load_name(load, loads)
@@ -51,7 +51,7 @@ def sentence(name: str, part: str = "text", /, **values: object) -> str:
     ----------
     name, part : str
     **values
-        What the words have in braces.
+        Values for the braces of the texts.
     """
     words: str = own_tables("findings.toml")[name][part]
     return words.format(**values)
@@ -67,14 +67,14 @@ def left_out(loads: Loads, problems: Mapping[int, LoadProblem]) -> Iterator[Find
         Number of each load that is left out, with the reason.
     """
     for kind in dict.fromkeys(problem.kind for problem in problems.values()):
-        # they say nothing against the loads that are left
+        # they do not concern the remaining loads
         yield from _alike(loads, {number: one for number, one in problems.items() if one.kind == kind}, kind)
 
 
 def _alike(loads: Loads, problems: Mapping[int, LoadProblem], kind: str) -> Iterator[Finding]:
-    """Of loads with one kind of problem: the sentence gives the reason of the one that is nearest to a result."""
+    """Findings about loads with one kind of problem, each with the reason of the load that is nearest to a result."""
     points = {number: loads.points[number] for number in problems}
-    # whose pressure is lowest; of an open seal whose applied force is largest; of those without a solution the first
+    # the one with the lowest pressure; of an open seal that with the largest force; without a solution the first
     direction = {"open": -1, "strain": 1}.get(kind, 0)
     if len(set(loads.fluid_pressure)) == 1:
         nearest = min(points, key=lambda number: direction * points[number][1])
@@ -98,7 +98,7 @@ def _left_out(
     values = ", ".join(f"{value:.6g}" for value in sorted(others))
     return caution(
         "left_out",
-        # a seal that opens says itself at which pressure and under which force
+        # the message of an open seal has its pressure and force already
         load="" if problem.kind == "open" else load,
         problem=problem,
         others=sentence("left_out", how, values=values) if others else "",
