@@ -238,8 +238,8 @@ def show_leak_table(
         if level.mark and level in levels:
             what = "nothing may be claimed" if level is Level.OUTSIDE else "uncertain"
             say(f"  {level.mark} {level}: {what}; for the reasons see validity_reasons in leak.csv")
-    for told in volume_notes(volume, flows, unmeasured=unmeasured):
-        say(f"  {told}")
+    for text in volume_notes(volume, flows, unmeasured=unmeasured):
+        say(f"  {text}")
 
 
 def _leak_cell(value: float | None, shown: TerminalColumn, load: LoadResult, volume: LeakVolume) -> str:
@@ -282,8 +282,8 @@ def show_answers(result: SealSolution) -> None:
     from fem_seal.output import shown_answers
     from fem_seal.output.report.words import remembered
 
-    told = (remembered(result), *(one.lines(result) for one in shown_answers.SHOWN))
-    for line in chain.from_iterable(told):
+    groups = (remembered(result), *(one.lines(result) for one in shown_answers.SHOWN))
+    for line in chain.from_iterable(groups):
         say(line)
 
 

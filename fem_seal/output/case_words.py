@@ -31,7 +31,7 @@ _NOT_A_DIMENSION = ("interference", "tolerance")
 
 
 def law_word(case: Case) -> str:
-    """The case's interface law, by the word that its sentences have in words.toml.
+    """Key of the interface law in words.toml.
 
     Parameters
     ----------
@@ -53,8 +53,7 @@ def dimensions(case: Case, name: str) -> dict[str, float]:
     Returns
     -------
     dict
-        Lengths [m] and angles [rad]. Keys of the case that do not apply, such as the cavity of a solid ball, are left
-        out.
+        Lengths [m] and angles [rad], without keys that do not apply, such as the cavity of a solid ball.
     """
     given = {
         key: entry
@@ -65,7 +64,7 @@ def dimensions(case: Case, name: str) -> dict[str, float]:
 
 
 def listed_dimensions(case: Case, name: str) -> dict[str, tuple[float, bool]]:
-    """The `dimensions` in the words of the case, for people.
+    """The `dimensions` in the words of the case.
 
     Radii are diameters where the case writes diameters; the angle of a cone is followed by its included angle.
 
@@ -78,7 +77,7 @@ def listed_dimensions(case: Case, name: str) -> dict[str, tuple[float, bool]]:
     Returns
     -------
     dict
-        By key or word: length [m] or angle [rad], and whether it was left open by the case.
+        By key or word: length [m] or angle [rad], and whether the program chose it.
     """
     table: type[Table] = type(getattr(case, name))
     words = {word.key: word for word in words_of(table).values()}
@@ -94,7 +93,7 @@ def listed_dimensions(case: Case, name: str) -> dict[str, tuple[float, bool]]:
 
 
 def chosen_dimensions(case: Case, name: str) -> dict[str, float]:
-    """Those of the `dimensions` that the case leaves open."""
+    """The `dimensions` that the case does not give and the program chose."""
     table = getattr(case, name)
     body = case.bodies[0 if name == "closure" else 1]
     values = {key: getattr(body, key, None) for key, entry in table if entry is None}
@@ -106,7 +105,7 @@ def chosen_dimensions(case: Case, name: str) -> dict[str, float]:
 
 
 def earlier_load(load: Load) -> str:
-    """The largest load before all others in words: "a load of 2 kN", or empty where none is given."""
+    """The largest earlier load in words: "a load of 2 kN", or empty where none is given."""
     if load.largest_earlier_force is not None:
         return f"a load of {format_quantity('force', load.largest_earlier_force)}"
     if load.largest_earlier_pressure is not None:
@@ -126,8 +125,8 @@ def section(case: Case, name: str) -> dict[str, Any]:
     Returns
     -------
     dict
-        "file" and "layer", None where there is none; "length_unit_m", a unit of the file, None for an outline in the
-        case and for STEP; "r_m" and "z_m", smallest and largest coordinate as drawn.
+        "file" and "layer", or None; "length_unit_m", the unit of the file, None for an outline in the case and for
+        STEP; "r_m" and "z_m", smallest and largest coordinate as drawn.
     """
     table = getattr(case, name)
     if not isinstance(table, ProfileSource):
@@ -144,7 +143,7 @@ def section(case: Case, name: str) -> dict[str, Any]:
 
 
 def section_text(section: Mapping[str, Any]) -> dict[str, str]:
-    """A `section` for people: its source, if it is a file, and its extent."""
+    """A `section` in words: its source, if it is a file, and its extent."""
     words = {}
     if section["file"]:
         layer, unit = section["layer"], section["length_unit_m"]
@@ -200,7 +199,7 @@ def _numbers(table: FinishTable) -> dict[str, Any]:
 
 
 def finish_rows(case: Case) -> list[tuple[str, str]]:
-    """The same for people: name and value; faces that are alike stand there once.
+    """Rows of the finishes: name and value; equal faces are listed once.
 
     Parameters
     ----------
@@ -257,15 +256,15 @@ def _known(spreads: Mapping[str, Spread], name: str, how: str = "trimmed") -> st
 def temperature_rows(
     case: Case, problem: SealProblem, field: TemperatureField | None = None
 ) -> Iterator[tuple[str, str]]:
-    """Rows of the table of the temperature; none where the case says nothing of it.
+    """Rows of the table of the temperature; none without [temperature].
 
     Parameters
     ----------
     case : Case
     problem : SealProblem
-        That the case poses.
+        The problem of the case.
     field : TemperatureField, optional
-        Of a case whose temperatures are calculated.
+        The calculated temperatures, if any.
     """
     if case.temperature is None:
         return
@@ -296,7 +295,7 @@ def celsius(temperature: float) -> str:
 
 
 def derived_numbers(case: Case, derived: Derived) -> dict[str, Any]:
-    """Derived numbers of a case in SI, as `check --json` prints them."""
+    """Derived numbers of a case in SI, for `check --json`."""
     fluid = case.fluid
     crossovers = [load.crossover for load in derived.loads if load.crossover]
     found = dict(zip(crossovers, widths(crossovers).tolist(), strict=True))
@@ -339,7 +338,7 @@ def derived_numbers(case: Case, derived: Derived) -> dict[str, Any]:
 
 
 def requirement_numbers(case: Case) -> list[dict[str, Any]] | None:
-    """What will be judged at which fluid pressure, as `check --json` prints it; None without a requirement."""
+    """Limits at each judged fluid pressure, for `check --json`; None without a requirement."""
     required = case.requirement
     if required is None:
         return None

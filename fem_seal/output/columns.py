@@ -1,6 +1,6 @@
-"""The columns of all tables: how to get each from a load; name, unit, headings and meaning are in columns.toml.
+"""The columns of all tables: the function that takes each from a load; columns.toml has unit, headings and meaning.
 
-leak.csv, the terminal, the report, studies and the manual choose from this list; none of them has one of its own.
+leak.csv, the terminal, the report, studies and the manual all choose from this list.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ class TerminalColumn:
     Parameters
     ----------
     name : str
-        In leak.csv or in what ``check --json`` prints.
+        In leak.csv or in ``check --json``.
     heading : str
     unit : Unit
     """
@@ -44,35 +44,34 @@ class TerminalColumn:
 
 @dataclass(frozen=True)
 class Column:
-    """A column of leak.csv and of all that is made from it.
+    """A column of leak.csv, the terminal, the report and studies.
 
     Parameters
     ----------
     name : str
-        In the files; it ends in the SI unit.
+        Name in the files; it ends in the SI unit.
     kind : str
-        What `fem_seal.units.unit_for` calls the quantity; empty for a plain number.
+        Kind of quantity, see `fem_seal.units.unit_for`; empty for a plain number.
     meaning : str
-        For the reference of the columns.
+        Text for the reference of the columns.
     of : callable
-        The number of a `LoadResult` in SI, None where nothing was calculated.
+        Function of a `LoadResult`: the number in SI, None where nothing was calculated.
     heading : str
-        In the report, without a unit.
+        Heading in the report, without a unit.
     title : str
-        On the page of a study; the name in words unless given.
+        Heading on the page of a study; the name in words unless given.
     short, shown_in : str
         Heading on the terminal and the unit there, see `fem_seal.units.fixed_unit`.
     unit_like : str
-        Name of the column whose unit it has in the report, so that the two can be compared.
+        Name of a column with the same unit in the report, so that the two can be compared.
     spare_digits : int, optional
-        So many digits more than the contact force it is worth where little is missing to opening; None if it does not
-        follow from that force.
+        Near opening: significant digits beyond those of the contact force; None if the number does not depend on it.
     needs : sequence of str
         Tables of the case without which the column stays empty.
     most_digits : int
-        Significant digits that are shown at most.
+        Largest number of significant digits.
     error_of : str
-        What `LoadResult.digits_of` calls it or what it is as good as, empty where errors hardly matter.
+        Name in `LoadResult.digits_of` of the number with the same error; empty where errors hardly matter.
     """
 
     name: str
@@ -96,21 +95,21 @@ class Column:
 
     @property
     def words(self) -> str:
-        """What the page of a study calls it."""
+        """Name on the page of a study."""
         return self.title or split_unit(self.name)[0].replace("_", " ")
 
     @property
     def on_terminal(self) -> TerminalColumn:
-        """How the terminal shows it."""
+        """The column on the terminal."""
         return TerminalColumn(self.name, self.short, fixed_unit(self.shown_in))
 
     def number(self, load: LoadResult) -> float:
-        """Its cell in a row of numbers of a load, NaN where nothing was calculated."""
+        """Number of a load, NaN where nothing was calculated."""
         value = self.of(load)
         return math.nan if value is None else float(value)
 
     def digits(self, load: LoadResult) -> int:
-        """Significant digits that it is worth at a load."""
+        """Significant digits at a load."""
         of_force = DIGITS if self.spare_digits is None else load.digits + self.spare_digits
         of_error = load.digits_of(self.error_of) if self.error_of else DIGITS
         return min(of_force, of_error, self.most_digits)
@@ -164,7 +163,7 @@ def _plastic_strain(load: LoadResult) -> float | None:
 
 
 def _interval_end(load: LoadResult, which: int) -> float | None:
-    """Lower (0) or upper (1) end of the leak rate's interval [m^3/s]; None where nothing makes one."""
+    """Lower (0) or upper (1) end of the interval of the leak rate [m^3/s]; None without an interval."""
     ends = load.leak_interval
     return ends[which] if ends is not None and load.has_interval else None
 
@@ -174,9 +173,9 @@ def _of_scratches(load: LoadResult, which: int) -> float | None:
     return None if around is None or around.scratches is None else around.scratches[which]
 
 
-# What is said of the columns of all tables.
+# Texts of the columns of all tables.
 _SAID = own_tables("columns.toml")
-# The number of a column that is not the property of the load which its name without the unit says.
+# Functions of columns whose number is not the property of the load with the name of the column.
 _OF: dict[str, Callable[[LoadResult], float | None]] = {
     "contact_radius_m": _contact_radius,
     "leak_rate_m3_per_s": lambda load: _rate(load.leak),
@@ -226,7 +225,7 @@ def _columns() -> Iterator[Column]:
 
 
 def _worded(name: str, kind: str, of: Callable[[LoadResult], float | None], words: dict[str, str]) -> Column:
-    """A column of a reading or a theory, with its words in what is said of all of this kind."""
+    """A column of a reading or a theory: the texts of its kind with its words filled in."""
     said: dict[str, Any] = _SAID["of_each"][kind]
     filled: dict[str, Any] = {
         key: one.format(**words) if isinstance(one, str) else one for key, one in said.items()
@@ -234,13 +233,13 @@ def _worded(name: str, kind: str, of: Callable[[LoadResult], float | None], word
     return Column(name, of=of, **filled)
 
 
-# Names of those that a table has, where a row fills them.
+# Names of the columns of each table; empty ones are left out.
 SHOWN_COLUMNS: dict[str, list[str]] = _SAID["shown"]
 COLUMNS = {column.name: column for column in _columns()}
 
 
 def own_theory(loads: Sequence[LoadResult]) -> set[str]:
-    """Columns of theories that are those of the loads themselves: they say the same as the leak rate.
+    """Columns of the theory that the loads themselves use: they repeat the leak rate.
 
     Parameters
     ----------
@@ -260,20 +259,20 @@ def in_words(load: LoadResult, name: str) -> str:
     ----------
     load : LoadResult
     name : str
-        Of a column that is a quantity.
+        Of a column with a kind of quantity.
     """
     column = COLUMNS[name]
     return quantity_worth(column.kind, column.number(load), column.digits(load))
 
 
 LEAK_COLUMNS = tuple(COLUMNS)
-# What is known of the pressure profile of another program.
+# Columns for the pressure profile of another program.
 PROFILE_LEAK_COLUMNS = (*SHOWN_COLUMNS["of_profiles"], *map(leak_rate_column, (OWN, *FURTHER, *THEORIES)))
-# What the terminal shows of the loads.
+# Columns of the loads on the terminal.
 LEAK_ON_TERMINAL = tuple(COLUMNS[name].on_terminal for name in SHOWN_COLUMNS["terminal"])
-# What `fem-seal check` says of the case as a whole, words and unit by the name in its JSON.
+# Rows of `fem-seal check` for the case as a whole: name and unit by the key in its JSON.
 CHECK_OF_CASE: dict[str, tuple[str, str]] = _SAID["of_the_case"]
-# What it shows of the loads: what is known of the columns before a solve, and the closed forms.
+# Columns of `fem-seal check` for the loads: those known before a solve, and the closed forms.
 CHECK_ON_TERMINAL = (
     *(COLUMNS[name].on_terminal for name in ("fluid_pressure_Pa", "contact_force_N", "line_load_N_per_m")),
     *(
@@ -283,7 +282,7 @@ CHECK_ON_TERMINAL = (
     *(COLUMNS[name].on_terminal for name in ("blow_off_pressure_Pa", "force_for_target_leak_N")),
 )
 
-# Names of the columns of the other tables and what they mean; "words" are those of leak.csv after its numbers.
+# Names and meanings of the columns of the other tables; "words" are the columns of leak.csv after its numbers.
 MEANINGS: dict[str, dict[str, str]] = dict(_SAID["meanings"])
 MEANINGS["around"] = MEANINGS["around"] | {
     f"leak_rate_{one}_m3_per_s_per_rad": f"the same with {WORDS[one].taken}; empty where none yields"

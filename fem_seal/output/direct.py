@@ -1,6 +1,6 @@
-"""What `fem-seal direct` writes and shows: tables of the samples beside the theory, pictures of contact and flow.
+"""Output of `fem-seal direct`: tables of the samples compared with the theory, pictures of contact and flow.
 
-With `--seal` the samples are strips of the seal, beside the chain.
+With `--seal` the samples are strips of the seal, compared with the chain.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def direct_rows(table: DirectTable, viscosity: float | None = None) -> list[dict
     ----------
     table : DirectTable
     viscosity : float or None
-        Of the liquid [Pa s]; without it there are effective gaps only, which belong to the surface.
+        Of the liquid [Pa s]; without it there are only effective gaps, which depend on the surface alone.
     """
     return [_row(table, row, viscosity) for row in table.rows]
 
@@ -98,7 +98,7 @@ def gap_rows(table: DirectTable) -> Iterator[dict[str, Any]]:
 
 
 def direct_numbers(table: DirectTable) -> dict[str, Any]:
-    """What was simulated, for direct.json and `--json`.
+    """Numbers of the simulation for direct.json and `--json`.
 
     Parameters
     ----------
@@ -130,7 +130,7 @@ def direct_numbers(table: DirectTable) -> dict[str, Any]:
 
 
 def direct_lines(table: DirectTable) -> list[str]:
-    """The same in sentences.
+    """The simulation in sentences.
 
     Parameters
     ----------
@@ -149,8 +149,8 @@ def direct_lines(table: DirectTable) -> list[str]:
     for reading in readings:
         cuts = [cut for one in theory if math.isfinite(cut := one.cut(reading))]
         if cuts:
-            told = reading if len(readings) > 1 else Reading.ELASTIC
-            lines.append(phrase("direct.cost", told, low=min(cuts), high=max(cuts)))
+            key = reading if len(readings) > 1 else Reading.ELASTIC
+            lines.append(phrase("direct.cost", key, low=min(cuts), high=max(cuts)))
     halves = [row.cutoff_ratio for row in table.loading if math.isfinite(row.cutoff_ratio)]
     if halves:
         lines.append(phrase("direct.cost", "half", low=min(halves), high=max(halves)))
@@ -254,7 +254,7 @@ def seal_numbers(row: SealRow) -> dict[str, Any]:
 
 
 def seal_lines(rows: Sequence[SealRow]) -> list[str]:
-    """What was simulated, in sentences.
+    """The simulation of the strips in sentences.
 
     Parameters
     ----------

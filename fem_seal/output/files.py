@@ -1,4 +1,4 @@
-"""The result files of one calculation, in one folder, and what summary.json holds."""
+"""The result files of one calculation, in one folder, and the content of summary.json."""
 
 from __future__ import annotations
 
@@ -39,10 +39,10 @@ if TYPE_CHECKING:
 
 
 def write(result: SealSolution, folder: Path) -> tuple[str, ...]:
-    """Write tables, summary, VTK files, mesh and report into a folder, all that can be made or none.
+    """Write tables, summary, VTK files, mesh and report into a folder.
 
-    They take the places of those of an earlier run together; everything else in the folder is left alone. The caller
-    sees to it that nobody else writes there, see `fem_seal.output.folders`.
+    They replace the files of an earlier run together, or none is written; everything else in the folder is left alone.
+    The caller holds the lock of the folder, see `fem_seal.output.folders`.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def write(result: SealSolution, folder: Path) -> tuple[str, ...]:
     Returns
     -------
     tuple of str
-        A sentence for each file that could not be made; the others are there, and summary.json says so, too.
+        A sentence for each optional file that could not be written; summary.json has them, too.
 
     Raises
     ------
@@ -65,7 +65,7 @@ def write(result: SealSolution, folder: Path) -> tuple[str, ...]:
     with replaced_together(folder, tables=tables) as draft:
         write_leak_csv(result, draft / "leak.csv")
         write_profile_csv(result, draft / "profile.csv")
-        # a full disc concerns the other files as well
+        # a full disc affects the other files as well
         for name, write_one in _FILES.items():
             with steps.attempt(name, but=OSError):
                 write_one(result, draft)
@@ -75,8 +75,8 @@ def write(result: SealSolution, folder: Path) -> tuple[str, ...]:
                 if rows:
                     write_rows_csv(draft / name, columns, rows)
         with steps.attempt("summary.json", but=OSError):
-            told = (*result.warnings, *steps.failures)
-            write_summary(replace(result, warnings=told), draft / "summary.json", folder)
+            warnings = (*result.warnings, *steps.failures)
+            write_summary(replace(result, warnings=warnings), draft / "summary.json", folder)
     return tuple(steps.failures)
 
 
@@ -112,15 +112,14 @@ def summary(result: SealSolution) -> dict[str, Any]:
         ``format_version``, ``program``, ``created``, ``title``, ``case_file``, ``input``, ``derived``, ``mesh``,
         ``loads`` (rows of leak.csv with their validity and a list of reasons), ``leakage`` (other units and classes,
         one entry per load; no class outside the theory), ``yielding`` (one entry
-        per load; null for a body that does not pass its yield stress), ``imprint`` (of each body that has yielded;
+        per load; null for a body that does not exceed its yield stress), ``imprint`` (of each body that has yielded;
         null if both bodies are elastic), ``convergence`` (one entry per load), ``discretisation_error``, ``far_field``
-        (relative changes, and what they say), ``form`` (answers about the form error at the highest load; null for a
-        round seal), ``requirement`` (verdict, margin and what they rest on; null without one), ``verdict_force``
-        (force with which the verdict passes or why none does, one entry per load; empty unless asked), ``levers`` (what
-        changes the leak rate, the strongest first), ``particles`` (answers about particles in the fluid, one entry per
-        load that leaks),
-        ``theories`` (what the other theory gives, and why), ``interface_variants``, ``uncertainty`` (null unless asked
-        for), ``error_shares`` (what makes the interval of each load as wide as it is),
+        (relative changes, and a sentence), ``form`` (answers about the form error at the highest load; null for a
+        round seal), ``requirement`` (verdict, margin and their basis; null without one), ``verdict_force``
+        (force with which the verdict passes or why none does, one entry per load; empty unless asked), ``levers`` (the
+        strongest first), ``particles`` (answers about particles in the fluid, one entry per
+        load that leaks), ``theories`` (result of the other theory, and why it differs), ``interface_variants``,
+        ``uncertainty`` (null unless asked for), ``error_shares`` (shares of the width of the interval of each load),
         ``theory_variants`` (rows of variants.csv), ``warnings``, ``wall_times_s``, ``sources``.
     """
     case = result.case
@@ -158,7 +157,7 @@ def write_summary(result: SealSolution, path: Path, folder: Path | None = None) 
     result : SealSolution
     path : pathlib.Path
     folder : pathlib.Path, optional
-        Where the results will stand; that of `path` unless given.
+        Final folder of the results; that of `path` unless given.
     """
     content = summary(result)
     content["input"]["output"]["folder"] = str((folder or path.parent).absolute())
@@ -166,7 +165,7 @@ def write_summary(result: SealSolution, path: Path, folder: Path | None = None) 
 
 
 def resolved_input(result: SealSolution) -> dict[str, Any]:
-    """The case as nested tables in SI, with what was sized from the problem in place of what it leaves open."""
+    """The case as nested tables in SI, with chosen dimensions and sizes in place of open entries."""
     case = result.case
     tables = input_tables(case)
     for name in ("closure", "seat"):
@@ -198,7 +197,7 @@ def mesh_numbers(result: SealSolution) -> dict[str, Any]:
 
 
 def _yielding(load: LoadResult) -> dict[str, Any]:
-    """Where the bodies yield or, solved as elastic, pass their yield stress."""
+    """Where the bodies yield or, solved as elastic, exceed their yield stress."""
     found = yielding_of(load.contact)
     zones = {name: found.get(name) for name in ("closure", "seat")}
     return {

@@ -1,7 +1,7 @@
-"""Folders for results: one process at a time, and new files that take the place of old ones together.
+"""Result folders: one process at a time writes, and new files replace the old ones together.
 
-A process may die at any moment. While it writes, the old files stand; while files change places, which takes
-milliseconds, a file says that the folder is unfinished, and stays if that is never finished.
+A process may die at any moment. While it writes, the old files stay; while files are exchanged, which takes
+milliseconds, a file marks the folder as unfinished, and it remains if the exchange is interrupted.
 """
 
 from __future__ import annotations
@@ -25,16 +25,16 @@ else:
     import fcntl
 
 FILE = ".fem-seal-lock"
-# What the systems say if another process has the lock; anything else means that this file system has no locks.
+# Error numbers of a lock held by another process; any other number means that the file system has no locks.
 _TAKEN = (errno.EWOULDBLOCK, errno.EAGAIN, errno.EACCES, errno.EDEADLK)
 
 
 @contextmanager
 def folder_lock(folder: Path) -> Iterator[None]:
-    """Keep others from writing into the same folder, which is made if it does not exist.
+    """Lock a folder against other processes; it is created if it does not exist.
 
-    The lock is the system's own, on a file in the folder: it goes with the process, however that ends. On a file
-    system without locks, such as some network drives, nobody is kept out.
+    The operating system locks a file in the folder and releases it when the process ends, for whatever reason. A file
+    system without locks, such as some network drives, gives no protection.
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ def _locked(path: Path) -> int:
                 str(path.parent),
                 "is being written by another fem-seal process; wait for it or choose another folder",
             ) from None
-        # whoever had it has removed the file since it was opened here: a lock on it keeps nobody out
+        # the previous owner has removed the file since it was opened here: a lock on it has no effect
         os.close(handle)
 
 
@@ -95,9 +95,9 @@ def _is_at(path: Path, handle: int) -> bool:
 
 
 def _release(path: Path, handle: int) -> None:
-    """Remove the file and let go of it, unless the folder has been deleted and another process is in a new one."""
+    """Remove the lock file and release it, unless the folder was deleted and another process uses a new one."""
     if sys.platform == "win32":
-        # an open file cannot be removed there, neither by this process nor, once it is another's, by anybody
+        # on Windows an open file cannot be removed
         os.close(handle)
         with suppress(OSError):
             path.unlink()
@@ -111,40 +111,38 @@ def _release(path: Path, handle: int) -> None:
 UNFINISHED = "UNFINISHED.txt"
 _DRAFT = ".fem-seal-draft"
 
-# All files that a run may write, but the tables of its answers: those that the last one did not write are of an earlier
-# one.
+# All files that a run may write, except the tables of its answers: those that the last run did not write are from an
+# earlier one.
 _OF_A_RUN = re.compile(
     r"(leak|profile|imprint)\.csv|summary\.json|report\.html|mesh\.msh"
     r"|(contact|contact_line|around)\.pvd|contact_\d{3,}\.vtu|(contact_line|around)_\d{3,}\.vtp|unloaded\.vtu"
 )
 
 _KILLED = (
-    "The results in this folder are not complete, or of two runs: fem-seal was stopped while it moved new files in. "
+    "The results in this folder are incomplete or from two runs: fem-seal was stopped while it moved new files in. "
     "Do not use them; run the case again."
 )
 _MIXED = (
-    "{new} in this folder is newer than the other results and of another calculation; run the case again."
+    "{new} in this folder is newer than the other results and from another calculation; run the case again."
 )
 
 
 @contextmanager
 def replaced_together(folder: Path, *, whole: bool = True, tables: Collection[str] = ()) -> Iterator[Path]:
-    """Give a folder to write results into, and at the end move them to `folder`, all of them or none.
+    """Provide a draft folder for results, and at the end move them to `folder`, all of them or none.
 
-    The draft stands in `folder` itself, so that its files can take their places by being renamed, whatever file system
-    that is. Other files of the user are left alone. The caller sees to it that nobody else writes, see
-    `fem_seal.output.folders`.
+    The draft is inside `folder`, so that its files are moved by renaming on any file system. Other files of the user
+    are left alone. The caller holds the lock, see `folder_lock`.
 
     Parameters
     ----------
     folder : pathlib.Path
         Made if it does not exist.
     whole : bool
-        Whether the new files are all results of a run, so that other results are those of an earlier one and are
-        removed. If not, such results stay, and if the new ones differ from what stood there, ``UNFINISHED.txt`` says
-        that they do not belong together.
+        Whether the new files are all results of a run, so that results of an earlier one are removed. If not, those
+        stay, and if a new file differs from the old one, ``UNFINISHED.txt`` says that they do not belong together.
     tables : collection of str
-        Names of the files that an answer of a run may have.
+        Names of the tables that the answers of a run may write.
 
     Raises
     ------
@@ -182,7 +180,7 @@ def _move(draft: Path, folder: Path, whole: bool, tables: Collection[str]) -> No
     new = {path.name for path in draft.iterdir()}
     there = {path.name for path in folder.iterdir() if not path.is_dir()}
     others = {name for name in there - new if _OF_A_RUN.fullmatch(name) or name in tables}
-    # the same files may stand there already
+    # the same files may be there already
     if not whole and not any(filecmp.cmpfiles(draft, folder, new, shallow=False)[1:]):
         return
     before = unfinished(folder)
@@ -204,7 +202,7 @@ def _mark(folder: Path, text: str | None) -> None:
 
 
 def _exchange(draft: Path, folder: Path, new: Collection[str], old: Collection[str]) -> None:
-    """Move the old files out and the new ones in; if one of them cannot be moved, all are put back.
+    """Move the old files out and the new ones in; if one cannot be moved, all are put back.
 
     On Windows no file can be moved that another program has open.
     """

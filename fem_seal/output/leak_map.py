@@ -53,7 +53,7 @@ def map_rows(found: LeakMap) -> list[dict[str, Any]]:
 
 
 def write_map(found: LeakMap, folder: Path) -> None:
-    """Write `CSV` with all points, `MODELICA` and `MATLAB` with the largest part that has no gaps.
+    """Write `CSV` with all points, `MODELICA` and `MATLAB` with the largest part without gaps.
 
     Parameters
     ----------
@@ -68,7 +68,7 @@ def write_map(found: LeakMap, folder: Path) -> None:
 
 
 def tables_of(found: LeakMap) -> dict[str, FloatArray]:
-    """Names of the tables for system simulation and their values, shape (m, n): areas only where they are known.
+    """Names and values of the tables for system simulation, shape (m, n); areas only where they are known.
 
     A gas is given by its mass flow, a liquid by its volume flow.
 
@@ -88,7 +88,7 @@ def tables_of(found: LeakMap) -> dict[str, FloatArray]:
 
 
 def _with_zero(pressure: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """The same with a row for no pressure difference, at which nothing leaks."""
+    """Pressures and values with an added row for zero pressure difference, at which nothing leaks."""
     return np.append(0.0, pressure), np.vstack([np.zeros(values.shape[1]), values])
 
 
@@ -110,7 +110,7 @@ def modelica_text(found: LeakMap) -> str:
 
 
 def matlab_text(found: LeakMap) -> str:
-    """Script that makes a struct of grid vectors and matrices, as Simscape and Simulink lookup tables take them.
+    """Script with a struct of grid vectors and matrices for Simscape and Simulink lookup tables.
 
     Parameters
     ----------
@@ -123,7 +123,7 @@ def matlab_text(found: LeakMap) -> str:
     lines.append(f"leak_tables.applied_force = [{_numbers(found.applied_force.tolist())}]; % N")
     tables = {**tables_of(found), "valid": found.valid}
     for name, values in tables.items():
-        # at no pressure as valid as at the least
+        # at zero pressure as valid as at the lowest pressure
         rows = (
             np.vstack([values[:1], values])
             if name == "valid"

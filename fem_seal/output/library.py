@@ -1,4 +1,4 @@
-"""What the libraries of materials and fluids hold, as rows: for the terminal, JSON, CSV and the pages of the manual."""
+"""The libraries of materials and fluids as rows, for the terminal, JSON, CSV and the manual."""
 
 from __future__ import annotations
 
@@ -23,26 +23,26 @@ if TYPE_CHECKING:
 
 _SAID = own_tables("library.toml")
 ONE_CONDITION, CREEPS = _SAID["one_condition"], _SAID["creeps"]
-# Pressure at which a listing shows how a liquid thickens [Pa].
+# Pressure at which a list shows the thickening of a liquid [Pa].
 _HIGH = 1e8
 
 
 @dataclass(frozen=True)
 class ListedNumber:
-    """A number of a material or fluid as library.toml has it.
+    """A number of a material or fluid in a list, from library.toml.
 
     Parameters
     ----------
     key : str
-        In the rows.
+        Its key in the rows.
     heading : str
-        In a table.
+        Its heading in a table.
     of : str
         Its key among the numbers over temperature of a material; empty where there is none.
     word, unit : str
-        In the words about one material.
+        Its name and unit in the list of one material.
     factor, zero : float
-        To the unit: (SI - zero) * factor.
+        The value in this unit is (SI - zero) * factor.
     """
 
     key: str
@@ -157,7 +157,7 @@ def fluid_row(name: str, temperature: float = ROOM_TEMPERATURE) -> dict[str, Any
         "to_K": entry.high,
         "source": entry.source,
     }
-    # a round number of degrees must not fail by the last bit of its kelvins
+    # a round number of degrees must not fail because of the last bit of its kelvins
     if entry.low - 1e-6 <= temperature <= entry.high + 1e-6:
         if of_gas is not None:
             row |= {"viscosity_Pa_s": gas(known, temperature).viscosity}
@@ -171,7 +171,7 @@ def fluid_row(name: str, temperature: float = ROOM_TEMPERATURE) -> dict[str, Any
 
 
 def shown(value: float | None, factor: float = 1.0, digits: int = 4) -> str:
-    """A number of a row as it stands in a table, a dash where there is none.
+    """A number of a row for a table, a dash where there is none.
 
     Parameters
     ----------

@@ -13,13 +13,13 @@ if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
     from fem_seal.output.shown import ReadableTable
 
-# Loads that a text names one by one, and rows that a notebook shows.
+# Largest number of loads in a text, and of rows in a notebook.
 _NAMED = 5
 _ROWS = 20
 
 
 def result_text(result: SealSolution) -> str:
-    """A few lines: the loads with their pressure, width, leak rate and validity, and how many warnings there are.
+    """A few lines: the loads with their pressure, width, leak rate and validity, and the number of warnings.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ def result_text(result: SealSolution) -> str:
 
 
 def result_html(result: SealSolution) -> str:
-    """The table of the loads as in the report, and the figure, to stand in a page.
+    """The table of the loads as in the report, and the figure, as HTML.
 
     Parameters
     ----------
@@ -60,11 +60,11 @@ def result_html(result: SealSolution) -> str:
 
 
 def _readable(table: ReadableTable) -> str:
-    """A table in units for people; of a long one the first and last rows."""
+    """A table in readable units; of a long one the first and last rows."""
     import pandas as pd
 
     frame = pd.DataFrame(table.rows, columns=list(table.headings))
-    with pd.option_context("display.max_colwidth", None):  # or long cells would be cut
+    with pd.option_context("display.max_colwidth", None):  # otherwise long cells are cut
         return _scrolling(frame.to_html(max_rows=_ROWS, index=False, border=0))
 
 

@@ -1,4 +1,4 @@
-"""The report as a PDF file, printed by a browser that is on the machine anyway."""
+"""The report as a PDF file, printed by an installed browser."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def find_browser() -> str | None:
 
 
 def print_pdf(page: Path, pdf: Path, browser: str | None = None) -> Path:
-    """Print a page into a PDF file, which takes the place of an old one once it is whole.
+    """Print a page into a PDF file, which replaces an old one when it is complete.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ def print_pdf(page: Path, pdf: Path, browser: str | None = None) -> Path:
         HTML file.
     pdf : pathlib.Path
     browser : str, optional
-        Program of the kind of Chromium; the one that is found unless given.
+        Program based on Chromium; the one that is found unless given.
 
     Raises
     ------
@@ -50,13 +50,13 @@ def print_pdf(page: Path, pdf: Path, browser: str | None = None) -> Path:
             f"no Chromium, Chrome or Edge is found to print {page} with; open it in any browser and print it there, or "
             f"name a browser of this kind in the environment variable {_NAMED}"
         )
-    # of a profile of its own, so that a browser that is open neither helps nor hinders
+    # with its own profile, independent of an open browser
     with TemporaryDirectory(prefix="fem-seal-") as folder:
         draft = Path(folder) / "report.pdf"
-        told = _printed(browser, page, draft, Path(folder) / "profile")
+        messages = _printed(browser, page, draft, Path(folder) / "profile")
         if not draft.is_file() or not draft.read_bytes().startswith(b"%PDF"):
             raise DrawingError(
-                f"{browser} printed nothing{told}; open {page} in a browser and print it there"
+                f"{browser} printed nothing{messages}; open {page} in a browser and print it there"
             )
         try:
             shutil.copyfile(draft, pdf)
@@ -68,7 +68,7 @@ def print_pdf(page: Path, pdf: Path, browser: str | None = None) -> Path:
 
 
 def _printed(browser: str, page: Path, pdf: Path, profile: Path) -> str:
-    """What the browser said that may explain why there is no file."""
+    """Messages of the browser that may explain why there is no file."""
     command = [
         browser,
         "--headless",
@@ -79,7 +79,7 @@ def _printed(browser: str, page: Path, pdf: Path, profile: Path) -> str:
         f"--print-to-pdf={pdf}",
         page.absolute().as_uri(),
     ]
-    # its sandbox does not work for root, and the page is this program's own
+    # the sandbox of Chromium does not work for root; the page comes from this program
     if sys.platform != "win32" and os.geteuid() == 0:
         command.insert(1, "--no-sandbox")
     try:

@@ -1,6 +1,6 @@
 """Sentences of the report from templates/words.toml, with their values filled in.
 
-The text stands there as data; which part of it a result needs is decided where the result is known.
+The texts are data; the modules of the answers choose the sentences that a result needs.
 """
 
 from __future__ import annotations
@@ -45,8 +45,8 @@ def template(name: str, *, escaped: bool = True) -> Template:
     name : str
         File in templates/.
     escaped : bool
-        Whether what is put into it is escaped, as titles, names and file names have to be, which come from the user;
-        not in words, which are escaped where they enter a page.
+        Whether inserted values are escaped, as titles, names and file names of the user must be; not for words, which
+        are escaped when they enter a page.
     """
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
@@ -56,7 +56,7 @@ def template(name: str, *, escaped: bool = True) -> Template:
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
-        # a page is made once: to fold constants takes longer than it saves
+        # a page is made once: folding constants takes longer than it saves
         optimized=False,
     )
     environment.filters["written"] = written
@@ -64,7 +64,7 @@ def template(name: str, *, escaped: bool = True) -> Template:
     return environment.get_template(name)
 
 
-# How a number may be written: one without unit, and one with the unit that suits it.
+# Formats of a number: without unit, and with the unit that suits it.
 _PLAIN: dict[str, Callable[..., str]] = {
     "number": number,
     "percent": percent,
@@ -75,7 +75,7 @@ _WITH_UNIT: dict[str, Callable[..., str]] = {"given": format_quantity, "worth": 
 
 
 def written(value: Any, how: str) -> str:
-    """A number in words and templates, in the way that they ask for; of a tuple both ends.
+    """A number in the format that words and templates ask for; of a tuple both ends.
 
     Parameters
     ----------
@@ -108,20 +108,20 @@ def written(value: Any, how: str) -> str:
 
 
 class _Sentence(string.Formatter):
-    """Fills values in, each written as its braces say: "{load.fluid_pressure:given fluid pressure}"."""
+    """Fills values in, in the format of their braces: "{load.fluid_pressure:given fluid pressure}"."""
 
     def format_field(self, value: Any, format_spec: str) -> str:
         return written(value, format_spec) if format_spec else str(value)
 
 
 def filled(sentence: str, values: Mapping[str, object]) -> str:
-    """A sentence of words.toml with its values; numbers are `written` in the way that stands behind their colon.
+    """A sentence of words.toml with its values; numbers are `written` in the format behind their colon.
 
     Parameters
     ----------
     sentence : str
     values : mapping
-        What stands for {names} in it.
+        Values of the {names} in it.
 
     Examples
     --------
@@ -131,31 +131,31 @@ def filled(sentence: str, values: Mapping[str, object]) -> str:
     return _Sentence().vformat(sentence, (), values)
 
 
-def other_reading(reading: Reading, told: str) -> str:
-    """What something is in another reading of yielding asperities than the one it is told in.
+def other_reading(reading: Reading, clause: str) -> str:
+    """A sentence about the result in another reading of yielding asperities.
 
     Parameters
     ----------
     reading : Reading
-    told : str
-        A clause.
+    clause : str
+        The result in that reading.
     """
     return phrase(
-        "readings.load", "other", taken=WORDS[OWN].taken, condition=WORDS[reading].condition, told=told
+        "readings.load", "other", taken=WORDS[OWN].taken, condition=WORDS[reading].condition, clause=clause
     )
 
 
 def phrase(where: str, *parts: str, **values: object) -> str:
-    """Some of the sentences of one table of the file, one after the other.
+    """Sentences of one table of the file, joined.
 
     Parameters
     ----------
     where : str
         The table, such as "captions.mesh".
     *parts : str
-        Keys of the sentences, in their order; empty ones are passed over.
+        Keys of the sentences, in their order; empty ones are skipped.
     **values
-        What stands for {names} in them, see `filled`.
+        Values of the {names} in them, see `filled`.
     """
     kind, name = where.split(".")
     sentences = prose()[kind][name]
@@ -163,7 +163,7 @@ def phrase(where: str, *parts: str, **values: object) -> str:
 
 
 def worded_rows(name: str, *, without: Collection[str] = (), **values: object) -> list[tuple[str, str]]:
-    """Names with what is said of them, as words.toml has them under "rows" and in its order.
+    """Names and texts of a table of words.toml under "rows", in its order.
 
     Parameters
     ----------
@@ -172,7 +172,7 @@ def worded_rows(name: str, *, without: Collection[str] = (), **values: object) -
     without : collection of str
         Names that are left out.
     **values
-        What stands for {names} in both, see `filled`.
+        Values of the {names} in both, see `filled`.
     """
     rows = prose()["rows"][name]
     return [(filled(key, values), filled(text, values)) for key, text in rows.items() if key not in without]

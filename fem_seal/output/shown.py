@@ -1,4 +1,4 @@
-"""What an answer adds to the files of a result: sections and tables of the report, keys, pictures, lines."""
+"""Contributions of an answer to report, files and terminal: sections, tables, keys, pictures, lines."""
 
 from __future__ import annotations
 
@@ -25,16 +25,16 @@ class Section:
     Parameters
     ----------
     name : str
-        Of its place on the page, a word.
+        Anchor on the page, a word.
     title, link : str
-        Above it, and in the list of sections.
+        Heading, and entry in the list of sections.
     sentences : sequence of str
     pictures : sequence of str
-        Names of those that stand in it, as far as they are drawn.
+        Names of its pictures; those not drawn are left out.
     tables : sequence of tuple
         Table and caption; without rows it is left out.
     files : sequence of str
-        What stands beside the page, with the program that reads it.
+        Files next to the page, with the program that reads them.
     """
 
     name: str
@@ -49,7 +49,7 @@ class Section:
 def worded_section(
     name: str, sentences: Sequence[str], *tables: ReadableTable, **values: object
 ) -> Section | None:
-    """A section with what words.toml says of it under "sections"; None without a sentence.
+    """A section with its entry of words.toml under "sections"; None without a sentence.
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ def worded_section(
     *tables : ReadableTable
         In the order of their captions.
     **values
-        What stands for {names} in the captions.
+        Values of the {names} in the captions.
     """
     if not sentences:
         return None
@@ -70,20 +70,20 @@ def worded_section(
 
 @dataclass(frozen=True)
 class Shown:
-    """What an answer adds to the files of a result and to the terminal; nothing unless given.
+    """Contributions of an answer to the files of a result and to the terminal; each is optional.
 
     Parameters
     ----------
     summary : callable
         Keys of summary.json with their values.
     tables : mapping
-        Names of CSV files, with what gives their headings and rows.
+        Names of CSV files, and functions for their headings and rows.
     section : callable
         The answer's own section of the report, or None.
     words : callable
-        What the template of the report places elsewhere, by names.
+        Values for other places of the template of the report, by name.
     pictures : callable
-        Those that there is something to show for.
+        Its pictures, as far as the result has them.
     lines : callable
         Lines on the terminal.
     """
@@ -96,12 +96,12 @@ class Shown:
     lines: Callable[[SealSolution], Sequence[str]] = lambda result: ()
 
 
-# Where a dataclass has what something is in further readings, and what that is called in the file.
+# Field of a dataclass with the values of further readings -> name of the value in the file.
 _READ = {"others": "leak_rate", "allowed_others": "allowed"}
 
 
 def by_reading(value: Any) -> Any:
-    """Entries of a dataclass, with one of its own for each further reading of yielding asperities."""
+    """Entries of a dataclass, with a separate entry for each further reading of yielding asperities."""
     if isinstance(value, (list, tuple)):
         return [by_reading(one) for one in value]
     if not isinstance(value, dict):
@@ -115,7 +115,7 @@ def by_reading(value: Any) -> Any:
 
 @dataclass(frozen=True)
 class ReadableTable:
-    """A table for the page.
+    """A table of the report.
 
     Parameters
     ----------
@@ -137,11 +137,11 @@ def worded_table(
     name : str
         Of the table in words.toml, under "tables".
     rows : iterable of mapping
-        What stands for {names} in the cells of each row.
+        Values of the {names} in the cells of each row.
     without : collection of str
-        Headings of columns that are left out, as they stand in the file.
+        Headings of columns that are left out, as in the file.
     **values
-        What stands for {names} in headings and all rows.
+        Values of the {names} in headings and all rows.
     """
     columns = {key: cell for key, cell in prose()["tables"][name].items() if key not in without}
     return ReadableTable(
@@ -160,9 +160,9 @@ class ReportColumn:
     values : list of float or None
         One per row, SI.
     digits : list of int
-        Significant digits that the values are worth.
+        Significant digits of the values.
     volume : LeakVolume
-        What a volume is that leaks.
+        State of the leaking volume.
     """
 
     column: Column
@@ -177,7 +177,7 @@ class ReportColumn:
 
     @property
     def unit(self) -> Unit:
-        """The one that suits the largest of the values."""
+        """Unit for the largest of the values."""
         largest = max(abs(value) for value in self.values if value is not None)
         found = unit_for(self.column.kind, largest)
         return self.volume.named(found) if self.column.kind == "flow" else found
@@ -195,7 +195,7 @@ def filled_column(name: str, result: SealSolution) -> ReportColumn:
 
 
 def columns_table(columns: Sequence[ReportColumn]) -> ReadableTable:
-    """Columns side by side, one unit in each, without those that no row fills.
+    """Columns side by side, one unit in each, without empty ones.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What all answers add to files, report and terminal."""
+"""Contributions of all answers to files, report and terminal."""
 
 from fem_seal.output.answers import (
     form,
@@ -12,6 +12,6 @@ from fem_seal.output.answers import (
 )
 from fem_seal.output.shown import Shown
 
-# In the order in which they are told.
-_TOLD = target, form, particles, theories, variants, uncertainty, verdict, sensitivities
-SHOWN: tuple[Shown, ...] = tuple(one.SHOWN for one in _TOLD)
+# In the order on the terminal.
+_ANSWERS = target, form, particles, theories, variants, uncertainty, verdict, sensitivities
+SHOWN: tuple[Shown, ...] = tuple(one.SHOWN for one in _ANSWERS)

@@ -23,9 +23,9 @@ class Source:
     name : str
         Short name, as used in texts.
     reference : str
-        Where to find it.
+        Full reference.
     used_for : str
-        What it was used for, in words.
+        Its use, in words.
     equations : tuple of str
         The equations, as one line of text each.
     """
@@ -58,7 +58,7 @@ def sources(result: SealSolution) -> Iterator[Source]:
 
 
 def used(result: SealSolution) -> dict[str, bool]:
-    """What a result is made of, by the names that stand in words.toml.
+    """Features that a result used, by their names in words.toml.
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ def used(result: SealSolution) -> dict[str, bool]:
 
 
 def _own_sources(result: SealSolution, what: str) -> Iterator[Source]:
-    """Publications that the fluid and the leakage standards name themselves."""
+    """Publications of the fluid and of the leakage standards."""
     fluid = result.case.fluid
     if what == "standards":
         for standard in standards_used(result):
@@ -111,13 +111,13 @@ def _chosen(parts: Mapping[str, str], used: set[str]) -> Iterator[str]:
     return (text for name, text in parts.items() if name == "always" or name in used)
 
 
-# Of this version.
+# Year of this version.
 _YEAR = 2026
 _NAMES = ("program", "paper")
 
 
 def citation() -> str:
-    """Both references as text, and as BibTeX below."""
+    """Both references as text, followed by BibTeX."""
     values = {"version": __version__, "year": _YEAR}
     program, paper = (
         [phrase(f"citation.{name}", form, **values) for form in ("text", "bibtex")] for name in _NAMES

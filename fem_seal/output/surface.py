@@ -1,4 +1,4 @@
-"""What `fem-seal surface` shows and writes: key figures of a measured surface, its spectrum and a picture."""
+"""Output of `fem-seal surface`: key figures of a measured surface, its spectrum and a picture."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def parameter_numbers(surface: MeasuredSurface) -> dict[str, Any]:
-    """Ra, Rq, Rz, Rsk and Rku in SI, with the filter that they were measured with.
+    """Ra, Rq, Rz, Rsk and Rku in SI, with their filter.
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ def surface_numbers(surface: MeasuredSurface) -> dict[str, Any]:
 
 
 def surface_lines(surface: MeasuredSurface) -> list[tuple[str, str]]:
-    """The same for people: name and value."""
+    """Key figures of a measured surface in words: name and value."""
     points = [" x ".join(map(str, scan.heights.shape)) for scan in surface.scans]
     found, rolloff = roughness_of(surface), surface.rolloff
     values: dict[str, Any] = {

@@ -1,4 +1,4 @@
-"""The results as tables: leak.csv, profile.csv, imprint.csv, variants.csv; their columns stand in `columns`."""
+"""The results as tables: leak.csv, profile.csv, imprint.csv, variants.csv; their columns are in `columns`."""
 
 from __future__ import annotations
 
@@ -34,9 +34,9 @@ if TYPE_CHECKING:
 
 # Headings and rows of a CSV file; without rows there is no file.
 CsvTable = tuple[Sequence[str], Sequence[Sequence[float | str]]]
-# Ten digits: more than any of the numbers is good for, and the files stay readable.
+# Ten digits are more than the accuracy of any number, and the files stay readable.
 _NUMBER = ".10g"
-# What summary.json says of a leak rate in the units of leak testing.
+# Keys of summary.json for a leak rate in the units of leak testing.
 _LEAKAGE = ("leak_rate", "mass_flow", "throughput", "standard_leak_rate")
 
 
@@ -66,7 +66,7 @@ def profile_leak_rows(loads: Sequence[GivenLoad]) -> list[dict[str, Any]]:
         From `fem_seal.answers.profile_leak.leak_of_profiles`.
     """
     return [
-        # these columns ask nothing that a profile without its bodies does not know
+        # these columns need only the profile, not its bodies
         _cells(PROFILE_LEAK_COLUMNS, load) | validity_entries(load.validity)
         for load in loads
     ]
@@ -79,9 +79,9 @@ def _cells(names: Sequence[str], load: LoadResult) -> dict[str, Any]:
 def leak_table(result: SealSolution) -> pd.DataFrame:
     """One row per load with `LEAK_COLUMNS`, SI, and `TEXT_COLUMNS`.
 
-    reference/columns in the manual says what each of them means. NaN where nothing was calculated. ``verdict`` is
+    reference/columns in the manual explains them. NaN where nothing was calculated. ``verdict`` is
     "pass", "fail", "inconclusive" or, without a requirement, empty. ``validity`` is "valid", "doubtful" or "outside the
-    theory"; ``validity_reasons`` says why, the worst reason first, with "; " between them (guide/validity in the
+    theory"; ``validity_reasons`` gives the reasons, the worst first, with "; " between them (guide/validity in the
     manual).
 
     Parameters
@@ -96,13 +96,13 @@ def leak_table(result: SealSolution) -> pd.DataFrame:
 
 
 def with_text(row: Mapping[str, Any]) -> dict[str, Any]:
-    """A row whose texts are texts: the reasons in one, and an empty one where there is no verdict."""
+    """A row with its reasons joined to one text, and an empty text instead of a missing verdict."""
     texts = {"verdict": row["verdict"] or ""} if "verdict" in row else {}
     return {**row, **texts, "validity_reasons": "; ".join(row["validity_reasons"])}
 
 
 def profile_array(result: SealSolution) -> NDArray[np.float64]:
-    """The pressure profiles of all loads under each other, one column for each of `PROFILE_COLUMNS`, SI.
+    """The pressure profiles of all loads, one below the other, with a column for each of `PROFILE_COLUMNS`, SI.
 
     Parameters
     ----------
@@ -152,8 +152,8 @@ def write_profile_csv(result: SealSolution, path: Path) -> Path:
 def leakage_table(result: SealSolution) -> list[dict[str, Any]]:
     """Units and classes of all loads as plain numbers and texts; empty without a leak rate.
 
-    Of a class both ends of the interval are below the limit; the lower end alone meets the one "at best". A load
-    outside the theory has no classes.
+    Both ends of the interval meet a class; only the lower end meets the class "at best". A load outside the theory has
+    no classes.
     """
     size = nominal_size(result.case).size if any(load.leak for load in result.loads) else None
     return [
@@ -172,7 +172,7 @@ def leakage_table(result: SealSolution) -> list[dict[str, Any]]:
 
 
 def standards_used(result: SealSolution) -> list[Standard]:
-    """The standards that the leak rates are classed by."""
+    """The standards whose classes the leak rates are given."""
     classes = (one for load in result.loads for one in leakage_classes(result.case, load))
     return [STANDARDS[name] for name in dict.fromkeys(one.standard for one in classes)]
 

@@ -54,7 +54,7 @@ def write_contact(result: SealSolution, folder: Path) -> list[Path]:
 
 
 def write_contact_line(result: SealSolution, folder: Path) -> list[Path]:
-    """Write contact_line.pvd and one contact_line_000.vtp per load: the pressure profile in space.
+    """Write contact_line.pvd and one contact_line_000.vtp per load: the pressure profile as a line.
 
     Point data: ``x_m``, arc length from first touch, ``contact_pressure_Pa``, ``gap_m`` and, where a leak rate was
     calculated, ``fluid_pressure_in_gap_Pa``.
@@ -124,10 +124,10 @@ def _write_loads(
     suffix: str,
     write_load: Callable[[LoadResult, Path], Path | None],
 ) -> list[Path]:
-    """Write a file for each load that has one, and their series; no file of an earlier run stays among them.
+    """Write a file for each load that has one, and their series; files of an earlier run are removed.
 
-    A viewer would mix two runs. The time is the fluid pressure [Pa], or the number of the load where pressure does not
-    rise throughout.
+    A viewer would mix the two runs. The time is the fluid pressure [Pa], or the number of the load where pressure does
+    not rise throughout.
     """
     loads = result.loads
     pressures = [load.fluid_pressure for load in loads]
@@ -162,7 +162,7 @@ def _around_the_axis(
     )
     number = np.arange(pressure.size).reshape(shape)
     onwards = np.roll(number, -1, axis=0)
-    # seen from the closure, around each quadrilateral against the clock
+    # corners of each quadrilateral counterclockwise, seen from the closure
     corners = number[:, :-1], number[:, 1:], onwards[:, 1:], onwards[:, :-1]
     data = {"x_m": line.x, "contact_pressure_Pa": pressure, "gap_m": gap}
     of_angle = {
@@ -183,10 +183,10 @@ def _around_the_axis(
 
 
 def write_unloaded(result: SealSolution, folder: Path) -> Path | None:
-    """Write unloaded.vtu: both bodies after the last load, with residual stress and lasting displacement.
+    """Write unloaded.vtu: both bodies after the last load, with residual stress and permanent displacement.
 
-    Point data as in `write_contact`; ``displacement_m`` is the lasting one, with that of a press fit. None, and an
-    unloaded.vtu of an earlier run is removed, if both bodies are elastic.
+    Point data as in `write_contact`; ``displacement_m`` is the permanent one, including that of a press fit. If both
+    bodies are elastic, none is written, and an unloaded.vtu of an earlier run is removed.
     """
     path = folder / "unloaded.vtu"
     if result.unloaded is None:
@@ -248,13 +248,13 @@ def _plastic(bodies: Sequence[BodyField]) -> dict[str, FloatArray]:
 
 
 def _displacement(body: BodyField, approach: float) -> FloatArray:
-    """Displacement (n, 2) [m] that moves the body to where it really is, so that warped bodies show the gap."""
+    """Displacement (n, 2) [m] to the true position of the body, so that warped bodies show the gap."""
     rigid = -approach if body.name == "closure" else 0.0
     return body.displacement + np.array([0.0, rigid])
 
 
 def _symmetric_tensor(stress: FloatArray) -> FloatArray:
-    """(rr, zz, hoop, rz) as XX YY ZZ XY YZ XZ; nothing acts across the (r, z) plane."""
+    """(rr, zz, hoop, rz) as XX YY ZZ XY YZ XZ; there is no shear out of the (r, z) plane."""
     return np.column_stack([stress, np.zeros((len(stress), 2))])
 
 
@@ -312,7 +312,7 @@ def write_cells(
         for array, values in arrays.items():
             data = values.tobytes()
             number = values.dtype.name.capitalize().replace("Uint", "UInt")
-            # without the number of tuples a reader cannot tell the length of an array that belongs to no point
+            # a reader needs the number of tuples of an array without points
             tags.append(
                 f'<DataArray type="{number}" Name="{array}" NumberOfTuples="{len(values)}" '
                 f'NumberOfComponents="{values.shape[1] if values.ndim == 2 else 1}" '

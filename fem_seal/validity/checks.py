@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from leak import RoughContact
 
 
-# Margin to opening over the acting force or pressure, below which the contact force is a small difference of large ones.
+# Margin to opening over the acting force or pressure below which the contact force is a small difference of large ones.
 _NEAR_OPENING = 0.05
 # Pressure at the end of the contact zone over the peak pressure: above the first the contact is cut off, above the
 # second the missing part changes the result noticeably.
@@ -680,8 +680,9 @@ def _long_waves(surface: RoughContact, loads: Sequence[LoadResult]) -> Iterator[
     if surface.theory == "corrected":
         factors = Bounds(1.0 / (1.0 + _LESS_OF_LONG * share), 1.0 + _MORE_OF_LONG * share)
         more = sentence("long_waves", "more", factors=factors)
-    told = share_text(share)
-    yield caution("long_waves", load, loads, leak_factor=factors, share=told, std=_um(std, load), more=more)
+    yield caution(
+        "long_waves", load, loads, leak_factor=factors, share=share_text(share), std=_um(std, load), more=more
+    )
 
 
 def _fluid_opens(problem: SealProblem, flow: FlowModel, loads: Sequence[LoadResult]) -> Iterator[Finding]:

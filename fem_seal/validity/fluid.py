@@ -270,7 +270,7 @@ def _where_most_leaks(load: LoadResult) -> tuple[PressureProfile, LeakResult] | 
 def _where(load: LoadResult, loads: Sequence[LoadResult], *, end: bool) -> str:
     """Load, place and reading of the fastest flow, in words."""
     around = load.formed is not None and bool(load.formed.form.felt)
-    parts = [name for name, told in (("load", True), ("around", around), ("end", end)) if told]
+    parts = [name for name, applies in (("load", True), ("around", around), ("end", end)) if applies]
     clauses = [sentence("inertia_at", part, name=load_name(load, loads)) for part in parts]
     return ", ".join(clauses) + ("," if len(clauses) > 1 else "")
 

@@ -1,4 +1,4 @@
-"""What a form error means, in words and tables, and how uneven line load and leak are around the axis."""
+"""Effects of a form error in words and tables; line load and leak around the axis."""
 
 from __future__ import annotations
 
@@ -28,15 +28,15 @@ if TYPE_CHECKING:
     from leak import Reading
 
 
-# Share of the leak whose part of the circumference is told.
+# Share of the leak whose part of the circumference is reported.
 _MOST = 0.8
-# Places whose line load is the least but for this share of the mean, and how many of them are named.
+# Places count as least loaded within this share of the mean line load; largest number of places that are named.
 _AS_LITTLE, _NAMED = 0.005, 4
 _DIRECTIONS = {"radial": "roundness", "axial": "flatness"}
 
 
 def form_in_words(result: SealSolution) -> list[str]:
-    """What an engineer asks of a form error, a sentence or two for each question; empty for a round seal."""
+    """Answers about a form error, a sentence or two for each; empty for a round seal."""
     answers = result.form
     return [] if answers is None else [text for text in _sentences(result, answers) if text]
 
@@ -71,7 +71,7 @@ def _sentences(result: SealSolution, answers: FormAnswers) -> Iterator[str]:
 
 
 def _rate(load: LoadResult, *rates: float | None, beside: Sequence[float] = ()) -> str:
-    """One leak rate, or the ends of several, in the unit of what stands beside them."""
+    """One leak rate, or the ends of several, in the common unit with `beside`."""
     ends = Bounds.of(rate for rate in rates if rate is not None)
     return leak_range_text(
         ends if ends.apart else ends.low, load.leak_digits, claimed=not load.validity.outside, beside=beside
@@ -82,7 +82,7 @@ def _closing(answers: FormAnswers, load: LoadResult) -> Iterator[str]:
     formed = load.formed
     if formed is None or not formed.form.felt:
         return
-    # no other result needs that module
+    # only results with a form error need this module
     from fem_seal.answers.form import CLOSED
 
     force = answers.closing_force
@@ -91,7 +91,7 @@ def _closing(answers: FormAnswers, load: LoadResult) -> Iterator[str]:
 
 
 def _allowed(allowed: Allowed, others: Mapping[Reading, Allowed], load: LoadResult) -> Iterator[str]:
-    """How large the form error may be, and directly behind it what other readings of yielding asperities say."""
+    """Allowed size of the form error, each followed by that of the other readings of yielding asperities."""
     names = {"target": "target", OF_LEAK_RATE: "required leak rate"}
     limit = names.get(allowed.limit, f"limit of {allowed.limit}")
     if allowed.factor is None:
@@ -104,9 +104,9 @@ def _allowed(allowed: Allowed, others: Mapping[Reading, Allowed], load: LoadResu
         if other.factor is None:
             yield other_reading(reading, "even the round seal leaks more")
         elif math.isfinite(other.factor):
-            first, told = (number(_down(one), 2) for one in (allowed.factor, other.factor))
-            if first != told:
-                yield other_reading(reading, f"the form error may be {told} times as large")
+            first, second = (number(_down(one), 2) for one in (allowed.factor, other.factor))
+            if first != second:
+                yield other_reading(reading, f"the form error may be {second} times as large")
     if load.around is not None and load.around.scratches is not None:
         yield phrase("form.allowed", "aside")
     if allowed.zone is not None and math.isfinite(allowed.zone):
@@ -115,9 +115,9 @@ def _allowed(allowed: Allowed, others: Mapping[Reading, Allowed], load: LoadResu
         yield phrase("form.allowed", which, kind=kind, zone=zone, waves=allowed.waves, limit=limit)
     for reading, other in others.items():
         if other.zone is not None and math.isfinite(other.zone):
-            first, told = (quantity("length", _down(one or 0.0), 2) for one in (allowed.zone, other.zone))
-            if first != told:
-                yield other_reading(reading, f"the tolerance is {told}")
+            first, second = (quantity("length", _down(one or 0.0), 2) for one in (allowed.zone, other.zone))
+            if first != second:
+                yield other_reading(reading, f"the tolerance is {second}")
 
 
 def _scratches(answers: FormAnswers, load: LoadResult) -> Iterator[str]:
@@ -136,7 +136,7 @@ def _scratches(answers: FormAnswers, load: LoadResult) -> Iterator[str]:
 
 
 def _down(value: float) -> float:
-    """What is allowed, with two digits and no more of it than there is."""
+    """An allowed value, rounded down to two digits."""
     if not 0 < value < math.inf:
         return value
     unit = 10.0 ** (math.floor(math.log10(value) + 1e-12) - 1)
@@ -160,7 +160,7 @@ def curve_table(result: SealSolution) -> ReadableTable:
 
 
 def waves_table(result: SealSolution) -> ReadableTable:
-    """Each wave of the form error alone, the one that hurts most first; no rows where there is but one."""
+    """Each wave of the form error alone, the worst first; no rows for a single wave."""
     waves = () if result.form is None else result.form.waves
     rows = [{"wave": wave, "leak_rate": _of_point(result.highest, wave)} for wave in waves]
     return worded_table("form_waves", rows if len(rows) > 1 else ())
@@ -175,9 +175,10 @@ def _section(result: SealSolution) -> Section | None:
 
 
 def around_in_words(result: SealSolution) -> list[str]:
-    """How uneven line load and leak are, a text for each load that is told; empty if nothing but scratches is uneven.
+    """Unevenness of line load and leak, a text for each shown load; empty if only scratches are uneven.
 
-    The load with the highest fluid pressure, and the least loaded one, which feels the form error most.
+    Shown are the load with the highest fluid pressure, and that with the smallest line load, which the form error
+    affects most.
 
     Parameters
     ----------
@@ -187,8 +188,8 @@ def around_in_words(result: SealSolution) -> list[str]:
     if not known:
         return []
     weakest = min(known, key=lambda load: load.line_load)
-    told = dict.fromkeys([result.highest, weakest] if result.highest in known else [weakest])
-    return [" ".join(_of_load(load, result)) for load in told]
+    shown = dict.fromkeys([result.highest, weakest] if result.highest in known else [weakest])
+    return [" ".join(_of_load(load, result)) for load in shown]
 
 
 def _of_load(load: LoadResult, result: SealSolution) -> Iterator[str]:
@@ -206,7 +207,7 @@ def _of_load(load: LoadResult, result: SealSolution) -> Iterator[str]:
 
 
 def least_loaded(around: Circumference) -> tuple[list[float], float]:
-    """Middles of the places with the least line load, and how far all of them reach together [rad].
+    """Middles of the places with the least line load, and their total extent [rad].
 
     Parameters
     ----------
@@ -217,7 +218,7 @@ def least_loaded(around: Circumference) -> tuple[list[float], float]:
     step = 2 * math.pi / len(f)
     if low.all():
         return [], 2 * math.pi
-    # begins where one of the places begins, so that none is cut
+    # starts at the beginning of a place, so that none is cut
     start = int(np.flatnonzero(low & ~np.roll(low, 1))[0])
     edges = np.diff(np.roll(low, -start).astype(int), prepend=0, append=0)
     first, last = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1) - 1
@@ -226,7 +227,7 @@ def least_loaded(around: Circumference) -> tuple[list[float], float]:
 
 
 def turn_that_leaks(leak_rate: FloatArray, share: float) -> float | None:
-    """Smallest part of the turn through which a share of the leak passes [rad]; None if nothing leaks, or no end.
+    """Smallest part of the turn through which a share of the leak passes [rad]; None if the leak is zero or infinite.
 
     Parameters
     ----------
@@ -242,7 +243,7 @@ def turn_that_leaks(leak_rate: FloatArray, share: float) -> float | None:
 
 
 def _angles_text(angles: list[float]) -> str:
-    """The angles: "90° and 270°"; of many, their number."""
+    """The angles, "90° and 270°", or the number of many."""
     if not angles:
         return "every angle"
     if len(angles) > _NAMED:
@@ -261,7 +262,7 @@ def around_rows(result: SealSolution) -> CsvTable:
 
 
 def _angles_of(load: LoadResult) -> list[tuple[float | str, ...]]:
-    """Rows of a load with `AROUND_COLUMNS`, one for each angle; none if it is that of a round seal.
+    """Rows of a load with `AROUND_COLUMNS`, one for each angle; none for a round seal.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What particles in the fluid do to the leak, in words and a table."""
+"""Effect of particles in the fluid on the leak, in words and a table."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ _PER_ML = 1e-6
 
 
 def particles_in_words(result: SealSolution) -> list[str]:
-    """What is to be expected of particles at the highest load, all of it an estimate; empty without particles.
+    """Estimated effect of particles at the highest load; empty without particles.
 
     Parameters
     ----------
@@ -123,7 +123,7 @@ def _rows(answers: ParticleAnswers) -> list[tuple[float, ...]]:
 
 
 def particle_picture(result: SealSolution) -> Picture | None:
-    """Leak that is left over the size of the gaps that are shut, and how many particles are that large.
+    """Remaining leak over the size of the gaps that are shut, and number of particles of that size.
 
     None without particles.
 
@@ -140,7 +140,7 @@ def particle_picture(result: SealSolution) -> Picture | None:
     unit = unit_for("length", float(sizes.max()))
     figure, (share, counts) = panels(2, height=3.5)
     share.axvspan(
-        *(one / unit.size for one in answers.narrowest), color=FILL, label="no way through from here on"
+        *(one / unit.size for one in answers.narrowest), color=FILL, label="too large to pass from here on"
     )
     for both, colour, style, name in (
         (left, BLUE, "o-", "leak with narrower gaps shut"),
@@ -148,7 +148,7 @@ def particle_picture(result: SealSolution) -> Picture | None:
     ):
         share.fill_between(sizes / unit.size, *(100 * both), color=colour, alpha=0.15, linewidth=0)
         for n, end in enumerate(both):
-            # both ends are one line of the legend
+            # one entry of the legend for both ends
             label_once = None if n else name
             share.plot(sizes / unit.size, 100 * end, style, color=colour, ms=3.2, label=label_once)
     if answers.filter is not None:
@@ -166,7 +166,7 @@ def particle_picture(result: SealSolution) -> Picture | None:
     logarithmic(share, "x")
     logarithmic(counts, "x", *(["y"] if there.any() else []))
     share.legend(loc="center left")
-    label(share, "What the others let through (estimate)", f"particle size  [{unit.name}]", "share  [%]")
+    label(share, "Leak with narrower gaps shut (estimate)", f"particle size  [{unit.name}]", "share  [%]")
     label(counts, "Particles in the fluid", f"particle size  [{unit.name}]", "per ml, at least as large")
     at = load_name(result.highest, result.loads)
     behind = "behind_filter" if answers.filter is not None else ""

@@ -1,4 +1,4 @@
-"""What the strongest levers are, in an engineer's words."""
+"""The strongest levers in words and as a table."""
 
 from __future__ import annotations
 
@@ -17,24 +17,24 @@ if TYPE_CHECKING:
     from fem_seal.case.case import Case
 
 
-# So many are told, and no smaller ones: a change of half a per cent is no lever.
-_TOLD, _SMALLEST = 3, 0.005
+# Number of levers on the terminal, and smallest strength: a change of half a per cent is no lever.
+_MOST, _SMALLEST = 3, 0.005
 # Levers that are not the force and no dimension.
 _STEPS = ("rms_height", "hardness", "youngs_modulus", "q_rolloff", "hurst")
 
 
-def told_levers(result: SealSolution) -> list[Lever]:
-    """The strongest levers, those that are told.
+def strongest_levers(result: SealSolution) -> list[Lever]:
+    """The levers that the terminal shows.
 
     Parameters
     ----------
     result : SealSolution
     """
-    return [one for one in result.levers if one.strength > _SMALLEST][:_TOLD]
+    return [one for one in result.levers if one.strength > _SMALLEST][:_MOST]
 
 
 def step_in_words(case: Case, lever: Lever) -> str:
-    """What is changed, and by how much: "halve Ra", "10 % more force of spring or actuator".
+    """The change, with its size: "halve Ra", "10 % more force of spring or actuator".
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ def step_in_words(case: Case, lever: Lever) -> str:
 
 
 def _finish(case: Case) -> str:
-    """The heights that the drawing gives: "Ra"; empty where the roughness is given otherwise."""
+    """Parameter of the drawing for the heights: "Ra"; empty where the roughness is given otherwise."""
     roughness = case.roughness
     if roughness is None or len(roughness.finishes) < len(roughness.parts):
         return ""
@@ -77,7 +77,7 @@ def _dimension(lever: Lever) -> str:
 
 
 def ratio_in_words(lever: Lever) -> str:
-    """What the step does: "leak × 0.20", or that it seals.
+    """The effect of the step: "leak × 0.20", or that it seals.
 
     Parameters
     ----------
@@ -97,13 +97,13 @@ def _exponents(lever: Lever) -> str:
 
 
 def lever_lines(result: SealSolution) -> list[str]:
-    """The strongest levers, for the terminal; empty if nobody asked or nothing moves the leak rate.
+    """The strongest levers, for the terminal; empty if not calculated or without effect on the leak rate.
 
     Parameters
     ----------
     result : SealSolution
     """
-    found = told_levers(result)
+    found = strongest_levers(result)
     if not found:
         return []
     lines = [phrase("levers.said", "heading", load=_load(result)) + ":"]
@@ -120,7 +120,7 @@ def _load(result: SealSolution) -> str:
 
 
 def lever_table(result: SealSolution) -> ReadableTable:
-    """All levers that move the leak rate: step, ratio, exponent; no rows if nobody asked.
+    """All levers with an effect on the leak rate: step, ratio, exponent; no rows if not calculated.
 
     Parameters
     ----------
@@ -135,7 +135,7 @@ def lever_table(result: SealSolution) -> ReadableTable:
 
 
 def lever_note(result: SealSolution) -> str:
-    """What the table of levers means.
+    """Explanation of the table of levers.
 
     Parameters
     ----------

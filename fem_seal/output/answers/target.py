@@ -1,4 +1,4 @@
-"""What opens the seal, and the force for the target leak rate: facts, reasons, table."""
+"""Opening of the seal, and the force for the target leak rate: facts, reasons, table."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ TARGET_FORCE = "Force for the target leak rate"
 
 
 def opens_at(load: LoadResult) -> str | None:
-    """The fluid pressure that lifts the closure off; None if none does, or if nobody asked."""
+    """The fluid pressure that lifts the closure off; None if none does, or if not calculated."""
     pressure = load.blow_off_pressure
     return None if pressure is None or math.isinf(pressure) else quantity("fluid pressure", pressure, _DIGITS)
 
@@ -58,7 +58,7 @@ def valve_facts(result: SealSolution, load: JudgedLoad) -> Iterator[tuple[str, s
 
 
 def what_opens(result: SealSolution, load: JudgedLoad) -> Iterator[str]:
-    """How far a load is from opening the seal, and from the target leak rate."""
+    """Distance of a load from opening the seal, and from the target leak rate."""
     if opens := opens_at(load):
         assert load.blow_off_pressure is not None
         share = load.fluid_pressure / load.blow_off_pressure
@@ -73,7 +73,7 @@ def _what_the_target_takes(result: SealSolution, load: LoadResult) -> Iterator[s
     if target is None or force is None:
         return
     acting = load.applied_force
-    told = phrase(
+    sentence = phrase(
         "reasons.target",
         "force",
         ("more" if force > acting else "less") if acting else "none",
@@ -88,7 +88,7 @@ def _what_the_target_takes(result: SealSolution, load: LoadResult) -> Iterator[s
         other_reading(reading, f"{_target_force(load, one)} are needed")
         for reading, one in _other_forces(load).items()
     ]
-    yield " ".join([told, *others])
+    yield " ".join([sentence, *others])
 
 
 def _other_forces(load: LoadResult) -> dict[Reading, float]:
@@ -108,9 +108,9 @@ def _target_force(load: LoadResult, force: float) -> str:
 
 
 def valve_table(result: SealSolution) -> ReadableTable:
-    """What fluid and applied force do at each load; no rows if nobody asked."""
+    """Opening and target force at each load; no rows if not calculated."""
     asked = {name: filled_column(name, result) for name in SHOWN_COLUMNS["asked"]}
-    # what lifts the closure off, also where leak.csv has what the surfaces hold by themselves; infinite: nothing does
+    # the pressure that lifts the closure off, also where leak.csv has the one that lifts the surfaces apart
     opens = [_finite(load.blow_off_pressure) for load in result.loads]
     asked["blow_off_pressure_Pa"] = replace(asked["blow_off_pressure_Pa"], values=opens)
     if not any(one.some for one in asked.values()):

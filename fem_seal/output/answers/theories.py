@@ -1,4 +1,4 @@
-"""The leak rate by the other theory of the rough contact, and why the two differ."""
+"""The leak rate by the other theory of the rough contact, and the reasons of the difference."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from fem_seal.seal.readings import THEORIES
 from fem_seal.units import leak_range_text
 from leak import Reading
 
-# Factors closer to one are told as none.
+# Factors closer to one count as no difference.
 _NOTICED = 1.02
 
 
@@ -28,12 +28,12 @@ def _rate_text(result: SealSolution, load: LoadResult) -> str:
 
 
 def _inputs(load: LoadResult) -> str:
-    """Samples of uncertain inputs are calculated with one theory, the other number is that of the inputs as given."""
+    """Remark that the other theory uses the inputs as given: only one theory is sampled."""
     return "" if load.sampled is None else " with the inputs as given"
 
 
 def corrected_beside(result: SealSolution) -> str:
-    """What the corrected theory gives beside the paper's at the highest load; empty for any other.
+    """Sentence of the headline with the leak rate by the corrected theory; empty unless the case uses the paper's.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ def corrected_beside(result: SealSolution) -> str:
 
 
 def theories_in_words(result: SealSolution) -> list[str]:
-    """How much leaks by the other theory at the highest load, and where the difference comes from.
+    """Leak rate by the other theory at the highest load, and the reasons of the difference.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ def _compared(result: SealSolution, load: LoadResult, theory: str, other: LoadRe
 
 
 def _contact(result: SealSolution, theory: str, other: LoadResult) -> Iterator[str]:
-    """How much of the difference the contact makes, and how much what leaks through one and the same."""
+    """Shares of the difference from the contact, and from the leak through the same contact."""
     load = result.highest
     own, same, rate = _rate(load), result.theories.same_contact.get(theory, 0.0), _rate(other)
     peaks = Bounds.of([load.peak_pressure, other.peak_pressure])
@@ -100,7 +100,7 @@ def _contact(result: SealSolution, theory: str, other: LoadResult) -> Iterator[s
 
 
 def _yielding(load: LoadResult, theory: str, other: LoadResult) -> Iterator[str]:
-    """What asperities that yield leave of the elastic leak rate in each theory."""
+    """Share of the elastic leak rate that remains with yielding asperities in each theory."""
     left = {}
     for name, one in ((theory, other), (next(known for known in THEORIES if known != theory), load)):
         elastic = _rate(one.reading(Reading.ELASTIC))
@@ -111,7 +111,7 @@ def _yielding(load: LoadResult, theory: str, other: LoadResult) -> Iterator[str]
 
 
 def _simulated(load: LoadResult) -> Iterator[str]:
-    """What the corrected theory may be off by here, as direct simulation finds it."""
+    """Error of the corrected theory found by direct simulation."""
     corrected = load.in_theory("corrected")
     if corrected is not None and corrected.theory_error != EXACT:
         yield phrase("theories.why", "simulated", error=corrected.theory_error)

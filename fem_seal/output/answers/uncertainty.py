@@ -21,9 +21,9 @@ if TYPE_CHECKING:
     from fem_seal.answers.uncertainty import LeakInterval
 
 
-# An interval narrower than this has no sources that are worth naming, and how many of them are.
+# Sources of error are named from this factor of the interval on; their largest number, and smallest share.
 _NARROW, _NAMED, _LEAST = 1.25, 4, 0.01
-# A measurement that narrows it by less is not worth its name.
+# A measurement that narrows the interval by a smaller factor is not named.
 _NARROWER = 1.1
 
 
@@ -65,7 +65,7 @@ def interval_table(result: SealSolution) -> ReadableTable:
 
 
 def interval_note(result: SealSolution) -> str:
-    """How the interval was made; empty if there is none."""
+    """Method of the interval; empty if there is none."""
     interval, settings, roughness = result.uncertainty, result.case.uncertainty, result.case.roughness
     if interval is None:
         return ""
@@ -90,7 +90,7 @@ def interval_note(result: SealSolution) -> str:
 
 
 def error_shares_of(result: SealSolution) -> list[ErrorShares]:
-    """What makes the interval of each load.
+    """Shares of the sources of error in the interval of each load.
 
     Parameters
     ----------
@@ -103,14 +103,14 @@ def error_shares_of(result: SealSolution) -> list[ErrorShares]:
 
 
 def error_sentence(result: SealSolution) -> str:
-    """What makes the interval of the highest load, and what would narrow it; empty where it is narrow."""
+    """Sources of error of the interval of the highest load, and measures against it; empty for a narrow interval."""
     number = highest_load(result.loads)
     found = error_shares_of(result)[number]
     if found.factor < _NARROW or len(found.of_width) < 2:
         return ""
     largest = next(iter(found.of_width))
     measured = found.by_profiles
-    told = [(name, share) for name, share in list(found.of_width.items())[:_NAMED] if share >= _LEAST]
+    named = [(name, share) for name, share in list(found.of_width.items())[:_NAMED] if share >= _LEAST]
     return phrase(
         "notes.error_shares",
         "interval",
@@ -119,14 +119,14 @@ def error_sentence(result: SealSolution) -> str:
         measured=measured,
         load=load_name(result.loads[number], result.loads),
         factor=found.factor,
-        shares=", ".join(f"{_input_name(name)} {percent(share, 1)}" for name, share in told),
+        shares=", ".join(f"{_input_name(name)} {percent(share, 1)}" for name, share in named),
         largest=_input_name(largest),
         left=found.left[largest],
     )
 
 
 def interval_numbers(result: SealSolution, interval: LeakInterval) -> dict[str, Any]:
-    """Leak rates with their interval, and what is said about them; one entry per load in each list."""
+    """Leak rates with their interval, and its settings; one entry per load in each list."""
     low, high = np.transpose([ends or (math.nan, math.nan) for ends in result.leak_ranges]).tolist()
     return {
         "samples": interval.samples,

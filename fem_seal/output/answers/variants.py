@@ -27,7 +27,7 @@ from fem_seal.units import (
 
 
 def variant_table(result: SealSolution) -> ReadableTable:
-    """What the interface law does to the load with the largest contact force; no rows if there was no choice."""
+    """Results with either interface law at the load with the largest contact force; no rows without a choice."""
     ends = [rate for one in result.interface_variants for rate in (one.leak_rate, *one.others.values())]
     rates = [rate for rate in ends if rate is not None]
     volume = volume_of(result.case)
@@ -58,15 +58,15 @@ def _both_readings(variant: Comparison, unit: Unit, load: LoadResult, volume: Le
         return "–"
     ends = Bounds.of([variant.leak_rate, *variant.others.values()])
     digits = min(load.leak_digits, 2 if ends.apart else 3)
-    told = [
+    texts = [
         format_digits(unit.of(one), digits) if one else leak_rate_text(0.0, claimed=claimed)
         for one in map(volume.measurable, ends)
     ]
-    return range_text(*told)
+    return range_text(*texts)
 
 
 def theory_table(result: SealSolution) -> ReadableTable:
-    """Leak rate at the lowest and highest fluid pressure with every reading of the theory; maybe no rows."""
+    """Leak rate at the lowest and highest fluid pressure with every reading of the theory; no rows without variants."""
     if not result.theory_variants:
         return ReadableTable((), ())
     lowest = min(range(len(result.loads)), key=lambda n: result.loads[n].point)
@@ -96,7 +96,7 @@ def theory_table(result: SealSolution) -> ReadableTable:
 
 
 def theory_note(result: SealSolution) -> str:
-    """How far the readings lie apart; empty without them."""
+    """Note on the difference of the readings; empty without them."""
     if not result.theory_variants:
         return ""
     load = highest_load(result.loads)

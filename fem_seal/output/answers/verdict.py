@@ -1,4 +1,4 @@
-"""What is said of a requirement: the verdict in a sentence, what it rests on, and what `fem-seal check` announces."""
+"""The verdict on a requirement in sentences, its basis, and the limits that `fem-seal check` lists."""
 
 from __future__ import annotations
 
@@ -38,12 +38,12 @@ if TYPE_CHECKING:
     from fem_seal.seal.load_result import LoadResult
 
 
-# Factors beyond this are told as "more than".
+# Factors beyond this are shown as "more than".
 _FAR, _FAR_IN_WORDS = 1e6, "a million"
 
 
 def factor_text(factor: float, digits: int = 2) -> str:
-    """A factor with the digits that it is worth, and more where they tell it from one.
+    """A factor with its significant digits, and more digits where it is close to one.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ def factor_text(factor: float, digits: int = 2) -> str:
 
 
 def verdict_sentences(result: SealSolution) -> list[str]:
-    """The verdict with its reason, and what one has to know of it; empty without a requirement.
+    """The verdict with its reason and further remarks; empty without a requirement.
 
     Parameters
     ----------
@@ -75,26 +75,26 @@ def verdict_sentences(result: SealSolution) -> list[str]:
     place = _place(result, found)
     doubted = found.worst.verdict != "inconclusive" and _doubt(result, found)
     at = f"{place}, with doubt" if doubted else place
-    told = _verdict(found, at, _digits(result, found), volume_of(result.case))
-    return [told, *_further_sentences(result, found)]
+    first = _verdict(found, at, _digits(result, found), volume_of(result.case))
+    return [first, *_further_sentences(result, found)]
 
 
 def _digits(result: SealSolution, found: SealJudgement) -> int:
-    """Significant digits of the leak rate that decides, two at most, as of an interval."""
+    """Significant digits of the deciding leak rate, two at most, as for an interval."""
     return 2 if found.number is None else min(result.loads[found.number].leak_digits, 2)
 
 
 def _doubt(result: SealSolution, found: SealJudgement) -> str:
-    """Why the load that decides is doubtful; empty if it is not."""
+    """Reason why the deciding load is doubtful; empty if it is not."""
     if found.number is None or found.worst.why not in (VerdictReason.LIMIT, VerdictReason.INTERVAL):
         return ""
     validity = result.loads[found.number].validity
     return validity.reasons[0] if validity.level is Level.DOUBTFUL else ""
 
 
-# Heights over the usual ones from which on the local exponent of the leak rate foretells it.
+# Heights over the usual ones above which the local exponent predicts the leak rate.
 _LOWEST_HEIGHT = 0.4
-# Verdicts whose sentences have no leak rate.
+# Reasons whose sentences have no leak rate.
 _WITHOUT_RATES = (VerdictReason.OPEN, VerdictReason.OUTSIDE, VerdictReason.UNKNOWN)
 
 
@@ -118,9 +118,9 @@ def _verdict(found: SealJudgement, load: str, digits: int, volume: LeakVolume) -
     measured = [volume.measurable(end) for end in judged.ends]
     if key == "pass" and not measured[1]:
         key = "unmeasurable"
-    # as the limit is written: one in mbar l/s is compared in mbar l/s
+    # in the unit of the limit: one in mbar l/s is compared in mbar l/s
     low, high = (Throughput(end) if _in_mbar(limit) else end for end in measured)
-    # the ends that stand in the sentence have one unit with the limit
+    # the ends in the sentence have the same unit as the limit
     beside = {"pass": judged.ends[1:], "fail": judged.ends[:1]}.get(key, judged.ends)
     over = [end / limit.leak_rate if limit.leak_rate else math.nan for end in measured]
     none = leak_rate_text(judged.ends[1], volume=volume)
@@ -143,7 +143,7 @@ def _verdict(found: SealJudgement, load: str, digits: int, volume: LeakVolume) -
 
 
 def _sentence(found: SealJudgement) -> str:
-    """Which of the sentences it is."""
+    """Key of the sentence."""
     judged = found.worst
     if judged.why is VerdictReason.UNKNOWN and found.number is None:
         return "no_result"
@@ -159,7 +159,7 @@ def _sentence(found: SealJudgement) -> str:
 
 
 def _as_written(leak_rate: float) -> str:
-    """A limit that was written in another state, or in bubbles: ", 1 Nml/min"; empty for all others."""
+    """A limit as given, if in another state or in bubbles: ", 1 Nml/min"; empty for all others."""
     if isinstance(leak_rate, NormalVolume):
         return f", {trimmed(rounded(millilitres_per_minute(leak_rate.normal), 4))} Nml/min"
     if isinstance(leak_rate, Bubbles):
@@ -189,10 +189,10 @@ def _further_sentences(result: SealSolution, found: SealJudgement) -> Iterator[s
 
 
 def _to_measure(result: SealSolution, found: SealJudgement) -> Iterator[str]:
-    """Which measurement may turn a verdict that is open into a pass."""
+    """Measurement that may turn an inconclusive verdict into a pass."""
     if found.number is None or found.worst.why not in (VerdictReason.INTERVAL, VerdictReason.ACCURACY):
         return
-    # loads what `check`, which asks for the other sentences, does without
+    # `check` does not need this import
     from fem_seal.output.answers.uncertainty import error_shares_of
 
     shares = error_shares_of(result)[found.number]
@@ -209,7 +209,7 @@ def _to_measure(result: SealSolution, found: SealJudgement) -> Iterator[str]:
 
 
 def _other_theory(result: SealSolution, found: SealJudgement) -> Iterator[str]:
-    """That the other theory would come to another verdict."""
+    """Verdict by the other theory, if it differs."""
     sampled = found.number is not None and result.loads[found.number].sampled is not None
     for theory, (place, judged, own) in result.judgement_by_theory.items():
         yield phrase(
@@ -228,7 +228,7 @@ def _bubble(volume: float) -> str:
 
 
 def _amount(leak_rate: float, digits: int, limit: float) -> str:
-    """A leak rate, which stands on its side of the limit that is told with it."""
+    """A leak rate with enough digits to be on the correct side of the limit in the sentence."""
     if not 0 < leak_rate < math.inf:
         return leak_range_text(leak_rate)
     if isinstance(leak_rate, Throughput) and isinstance(limit, Throughput):
@@ -245,8 +245,8 @@ def _mbar_litres(leak_rate: Throughput) -> float:
 
 def _range(low: float, high: float, digits: int, limit: float) -> str:
     if isinstance(low, Throughput) and isinstance(high, Throughput) and math.isfinite(high):
-        told = (format_digits(_mbar_litres(one), digits) for one in (low, high))
-        return f"{range_text(*told)} mbar l/s"
+        texts = (format_digits(_mbar_litres(one), digits) for one in (low, high))
+        return f"{range_text(*texts)} mbar l/s"
     return leak_range_text((low, high), digits, beside=(limit,))
 
 
@@ -271,12 +271,12 @@ def used_in_words(result: SealSolution, shares: Utilisation) -> str:
 
 
 def _shares(result: SealSolution, shares: Utilisation) -> dict[str, str]:
-    """What is known of them, in per cent."""
+    """Known shares, in per cent."""
     digits = min(2, *(load.pressure_digits for load in result.loads))
-    told = {"yield": shares.yield_stress, "hardness": shares.hardness}
+    known = {"yield": shares.yield_stress, "hardness": shares.hardness}
     used = {
         name: f"{format_digits(100 * share, digits_beside(100 * share, 100, digits))} %"
-        for name, share in told.items()
+        for name, share in known.items()
         if share is not None
     }
     return used if shares.opening is None else {**used, "opening": percent(shares.opening)}
@@ -296,21 +296,21 @@ def verdict_facts(result: SealSolution) -> list[tuple[str, str, str]]:
     if found is None:
         return []
     shares, margin = found.shares, found.margin
-    told = factor_text(margin, _digits(result, found)) if math.isfinite(margin) else "–"
+    text = factor_text(margin, _digits(result, found)) if math.isfinite(margin) else "–"
     if math.isinf(margin):
-        told = "sealed"
-    facts = [("Margin", told, phrase("verdict.facts", "margin"))]
+        text = "sealed"
+    facts = [("Margin", text, phrase("verdict.facts", "margin"))]
     for name, share in _shares(result, shares).items():
         facts.append((_USED[name], share, phrase("verdict.facts", name, body=shares.body)))
     return facts
 
 
-# A factor that is told in per cent: two digits would make it "1.1 times".
+# Factors below this are shown in per cent: two digits would make them "1.1 times".
 _HARDLY = 1.15
 
 
 def next_class_in_words(case: Case, load: LoadResult) -> str:
-    """Which class would be met next, and by which factor less would have to leak; empty if none would.
+    """The next better class, and the factor by which the leak would have to fall; empty if there is none.
 
     Parameters
     ----------
@@ -329,7 +329,7 @@ def next_class_in_words(case: Case, load: LoadResult) -> str:
 
 
 def next_class_of(result: SealSolution) -> str:
-    """`next_class_in_words` of the highest load, where no requirement says what is wanted.
+    """`next_class_in_words` of the highest load, for a case without requirement.
 
     Parameters
     ----------
@@ -341,7 +341,7 @@ def next_class_of(result: SealSolution) -> str:
 
 
 def verdict_lines(result: SealSolution) -> list[str]:
-    """The verdict and what it rests on, for the terminal; of a case without requirement the next class.
+    """The verdict and its basis, for the terminal; without a requirement the next class.
 
     Parameters
     ----------
@@ -349,8 +349,8 @@ def verdict_lines(result: SealSolution) -> list[str]:
     """
     found, forces = result.judgement, verdict_force_sentences(result.loads)
     if found is None:
-        told = next_class_of(result)
-        return [*([f"  {told}"] if told else []), *forces]
+        line = next_class_of(result)
+        return [*([f"  {line}"] if line else []), *forces]
     first, *others = verdict_sentences(result)
     used = used_in_words(result, found.shares)
     return [
@@ -362,14 +362,14 @@ def verdict_lines(result: SealSolution) -> list[str]:
 
 
 def verdict_force_sentences(loads: Sequence[JudgedLoad]) -> list[str]:
-    """The force with which the verdict passes at each fluid pressure, or why none does; empty if nobody asked.
+    """The force with which the verdict passes at each fluid pressure, or why none does; empty if not requested.
 
     Parameters
     ----------
     loads : sequence of JudgedLoad
     """
     found = {load.fluid_pressure: load.verdict_force for load in loads if load.verdict_force is not None}
-    # what was not looked for has the same reason at each pressure
+    # a force that was not calculated has the same reason at each pressure
     return list(dict.fromkeys(_verdict_force_sentence(pressure, one) for pressure, one in found.items()))
 
 
@@ -382,7 +382,7 @@ def _verdict_force_sentence(pressure: float, found: VerdictForce) -> str:
 
 
 def force_to_pass(force: float) -> str:
-    """A force with three digits that is not below it: with what is read the verdict passes, too.
+    """A force rounded up to three digits, so that the verdict passes with the shown value.
 
     Parameters
     ----------
@@ -401,7 +401,7 @@ def force_to_pass(force: float) -> str:
 
 
 def requirement_lines(case: Case) -> list[str]:
-    """What will be judged, and at which loads; empty without a requirement.
+    """The limits and their loads; empty without a requirement.
 
     Parameters
     ----------
@@ -415,21 +415,23 @@ def requirement_lines(case: Case) -> list[str]:
         if required.judges(pressure):
             for limit in limits(case, pressure):
                 at.setdefault((limit.name, limit.leak_rate), []).append(pressure)
-    told = [_announced(name, rate, pressures) for (name, rate), pressures in at.items()]
+    lines = [_limit_line(name, rate, pressures) for (name, rate), pressures in at.items()]
     if fluid.volume.state and not all(_in_mbar(one) for one in limits(case, case.load.fluid_pressure[0])):
-        told.append(phrase("verdict.check", "volume", state=fluid.volume.state))
+        lines.append(phrase("verdict.check", "volume", state=fluid.volume.state))
     for limit in limits(case, case.load.fluid_pressure[0]):
         if limit.name != OF_LEAK_RATE:
-            told.append(phrase("verdict.check", "size", size=nominal_size(case)))
+            lines.append(phrase("verdict.check", "size", size=nominal_size(case)))
         if limit.bubble_volume is not None:
-            told.append(phrase("verdict.check", "bubble", volume=_bubble(limit.bubble_volume)))
+            lines.append(phrase("verdict.check", "bubble", volume=_bubble(limit.bubble_volume)))
         if limit.test_fluid:
             ratio = tuple(sorted(limit.ratio))
-            told.append(phrase("verdict.check", "fluid", fluid=limit.test_fluid, ratio=ratio, own=fluid.name))
-    return told
+            lines.append(
+                phrase("verdict.check", "fluid", fluid=limit.test_fluid, ratio=ratio, own=fluid.name)
+            )
+    return lines
 
 
-def _announced(name: str, leak_rate: float, pressures: Sequence[float]) -> str:
+def _limit_line(name: str, leak_rate: float, pressures: Sequence[float]) -> str:
     kind = "none" if math.isnan(leak_rate) else "limit" if leak_rate else "zero"
     ends = min(pressures), max(pressures)
     several = f" ({len(pressures)} pressures)" if len(pressures) > 1 else ""
@@ -440,7 +442,7 @@ def _announced(name: str, leak_rate: float, pressures: Sequence[float]) -> str:
 
 
 def verdict_numbers(result: SealSolution) -> dict[str, Any] | None:
-    """The verdict on the requirement with what it rests on; None without a requirement."""
+    """The verdict on the requirement with its basis; None without a requirement."""
     found = result.judgement
     if found is None:
         return None

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 
 # Pressures below this share of the largest stay white.
 _FAINT = 0.02
-# Most angles of a map, and how far it reaches to both sides of the contact in standard deviations.
+# Largest number of angles of a map, and its reach to both sides of the contact in standard deviations.
 _ANGLES, _REACH = 360, 3.4
 # More lines than this in one picture cannot be told apart.
 _LINES = 4
@@ -48,7 +48,7 @@ _DEGREE = math.pi / 180
 
 
 def unrolled_picture(result: SealSolution) -> Picture | None:
-    """The contact pressure at the highest load, unrolled; None for a seal that is round, if scratched.
+    """The contact pressure at the highest load, unrolled; None for a round seal, even with scratches.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ def unrolled_picture(result: SealSolution) -> Picture | None:
 
 
 def line_load_picture(result: SealSolution) -> Picture | None:
-    """Line load of some loads around the axis, and the form error; None for a seal that is round, if scratched.
+    """Line load of some loads around the axis, and the form error; None for a round seal, even with scratches.
 
     Parameters
     ----------
@@ -119,7 +119,7 @@ def line_load_picture(result: SealSolution) -> Picture | None:
 
 
 def _form_error(axes: Axes, around: Circumference, circle: FloatArray) -> None:
-    """The change of the gap as a roundness chart shows it."""
+    """The change of the gap, drawn as a roundness chart."""
     gap = around.gap_change
     largest = float(np.abs(gap).max())
     unit = unit_for("length", largest)
@@ -138,7 +138,7 @@ def _signed(value: float) -> str:
 
 
 def _even_step(largest: float) -> float:
-    """The largest of 1, 2, 5 times a power of ten that is not above `largest`; 0 of nothing."""
+    """The largest of 1, 2, 5 times a power of ten that is not above `largest`; 0 for 0."""
     if largest <= 0:
         return 0.0
     power = 10.0 ** math.floor(math.log10(largest * (1 + 1e-9)))
@@ -201,7 +201,7 @@ def _in_others(load: LoadResult) -> list[FloatArray]:
 
 
 def _shown(result: SealSolution) -> list[tuple[LoadResult, Circumference]]:
-    """A few loads with what is known of them around the axis, the line load rising."""
+    """A few loads with their results around the axis, in order of the line load."""
     loads = [result.loads[n] for n in different(result.loads)]
     known = [(load, load.around) for load in loads if load.around is not None and load.around.form.felt]
     return [known[n] for n in few(len(known), _LINES)] if known else []
@@ -210,7 +210,7 @@ def _shown(result: SealSolution) -> list[tuple[LoadResult, Circumference]]:
 def _closed(
     angle: FloatArray, values: FloatArray, turn: float = 2 * math.pi
 ) -> tuple[FloatArray, FloatArray]:
-    """Values over a whole turn, the first once more at its end."""
+    """Values over a whole turn, with the first repeated at the end."""
     return np.append(angle, turn), np.append(values, values[0])
 
 

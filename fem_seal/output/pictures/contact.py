@@ -35,11 +35,11 @@ if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
     from fem_seal.seal.load_result import LoadResult
 
-# More lines than this get a scale of colours instead of names.
+# More lines than this get a colour scale instead of names.
 _NAMED_LOADS = 6
-# Of a picture with one panel [inch].
+# Size of a picture with one panel [inch].
 _NARROW = 6.4
-# More lines than this are one blot.
+# More lines than this cannot be told apart.
 _DRAWN_LOADS = 40
 _CLOSED_FORMS = {
     "hertz": ("Hertz", GREY, (0, (1, 1.2))),
@@ -49,7 +49,7 @@ _CLOSED_FORMS = {
 
 
 def profile_picture(result: SealSolution, derived: Derived) -> Picture:
-    """Pressure profiles of all loads, and the lowest and highest load beside the closed forms.
+    """Pressure profiles of all loads, and the lowest and highest load compared with the closed forms.
 
     Parameters
     ----------
@@ -126,13 +126,13 @@ def _plot_profiles(
 
 def _against_closed_forms(axes: Axes, load: LoadResult, name: str, closed: DerivedLoad, length: Unit) -> None:
     reach = _reach([load])
-    # Hertz may be many times higher; drawn in full it would flatten everything else.
+    # Hertz may be many times higher; in full height it would flatten all other curves.
     top = 1.75 * load.peak_pressure
     pressure = unit_for("contact pressure", top)
     for key, (form_name, colour, dashes) in _CLOSED_FORMS.items():
         form = getattr(closed, key)
         if form is not None:
-            # all of them are even; the crossover is smooth, and an integral for each point
+            # all are even functions; the crossover is smooth and needs an integral for each point
             half = np.linspace(0.0, reach, 61 if key == "crossover" else 181)
             right = np.asarray(form.pressure(half)) / pressure.size
             x, y = np.append(-half[:0:-1], half), np.append(right[:0:-1], right)
@@ -148,7 +148,7 @@ def _against_closed_forms(axes: Axes, load: LoadResult, name: str, closed: Deriv
 
 
 def size_picture(result: SealSolution, sizes: Mapping[str, Sizes]) -> Picture | None:
-    """Peak pressure and width at every load, beside the closed forms; None if there is only one.
+    """Peak pressure and width at every load, compared with the closed forms; None if there is only one.
 
     Parameters
     ----------
@@ -184,8 +184,8 @@ def _draw_sizes(axes: Axes, over: LoadAxis, sizes: Mapping[str, Sizes], measure:
     if measure == "peak_pressure" and spans_decades(calculated):
         scales.append("y")
     else:
-        # A closed form far outside its range must not flatten the rest.
-        # points that lie on the frame cannot be read
+        # A closed form far outside its range must not flatten the other curves.
+        # points on the frame cannot be read
         highest = max(axes.get_ylim()[1], 1.15 * float(calculated.max()) / unit.size)
         axes.set_ylim(0.0, min(highest, 5 * float(calculated.max()) / unit.size))
     logarithmic(axes, *scales)
@@ -234,6 +234,6 @@ def gap_picture(result: SealSolution) -> Picture:
 
 
 def _reach(loads: Sequence[LoadResult]) -> float:
-    """How far from first touch the profiles are worth showing [m]."""
+    """Largest distance from first touch that the profiles show [m]."""
     profiles = [profile for load in loads for profile in load.profiles]
     return float(min(3.8 * max(p.std for p in profiles), max(np.abs(p.x).max() for p in profiles)))

@@ -1,4 +1,4 @@
-"""Pictures of a direct simulation beside the theory: curves over the pressure, maps of contact and flow, the seal."""
+"""Pictures of a direct simulation compared with the theory: curves over pressure, maps of contact and flow, seal."""
 
 from __future__ import annotations
 
@@ -33,14 +33,14 @@ if TYPE_CHECKING:
 
     from fem_seal.seal.direct_seal import SealRow
 
-# A drawing shows no more cells along a side.
+# Largest number of cells along a side in a drawing.
 _MOST_CELLS = 512
-# Flux below this share of the largest one is drawn as none.
+# Flux below this share of the largest one is drawn as zero.
 _FAINT = 1e-3
 
 
 def simulation_pictures(table: DirectTable, pressure: float) -> tuple[Picture, ...]:
-    """Curves, and the map at the simulated pressure that is nearest to another.
+    """Curves, and the map at the simulated pressure nearest to a given one.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def simulation_pictures(table: DirectTable, pressure: float) -> tuple[Picture, .
 
 
 def curves_picture(table: DirectTable) -> Picture:
-    """Contact area, mean gap and effective gap over the pressure, loading and unloading, beside the theory.
+    """Contact area, mean gap and effective gap over pressure, loading and unloading, compared with the theory.
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ def curves_picture(table: DirectTable) -> Picture:
     if np.any(flow.dataLim.intervaly > 0.0) and np.isfinite(flow.dataLim.intervaly).all():
         logarithmic(flow, "x", "y")
     else:
-        # all is tight, and an axis without a number cannot be logarithmic
+        # all is tight: a logarithmic axis needs positive numbers
         flow.set(xlim=areas.get_xlim(), ylim=(0.0, 1.0))
         logarithmic(flow, "x")
     label(flow, "Effective gap", f"pressure  [{pressure.name}]", f"u_eff  [{length.name}]")
@@ -113,9 +113,9 @@ def curves_picture(table: DirectTable) -> Picture:
 
 
 def map_picture(table: DirectTable, pressure: float) -> Picture:
-    """Contact and gap of the first sample at a pressure, and where the fluid goes; the flow is from left to right.
+    """Contact, gap and flow of the first sample at a pressure; the fluid flows from left to right.
 
-    The mark is the critical junction, the cell in which most of the pressure is lost.
+    The mark is the critical junction, the cell with the largest pressure drop.
 
     Parameters
     ----------
@@ -135,7 +135,7 @@ def map_picture(table: DirectTable, pressure: float) -> Picture:
     height = unit_for("length", float(gap.max()) or 1e-6)
     figure, (left, right) = panels(2, height=5.0, width=10.4, side=0.3)
     side = simulation.patch.size / size.size
-    # rows of the array are positions along the flow: they go to the right
+    # rows of the array are positions along the flow, which is drawn to the right
     extent = (0.0, side, 0.0, side)
 
     def show(axes: Axes, values: FloatArray, **how: Any) -> AxesImage:

@@ -33,14 +33,14 @@ IntArray = NDArray[np.int64]
 QUARTERS = [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]]
 _BANDS = 12
 _MOST_LINES = 10_000
-# For the numbers and the name beside a scale of colours [inch].
+# Space for the numbers and the name of a colour scale [inch].
 SCALE_ROOM = 0.8
-# Of a view of the contact zone, over its width.
+# Height of a view of the contact zone, over its width.
 HEIGHT = 0.8
 
 
 def mesh_picture(result: SealSolution, load: LoadResult) -> Picture:
-    """The whole mesh beside the contact zone.
+    """The whole mesh, and the contact zone.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def mesh_picture(result: SealSolution, load: LoadResult) -> Picture:
     figure, (whole, zone) = panels(2, height=4.4, ratios=(1.0, 1.35))
     for name, colour in (("closure", BLUE), ("seat", "#8a6d3b")):
         edges = _edges(mesh.t[:, (mesh.subdomains or {})[name]])
-        # so many lines that a drawing of them is larger than an image
+        # an image: a drawing of so many lines is larger
         many = edges.shape[1] > _MOST_LINES
         whole.plot(*_polyline(1e3 * mesh.p, edges), color=colour, linewidth=0.25, rasterized=many)
         place = turned(seal_mesh, mesh.p.T).T
@@ -77,7 +77,7 @@ def mesh_picture(result: SealSolution, load: LoadResult) -> Picture:
 
 
 def stress_picture(result: SealSolution, load: LoadResult) -> Picture:
-    """von Mises stress under the contact, twice enlarged.
+    """von Mises stress under the contact, in two magnifications.
 
     Parameters
     ----------
@@ -126,7 +126,7 @@ def temperature_picture(result: SealSolution, load: LoadResult) -> Picture | Non
     if result.problem.heating is None or len(degrees) < len(fields):
         return None
     low, high = (end(float(end(values)) for values in degrees.values()) for end in (min, max))
-    # a seal of one temperature all over has one colour
+    # a uniform temperature has one colour
     levels = even_levels(low, max(high, low + 1e-3))
     figure, axes = panels(2, height=4.4, side=SCALE_ROOM)
     for name, field in fields.items():
@@ -143,7 +143,7 @@ def temperature_picture(result: SealSolution, load: LoadResult) -> Picture | Non
 
 
 def half_width(load: LoadResult) -> float:
-    """Half of what the enlarged views show along the contact [m]."""
+    """Half the width of the enlarged views along the contact [m]."""
     return 4.2 * load.std
 
 
@@ -157,7 +157,7 @@ def turned(seal_mesh: SealMesh, points: FloatArray) -> FloatArray:
 
 def near(place: FloatArray, triangles: IntArray, reach: float) -> IntArray:
     """Triangles of which a part may lie within `reach` of first touch."""
-    # the triangles last: all of them at once are compared
+    # the triangles on the last axis are compared all at once
     corners = place.T[:, triangles.T]
     low, high = corners.min(axis=1), corners.max(axis=1)
     inside = (low < reach) & (high > -reach)
@@ -165,7 +165,7 @@ def near(place: FloatArray, triangles: IntArray, reach: float) -> IntArray:
 
 
 def even_levels(low: float, high: float, count: int = _BANDS) -> FloatArray:
-    """Ends of about so many bands of colours at round numbers, from `low` to beyond `high`."""
+    """Ends of about `count` bands of colours at round numbers, from `low` to beyond `high`."""
     from matplotlib.ticker import MaxNLocator
 
     return np.asarray(MaxNLocator(count, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high))
@@ -211,7 +211,7 @@ def _draw_zone(
 
 
 def scale_of_colours(axes: Sequence[Axes], bands: ContourSet, text: str, *, lowest: str = "") -> None:
-    """The scale beside the last of the axes, which have `SCALE_ROOM` for its numbers; `lowest` instead of the first."""
+    """The colour scale next to the last of the axes, in `SCALE_ROOM`; `lowest` replaces its first number."""
     figure = axes[0].get_figure(root=True)
     assert figure is not None
     bar = figure.colorbar(bands, ax=axes, fraction=0.03, pad=0.015, aspect=28, format="%.3g")
@@ -233,7 +233,7 @@ def frame_zone(axes: Axes, reach: float, unit: str, title: str) -> None:
 def _edges(triangles: IntArray) -> IntArray:
     """Edges of triangles, each of them once, shape (2, n)."""
     first, second = np.sort(np.hstack([triangles[[0, 1]], triangles[[1, 2]], triangles[[2, 0]]]), axis=0)
-    # one number for both ends: rows are looked through much more slowly
+    # one number for both ends: a search for unique rows is much slower
     count = int(triangles.max()) + 1
     return np.stack(np.divmod(np.unique(first.astype(np.int64) * count + second), count))
 
@@ -246,13 +246,13 @@ def _polyline(points: FloatArray, edges: IntArray) -> FloatArray:
 
 
 _COLOURS = {"seat": BLUE, "closure": ORANGE}
-# Widths of the imprint that are shown to each side, and depths of the yielded zone to above and below.
+# Shown width to each side in widths of the imprint, and shown height in depths of the yielded zone.
 _WIDTHS, _DEPTHS = 1.6, 1.5
 _STRAIN_BANDS = 10
 
 
 def imprint_picture(result: SealSolution) -> Picture | None:
-    """The lasting imprint, and the plastic strain below it; None if nothing has yielded.
+    """The permanent imprint, and the plastic strain below it; None if nothing has yielded.
 
     Parameters
     ----------
@@ -287,7 +287,7 @@ def _imprints(axes: Axes, unloaded: Unloaded) -> None:
 
 
 def _strains(axes: Axes, result: SealSolution, unloaded: Unloaded) -> str:
-    """Plastic strain of all bodies that yield; says how far it reaches."""
+    """Plastic strain of all bodies that yield; returns its reach."""
     fields = {n: field for n, field in unloaded.fields.items() if isinstance(field, ElastoplasticField)}
     materials = {"closure": result.case.closure.material, "seat": result.case.seat.material}
     found = {name: plastic_zone(field, materials[name]) for name, field in fields.items()}
@@ -295,10 +295,10 @@ def _strains(axes: Axes, result: SealSolution, unloaded: Unloaded) -> str:
     widest = max(imprint.width for imprint in unloaded.imprints.values())
     reach = max(_WIDTHS * widest, *(_DEPTHS / HEIGHT * zone.deepest for zone in zones.values()))
     largest = max(float(field.accumulated_plastic_strain.max()) for field in fields.values())
-    # few digits, so that the numbers of the scale find room
+    # few digits, so that the numbers of the scale fit
     size, unit = (1e-2, "%") if largest > 1e-3 else (1e-6, "10⁻⁶")
     largest /= size
-    # what has not yielded stays white
+    # elastic zones stay white
     levels = [largest / 100, *even_levels(0.0, largest, _STRAIN_BANDS)[1:]]
     strains = {name: field.accumulated_plastic_strain / size for name, field in fields.items()}
     bands = _draw_zone(axes, result, unloaded.fields, strains, levels, reach, "Plastic strain")

@@ -1,4 +1,4 @@
-"""Pictures of what leaks: the leak rate over the loads, first loading and unloading, and the figure for notebooks."""
+"""Pictures of the leak rate: over the loads, on first loading and after larger loads, and the figure for notebooks."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ def leak_picture(result: SealSolution) -> Picture | None:
     _mark_at_foot(axes, over.shown[(rates == 0) & ~outside], "sealed: nothing leaks", INK)
     scale_over_loads(axes, over, shown)
     if axes.get_yscale() == "log":
-        # room for the legend above the curves
+        # space for the legend above the curves
         low, high = axes.get_ylim()
         axes.set_ylim(low, high * (high / low) ** 0.3)
     if over.returns:
@@ -116,14 +116,14 @@ def leak_picture(result: SealSolution) -> Picture | None:
 def leaking_loads(result: SealSolution) -> tuple[list[LoadResult], FloatArray]:
     """Loads in the order in which they are drawn, and both ends of their leak rates [m^3/s], NaN where none are known.
 
-    Where the fluid has blown the seal open there is no finite rate to draw.
+    A seal that the fluid has lifted open has no finite rate to draw.
     """
     pairs = [
         (load, ends or (np.nan, np.nan))
         for load, ends in zip(result.loads, result.leak_ranges, strict=True)
         if load.leak and np.isfinite(load.leak.leak_rate)
     ]
-    # along their path where a body yields: the same pressure leaks differently before and after a higher one
+    # in their order where a body yields: the leak at the same pressure differs before and after a higher one
     if not result.unloaded:
         pairs.sort(key=lambda pair: pair[0].point)
     return [load for load, _ in pairs], np.array([ends for _, ends in pairs])
@@ -142,13 +142,13 @@ def _single_leak(
     digits: int,
     zero: str,
 ) -> Picture:
-    """Bars for a case with one load, with so many digits; `zero` is what a leak rate of zero is called."""
+    """Bars for a case with one load; `zero` is the text for a leak rate of zero."""
     figure, (axes,) = panels(1, height=1.1 + 0.42 * len(series), width=7.2)
     names = [name for name, _, _ in series]
     values = [unit.of(rate) for _, rate, _ in series]
     bars = axes.barh(range(len(series)), values, color=[colour for _, _, colour in series], height=0.55)
-    told = [f"{format_digits(value, min(digits, 3))} {unit.name}" if value else zero for value in values]
-    axes.bar_label(bars, told, padding=4)
+    texts = [f"{format_digits(value, min(digits, 3))} {unit.name}" if value else zero for value in values]
+    axes.bar_label(bars, texts, padding=4)
     axes.set_xlim(0.0, 1.25 * max(*values, 1e-30))
     axes.set_yticks([])
     for n, name in enumerate(names):
@@ -158,20 +158,20 @@ def _single_leak(
     return Picture(
         "leak",
         svg(figure),
-        f"Leak rate at {load}: " + ", ".join(f"{name} {one}" for name, one in zip(names, told, strict=True)),
+        f"Leak rate at {load}: " + ", ".join(f"{name} {one}" for name, one in zip(names, texts, strict=True)),
         phrase("captions.leak", "single"),
     )
 
 
 def _mark_at_foot(axes: Axes, x: FloatArray, name: str | None, fill: str) -> None:
-    """Loads without any leak cannot stand on a logarithmic axis; they are marked at its foot."""
+    """Mark loads without leak at the foot of a logarithmic axis, which cannot show zero."""
     if x.size:
         foot = {"transform": axes.get_xaxis_transform(), "clip_on": False}
         axes.plot(x, np.full(x.shape, 0.02), "v", ms=6, mec=INK, mfc=fill, label=name, **cast(Any, foot))
 
 
 def _mark_outside(axes: Axes, x: FloatArray, rates: FloatArray, outside: NDArray[np.bool_]) -> None:
-    """Loads outside the theory are hollow; those that came out as zero stand at the foot."""
+    """Mark loads outside the theory by hollow dots; those with a calculated zero are at the foot."""
     name = "outside the theory: nothing to claim"
     drawn = outside & np.isfinite(rates)
     if drawn.any():
@@ -199,12 +199,12 @@ def _reduction(
         axes.legend(loc="best")
 
 
-# How far below the smallest leak rate a band goes that reaches down to a sealed contact.
+# Depth of a band below the smallest leak rate where its lower end is a sealed contact.
 _FOOT = 0.1
 
 
 def memory_picture(result: SealSolution) -> Picture | None:
-    """Leak rate of every load on first loading and after the loads before it; None where nothing is remembered.
+    """Leak rate of every load on first loading and after the loads before it; None without a load history.
 
     Parameters
     ----------
@@ -242,7 +242,7 @@ def _ends(loads: Sequence[LoadResult]) -> FloatArray:
 
 
 def _band(axes: Axes, x: FloatArray, ends: FloatArray, colour: str, name: str) -> None:
-    """The interval of the readings at each load; down to the foot where one of them is sealed."""
+    """The interval of the readings at each load, down to the foot where one of them is sealed."""
     leaks = ends[ends > 0]
     foot = _FOOT * float(leaks.min()) if leaks.size else 0.0
     low, high = np.where(ends > 0, ends, foot).T
@@ -252,12 +252,12 @@ def _band(axes: Axes, x: FloatArray, ends: FloatArray, colour: str, name: str) -
         axes.plot(x, positive(values), "o-", color=colour, linewidth=1.3, ms=3.4)
 
 
-# Two panels side by side and one alone, and titles above their axes [inch].
+# Size of two panels side by side and of one alone, and space for titles above their axes [inch].
 _SIZE, _NARROW, _ABOVE = (9.6, 3.6), (5.6, 3.6), 0.09
 
 
 class ShownFigure(Figure):
-    """A figure that a notebook shows once, as the value of its cell, also where pyplot was never imported."""
+    """A figure that a notebook shows once, as the value of its cell, even if pyplot was never imported."""
 
     def _repr_svg_(self) -> str:
         out = BytesIO()
@@ -266,7 +266,7 @@ class ShownFigure(Figure):
 
 
 def result_figure(result: SealSolution, figure: Figure | None = None) -> Figure:
-    """Draw leak rate and pressure profiles; of a case without leak rate the profiles alone.
+    """Draw leak rate and pressure profiles; without a leak rate only the profiles.
 
     Parameters
     ----------
@@ -280,7 +280,7 @@ def result_figure(result: SealSolution, figure: Figure | None = None) -> Figure:
             width, height = _SIZE if leaks else _NARROW
             figure, axes = panels(1 + leaks, height=height, width=width, kind=ShownFigure)
         else:
-            # the room for labels that `panels` leaves in inches, as shares of a figure of any size
+            # the space for labels of `panels`, in inches, as shares of a figure of any size
             axes = list(
                 figure.subplots(1, 1 + leaks, squeeze=False, gridspec_kw={"bottom": 0.15, "wspace": 0.3})[0]
             )

@@ -1,6 +1,6 @@
-"""The section of a case: of the report, and as a drawing with the dimensions that an engineer looks for.
+"""The section of a case: for the report, and as a drawing with dimensions.
 
-`fem-seal check --picture` draws the latter before anything is calculated. All coordinates are millimetres.
+`fem-seal check --picture` makes the drawing without a calculation. All coordinates are in millimetres.
 """
 
 from __future__ import annotations
@@ -43,19 +43,19 @@ if TYPE_CHECKING:
 
 FORMATS = (".png", ".svg", ".pdf")
 _SEAT_FILL, _FLUID_FILL = "#ece7dd", "#eaf4fb"
-# Of an arrow: from point to point.
+# An arrow from point to point.
 _TO_THE_END = {"shrinkA": 0, "shrinkB": 0}
 _WIDTH, _HEIGHT = 11.0, 6.6
 # Share of the figure's width that the section takes, and height of a row of dimensions [inch].
 _SHARE, _ROW = 0.60, 0.27
 _SMALL, _CHARACTER = 8.5, 0.078
-# Chords of a quarter of a circle, in the section and where the contact is enlarged.
+# Chords of a quarter of a circle, in the section and in the enlarged contact.
 _CHORDS, _FINE_CHORDS = 60, 2000
 _AXIS_DASHES = (0, (12, 3, 2, 3))
-# Of the report's section [pt]: width, room on the sides, above, and below for rollers and dimensions; sizes of type.
+# The report's section [pt]: width; space at the sides, above, and below for rollers and dimensions; font sizes.
 _SKETCH, _SIDE, _TOP, _FOOT = 390.0, 25.5, 10.5, 58.5
 _LARGE, _MEASURE = 10.5, 9.0
-# From roller to roller, their diameter, and from a surface to their middle and to the ground [pt].
+# Distance of the rollers, their diameter, and distance of a surface from their middle and from the ground [pt].
 _SPACING, _ROLLER, _OFF, _GROUND = 11.0, 5.4, 3.3, 6.6
 
 
@@ -103,8 +103,8 @@ def section_figure(case: Case) -> Figure:
     _draw_whole(whole, case)
     _draw_detail(detail, case)
     _list(listed, case)
-    told = "dimensions in mm; grey: left open by the case, chosen by the program"
-    figure.text(0.02, 0.015, told, color=GREY, fontsize=8)
+    text = "dimensions in mm; grey: left open by the case, chosen by the program"
+    figure.text(0.02, 0.015, text, color=GREY, fontsize=8)
     return figure
 
 
@@ -125,7 +125,7 @@ def _draw_whole(axes: Axes, case: Case) -> None:
     widest = 1e3 * max(contact.closure.largest_radius, contact.seat.largest_radius)
     below = sorted(_seat_diameters(case), key=lambda one: one.radius)
     width, height = _WIDTH * _SHARE, 0.89 * _HEIGHT
-    # millimetres per inch, so that the rows of dimensions above and below have their room
+    # millimetres per inch, so that the rows of dimensions fit above and below
     rows = len(below) + 1.6
     scale = max(2.1 * widest / width, (high - low) / (height - _ROW * (rows + 1.4)))
     middle = 0.5 * (high + low) + 0.5 * _ROW * scale * (1.2 - rows)
@@ -150,13 +150,13 @@ def _heights(contact: ContactGeometry) -> tuple[float, float]:
 
 
 def _frame(axes: Axes, reach: float, low: float, high: float) -> None:
-    """What axes show that nobody sees: as much on either side of the axis."""
+    """Set the limits of invisible axes, symmetric about the axis of the seal."""
     axes.set(xlim=(-reach, reach), ylim=(low, high), aspect="equal")
     axes.axis("off")
 
 
 def _names(axes: Axes, contact: ContactGeometry, size: float, white: float) -> None:
-    """Dots at first touch, and both bodies by their names, on white that is so dense."""
+    """Dots at first touch, and the names of both bodies on white of this opacity."""
     r0 = 1e3 * contact.initial_contact_radius
     axes.plot([-r0, r0], [0, 0], "o", color=ORANGE, ms=4.5, zorder=6)
     closure, seat = contact.closure, contact.seat
@@ -197,7 +197,7 @@ def _seat_diameters(case: Case) -> Iterator[_Diameter]:
 
 
 def _diameter(axes: Axes, one: _Diameter, z: float, scale: float) -> None:
-    """A dimension line across the axis with its extension lines; the text beside it where it has no room inside."""
+    """A dimension line across the axis with its extension lines; its text goes outside if it does not fit inside."""
     _on_both_sides(axes, [one.radius] * 2, [one.z, z], color=one.colour, lw=0.5, zorder=4, alpha=0.7)
     arrow = {"arrowstyle": "<|-|>", "color": one.colour, "lw": 0.8, "mutation_scale": 9, **_TO_THE_END}
     axes.annotate("", (-one.radius, z), (one.radius, z), arrowprops=arrow)
@@ -236,15 +236,15 @@ def _included_angle(axes: Axes, contact: ContactGeometry, angle: float, scale: f
 
 def _pressures(axes: Axes, case: Case, above: Point, below: Point, size: float) -> None:
     """Names of the two sides: above the seat, and in its bore."""
-    told = [("low pressure", GREY), ("high pressure", BLUE)]
-    (top, top_colour), (bottom, bottom_colour) = told[:: -1 if case.load.pressure_side == "outer" else 1]
+    sides = [("low pressure", GREY), ("high pressure", BLUE)]
+    (top, top_colour), (bottom, bottom_colour) = sides[:: -1 if case.load.pressure_side == "outer" else 1]
     axes.text(*above, top, ha="right", va="center", color=top_colour, fontsize=size)
     words = bottom.replace(" ", "\n")
     _note(axes, below, words, bottom_colour, 0.6, 0.0, ha="center", va="bottom", fontsize=size)
 
 
 def _draw_detail(axes: Axes, case: Case) -> None:
-    """Where the faces touch, enlarged, with the contact normal and its angle to the axis."""
+    """The contact of the faces, enlarged, with the contact normal and its angle to the axis."""
     contact = case.contact
     _bodies(axes, contact, mirrored=False)
     r0, theta, half = 1e3 * contact.initial_contact_radius, contact.angle, 1e3 * _window(case)
@@ -264,13 +264,13 @@ def _draw_detail(axes: Axes, case: Case) -> None:
     angle = f"angle θ = {trimmed(rounded(math.degrees(theta), 4))}°\nbetween axis and normal"
     _note(axes, (0.02, 0.97), angle, INK, 1.5, 0.85, va="top", **at)
     radius = contact.relative_radius
-    conform = "faces conform: contact along a stretch"
+    conform = "faces conform: contact over a finite length"
     bend = conform if math.isinf(radius) else f"relative curvature R {trimmed(rounded(1e3 * radius, 4))}"
     _note(axes, (0.98, 0.03), bend, INK, 1.5, 0.85, ha="right", **at)
 
 
 def _window(case: Case) -> float:
-    """Half the height of the enlarged picture [m]: the contact with its edges, where they are near."""
+    """Half the height of the enlarged picture [m]: the contact with its edges if they are near."""
     contact, seat = case.contact, cast(Any, case.bodies[1])
     width = getattr(seat, "land_width", None)
     if hasattr(seat, "land_outer_radius"):
@@ -317,9 +317,9 @@ def _bodies(axes: Axes, contact: ContactGeometry, *, mirrored: bool, hatched: bo
         r, z = np.hstack([points for _, points in pieces])
         how: dict[str, Any] = {"facecolor": fill, "edgecolor": "#c3c9d2", "hatch": hatch if hatched else None}
         for side in sides:
-            # the axes reach as far as the lines around it: `add_patch` would look at each of its chords in Python
+            # the limits follow from the lines around it: `add_patch` would check each of its chords in Python
             axes.add_artist(Polygon(np.column_stack([side * r, z]), lw=0, zorder=2, **how))
-        # beyond the axis the body goes on
+        # the body continues beyond the axis
         for r, z in (points for s, points in pieces if not s.start[0] == s.end[0] == 0.0):
             edge = np.outer(r, sides), np.outer(z, np.ones(len(sides)))
             axes.plot(*edge, color=INK, lw=1.2, zorder=3, solid_capstyle="round")
@@ -334,7 +334,7 @@ def _pieces(outline: Outline, chords: int) -> Iterator[tuple[Segment, FloatArray
 
 
 def sketch(result: SealSolution) -> Picture:
-    """The section of the report: the bodies as they are held, and where the normal of the contact points.
+    """The section of the report: bodies, supports and the contact normal.
 
     Parameters
     ----------
@@ -372,7 +372,7 @@ def sketch(result: SealSolution) -> Picture:
 
 
 def _fluids(axes: Axes, case: Case, widest: float, low: float, top: float) -> None:
-    """Background: the side of the high pressure tinted; the circle of contact parts the two."""
+    """Background: the side of the high pressure is tinted; the contact circle separates the two sides."""
     from matplotlib.patches import Rectangle
 
     fills = ("white", _FLUID_FILL) if case.load.pressure_side == "outer" else (_FLUID_FILL, "white")
@@ -390,7 +390,7 @@ def _normal(axes: Axes, contact: ContactGeometry) -> None:
     )
     face = contact.closure_face
     curvature = 1e-3 * face.curvature(face.project_radius(contact.initial_contact_radius))
-    # drawn to the centre of the closure's curvature where that lies in the picture and can be seen
+    # drawn to the centre of the closure's curvature if that is visible in the picture
     drawn = curvature > 0 and 0.15 * size < 1 / curvature < 1.01 * size
     arm = 1 / curvature if drawn else 0.5 * size
     r, z = r0 - arm * math.sin(theta), arm * math.cos(theta)

@@ -33,13 +33,13 @@ FILL = "#dfe8f2"
 WIDTH = 10.4
 # Points to an inch.
 INCH = 72.0
-# Of images in a drawing [1/inch].
+# Resolution of images in a drawing [1/inch].
 _DOTS = 170
-# Room for tick labels and axis labels [inch].
+# Space for tick labels and axis labels [inch].
 _LEFT, _BOTTOM = 0.68, 0.52
-# Dots that get a number, and how far apart two numbers must be [pt].
+# Largest number of numbered dots, and smallest distance of two numbers [pt].
 _NUMBERED_DOTS, _NUMBERS_APART = 12, 10.0
-# Fonts that every desktop has at least one of; the first is what matplotlib measures the text with.
+# Every desktop has at least one of these fonts; matplotlib measures texts with the first.
 _FONTS = "'DejaVu Sans', Verdana, 'Segoe UI', Arial, Helvetica, sans-serif"
 
 _STYLE: dict[str, Any] = own_tables("pictures.toml")["style"]
@@ -56,9 +56,9 @@ class Picture:
     svg : bytes
         The drawing.
     alt : str
-        What it shows, for those who cannot see it.
+        Description for screen readers.
     caption : str
-        What to read from it.
+        Caption.
     """
 
     name: str
@@ -68,18 +68,18 @@ class Picture:
 
     @property
     def dark(self) -> bool:
-        """Whether it turns dark where the reader's screen is."""
+        """Whether it turns dark on a dark screen."""
         return b"prefers-color-scheme" in self.svg
 
     @property
     def address(self) -> str:
-        """The drawing as a data address: nothing is fetched, and its names cannot clash with the page's."""
+        """The drawing as a data URL: it needs no file, and its names cannot clash with those of the page."""
         return "data:image/svg+xml;base64," + base64.b64encode(self.svg).decode("ascii")
 
 
 @contextmanager
 def style() -> Iterator[None]:
-    """Drawing settings of the report; those of the caller come back afterwards."""
+    """Drawing settings of the report; those of the caller are restored afterwards."""
     import matplotlib
 
     with matplotlib.rc_context(cast(Any, _STYLE)):
@@ -87,7 +87,7 @@ def style() -> Iterator[None]:
 
 
 def outside_text(text: str) -> str:
-    r"""A title or name from outside as matplotlib shows it letter by letter: no formula, no control characters.
+    r"""A title or name given by the user, escaped for matplotlib: no formula, no control characters.
 
     Examples
     --------
@@ -107,7 +107,7 @@ def panels(
     side: float = 0.12,
     kind: type[Figure] | None = None,
 ) -> tuple[Figure, list[Axes]]:
-    """A figure with `count` axes side by side, `head` inches of room above them and `side` on the right."""
+    """A figure with `count` axes side by side, with `head` inches of space above and `side` inches on the right."""
     from matplotlib.figure import Figure
 
     figure = (kind or Figure)(figsize=(width, height))
@@ -138,21 +138,21 @@ def svg(figure: Figure) -> bytes:
 def captioned(
     figure: Figure, name: str, *parts: str, alt: Sequence[str] = ("alt",), group: str = "", **values: object
 ) -> Picture:
-    """A finished figure with its words from templates/words.toml.
+    """A finished figure with its caption from templates/words.toml.
 
     Parameters
     ----------
     figure : Figure
     name : str
-        Of the picture.
+        Name of the picture.
     *parts : str
         Keys of the sentences of the caption; empty ones are passed over.
     alt : sequence of str
-        Those of what it shows.
+        Keys of the sentences of the description.
     group : str
         Table of the sentences below "captions"; the name unless given.
     **values
-        What stands for {names} in them.
+        Values of the {names} in them.
     """
     where = f"captions.{group or name}"
     return Picture(name, svg(figure), phrase(where, *alt, **values), phrase(where, *parts, **values))
@@ -164,9 +164,9 @@ def _drawn(figure: Figure) -> bytes:
     return out.getvalue()
 
 
-# Length of the marks of an axis, and from there to their numbers [pt].
+# Length of the tick marks of an axis, and distance to their numbers [pt].
 _MARK, _PAD = 3.5, 3.5
-# Of each side: the way outwards, matplotlib's mark in that direction, and how a number stands there.
+# For each side: the direction outwards, matplotlib's tick mark in that direction, and the alignment of numbers.
 _SIDES: dict[str, tuple[int, int, Any, Any, Any]] = {
     "left": (-1, 0, 0, "right", "center_baseline"),
     "bottom": (0, -1, 3, "center", "top"),
@@ -175,10 +175,10 @@ _SIDES: dict[str, tuple[int, int, Any, Any, Any]] = {
 
 
 def _draw_ticks(axes: Axes) -> None:
-    """Grid, marks and numbers of finished axes: one artist for the grid, one for each row of marks, a text each number.
+    """Draw grid, tick marks and numbers of finished axes: one artist for the grid and for each row of marks.
 
-    Matplotlib itself makes five artists for each tick and asks all of them several times where they are, which takes a
-    third of the time of drawing. Axes of a true scale, maps and sections, have no grid.
+    Matplotlib itself makes five artists for each tick and lays all of them out several times, which takes a third of
+    the time of drawing. Axes with a true scale, maps and sections, have no grid.
     """
     from matplotlib.collections import LineCollection
     from matplotlib.ticker import NullLocator
@@ -193,7 +193,7 @@ def _draw_ticks(axes: Axes) -> None:
         axis.set_major_locator(NullLocator())
         if not marks:
             continue
-        # something on the other axis that is there on any scale
+        # a position on the other axis that is valid on any scale
         places = np.empty((len(marks), 2))
         places[:, along], places[:, 1 - along] = marks, axes.viewLim.max[1 - along]
         shares = shown.transform(places)[:, along].tolist()
@@ -208,15 +208,15 @@ def _draw_ticks(axes: Axes) -> None:
 def draw_marks(
     axes: Axes, shares: Sequence[float], names: Sequence[str], side: Literal["left", "bottom", "top"]
 ) -> None:
-    """Marks at the frame of axes with their names beside them.
+    """Draw tick marks at the frame of axes with their names.
 
-    They are the figure's: what axes draw they cut off at their frame, and each text asks again where that is.
+    They belong to the figure: axes clip at their frame, and each text of axes computes the frame again.
 
     Parameters
     ----------
     axes : Axes
     shares : sequence of float
-        Where along the frame, of its length.
+        Positions along the frame, over its length.
     names : sequence of str
     side : {"left", "bottom", "top"}
     """
@@ -235,7 +235,7 @@ def draw_marks(
     figure.add_artist(marks)
     away = (_MARK + _PAD) / INCH
     beside = axes.transAxes + ScaledTranslation(across * away, up * away, figure.dpi_scale_trans)
-    # once for all of them: each would look up the settings of its font
+    # one font for all of them: each would look up its settings again
     font = FontProperties()
     for place, name in zip(places, names, strict=True):
         if name:
@@ -243,9 +243,9 @@ def draw_marks(
 
 
 def _in_the_dark(drawing: bytes) -> bytes:
-    """A drawing that turns light into dark where the reader's screen is dark; one with an image in it stays light.
+    """A drawing that turns dark on a dark screen; one with an image in it stays light.
 
-    Light and dark change places and colours stay, so that a scale of colours and what it explains still agree.
+    Light and dark are exchanged and hues stay, so that a colour scale still fits its picture.
     """
     if b"<image" in drawing:
         return drawing
@@ -254,7 +254,7 @@ def _in_the_dark(drawing: bytes) -> bytes:
         f'[style*="{kind}: #{colour}"]{{{kind}:#{_turned(colour)} !important}}'
         for kind, colour in ((kind.decode(), colour.decode()) for kind, colour in found)
     )
-    # what has no colour of its own is black
+    # an element without a colour is black
     rules = f"text{{fill:#{_turned('000000')}}}{rules}"
     start = drawing.index(b">", drawing.index(b"<svg")) + 1
     style = f"<style>@media screen and (prefers-color-scheme: dark){{{rules}}}</style>"
@@ -276,10 +276,10 @@ def _turned(colour: str) -> str:
 
 
 def label(axes: Axes, title: str, x: str, y: str, *, above: float = 0.09) -> None:
-    """Title, `above` the axes [inch], and axis labels.
+    """Set title, `above` the axes [inch], and axis labels.
 
-    Everything is put in a fixed place: leaving it to matplotlib means that all tick labels are laid out several times,
-    which takes longer than the drawing.
+    All positions are fixed: matplotlib's own layout computes all tick labels several times, which takes longer than the
+    drawing.
     """
     from matplotlib.ticker import MaxNLocator
 
@@ -303,14 +303,14 @@ def inches(axes: Axes) -> tuple[float, float]:
 
 
 def spans_decades(values: ArrayLike, decades: float = 1.2) -> bool:
-    """Whether positive values span so much that only a logarithmic axis shows them all."""
+    """Whether positive values span so many decades that only a logarithmic axis shows them all."""
     numbers = np.asarray(values, dtype=float)
     positive = numbers[np.isfinite(numbers) & (numbers > 0)]
     return bool(positive.size > 1 and math.log10(positive.max() / positive.min()) > decades)
 
 
 def positive(values: ArrayLike | Sequence[float | None]) -> FloatArray:
-    """What a logarithmic axis can show of values; NaN, a gap in the line, elsewhere."""
+    """Positive values for a logarithmic axis; NaN, a gap in the line, for all others."""
     numbers = np.asarray(values, dtype=float)
     return np.where(numbers > 0, numbers, np.nan)
 
@@ -322,18 +322,18 @@ def logarithmic(axes: Axes, *which: str) -> None:
     for name in which:
         axis = getattr(axes, f"{name}axis")
         if not 0 < axis.get_minpos() < math.inf:
-            continue  # zeros alone
+            continue  # only zeros
         getattr(axes, f"set_{name}scale")("log")
         low, high = sorted(axis.get_view_interval())
         decades = math.log10(high / low) if low > 0 else 9.0
         axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if decades < 2.2 else (1.0,), numticks=8))
         axis.set_major_formatter(_plain_figures)
-        # Every tick costs a millisecond, and minor ones say nothing that the grid does not.
+        # Every tick costs a millisecond, and minor ticks add nothing to the grid.
         axis.set_minor_locator(NullLocator())
 
 
 def scale_over_loads(axes: Axes, over: LoadAxis, values: ArrayLike, decades: float = 1.2) -> None:
-    """Axes over loads whose values begin at zero, or are logarithmic where they span so many decades."""
+    """Scale axes over loads: from zero, or logarithmic where the values span many decades."""
     scales = ["x"] if over.values.min() > 0 and spans_decades(over.values) else []
     if spans_decades(values, decades):
         scales.append("y")
@@ -361,7 +361,7 @@ def load_colours(count: int) -> Callable[[int], Any]:
 
 
 def number_dots(axes: Axes, x: ArrayLike, y: ArrayLike, numbers: Sequence[int]) -> None:
-    """Numbers beside some of the dots of finished axes, "1, 3" where two of them would lie on each other."""
+    """Number some of the dots of finished axes, with "1, 3" where two numbers would overlap."""
     places = np.column_stack([x, y])
     axes.autoscale_view()
     drawn = 72 * axes.transLimits.transform(axes.transScale.transform(places)) * inches(axes)

@@ -1,4 +1,4 @@
-"""Pictures of the rough interface and of the scans that it was measured with."""
+"""Pictures of the rough interface and of its measured scans."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from fem_seal.seal.load_result import LoadResult
     from leak import HeightMap, LineScan, MeasuredSurface, RoughContact
 
-# Fractions below this share of the nominal area are not worth a decade of paper.
+# Fractions below this share of the nominal area are not drawn.
 _SMALLEST_AREA = 1e-7
 
 
@@ -109,7 +109,7 @@ def surface_picture(result: SealSolution, load: LoadResult) -> Picture | None:
     ----------
     result : SealSolution
     load : LoadResult
-        At the peak pressure of this load.
+        The contact area is that at the peak pressure of this load.
     """
     surface = result.surface
     if surface is None:
@@ -195,7 +195,7 @@ def _spectrum_points(surface: RoughContact) -> FloatArray:
 
 
 def wavelength_axis(axes: Axes, q_low: float) -> None:
-    """Wavelengths over the top, for those who do not think in wavenumbers."""
+    """A second axis at the top with wavelengths."""
     low, high = (x * q_low for x in axes.get_xlim())
     decades = 10.0 ** np.arange(np.ceil(np.log10(2 * np.pi / high)), np.floor(np.log10(2 * np.pi / low)) + 1)
     places = np.column_stack([2 * np.pi / (decades * q_low), np.full(len(decades), axes.get_ylim()[1])])

@@ -1,7 +1,7 @@
-"""The seal in space, cut open, with the contact pressure on the seat's face: drawn by VTK from a results folder.
+"""The seal in 3D, cut open, with the contact pressure on the seat's face: drawn by VTK from a results folder.
 
-VTK ends the whole process where it finds no way to draw. It therefore works in a process of its own, which reads the
-files of the folder and nothing else.
+VTK ends the whole process if it cannot draw. It therefore runs in a separate process, which reads only the files of
+the folder.
 """
 
 from __future__ import annotations
@@ -37,29 +37,29 @@ if TYPE_CHECKING:
 
 IntArray = NDArray[np.int64]
 
-# The seat is drawn over three quarters of a turn, the closure over one at the back: left and right of it the face of
-# the seat is free.
+# The seat is drawn over three quarters of a turn, the closure over one quarter at the back: left and right of it the
+# face of the seat is visible.
 _CLOSURE, _SEAT = (90.0, 180.0), (0.0, 270.0)
-_FROM = -45.0, 40.0  # azimuth and elevation of the camera [deg]
-_STEP = 1.5  # of the surfaces around the axis [deg]
+_FROM = -45.0, 40.0  # Azimuth and elevation of the camera [deg].
+_STEP = 1.5  # Angular step of the surfaces around the axis [deg].
 _COLOURS = {"closure": ("#8fb3d9", "#c9dcf0"), "seat": ("#b9a883", "#e6dcc6")}  # face and cut
 _INK = "#1c2430"
 _COLOUR_MAP = "YlOrRd"
 # Pressures below this share of the largest are not shown.
 _FAINT = 0.02
-# The pressure is drawn so far above the seat's face, over the size of the seal.
+# Height of the drawn pressure above the seat's face, over the size of the seal.
 _ABOVE = 4e-4
-# A corner of a section at which the outline turns by more gets an edge [deg].
+# A corner of a section gets an edge if the outline turns by more than this [deg].
 _CORNER = 25.0
 _SIZE = 1200, 820
-# Time for a picture, and for a window, which a person closes [s].
+# Time limit for a picture, and for a window, which a person closes [s].
 _SOON, _OPEN = 90.0, 7 * 86400.0
 _WINDOWLESS = ("vtkEGLRenderWindow", "vtkOSOpenGLRenderWindow")
 
 
 @dataclass(frozen=True)
 class LoadFiles:
-    """What a results folder holds of a load.
+    """VTK files of a load in a results folder.
 
     Parameters
     ----------
@@ -121,7 +121,7 @@ def view(folder: Path, png: Path | None = None, load: int | None = None) -> None
     ----------
     folder : pathlib.Path
     png : pathlib.Path, optional
-        Draw there and open no window.
+        Draw into this file and open no window.
     load : int, optional
         Number of the load, from 1; the last one unless given. The window has a slider for the others.
 
@@ -154,7 +154,7 @@ _NO_DISPLAY = (
 
 
 def drawn_in_space(result: SealSolution) -> bytes | None:
-    """The highest load of a result as PNG, without a scale of colours; None where VTK cannot draw.
+    """The highest load of a result as PNG, without a colour scale; None where VTK cannot draw.
 
     Parameters
     ----------
@@ -184,7 +184,7 @@ def write_for_view(result: SealSolution, folder: Path) -> None:
 
 
 def seal_picture(result: SealSolution, image: bytes | None) -> Picture | None:
-    """The seal in space with a scale of colours; None without an image.
+    """The seal in 3D with a colour scale; None without an image.
 
     Parameters
     ----------
@@ -243,7 +243,7 @@ def _draw_in_subprocess(time_limit: float, function: Any, /, *arguments: object)
 
 
 def _png(files: LoadFiles, scale: bool) -> bytes:
-    """The picture of a load; `scale`: with a scale of colours and the name of the load."""
+    """The picture of a load; `scale`: with a colour scale and the name of the load."""
     import pyvista
 
     plotter = pyvista.Plotter(off_screen=True, window_size=list(_SIZE))
@@ -280,7 +280,7 @@ def _interactive(plotter: Any, files: Sequence[LoadFiles], number: int) -> None:
 
 
 def _set_scene(plotter: Any, files: LoadFiles, scale: bool) -> None:
-    """Background, the scene of a load, and where it is looked at from."""
+    """Set background, scene of a load, and camera."""
     plotter.set_background("white")
     plotter.enable_anti_aliasing("ssaa")
     _draw(plotter, files, scale)
@@ -293,7 +293,7 @@ def _set_scene(plotter: Any, files: LoadFiles, scale: bool) -> None:
 
 
 def _draw(plotter: Any, files: LoadFiles, scale: bool) -> None:
-    """Put the scene of a load into a plotter, in place of the one that is there."""
+    """Put the scene of a load into a plotter, replacing the present one."""
     import pyvista
 
     grid, layout = pyvista.read(files.bodies), own_tables("pictures.toml")["in_space"]
@@ -332,7 +332,7 @@ def _draw(plotter: Any, files: LoadFiles, scale: bool) -> None:
 
 
 def _section(grid: Any, body: int) -> Any:
-    """The section of body 0 or 1 in the grid of both as triangles, displaced by what the load does, at angle 0."""
+    """The section of body 0 or 1 in the grid of both, as triangles at angle 0, displaced by the load."""
     import pyvista
 
     place = np.array(grid.points + _array(grid.point_data, "displacement_m"))[:, [0, 2, 1]]
@@ -351,7 +351,7 @@ def _swept(section: Any, turn: tuple[float, float]) -> tuple[Any, Any, Any]:
     first, last = turn
     steps = round((last - first) / _STEP)
     whole = outline.extrude_rotate(resolution=steps, angle=last - first, capping=False).rotate_z(first)
-    # without the lines that are left of triangles on the axis, and all seen from the same side
+    # without degenerate triangles on the axis, all with the same orientation
     faces = pyvista.PolyData(whole.points, faces=whole.triangulate().faces).clean()
     faces = pyvista.PolyData(faces.points, faces=faces.faces).compute_normals(split_vertices=False)
     corners = faces.extract_feature_edges(_CORNER, boundary_edges=False, **alone)
@@ -360,14 +360,14 @@ def _swept(section: Any, turn: tuple[float, float]) -> tuple[Any, Any, Any]:
 
 
 def _array(data: Any, name: str) -> FloatArray:
-    """An array of a file by its name, which in folders of before is a former one or has no unit at its end."""
+    """An array of a file by its name; in older folders it has a former name or no unit at its end."""
     names = (name, former_column(name))
     tried = (*names, *(split_unit(one)[0] for one in names))
     return np.asarray(data[next((one for one in tried if one in data), name)])
 
 
 def _pressure(files: LoadFiles, size: float) -> Any:
-    """The seat's face with its contact pressure, over the part of the turn that the seat has, a little raised."""
+    """The seat's face with its contact pressure, over the drawn part of the turn, a little raised."""
     import pyvista
 
     line = pyvista.read(files.line)

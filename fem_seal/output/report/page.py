@@ -1,4 +1,4 @@
-"""report.html: one page that needs nothing but itself."""
+"""report.html: one self-contained page."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def write_report(result: SealSolution, path: Path) -> Path:
 
 
 def report(result: SealSolution) -> str:
-    """The report as one HTML page: no script, nothing fetched from anywhere.
+    """The report as one HTML page without scripts and without files from elsewhere.
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ def report(result: SealSolution) -> str:
 
 
 def _in_css(text: str) -> str:
-    r"""A text for the foot of printed pages, every letter that could mean something to CSS or HTML escaped.
+    r"""A text for the foot of printed pages, with all letters escaped that have a meaning in CSS or HTML.
 
     Examples
     --------
@@ -87,7 +87,7 @@ def _in_css(text: str) -> str:
 
 
 def pictures(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes]) -> list[Picture]:
-    """All pictures that the result has something to show for.
+    """All pictures of a result.
 
     Parameters
     ----------
@@ -122,7 +122,7 @@ def _drawn(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes]) -
 
 
 def _around(result: SealSolution) -> tuple[Picture | None, ...]:
-    """Pictures of a seal that is not round; of any other there is nothing that its section does not show."""
+    """Pictures of a seal that is not round; for a round one its section shows everything."""
     if not any(load.formed is not None and load.formed.form.felt for load in result.loads):
         return ()
     from concurrent.futures import ThreadPoolExecutor
@@ -130,7 +130,7 @@ def _around(result: SealSolution) -> tuple[Picture | None, ...]:
     from fem_seal.output.pictures.around import leak_around_picture, line_load_picture, unrolled_picture
     from fem_seal.output.pictures.three_d import drawn_in_space, seal_picture
 
-    # VTK draws in a process of its own, beside matplotlib
+    # VTK draws in a separate process at the same time as matplotlib
     with ThreadPoolExecutor(1) as beside:
         image = beside.submit(drawn_in_space, result)
         return (
@@ -152,7 +152,7 @@ def _simulated(result: SealSolution) -> tuple[Picture, ...]:
 
 
 def _of_case(result: SealSolution) -> dict[str, Any]:
-    """What the groups of the case show that the result does not have as it stands there."""
+    """Texts of the groups of the case that the result does not contain in this form."""
     case, problem = result.case, result.problem
     drawn = {name: section(case, name) for name in BODIES}
     heating = problem.heating
@@ -165,7 +165,7 @@ def _of_case(result: SealSolution) -> dict[str, Any]:
     return {
         "drawn_sections": {name: section_text(one) if one else {} for name, one in drawn.items()},
         "dimensions": {name: listed_dimensions(case, name) for name in BODIES},
-        # bodies that yield remember the order of the loads
+        # for bodies that yield the order of the loads matters
         "pressures_in_order": case.load.fluid_pressure if curves(case) else sorted(case.load.fluid_pressure),
         "largest_earlier_load": earlier_load(case.load),
         "gas_state": volume_of(case).state,

@@ -1,4 +1,4 @@
-"""The tables of the report: one unit per column, figures that mean something."""
+"""The tables of the report: one unit per column, only significant digits."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ if TYPE_CHECKING:
     from fem_seal.materials import HardeningCurve
 
 
-# The page holds so many columns; where there are more, these go first. leak.csv has them all.
+# Number of columns that fit on the page; of more columns these are dropped first. leak.csv has them all.
 _WIDEST, _SPARED = 12, ("std_m", "critical_separation_elastic_m")
 
 
 def load_table(result: SealSolution) -> ReadableTable:
-    """All loads, with one unit per column and without the columns that no load fills."""
+    """All loads, with one unit per column and without empty columns."""
     loads, names = result.loads, list(SHOWN_COLUMNS["loads"])
     if any(load.applied_force for load in loads):
         names.insert(1, "applied_force_N")
@@ -41,7 +41,7 @@ def load_table(result: SealSolution) -> ReadableTable:
         if len(columns) > _WIDEST:
             columns = [one for one in columns if one.column.name != name]
     table = columns_table(columns)
-    # with a mark and not a column more: the page is full
+    # a mark instead of a column: the page is full
     rows = (
         (f"{first} {load.validity.level.mark}".rstrip(), *others)
         for (first, *others), load in zip(table.rows, loads, strict=True)
@@ -69,7 +69,7 @@ def comparison_table(result: SealSolution, sizes: Mapping[str, Sizes]) -> Readab
 
 
 def comparison_note(result: SealSolution) -> str:
-    """What to expect of the comparison with the closed forms; empty if nothing needs saying."""
+    """Explanation of the differences from the closed forms; empty if none is needed."""
     if result.unloaded is not None:
         return phrase("notes.comparison", "yielding")
     if limits := closed_form_limits(result.case, derive(result.case)):
@@ -78,7 +78,7 @@ def comparison_note(result: SealSolution) -> str:
 
 
 def _difference(share: float, load: LoadResult, measure: str) -> str:
-    """In per cent, with as many decimals as the mesh leaves."""
+    """In per cent, with decimals according to the mesh error."""
     error = 0.0 if load.mesh_error is None else getattr(load.mesh_error, measure)
     decimals = 3 if abs(share) < 0.1 else 0
     if error > 0:
@@ -87,12 +87,12 @@ def _difference(share: float, load: LoadResult, measure: str) -> str:
 
 
 def imprint_in_words(result: SealSolution) -> tuple[str, str] | None:
-    """Depth of the deepest imprint, and in which body and how wide; None if nothing has yielded."""
+    """Depth of the deepest imprint, and its body and width; None if nothing has yielded."""
     imprints = {} if result.unloaded is None else result.unloaded.imprints
     if not imprints:
         return None
     name, imprint = max(imprints.items(), key=lambda item: item[1].deepest)
-    digits = result.strongest.digits_of("fwhm")  # as good as the width of the contact that made it
+    digits = result.strongest.digits_of("fwhm")  # with the accuracy of the width of the contact
     where = phrase("facts.remark", "imprint", imprint=imprint, body=name, digits=digits)
     return quantity_worth("length", imprint.deepest, digits), where
 
@@ -128,7 +128,7 @@ def yielding_table(result: SealSolution) -> ReadableTable:
 
 def curve_in_words(curve: HardeningCurve) -> str:
     """A hardening curve in a few words."""
-    # four digits: between two temperatures it is no number that anybody wrote
+    # four digits: an interpolated curve has no given digits
     first, last = (
         format_quantity("contact pressure", float(f"{one:.4g}"))
         for one in (curve.stress[0], curve.stress[-1])
@@ -139,14 +139,14 @@ def curve_in_words(curve: HardeningCurve) -> str:
 
 
 def marks_in_words(result: SealSolution) -> str:
-    """What the marks in the table of the loads mean; empty without any."""
+    """Meaning of the marks in the table of the loads; empty without any."""
     found = [level for level in Level if any(load.validity.level is level for load in result.loads)]
-    told = [f"{level.mark} {level}" for level in found if level.mark]
-    return f" {', '.join(told)}." if told else ""
+    marks = [f"{level.mark} {level}" for level in found if level.mark]
+    return f" {', '.join(marks)}." if marks else ""
 
 
 def validity_table(result: SealSolution) -> ReadableTable:
-    """Every reason why the numbers of a load are not simply valid; no rows if all are."""
+    """All reasons why the numbers of a load are not valid; no rows if all are."""
     loads = result.loads
     rows = ({"load": load_name(load, loads), "one": one} for load in loads for one in load.validity.cautions)
     return worded_table("validity", rows)

@@ -51,13 +51,13 @@ if TYPE_CHECKING:
     from leak.theory.line_contact import HertzLine
 
 
-# Share of the pressure drop whose place is called the seal proper: its middle 80 %.
+# Part of the pressure drop whose strip of the contact does the sealing: its middle 80 %.
 _MIDDLE = (0.1, 0.9)
-# Peak over that of Hertz from which on mesh and curved faces do not explain it.
+# Peak over Hertz's peak above which mesh and curved faces do not explain the difference.
 _ABOVE_HERTZ = 1.05
-# Ratio of leak rates that two digits tell from one.
+# Ratio of leak rates that differs from one in two digits.
 _NOTICED = 1.05
-# Relative changes below this are not worth a number.
+# Relative changes below this get no number.
 _LEAST = 1e-5
 
 
@@ -79,7 +79,7 @@ class Fact:
 
 
 def facts(result: SealSolution) -> list[Fact]:
-    """The result in a few numbers, at the highest load, each with the level of its validity."""
+    """The main numbers at the highest load, each with the level of its validity."""
     load = result.highest
     of_target = load.target_validity or load.validity
     return [
@@ -92,9 +92,9 @@ def _facts(result: SealSolution, load: JudgedLoad) -> Iterator[Fact]:
     if result.uncertainty is not None:
         yield _interval_fact(result, load)
     of_leak = [] if load.leak is None else list(_leak_facts(result.case, load))
-    # the interval of the inputs stands above, and its units are those of that
+    # the interval comes first; the other units follow it
     yield from of_leak if load.sampled is None else reversed(of_leak)
-    yield from (Fact(*told) for told in valve_facts(result, load))
+    yield from (Fact(*fact) for fact in valve_facts(result, load))
     uneven = load.formed is not None and load.formed.form.felt
     if uneven:
         remark = f"around the axis; {_peak(load)} at the mean line load"
@@ -114,7 +114,7 @@ def _facts(result: SealSolution, load: JudgedLoad) -> Iterator[Fact]:
 
 
 def _leak_facts(case: Case, load: JudgedLoad) -> Iterator[Fact]:
-    """The leak rate, and the same in other units."""
+    """The leak rate, in one unit and in other units."""
     assert load.leak is not None
     volume, sampled = volume_of(case), load.sampled is not None
     rate = usual_rate_of(load) if sampled else rate_of(load)
@@ -125,10 +125,10 @@ def _leak_facts(case: Case, load: JudgedLoad) -> Iterator[Fact]:
         *([] if sampled else accuracy_in_words(load)),
     ]
     name = phrase("readings.fact", ("finish" if has_finish(case) else "inputs") if sampled else "only")
-    told = leak_range_text(rate, load.leak_digits, claimed=not load.validity.outside, volume=volume)
-    yield Fact(name, told, "; ".join(filter(None, remarks)))
+    text = leak_range_text(rate, load.leak_digits, claimed=not load.validity.outside, volume=volume)
+    yield Fact(name, text, "; ".join(filter(None, remarks)))
     if load.leak.leak_rate > 0:
-        # the first of these units may be the one that stands there already
+        # the first of these units may be that of the first fact
         lead = leak_range_text(rate_of(load), load.leak_digits, volume=volume)
         others = [part for part in leakage_text(load, volume).split(" = ") if part.split(" (")[0] != lead]
         if others:
@@ -136,29 +136,29 @@ def _leak_facts(case: Case, load: JudgedLoad) -> Iterator[Fact]:
 
 
 def _narrowest(load: LoadResult) -> tuple[str, str]:
-    """u_c in both readings of yielding asperities, and what it is."""
+    """u_c in both readings of yielding asperities, and its name."""
     known = (one.critical_separation for one in load.readings.values())
     ends = Bounds.of(one for one in known if one is not None)
     closed = "calculated as zero" if load.validity.outside else "sealed"
     unit = unit_for("length", ends[1])
     digits = min(COLUMNS["critical_separation_m"].digits(load), 3 if ends[0] == ends[1] else 2)
     low, high = (format_digits(unit.of(one), digits) if one else closed for one in ends)
-    told = f"{range_text(low, high)} {unit.name}" if ends[1] else closed
+    text = f"{range_text(low, high)} {unit.name}" if ends[1] else closed
     both = "" if low == high else ", in both readings of asperities that yield"
-    return told, f"critical separation at the peak pressure{both}"
+    return text, f"critical separation at the peak pressure{both}"
 
 
 def _least(load: LoadResult) -> str:
-    """That a leak rate with scratches is the upper of two bounds, and the lower one; empty without scratches."""
+    """Lower bound of a leak rate with scratches, which is the upper of two bounds; empty without scratches."""
     if load.leak is None or load.around is None or load.around.scratches is None:
         return ""
     ends = Bounds.of(map(least_with_scratches, load.readings.values()))
-    told = leak_range_text(
+    text = leak_range_text(
         ends if ends.apart else least_with_scratches(load),
         load.leak_digits,
         claimed=not load.validity.outside,
     )
-    return f"upper bound of what scratches add; the lower one gives {told}"
+    return f"with the upper bound of the leak through scratches; the lower one gives {text}"
 
 
 def least_with_scratches(load: LoadResult) -> float:
@@ -169,36 +169,36 @@ def least_with_scratches(load: LoadResult) -> float:
     return load.leak.leak_rate - (high - low)
 
 
-def ends_told(load: LoadResult) -> Bounds | None:
-    """Leak rate in all readings of yielding asperities [m^3/s]; None where two digits do not tell them apart."""
+def separate_ends(load: LoadResult) -> Bounds | None:
+    """Leak rate in all readings of yielding asperities [m^3/s]; None where they agree."""
     ends = load.leak_range
     return ends if ends is not None and ends.apart else None
 
 
-def _told_apart(load: LoadResult) -> bool:
-    """Whether the readings of yielding asperities are read as two numbers."""
-    ends = ends_told(load)
+def _two_numbers(load: LoadResult) -> bool:
+    """Whether the readings of yielding asperities differ in their shown digits."""
+    ends = separate_ends(load)
     return ends is not None and len({format_digits(one, min(load.leak_digits, 2)) for one in ends}) == 2
 
 
 def usual_rate_of(load: LoadResult) -> float | tuple[float, float]:
-    """The same with the inputs as given: all readings of yielding asperities, or the only one [m^3/s]."""
-    return ends_told(load) or (math.nan if load.leak is None else load.leak.leak_rate)
+    """Leak rate with the inputs as given: all readings of yielding asperities, or the only one [m^3/s]."""
+    return separate_ends(load) or (math.nan if load.leak is None else load.leak.leak_rate)
 
 
 def state_in_words(volume: LeakVolume) -> str:
-    """The state of a gas whose volumes are told; empty for a liquid."""
+    """State of the gas for its volumes; empty for a liquid."""
     return phrase("readings.volume", "at", state=volume.state) if volume.state else ""
 
 
 def volume_notes(volume: LeakVolume, units: Sequence[str], *, unmeasured: bool) -> list[str]:
-    """What stands below a table of leak rates.
+    """Notes below a table of leak rates.
 
     Parameters
     ----------
     volume : LeakVolume
     units : sequence of str
-        Of the volumes in it.
+        Units of the volumes in it.
     unmeasured : bool
         Whether some of them are too small to be measured.
     """
@@ -212,15 +212,15 @@ def volume_notes(volume: LeakVolume, units: Sequence[str], *, unmeasured: bool) 
 
 
 def volumes_of_gas(gas: bool) -> str:
-    """What volumes of a gas are where its temperature differs from row to row, " (...)"; empty for a liquid."""
+    """State of gas volumes where the temperature differs from row to row, " (...)"; empty for a liquid."""
     return f" ({phrase('readings.volume', 'heading')})" if gas else ""
 
 
 def readings_in_words(load: LoadResult, volume: LeakVolume = LIQUID) -> str:
-    """Which reading of yielding asperities gives which leak rate; empty where there is but one."""
+    """Leak rate in each reading of yielding asperities; empty with only one reading."""
     if not load.yields or load.leak_range is None:
         return ""
-    if not _told_apart(load):
+    if not _two_numbers(load):
         return phrase("readings.load", "same")
     digits, claimed = min(load.leak_digits, 2), not load.validity.outside
     rates = {reading: one.leak.leak_rate for reading, one in load.readings.items() if one.leak is not None}
@@ -259,19 +259,19 @@ def _interval_fact(result: SealSolution, load: LoadResult) -> Fact:
 
 
 def per_day(leak_rate: float | tuple[float, float], digits: int = 2, volume: LeakVolume = LIQUID) -> str:
-    """A leak rate, or both ends of its interval, as what collects in a day, with two digits at most."""
+    """A leak rate, or both ends of its interval, as volume per day, with two digits at most."""
     ends = leak_rate if isinstance(leak_rate, tuple) else (leak_rate,)
     litres = [volume.measurable(rate) * 86400e3 for rate in ends]
     for unit, size in (("m³", 1e3), ("litres", 1.0), ("ml", 1e-3), ("µl", 1e-6)):
         if litres[-1] >= size:
             shown = (one / size for one in litres)
-            told = [format_digits(one, min(digits, 2)) for one in shown]
-            return f"{range_text(told[0], told[-1])} {unit} per day"
+            texts = [format_digits(one, min(digits, 2)) for one in shown]
+            return f"{range_text(texts[0], texts[-1])} {unit} per day"
     return "" if litres[-1] == 0 else "less than 1 µl per day"
 
 
 def headline(result: SealSolution) -> str:
-    """The answer in one or two sentences."""
+    """The result in one or two sentences."""
     opens = {opens_at(load) for load in result.loads}
     (only,) = opens if len(opens) == 1 else (None,)
     opening = f" It opens at {only}." if only else ""
@@ -281,7 +281,7 @@ def headline(result: SealSolution) -> str:
 
 
 def remembered(result: SealSolution) -> list[str]:
-    """That the results hold after larger loads, in a sentence; empty where none is known."""
+    """Sentence about the load history of the results; empty without one."""
     earlier = earlier_load(result.case.load)
     remembers = any(load.remembers for load in result.loads)
     if not earlier:
@@ -292,19 +292,19 @@ def remembered(result: SealSolution) -> list[str]:
 
 
 def _how_sure(result: SealSolution) -> str:
-    """Which loads are outside the theory and which doubtful, a sentence for the headline; empty if all are valid."""
-    told = []
+    """Sentence of the headline about loads that are outside the theory or doubtful; empty if all are valid."""
+    clauses = []
     for level in (Level.OUTSIDE, Level.DOUBTFUL):
         found = [load for load in result.loads if load.validity.level is level]
         if found:
             highest = found[highest_load(found)]
             at = "" if len(result.loads) == 1 else f" at {_names_of_loads(found, result.loads)}"
-            told.append(f"{level}{at} ({_worst_reason(highest.validity)})")
-    return f" The result is {', '.join(told)}." if told else ""
+            clauses.append(f"{level}{at} ({_worst_reason(highest.validity)})")
+    return f" The result is {', '.join(clauses)}." if clauses else ""
 
 
 def _names_of_loads(loads: Sequence[LoadResult], among: Sequence[LoadResult]) -> str:
-    """A few loads by their names, of more the number."""
+    """Names of a few loads, or the number of many."""
     if len(loads) == len(among):
         return "every load"
     if len(loads) > 3:
@@ -313,7 +313,7 @@ def _names_of_loads(loads: Sequence[LoadResult], among: Sequence[LoadResult]) ->
 
 
 def _worst_reason(validity: Validity) -> str:
-    """The worst reason, and how many there are besides."""
+    """The worst reason, and the number of further ones."""
     others = len(validity.reasons) - 1
     more = f" and {others} more {'reason' if others == 1 else 'reasons'}" if others else ""
     return validity.reasons[0] + more
@@ -323,7 +323,7 @@ def _what_leaks(result: SealSolution) -> str:
     loads = result.loads
     highest = result.highest
     last = loads[-1]
-    # a body that yields is another one after the highest load
+    # a body that yields is changed by the highest load
     changed = result.unloaded is not None and last.point != highest.point
     lowest = min(loads[: loads.index(highest) + 1] if changed else loads, key=lambda load: load.point)
     shown = [highest] if lowest is highest else [lowest, highest]
@@ -342,7 +342,7 @@ def _what_leaks(result: SealSolution) -> str:
         return phrase("notes.headline", "sealed", load=span)
     ends = [end for rate in rates for end in (rate if isinstance(rate, tuple) else (rate,))]
     volume = volume_of(result.case)
-    told = [
+    leaks = [
         (
             "at an unknown rate"
             if load.validity.outside
@@ -353,11 +353,11 @@ def _what_leaks(result: SealSolution) -> str:
         + f" at {load_values(load, loads)}"
         for rate, load in zip(rates, shown, strict=True)
     ]
-    then = f"; after {span}, {told.pop()}" if changed else ""
-    # what most of the ends hold that are told
+    then = f"; after {span}, {leaks.pop()}" if changed else ""
+    # the longest remark on the interval covers all rates in the sentence
     held = max((held_in_words(result.case, load) for load in shown if not load.validity.outside), key=len)
     state = f" ({state_in_words(volume)})" if volume.state else ""
-    return " ".join([f"The seal leaks {' and '.join(told)}{then}{state}.", *held])
+    return " ".join([f"The seal leaks {' and '.join(leaks)}{then}{state}.", *held])
 
 
 def has_finish(case: Case) -> bool:
@@ -366,7 +366,7 @@ def has_finish(case: Case) -> bool:
 
 
 def held_in_words(case: Case, load: LoadResult) -> list[str]:
-    """What the two ends of a leak rate hold, in sentences; none where one number is told.
+    """Sentences about the coverage of the interval of a leak rate; none for a single number.
 
     Parameters
     ----------
@@ -378,7 +378,7 @@ def held_in_words(case: Case, load: LoadResult) -> list[str]:
         return []
     if load.sampled is not None:
         held = [_samples_in_words(case, load)]
-    elif load.leak_range is not None and (not load.yields or _told_apart(load)):
+    elif load.leak_range is not None and (not load.yields or _two_numbers(load)):
         held = [phrase("readings.ends", "what" if load.yields else "simulated")]
     else:
         held = []
@@ -386,12 +386,12 @@ def held_in_words(case: Case, load: LoadResult) -> list[str]:
     return [*held, *(phrase("readings.accuracy", "also" if held else "alone", off=one) for one in off)]
 
 
-# Factors by which the calculation may be off that are not seen in two digits.
+# Error factors that are not seen in two digits.
 _NOTICED_IN_ENDS = 1.05
 
 
 def accuracy_in_words(load: LoadResult) -> list[str]:
-    """What the calculation may be off by, as far as it widens the interval noticeably; none or one.
+    """The error of the calculation, if it widens the interval noticeably; none or one.
 
     Parameters
     ----------
@@ -403,12 +403,12 @@ def accuracy_in_words(load: LoadResult) -> list[str]:
         for more, factor in ((True, most), (False, 1.0 / least))
         if factor > _NOTICED_IN_ENDS
     ]
-    told = "; ".join(dict.fromkeys(reasons))
-    return [phrase("readings.accuracy", "what", reason=told)] if told else []
+    text = "; ".join(dict.fromkeys(reasons))
+    return [phrase("readings.accuracy", "what", reason=text)] if text else []
 
 
 def _samples_in_words(case: Case, load: LoadResult) -> str:
-    """What the two ends of a leak rate are whose inputs are uncertain."""
+    """Sentence about the interval of a leak rate with uncertain inputs."""
     assert case.sampled is not None
     what = "finish" if has_finish(case) else "inputs"
     also = "_both" if load.yields else "" if load.flow_error is None else "_own"
@@ -447,7 +447,7 @@ def _peak(load: LoadResult) -> str:
 
 
 def reasons(result: SealSolution, derived: Derived) -> list[str]:
-    """Why the result came out so: what sets the contact and what throttles the flow."""
+    """Reasons for the result: what determines the contact and what throttles the flow."""
     load = result.highest
     return [
         *_what_sets_the_width(result, derived, load),
@@ -478,7 +478,7 @@ def _what_sets_the_width(result: SealSolution, derived: Derived, load: LoadResul
 
 
 def _leaves_curvature(result: SealSolution, hertz: HertzLine, peak: float) -> bool:
-    """Whether it is none of Hertz's: wider than its faces are round, or with a peak that no roughness makes."""
+    """Whether Hertz does not apply: the contact exceeds the constant curvature, or its peak that of any roughness."""
     breaks = np.abs(result.case.contact.breaks)
     return bool((breaks < 2 * hertz.std).any()) or peak > _ABOVE_HERTZ * hertz.peak_pressure
 
@@ -493,7 +493,7 @@ def _what_throttles(load: LoadResult) -> Iterator[str]:
     rising = share if share[-1] > share[0] else 1 - share
     ends = np.interp(_MIDDLE, rising, x)
     width, middle = float(ends[1] - ends[0]), _MIDDLE[1] - _MIDDLE[0]
-    # as good as the width of the contact
+    # with the accuracy of the width of the contact
     yield phrase("reasons.fluid", "middle", share=middle, width=width, digits=load.digits_of("fwhm"))
     ratio = load.fluid_pressure / load.peak_pressure
     if isinstance(load.leak, CoupledLeakResult):
@@ -519,16 +519,16 @@ def _what_yields(result: SealSolution, load: LoadResult) -> Iterator[str]:
     share = "nearly all" if yielded > 0.999 else "next to nothing" if yielded < 1e-3 else percent(yielded)
     factor, effect = _less_by_yielding(load)
     yield phrase("reasons.asperities", "yielded", effect, area=area, share=share, factor=factor)
-    if load.yields and _told_apart(load):
+    if load.yields and _two_numbers(load):
         yield phrase("readings.load", "why", readings=readings_in_words(load))
 
 
 def _less_by_yielding(load: LoadResult) -> tuple[str, str]:
-    """By which factor yielding lowers the leak rate, in both readings, and which sentence says it; empty if unknown."""
+    """Factor by which yielding lowers the leak rate, in both readings, and key of its sentence; empty if unknown."""
     own, never = load.leak, load.reading(Reading.ELASTIC).leak
     if own is None or never is None:
         return "", ""
-    low, high = (ends_told(load) if load.yields else None) or (own.leak_rate, own.leak_rate)
+    low, high = (separate_ends(load) if load.yields else None) or (own.leak_rate, own.leak_rate)
     if not high > 0:
         return "", ""
     elastic, digits = never.leak_rate, min(load.leak_digits, 2)
@@ -550,9 +550,9 @@ def leakage_text(
     load : LoadResult
         With a leak rate.
     volume : LeakVolume
-        What leaks.
+        State of the leaking volume.
     rate : float or tuple of float, optional
-        Another one than its own, or both ends of it [m^3/s].
+        Another leak rate than that of the load, or both ends [m^3/s].
     """
     rate = rate_of(load) if rate is None else rate
     assert load.leak is not None
@@ -563,18 +563,18 @@ def leakage_text(
     elif 0 < load.leak.leak_rate < math.inf:
         ends = load.leak.scaled(rate[0]), load.leak.scaled(rate[1])
     else:
-        # of what is sealed or open no mass is known that could be scaled
+        # a sealed or open seal has no mass flow to scale
         alone = leak_range_text(rate, load.leak_digits, claimed=not load.validity.outside, volume=volume)
         return f"{alone} ({volume.state})" if volume.state else alone
     digits = min(load.leak_digits, 3 if ends[0] is ends[1] else 2)
     measured = (one if volume.measurable(one.leak_rate) else one.scaled(0.0) for one in ends)
     columns = zip(*(_in_units(one, volume) for one in measured), strict=True)
-    told = [
+    amounts = [
         (format_digits(low, digits), format_digits(high, digits), unit) for (low, unit), (high, _) in columns
     ]
-    # ends that are one number in one unit are no two in another
-    as_one = told[0][0] == told[0][1]
-    return " = ".join(f"{range_text(high if as_one else low, high)} {unit}" for low, high, unit in told)
+    # equal ends in the first unit stay equal in the others
+    as_one = amounts[0][0] == amounts[0][1]
+    return " = ".join(f"{range_text(high if as_one else low, high)} {unit}" for low, high, unit in amounts)
 
 
 def _in_units(found: LeakResult, volume: LeakVolume) -> Iterator[tuple[float, str]]:
@@ -599,7 +599,7 @@ def classes_in_words(classes: Sequence[LeakageClass]) -> str:
 
 
 def judged_as(case: Case, load: LoadResult) -> str:
-    """The fluid of the standards' test for which the classes are judged; empty if it is the case's own.
+    """Note that the classes hold for the fluid of the standards' test; empty if it is the fluid of the case.
 
     Parameters
     ----------
@@ -612,7 +612,7 @@ def judged_as(case: Case, load: LoadResult) -> str:
 
 
 def leakage_lines(case: Case, load: LoadResult, loads: Sequence[LoadResult]) -> list[str]:
-    """A few lines for the command line about one load; none without a leak rate.
+    """Lines for the terminal about one load; none without a leak rate.
 
     Parameters
     ----------
@@ -638,7 +638,7 @@ def leakage_lines(case: Case, load: LoadResult, loads: Sequence[LoadResult]) -> 
 
 
 def _as_given(case: Case, load: LoadResult) -> str:
-    """The leak rate without what is uncertain, in both readings of yielding asperities."""
+    """The leak rate with the inputs as given, in both readings of yielding asperities."""
     # in the unit of the line above
     rate = leakage_text(load, volume_of(case), usual_rate_of(load)).split(" = ")[0]
     return phrase("readings.as_given", "finish" if has_finish(case) else "inputs", rate=rate)

@@ -13,7 +13,7 @@ from sample_results import case, run_loads, smooth_result
 import fem_seal
 from fem_seal.answers.chain import solve
 from fem_seal.answers.sensitivities import _round_step, levers
-from fem_seal.output.answers.sensitivities import lever_lines, ratio_in_words, step_in_words, told_levers
+from fem_seal.output.answers.sensitivities import lever_lines, ratio_in_words, step_in_words, strongest_levers
 from fem_seal.output.files import summary
 from leak import Reading
 
@@ -83,7 +83,7 @@ def test_strongest_levers_are_told_with_both_readings():
     result, known = found()
     strengths = [one.strength for one in result.levers]
     assert strengths == sorted(strengths, reverse=True)
-    assert told_levers(result)[0].key == "rms_height"
+    assert strongest_levers(result)[0].key == "rms_height"
     told = known["rms_height"]
     assert told.factor == 0.5 and told.ratio[1] < told.ratio[0] < 0.3
     text = lever_lines(result)
