@@ -1,4 +1,4 @@
-"""Asperities that yield, the theory beside direct simulation: the pressure capped at the hardness, or von Mises.
+"""Asperities that yield, the theory compared with direct simulation: the pressure capped at the hardness, or von Mises.
 
 Run: python docs/direct_yielding.py, to fit the constants of `leak.theory.plasticity` anew, each on one part of its
 surfaces and judged on the others. Box length 1, E* = 1 and rms slope 1; pressures are in units of E* h'.

@@ -3,7 +3,7 @@
     python docs/gallery.py
 
 A solved example is kept in docs/_build/examples and solved again only after a change of the program or of the examples.
-The tests solve the cases as well and leave them there, so that `make docs` after `make test` solves the studies alone.
+The tests also solve the cases and keep them there, so that `make docs` after `make test` solves only the studies.
 """
 
 from __future__ import annotations
@@ -31,14 +31,14 @@ DOCS = Path(__file__).parent
 ROOT = DOCS.parent
 EXAMPLES = ROOT / "examples"
 KEPT = DOCS / "_build" / "examples"
-# Made from the examples, and nothing else; cases/index.md stands beside them.
+# Folders generated from the examples, next to cases/index.md.
 PAGES, SCRIPTS, REPORTS = (
     DOCS / "cases" / "pages",
     DOCS / "_build" / "scripts",
     DOCS / "_build" / "with_pages" / "reports",
 )
 
-# The pictures that say most, after the section; each page shows the first two that its report has.
+# The most informative pictures, after the section; each page shows the first two that its report has.
 TELLING = (
     "particles",
     "memory",
@@ -49,7 +49,7 @@ TELLING = (
     "profiles",
     "stress",
 )
-# What the cards of the index are grouped by; an example that stands nowhere here comes last.
+# Groups of the cards of the index; an example without a group comes last.
 GROUPS = {
     "Balls, poppets and rims": (
         "ball_cone",
@@ -76,7 +76,7 @@ GROUPS = {
         "tilted_poppet",
         "scratched_seat",
     ),
-    "What a load leaves behind": ("proof_load", "elastoplastic_seat", "hot_coined_seat"),
+    "After a larger load": ("proof_load", "elastoplastic_seat", "hot_coined_seat"),
 }
 
 
@@ -92,7 +92,7 @@ def studies() -> list[Path]:
 
 @cache
 def state() -> str:
-    """What a kept result depends on: the program and the examples, in one number."""
+    """One number for the state of the program and the examples, on which kept results depend."""
     seen = hashlib.sha256()
     for folder in ("fem_seal", "leak", "meshes", "examples"):
         for path in sorted((ROOT / folder).rglob("*")):
@@ -104,12 +104,12 @@ def state() -> str:
 
 
 def folder_of(example: Path) -> Path:
-    """Where the results of an example are kept."""
+    """Folder of the kept results of an example."""
     return KEPT / example.parent.name / example.stem
 
 
 def keep(result: SealResult, example: Path) -> Path:
-    """Write what the page of a case shows.
+    """Write the results for the page of a case.
 
     Parameters
     ----------
@@ -133,7 +133,7 @@ def keep(result: SealResult, example: Path) -> Path:
 
 
 def is_kept(example: Path) -> bool:
-    """Whether the results of an example are there and still those that it would have now."""
+    """Whether the results of an example exist and are up to date."""
     about = folder_of(example) / "page.json"
     return about.exists() and json.loads(about.read_text(encoding="utf-8"))["state"] == state()
 
@@ -151,14 +151,14 @@ def solve(example: Path) -> None:
     if set(result.counts) - {"done"} and any(result.counts[status] for status in ("failed", "open")):
         raise SystemExit(f"{example.name}: {result!r}, {result.reasons}")
     result.report()
-    # table and picture as a notebook shows them, without the title, which the page has
+    # table and picture as in a notebook, without the title, which the page has already
     shown = re.sub(r"^<p>.*?</p>", "", result._repr_html_())
     about = {"headline": "", "warnings": [], "shown": shown, "state": state()}
     (folder / "page.json").write_text(json.dumps(about), encoding="utf-8")
 
 
 def solve_all() -> None:
-    """Solve what is not kept, on all cores."""
+    """Solve the examples without kept results, on all cores."""
     open_ = [one for one in (*studies(), *cases()) if not is_kept(one)]
     if not open_:
         return
@@ -183,14 +183,14 @@ def pictures(folder: Path) -> dict[str, tuple[bytes, str, str]]:
 
 
 def introduction(text: str) -> str:
-    """The comment at the head of a case file, without the lines that are for programs."""
+    """The comment at the head of a case file, without the lines for programs."""
     lines = []
     for line in text.splitlines():
         if not line.startswith("#"):
             break
         if not line.startswith(("#:", "#   fem-seal")):
             lines.append(line.removeprefix("#").strip())
-    # "the case of ball_cone.toml" leads there; a page that is named is a link
+    # "the case of ball_cone.toml" and named pages become links
     told = re.sub(r"\b((?:guide|theory|reference)/\w+)", r"[\1](/\1.md)", " ".join(lines))
     return re.sub(r"\b(\w+)\.toml\b", lambda name: f"[{name[0]}](/cases/pages/{name[1]}.md)", told)
 
@@ -211,7 +211,7 @@ def case_page(example: Path) -> str:
         parts.append(f"```{{figure}} {name}_{one}.svg\n:alt: {_line(alt)}\n{wide}\n{_line(caption)}\n```")
     if about["warnings"]:
         told = "\n".join(f"- {_line(warning)}" for warning in about["warnings"])
-        parts.append(f"```{{dropdown}} What the program warns of\n{told}\n```")
+        parts.append(f"```{{dropdown}} Warnings of the program\n{told}\n```")
     parts.append(_report_link(f"{name}.html"))
     parts.append(
         f"## The case\n\n`examples/{example.name}`\n\n"
@@ -232,8 +232,8 @@ def study_page(example: Path) -> str:
     return (
         f"# {tomllib.loads(text)['title']}\n\n{introduction(text)}\n\n"
         f"```{{figure}} study_{name}.png\n:alt: first response over the first parameter\n\n"
-        "The first response over the first parameter, one dot for each design; the page of the study has all of them, "
-        f"to be turned, zoomed and filtered.\n```\n\n{_report_link(f'study_{name}.html', 'The page of the study')}\n\n"
+        "The first response over the first parameter, one dot for each design; the page of the study shows all "
+        "responses interactively.\n```\n\n{_report_link(f'study_{name}.html', 'The page of the study')}\n\n"
         f"## The designs\n\n```{{raw}} html\n{table}\n```\n\n"
         f"## The study\n\n`examples/studies/{example.name}`\n\n"
         f"```{{literalinclude}} /../examples/studies/{example.name}\n:language: toml\n```\n"
@@ -241,7 +241,7 @@ def study_page(example: Path) -> str:
 
 
 def _report_link(file: str, name: str = "The whole report") -> str:
-    # Sphinx copies the reports as they are and knows nothing of them
+    # Sphinx copies the reports without reading them
     return f'```{{raw}} html\n<p><a href="../../reports/{file}">{name}</a></p>\n```'
 
 
@@ -277,14 +277,14 @@ def index() -> str:
 INDEX = """\
 # Cases
 
-Every case file, study and script of `examples/`, solved by the program whose manual this is. Each page shows the
-section, the result, the complete input to start from, and leads to the whole report as a run writes it."""
+Every case file, study and script of `examples/`, solved by this version of the program. Each page shows the section,
+the result and the complete input to start from, and links to the complete report."""
 
 SCRIPTS_AND_NOTEBOOK = """\
 ## In Python
 
 - [A notebook of ten lines](pages/notebook.ipynb)
-- [Scripts](scripts/index.rst): single questions, in closed form or with arrays of your own"""
+- [Scripts](scripts/index.rst): single tasks, in closed form or with your own arrays"""
 
 
 def _grid(cards: list[str]) -> str:
@@ -308,7 +308,7 @@ def _study_card(path: Path) -> str:
 
 
 def scripts() -> Iterator[tuple[str, str]]:
-    """Names and texts of the scripts, as sphinx-gallery wants them: with a heading in the docstring."""
+    """Names and texts of the scripts for sphinx-gallery, with a heading in the docstring."""
     for path in sorted(EXAMPLES.glob("*.py")):
         title, _, rest = path.read_text(encoding="utf-8").removeprefix('"""').partition("\n")
         title = title.rstrip(".")
@@ -329,7 +329,7 @@ def write() -> None:
     for name, text in scripts():
         _write(SCRIPTS / name, text)
     _write(SCRIPTS / "GALLERY_HEADER.rst", "Scripts\n=======\n\nShort scripts; each prints one result.\n")
-    # what scripts and notebook read
+    # files that scripts and notebook read
     for path in EXAMPLES.iterdir():
         if path.suffix in (".csv", ".toml", ".ipynb"):
             for folder in (PAGES,) if path.suffix == ".ipynb" else (PAGES, SCRIPTS):
@@ -337,7 +337,7 @@ def write() -> None:
 
 
 def _write(path: Path, text: str) -> None:
-    """Write a file only if it changes, so that Sphinx reads no page again without need."""
+    """Write a file only if it changes, so that Sphinx does not read unchanged pages again."""
     if not path.exists() or path.read_text(encoding="utf-8") != text:
         path.write_text(text, encoding="utf-8")
 

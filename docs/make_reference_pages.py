@@ -1,9 +1,9 @@
-"""Write what is made of the program at every build: pages of the commands and of Python, numbers of the tutorial.
+"""Write the pages generated at every build: commands, Python names, output of the tutorial.
 
     python docs/make_reference_pages.py
 
-docs/reference/cli.md from the commands as they are registered, docs/reference/api/ from the public names, by the rooms
-that they live in, docs/tutorial/made/ by doing what the tutorial says.
+docs/reference/cli.md comes from the registered commands, docs/reference/api/ from the public names, grouped by package,
+and docs/tutorial/made/ from running the tutorial.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from fem_seal.cli.app import app
 FOLDER = Path(__file__).parent / "reference"
 
 PACKAGES = {
-    fem_seal: "Cases, results, studies, and the contact for those who bring their own bodies.",
+    fem_seal: "Cases, results, studies, and the contact for bodies of your own.",
     leak: "Rough surfaces, contact theory and flow, with plain arrays in SI; needs neither a case nor a mesh.",
     meshes: "Shapes of seats and closures, first touch, and their triangles.",
 }
@@ -118,12 +118,12 @@ def api() -> Iterator[tuple[str, str]]:
 
 
 API_HEAD = """\
-Everything that may be relied upon: the public names of three packages. All numbers are SI. Each name has a page of its
-own with an example that runs with the tests."""
+The stable interface: the public names of three packages. All numbers are SI. Each name has its own page with an
+example that runs with the tests."""
 
 
 def _rooms(package: ModuleType) -> dict[str, list[str]]:
-    """Public names by the room that they live in, "leak.flow"; modules and constants without one come last."""
+    """Public names by their package, "leak.flow"; modules and constants without one come last."""
     rooms: dict[str, list[str]] = defaultdict(list)
     for name in package.__all__:
         if name.startswith("__"):
@@ -142,12 +142,12 @@ def _heading(text: str, line: str) -> str:
 
 
 def tutorial(folder: Path) -> None:
-    """What the terminal and the report show of the tutorial's case.
+    """Write the output of the tutorial's case on the terminal and in the report.
 
     Parameters
     ----------
     folder : Path
-        The tutorial's; the case lies there, what it gives goes to ``made``.
+        Folder of the tutorial with its case; the output goes to ``made``.
     """
     import gallery
 
@@ -170,7 +170,7 @@ def tutorial(folder: Path) -> None:
 
 
 def _leak_test(folder: Path, made: Path) -> None:
-    """What the tutorial on a leak test shows."""
+    """Write the output of the tutorial on a leak test."""
     with TemporaryDirectory() as place:
         for name in ("leak_test.toml", "leak_test.csv"):
             (Path(place) / name).write_text((folder / name).read_text(encoding="utf-8"), encoding="utf-8")
@@ -184,7 +184,7 @@ def _leak_test(folder: Path, made: Path) -> None:
 
 
 def _terminal(command: str, case: Path, *more: str) -> str:
-    """A command and what it prints."""
+    """A command and its output."""
     done = run(
         [sys.executable, "-m", "fem_seal", command, case.name, *more],
         cwd=case.parent,
@@ -215,7 +215,7 @@ if __name__ == "__main__":
     (FOLDER / "api").mkdir(exist_ok=True)
     for name, text in api():
         (FOLDER / "api" / f"{name}.rst").write_text(text, encoding="utf-8")
-    # autosummary leaves the pages of names that are public no more
+    # autosummary does not remove pages of names that are no longer public
     for page in (FOLDER / "api" / "names").glob("*.rst"):
         package, _, name = page.stem.rpartition(".")
         if name not in import_module(package).__all__:

@@ -1,8 +1,8 @@
-"""Write docs/verification/made/, figures of speed and memory over versions: a table and a picture for the manual.
+"""Write docs/verification/made/: figures of speed and memory over versions, a table and a picture for the manual.
 
     python docs/speed_page.py
 
-They are made of benchmarks/history.csv, which `python benchmarks/goals.py --record` writes.
+They come from benchmarks/history.csv, which `python benchmarks/goals.py --record` writes.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ COLUMNS = 3
 
 
 def page(entries: Sequence[Entry]) -> str:
-    """The figures as Markdown: what is missed first, the latest of each, and all of them over versions."""
+    """The figures as Markdown: missed goals first, then the latest figures, then all versions."""
     newest = latest(entries)
     missed = [entry for entry in newest if entry.met is False]
     judged = [entry for entry in newest if entry.met is not None]

@@ -1,4 +1,4 @@
-"""Write docs/verification/validation.md: what experiments measured, beside what the program predicts for them.
+"""Write docs/verification/validation.md: measurements compared with the predictions of the program.
 
 Run: python docs/validation.py [--all] for the page; python docs/validation.py FILE.toml ... for files of your own.
 """
@@ -24,10 +24,10 @@ from fem_seal.studies.responses import evaluate_design
 
 HERE = Path(__file__).parent
 FOLDER, FILE = HERE / "validation", HERE / "verification" / "validation.md"
-# What was predicted for the files as they were: calculating takes minutes, writing the page does not.
+# Stored predictions: their calculation takes minutes, writing the page takes seconds.
 PREDICTIONS = FOLDER / "predictions.json"
 TEMPLATE = "template.toml"
-# Readings of yielding asperities by theory; the corrected one has one, whose column is that of the leak rate itself.
+# Readings of yielding asperities by theory; the corrected one has a single reading in the column of the leak rate.
 _READINGS = {"corrected": ("",), "paper": ("conserved", "capped")}
 
 
@@ -42,7 +42,7 @@ def files() -> list[Path]:
 
 
 def digest(path: Path) -> str:
-    """By which a file is known to have changed."""
+    """Digest that changes with the file."""
     return sha256(path.read_bytes()).hexdigest()
 
 
@@ -83,7 +83,7 @@ def _told(corner: dict[str, Any]) -> str:
 def _numbers(
     case: Case, values: Sequence[Expression], surface_only: bool
 ) -> tuple[list[dict[str, float]], str]:
-    """What expressions may use, in each reading, and why nothing may be claimed."""
+    """Variables for the expressions in each reading, and the reason if nothing may be claimed."""
     if surface_only:
         return _of_surfaces(case), ""
     asked = {name for value in values for name in value.names}
@@ -105,7 +105,7 @@ def _numbers(
 
 
 def _of_surfaces(case: Case) -> list[dict[str, float]]:
-    """What follows from the surfaces alone, in each reading."""
+    """Variables that follow from the surfaces alone, in each reading."""
     surface = SealProblem.of(case).surface
     if surface is None:
         raise ValueError("the case has no roughness")
@@ -121,7 +121,7 @@ def _of_surfaces(case: Case) -> list[dict[str, float]]:
 
 
 def stored() -> dict[str, dict[str, Any]]:
-    """Predictions of the files as they were."""
+    """Stored predictions of the files."""
     found: dict[str, dict[str, Any]] = json.loads(PREDICTIONS.read_text(encoding="utf-8"))
     return found
 
@@ -141,7 +141,7 @@ def update(everything: bool) -> None:
     fresh = {}
     for path in files():
         entry = known.get(path.name)
-        # what an earlier version could not calculate this one perhaps can
+        # this version may calculate a case that an earlier one could not
         refused = entry is not None and any(
             one["refused"] for each in entry["predictions"].values() for one in each
         )

@@ -1,4 +1,4 @@
-"""Experiments beside predictions: the verdict, and the page. Nothing here calculates a seal."""
+"""Comparison of experiments and predictions: the verdict, and the page. No seal is calculated here."""
 
 from __future__ import annotations
 
@@ -9,35 +9,35 @@ from itertools import product
 from typing import Any
 
 INSIDE, OUTSIDE, NOT_DECIDABLE = "inside", "outside", "not decidable"
-# A prediction that spans more than this says little, even if the measurement is inside.
+# A prediction that spans a larger factor means little, even if the measurement is inside.
 _WIDE = 10.0
 
 HEAD = """\
 # Validation against measurements
 
 [Verification](verification.md) asks whether the equations are solved right; this page asks whether they are the right
-ones. Each experiment is a file in `docs/validation/`: a case as every user writes it, what the report does
-not say and between which values it is taken to lie, and what was measured. Both theories of the rough contact predict
-an interval: the least and the largest value over all corners of what was not reported, and in the paper's theory over
-both readings of yielding asperities (`leak_rate_conserved_m3_per_s`, `leak_rate_capped_m3_per_s`). **Nothing is
-fitted.** The corners are assumptions, stated in the files; they were chosen before the comparison, from what is usual
-for the finish and the material, and stayed as they were.
+ones. Each experiment is a file in `docs/validation/`: an ordinary case, ranges for the inputs that the report does not
+give, and the measured values. Both theories of the rough contact predict an interval: the least and the largest value
+over all corners of the inputs not reported, and in the paper's theory over both readings of yielding asperities
+(`leak_rate_conserved_m3_per_s`, `leak_rate_capped_m3_per_s`). **Nothing is fitted.** The corners are assumptions,
+stated in the files; they were chosen before the comparison, from usual values for the finish and the material, and not
+changed afterwards.
 
-- **inside**: the interval of the prediction and that of the measurement overlap. How wide the prediction is stands
-  beside it: one that spans decades is inside easily.
+- **inside**: the interval of the prediction and that of the measurement overlap. The width of the prediction
+  is given, too: a prediction that spans decades is easily inside.
 - **outside**: they do not.
-- **not decidable**: the report lacks the number, or the program may not claim one. The reason stands there. The
-  prediction is given all the same, for those who know more.
+- **not decidable**: the report lacks the number, or the program may not claim one. The reason is
+  given, and also the prediction, for readers with more information.
 
-Only what stands in a text is used; several of these reports are known here by their abstracts, and numbers that stand
-only in a figure are not read off.
+Only numbers from texts are used: several of these reports are known here only by their abstracts, and no number was
+read off a figure.
 """
 
 TEMPLATE = """\
 ## Your own measurements
 
-Copy [docs/validation/template.toml](../validation/template.toml) and fill in what you know; a key that your report
-does not give gets the values between which it lies in `[[scenarios]]`. Then
+Copy [docs/validation/template.toml](../validation/template.toml) and fill in the known values; for a key that your
+report does not give, write its range in `[[scenarios]]`. Then
 
 ```
 python docs/validation.py docs/validation/my_seal.toml
@@ -50,7 +50,7 @@ calculates every file that has changed since, and with `--all` every file.
 
 @dataclass(frozen=True)
 class Observed:
-    """Something that was measured, or seen.
+    """A measured or observed value.
 
     Parameters
     ----------
@@ -58,11 +58,11 @@ class Observed:
     value : str
         Expression over columns of leak.csv, each with the number of its load: ``leak_rate_m3_per_s_at_2``.
     low, high : float, optional
-        Between which values it was measured; not given if the report has no number.
+        Range of the measured value; not given if the report has no number.
     taken : str
-        How these were taken from the report.
+        How the range follows from the report.
     missing : str
-        What the report lacks; empty if nothing.
+        What is missing in the report; empty if nothing.
     """
 
     what: str
@@ -82,7 +82,7 @@ class Observed:
 
 @dataclass(frozen=True)
 class Prediction:
-    """What the program says of it.
+    """The prediction of the program.
 
     Parameters
     ----------
@@ -166,7 +166,7 @@ def verdict(observed: Observed, prediction: Prediction) -> tuple[str, str]:
     if prediction.refused:
         return NOT_DECIDABLE, prediction.refused
     low, high = prediction.low, prediction.high
-    assert observed.low is not None and observed.high is not None  # or something would be missing
+    assert observed.low is not None and observed.high is not None  # otherwise `missing` is given
     if low is None or high is None or math.isnan(low) or math.isnan(high):
         return NOT_DECIDABLE, "the program has no number for it"
     if low > observed.high:
@@ -188,7 +188,7 @@ def _times(span: float) -> str:
     return f"a factor {span:.0f}" if 10 <= span < 1e4 else f"a factor {span:.2g}"
 
 
-# What each theory says of each observation of an experiment.
+# Predictions of each theory for each observation of an experiment.
 ByTheory = Mapping[str, Sequence[Prediction]]
 _NAMES = {"corrected": "corrected theory", "paper": "paper's theory"}
 

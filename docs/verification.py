@@ -1,4 +1,4 @@
-"""Write docs/verification/verification.md: every figure that fem-seal is judged by, computed anew, beside its goal.
+"""Write docs/verification/verification.md: every verification figure of fem-seal, recomputed, with its goal.
 
 Run: python docs/verification.py [folder with the independent reference numbers]
 """
@@ -94,7 +94,7 @@ def crossover_section() -> Section:
     return Section(
         "Contact: exponential law against the exact crossover",
         "Ball R = 20 mm, 45 deg, steel on steel, u0 = 0.76 um, default mesh. The exact crossover is that of a "
-        "half-space; the axisymmetric bodies really differ from it by up to 3e-4 at 200 bar. Goal: 5e-4, contact "
+        "half-space; the axisymmetric bodies differ from it by up to 3e-4 at 200 bar. Goal: 5e-4, contact "
         "force equal to the applied force to 1e-8.",
         ("load", "p0 [MPa]", "FWHM [mm]", "std [mm]", "p0", "FWHM", "std", "force", "Newton steps"),
         tuple(rows),
@@ -126,7 +126,7 @@ def convergence_section() -> Section:
         tuple(rows),
         (
             Figure("discretisation error of the default mesh", float(errors[3].max()), 1e-4),
-            # unstructured meshes scatter about the order; a lost power would show
+            # unstructured meshes scatter about the order; a lost power would be visible
             *(
                 Figure(f"missing order of {n}", max(0.0, 4 + s), 0.8)
                 for n, s in zip(("p0", "FWHM", "std"), slopes, strict=True)
@@ -217,7 +217,7 @@ def rough_contact_section(reference: Path) -> Section:
 
 
 def paper_spectrum_of(reference: Path) -> leak.PowerSpectrum:
-    """The spectrum that the reference numbers belong to."""
+    """The spectrum of the reference numbers."""
     with (reference / "spectra.csv").open(encoding="utf-8") as file:
         row = next(csv.DictReader(file))
     return leak.PowerSpectrum.self_affine(
@@ -267,7 +267,7 @@ def leak_section(reference: Path) -> Section:
 
 
 def paper_section() -> Section:
-    """The paper's case beside its own words."""
+    """The paper's case compared with the paper's text."""
     spectrum = paper_spectrum()
     elastic_modulus = effective_modulus(STEEL, STEEL)
     surface = leak.RoughContact(spectrum, effective_modulus=elastic_modulus, hardness=3.5e9)
@@ -351,10 +351,10 @@ def paper_section() -> Section:
         ),
     )
     return Section(
-        "The paper's case beside its own words",
+        "The paper's case compared with its text",
         "Fischer, Schmitz, Tiwari, Persson, *Fluid leakage in metallic seals*: ball R = 20 mm, 45 deg, steel, "
-        "hardness 3.5 GPa, rms height 1.9 um. The spectrum is only a picture in the paper; the self-affine one used "
-        "here fits everything that the text says.",
+        "hardness 3.5 GPa, rms height 1.9 um. The paper shows the spectrum only as a picture; the self-affine one used "
+        "here fits all statements of the text.",
         ("quantity", "paper", "fem-seal", "remark"),
         rows,
         (Figure("plastic share at zeta = 100", 1 - zeta100, 1e-3),),
@@ -377,17 +377,17 @@ def sensitivity_section() -> Section:
         rolloff = float(spectrum.wavenumber[1])
         rows.append((f"{hurst:g}", f"{rolloff:.4g}", *(f"{ratio:.1f}" for ratio in ratios)))
     return Section(
-        "How much the spectrum decides",
+        "Influence of the spectrum",
         "Elastic over plastic leak rate with other Hurst exponents, rms height 1.9 um and rms slope 0.4 kept (the "
-        "roll-off follows), Gaussian profile s = 0.139 mm. All of these surfaces fit the paper's words about "
-        "height and slope; a leak rate is not better known than the spectrum that it is calculated from.",
+        "roll-off follows), Gaussian profile s = 0.139 mm. All of these surfaces fit the paper's height and slope; a "
+        "leak rate is only as certain as its spectrum.",
         ("Hurst exponent", "roll-off [1/m]", "at 1 bar", "at 20 bar"),
         tuple(rows),
     )
 
 
 def direct_section(reference: Path) -> Section:
-    """The theory against results that are not this theory."""
+    """The theory against independent results."""
     comparisons = [compare(direct) for direct in read_direct(reference)]
     picture(
         [comparison.direct for comparison in comparisons], FILE.parents[1] / "images" / "direct_numerical.svg"
@@ -419,7 +419,7 @@ def direct_section(reference: Path) -> Section:
         for pressure in (1e-3, 1e-4, 3e-5)
     )
     text = (
-        "Nothing of Persson's theory is in these results: random periodic surfaces (sets A512 and A: the same "
+        "These results are independent of Persson's theory: random periodic surfaces (sets A512 and A: the same "
         "spectrum on grids of 512 and 1024 points a side, roll-off at 8 and cutoff at 64 waves per box; set B: 4 and "
         "128; Hurst exponent 0.8), elastic contact by boundary elements, Reynolds flow through the gap, zero in "
         "contact. The table is theory over direct result; conductivities are geometric means over samples, which "
@@ -427,8 +427,8 @@ def direct_section(reference: Path) -> Section:
         "![theory and direct numerical results](../images/direct_numerical.svg)\n\n"
         "How good is the paper's theory? Where most metal seals work, far below these data, its gap is too wide and "
         f"its conductivity too large: direct results of {low[1e-4].size} spectra (`{LOW_LOADS}`, Hurst exponent 0.3 "
-        f"to 0.8) find it too open by {told_low}; [the theories beside direct simulation](truth.md) has all results "
-        "and the corrected theory. In the table, from p/(E* h') = 0.01 on, its mean gap is within "
+        f"to 0.8) find it too open by {told_low}; [the theories compared with direct simulation](truth.md) has all "
+        f"results and the corrected theory. In the table, from p/(E* h') = 0.01 on, its mean gap is within "
         f"{100 * np.abs(gaps - 1).max():.0f} % and its conductivity within {factors[0]:.2f} from A/A0 = 0.02 to 0.19, "
         f"{factors[1]:.1f} up to 0.25, {factors[2]:.1f} up to 0.39. Its contact area is "
         f"{100 * (1 - areas.max()):.0f} to {100 * (1 - areas.min()):.0f} % too small: a property "
@@ -437,7 +437,7 @@ def direct_section(reference: Path) -> Section:
         + ", ".join(f"{everywhere[name]:.1f} with {name}" for name in names[1:])
         + ". Below A/A0 = 0.1, where the choice of P(u) hardly matters, the factors are "
         + ", ".join(f"{far[name]:.2f} ({name})" for name in names)
-        + ". Elastic surfaces only; yielding asperities come next."
+        + ". These are elastic surfaces; yielding asperities follow in the next section."
     )
     return Section(
         "Rough contact and flow: the theory against direct numerical results",

@@ -1,7 +1,7 @@
-"""The readings of the flow conductivity beside direct simulations of elastic contacts: near the threshold, with a lay.
+"""Readings of the flow conductivity compared with direct simulations: near the threshold, and with a lay.
 
-`direct_elastic.csv` is made by docs/direct_elastic_campaign.py; `direct_numerical.csv` and `anisotropic_direct.csv` by
-others. Half of the surfaces served to fit constants, the other half judges them.
+docs/direct_elastic_campaign.py makes `direct_elastic.csv`; `direct_numerical.csv` and `anisotropic_direct.csv` come
+from elsewhere. Half of the surfaces were used to fit constants, the other half tests them.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from verification_page import Figure, Section
 import leak
 from leak.flow.medium import effective_gap
 
-# The campaign belongs to this repository; the other results may stand in a folder of their own.
+# The campaign belongs to this repository; the other results may be in another folder.
 CAMPAIGN = Path(__file__).resolve().parents[1] / "tests" / "reference" / "direct_elastic.csv"
 STRETCHED = "anisotropic_direct.csv"
 # Direct A/A0 between which ratios are compared.
@@ -120,7 +120,7 @@ class Threshold:
     ----------
     name : str
     role : {"fitted", "judges", "one surface"}
-        Whether the closed law was fitted to it, or else judged by it; a single surface scatters too much for that.
+        Whether the closed law was fitted to it or is tested on it; a single surface scatters too much for either.
     area : ndarray
         Direct A/A0.
     corrected : ndarray
@@ -247,7 +247,7 @@ def _ends(ratios: FloatArray) -> tuple[float, ...]:
     return (ratios[0],) if ratios.size == 1 else (ratios.min(), ratios.max())
 
 
-# What each reading is held to on surfaces that it was not fitted to, by bin: rms of ln as a factor, less one. Two to
+# Goals of each reading on surfaces that it was not fitted to, by bin: rms of ln as a factor, less one. Two to
 # four surfaces of four correlation lengths scatter by a factor of 1.3 at A/A0 = 0.2 and 2 at 0.35 themselves.
 GOALS = {
     "bruggeman": (0.3, 0.3, 0.4, 0.5, 1.5),
@@ -260,15 +260,15 @@ TEXT_THRESHOLD = (
     "exponent and by their waves per side at roll-off and cutoff (* Peklenik number 1 of "
     "`anisotropic_direct.csv`; the others are those of `docs/direct_elastic_campaign.py`, on grids of four to "
     "eight points per shortest wave, whose area is not corrected for it). The closed law was fitted to sets A512, "
-    "A and B; everything else judges it but single surfaces, which scatter too much. Largest factor on the "
-    "judging surfaces, and in brackets the root mean square, at A/A0 {words}.\n\n"
-    "So on these surfaces the closed law is the better one beyond A/A0 = 0.32 and no better below. What decides "
-    "is the bandwidth, cutoff over roll-off: up to 16 the effective medium lies mostly above direct results, by "
+    "A and B; all others test it except single surfaces, which scatter too much. Largest factor on the test surfaces, "
+    "and in brackets the root mean square, at A/A0 {words}.\n\n"
+    "On these surfaces the closed law is better beyond A/A0 = 0.32 and no better below. The bandwidth, cutoff over "
+    "roll-off, decides: up to 16 the effective medium lies mostly above direct results, by "
     "up to 3 near the threshold, and the closed law on both sides of them; at 32 (set B, and Hurst exponent 0.7, "
     "4 to 128) the effective medium is below them by 2 to 3, the unsafe side, and the closed law within 1.6. At "
     "100, as real surfaces have it, the closed law is above the effective medium by 3, and there are no direct "
-    "results. With three surfaces of more than 16 it is a further reading, not the default; the difference of "
-    "both, in the variants of a run, says how well a leak rate in this range is known."
+    "results. With three surfaces of more than 16 it is a further reading, not the default; the difference of both, in "
+    "the variants of a run, shows the uncertainty of a leak rate in this range."
 )
 
 # -------------------------------------------------------------------- with a lay
@@ -390,8 +390,8 @@ TEXT_LAY = (
     'and {across_spread:.2f}); patches as long as the roughness ("plain", the textbook reading) by '
     "{plain_along:.2f} and {plain_across:.2f} ({plain_along_spread:.2f} and {plain_across_spread:.2f}). At a "
     "number of 10, on patches that hold four correlation lengths, the factors are {ten_along:.2f} and "
-    "{ten_across:.2f} (plain across: {ten_plain:.1f}), the theory being too tight: beyond 5 the lay is less well "
-    "known than below."
+    "{ten_across:.2f} (plain across: {ten_plain:.1f}), and the theory is too tight: beyond 5 the effect of the lay is "
+    "less certain than below."
 )
 
 

@@ -52,7 +52,7 @@ def _row(pair: _Pair) -> tuple[tuple[str, ...], list[Figure]]:
     modulus, R = effective_modulus(*pair.materials), contact.relative_radius
     f = math.pi * modulus * (_NARROW * min(R, contact.initial_contact_radius)) ** 2 / (4 * R)
     hertz = leak.hertz_line(f, R, modulus)
-    # a decay length at which roughness and elasticity matter alike
+    # a decay length at which roughness and elasticity have the same influence
     u0 = hertz.half_width**2 / (4 * R)
     exact = leak.crossover_line(f, R, modulus, u0)
     smooth = _pressed(pair, contact, HardContact(), f).profile
@@ -147,14 +147,14 @@ def pairs_section() -> Section:
     ]
     return _section(
         "Contact: other shapes",
-        "The same for other closures and seats, which differ by their relative radius. Fitting faces, which have none, "
-        "are compared with the closed form of a rounded punch and with an independent program in the tests.",
+        "The same for other closures and seats, which differ by their relative radius. Conforming faces, which have "
+        "none, are compared with the closed form of a rounded punch and with an independent program in the tests.",
         pairs,
     )
 
 
 def hydrostatic_section() -> Section:
-    """Fluid on all surfaces and in the gap: it strains both bodies evenly, and lifts nothing."""
+    """Fluid on all surfaces and in the gap: it strains both bodies evenly, without a lifting force."""
     ball = Ball(20 * _MM)
     contact = ContactGeometry.of(ball.outline, ConicalSeat.around(45 * _DEG, ball).outline)
     law, pressure, force = leak.ExponentialLaw(p_c=5e9, u0=0.76e-6), 2e7, 1000.0
@@ -168,7 +168,7 @@ def hydrostatic_section() -> Section:
         share = np.where(model.line.x >= x, pressure, 0.0)
         loads = BodyLoads.of_fluid((0.0, pressure), share, 0.0)
         radius = math.sqrt(-loads.lift(model) / (math.pi * pressure))
-        # Between two points of the line a step in the pressure is known to the distance of the points.
+        # The place of a step in the pressure is known to the distance of two points of the line.
         near = np.abs(model.line.radius - contact.radius(np.array(x))).min()
         error = radius / float(contact.radius(np.array(x))) - 1
         rows.append((f"fluid outside x = {x * 1e3:+.1f} mm", f"{radius / _MM:.4f}", f"{error:+.1e}"))
@@ -180,7 +180,7 @@ def hydrostatic_section() -> Section:
     return Section(
         "Fluid on the bodies: force and effective radius",
         "The axial force of a fluid outside a circle on the contact line is pi r^2 p, whatever the "
-        "shape of the closure (divergence theorem); fluid all around lifts nothing. Ball of 20 mm, 45 deg.",
+        "shape of the closure (divergence theorem); fluid all around gives no lift. Ball of 20 mm, 45 deg.",
         ("fluid", "effective radius [mm]", "difference"),
         tuple(rows),
         tuple(figures),

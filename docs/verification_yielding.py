@@ -1,4 +1,4 @@
-"""Section of the verification page: asperities that yield, every reading beside direct simulation."""
+"""Section of the verification page: yielding asperities, every reading compared with direct simulation."""
 
 from __future__ import annotations
 
@@ -106,11 +106,11 @@ def yielding_section(reference: Path, image: Path) -> Section:
         "Theory over direct result, smallest to largest. Direct: boundary elements with the pressure capped at the "
         "hardness, the overlap taken off the surface, Reynolds flow through the gap; first loading, and unloading "
         "from a larger pressure. Averages: the independent table of two spectra (roll-off at 8, cutoff at 64 waves per "
-        "box, 512 x 512 points, hardness/(E* h') of 0.05 to 0.2), which nothing is fitted to. Campaign: "
+        "box, 512 x 512 points, hardness/(E* h') of 0.05 to 0.2), which were not used for fitting. Campaign: "
         f"{len(campaign)} single surfaces of `docs/direct_yielding_campaign.py` (Hurst exponent 0.5 to 0.9, roll-off "
         "at 4 to 16 waves per box, hardness/(E* h') of 0.03 to 0.5, p/(E* h') of 1e-3 to 0.12). The three readings are "
-        "those of [asperities that yield](../theory/yielding.md); of the area on unloading the theory says nothing. "
-        "What the elastic theory errs by on the same surfaces is part of it: at the smallest pressures, where few "
+        "those of [asperities that yield](../theory/yielding.md); the theory gives no area on unloading. The ratios "
+        "include the error of the elastic theory on the same surfaces: at the smallest pressures, where few "
         "summits of a small box carry, it is too open by up to two.\n\n"
         "![conductivity with yielding asperities](../images/direct_yielding.svg)\n\n"
         "Marks: averages P5; lines: capped; dashed: volume conserved.\n\n"
@@ -118,19 +118,19 @@ def yielding_section(reference: Path, image: Path) -> Section:
         f"surface's elastic results: within a factor {worst_factor(np.exp(loaded)):.2f} on first loading "
         f"(rms {100 * np.sqrt(np.mean(loaded**2)):.0f} %), {worst_factor(np.exp(unloaded)):.2f} on unloading down to a "
         f"hundredth of the largest pressure (rms {100 * np.sqrt(np.mean(unloaded**2)):.0f} %).\n\n"
-        "What to believe: where the pressure is capped, the capped reading is no worse than the elastic theory is for "
+        "Conclusions: where the pressure is capped, the capped reading is no worse than the elastic theory is for "
         f"elastic surfaces: within a factor {flows[0]:.1f} while less than a fifth of the area touches, "
         f"{flows[2]:.1f} after a larger load; metal that flows by von Mises' criterion lies near it "
-        "([the theories beside direct simulation](truth.md)). C_pl "
+        "([the theories compared with direct simulation](truth.md)). C_pl "
         "smooths valleys that no metal reaches, and its leak rate is lower: it gives "
         f"{1 / hard.max():.0f} to {1 / hard.min():.0f} times less than these simulations on the same surfaces. Volume "
         "conservation does not ask for that much ([theory](../theory/yielding.md#two-readings)); C_pl is the paper's "
         "empirical reading, the paper's measured seats agree with it, and why they do is open. With the paper's theory "
-        "the leak rate is told as both. Judge a limit by the larger one. A seal that was "
-        "closed harder before leaks far less than on first loading; both readings have this spring-back from the "
-        "simulation, since C_pl itself remembers next to nothing. Where more "
-        "than some 40 % of the area touches a single junction decides, and neither is to be trusted to better than a "
-        "factor of a few."
+        "the leak rate is given for both. Judge a limit by the larger one. A seal that was closed harder before leaks "
+        "far less than on first loading; both readings take this spring-back from the simulation, since C_pl itself "
+        "has almost no memory. Where more "
+        "than some 40 % of the area touches, a single junction decides, and both readings are uncertain by a factor of "
+        "a few."
     )
     return Section(
         "Rough contact and flow with yielding asperities: the readings against direct simulation",
