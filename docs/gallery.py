@@ -191,12 +191,12 @@ def introduction(text: str) -> str:
         if not line.startswith(("#:", "#   fem-seal")):
             lines.append(line.removeprefix("#").strip())
     # "the case of ball_cone.toml" and named pages become links
-    told = re.sub(r"\b((?:guide|theory|reference)/\w+)", r"[\1](/\1.md)", " ".join(lines))
-    return re.sub(r"\b(\w+)\.toml\b", lambda name: f"[{name[0]}](/cases/pages/{name[1]}.md)", told)
+    text = re.sub(r"\b((?:guide|theory|reference)/\w+)", r"[\1](/\1.md)", " ".join(lines))
+    return re.sub(r"\b(\w+)\.toml\b", lambda name: f"[{name[0]}](/cases/pages/{name[1]}.md)", text)
 
 
 def case_page(example: Path) -> str:
-    """The page of a case, Markdown; its pictures are written beside it."""
+    """The page of a case, Markdown; its pictures are written next to it."""
     name, text, folder = example.stem, example.read_text(encoding="utf-8"), folder_of(example)
     about = json.loads((folder / "page.json").read_text(encoding="utf-8"))
     drawn = pictures(folder)
@@ -210,8 +210,8 @@ def case_page(example: Path) -> str:
         wide = "" if one in ("sketch", "seal") else ":class: panels\n"
         parts.append(f"```{{figure}} {name}_{one}.svg\n:alt: {_line(alt)}\n{wide}\n{_line(caption)}\n```")
     if about["warnings"]:
-        told = "\n".join(f"- {_line(warning)}" for warning in about["warnings"])
-        parts.append(f"```{{dropdown}} Warnings of the program\n{told}\n```")
+        listed = "\n".join(f"- {_line(warning)}" for warning in about["warnings"])
+        parts.append(f"```{{dropdown}} Warnings of the program\n{listed}\n```")
     parts.append(_report_link(f"{name}.html"))
     parts.append(
         f"## The case\n\n`examples/{example.name}`\n\n"

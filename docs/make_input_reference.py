@@ -301,8 +301,8 @@ def _material_table() -> Iterator[str]:
     yield "## Numbers over temperature\n"
     yield "| name | number | at [°C] | value |\n|---|---|---|---|"
     for row in rows:
-        for word, told in over_temperature_lines(row):
-            at, value = told.split(" degC: ")
+        for word, text in over_temperature_lines(row):
+            at, value = text.split(" degC: ")
             yield f"| {row['name']} | {word.removesuffix(' at')} | {at} | {value} |"
     yield ""
     yield "## Conditions and sources\n"

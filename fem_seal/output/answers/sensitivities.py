@@ -85,9 +85,9 @@ def ratio_in_words(lever: Lever) -> str:
     """
     low, high = sorted(lever.ratio)
     if high == 0:
-        return phrase("levers.said", "sealed")
+        return phrase("levers.words", "sealed")
     ends = range_text(*(format_digits(one, 2) if one else "0" for one in (low, high)))
-    return phrase("levers.said", "effect", ratio=ends)
+    return phrase("levers.words", "effect", ratio=ends)
 
 
 def _exponents(lever: Lever) -> str:
@@ -106,9 +106,11 @@ def lever_lines(result: SealSolution) -> list[str]:
     found = strongest_levers(result)
     if not found:
         return []
-    lines = [phrase("levers.said", "heading", load=_load(result)) + ":"]
+    lines = [phrase("levers.words", "heading", load=_load(result)) + ":"]
     for one in found:
-        exponent = phrase("levers.said", "exponent" if one.straight else "locally", exponents=_exponents(one))
+        exponent = phrase(
+            "levers.words", "exponent" if one.straight else "locally", exponents=_exponents(one)
+        )
         lines.append(f"  {step_in_words(result.case, one)}: {ratio_in_words(one)} ({exponent})")
     return lines
 
@@ -142,7 +144,7 @@ def lever_note(result: SealSolution) -> str:
     result : SealSolution
     """
     both = "note_both" if result.highest.yields else ""
-    return phrase("levers.said", "note", both, load=_load(result))
+    return phrase("levers.words", "note", both, load=_load(result))
 
 
 SHOWN = Shown(

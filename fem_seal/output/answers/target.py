@@ -57,18 +57,18 @@ def valve_facts(result: SealSolution, load: JudgedLoad) -> Iterator[tuple[str, s
         )
 
 
-def what_opens(result: SealSolution, load: JudgedLoad) -> Iterator[str]:
+def opening_reasons(result: SealSolution, load: JudgedLoad) -> Iterator[str]:
     """Distance of a load from opening the seal, and from the target leak rate."""
     if opens := opens_at(load):
         assert load.blow_off_pressure is not None
         share = load.fluid_pressure / load.blow_off_pressure
         digits = 2 if load.digits == 4 else 4
         yield phrase("reasons.opening", "all", opens=opens, share=share, share_digits=digits, load=load)
-    yield from _what_the_target_takes(result, load)
+    yield from _target_reasons(result, load)
     yield from verdict_force_sentences([load])
 
 
-def _what_the_target_takes(result: SealSolution, load: LoadResult) -> Iterator[str]:
+def _target_reasons(result: SealSolution, load: LoadResult) -> Iterator[str]:
     target, force = result.case.load.target_leak_rate, load.force_for_target
     if target is None or force is None:
         return

@@ -44,7 +44,7 @@ def corrected_beside(result: SealSolution) -> str:
     if load.in_theory("paper") is not load or other is None:
         return ""
     rate, at = _rate_text(result, other) if _rate(other) else "nothing", load_name(load, result.loads)
-    return phrase("theories.beside", "headline", rate=rate, load=at, inputs=_inputs(load))
+    return phrase("theories.rate", "headline", rate=rate, load=at, inputs=_inputs(load))
 
 
 def theories_in_words(result: SealSolution) -> list[str]:
@@ -69,7 +69,7 @@ def _compared(result: SealSolution, load: LoadResult, theory: str, other: LoadRe
     own, rate = _rate(load), _rate(other)
     kind = "tight" if not rate else "compared" if own else "leaks"
     return phrase(
-        "theories.beside",
+        "theories.rate",
         kind,
         theory=THEORIES[theory],
         load=load_name(load, result.loads),

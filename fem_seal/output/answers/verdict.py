@@ -126,7 +126,7 @@ def _verdict(found: SealJudgement, load: str, digits: int, volume: LeakVolume) -
     none = leak_rate_text(judged.ends[1], volume=volume)
     at_most = _amount(high, digits, limit.leak_rate) if high else none
     return phrase(
-        "verdict.said",
+        "verdict.sentences",
         key,
         load=load,
         low=_amount(low, digits, limit.leak_rate),
@@ -170,22 +170,24 @@ def _as_written(leak_rate: float) -> str:
 def _further_sentences(result: SealSolution, found: SealJudgement) -> Iterator[str]:
     volume = volume_of(result.case)
     if volume.state and found.worst.why not in _WITHOUT_RATES and not _in_mbar(found.worst.limit):
-        yield phrase("verdict.said", "volume", state=volume.state)
+        yield phrase("verdict.sentences", "volume", state=volume.state)
     limit, decided = (
         found.worst.limit,
         found.worst.why in (VerdictReason.LIMIT, VerdictReason.INTERVAL, VerdictReason.ACCURACY),
     )
     if limit.bubble_volume is not None:
-        yield phrase("verdict.said", "bubble", volume=_bubble(limit.bubble_volume))
+        yield phrase("verdict.sentences", "bubble", volume=_bubble(limit.bubble_volume))
     if limit.test_fluid and decided and not math.isinf(found.margin):
-        yield phrase("verdict.said", "converted", fluid=limit.test_fluid, ratio=tuple(sorted(limit.ratio)))
+        yield phrase(
+            "verdict.sentences", "converted", fluid=limit.test_fluid, ratio=tuple(sorted(limit.ratio))
+        )
     if reason := _doubt(result, found):
-        yield phrase("verdict.said", "doubtful", reason=reason)
+        yield phrase("verdict.sentences", "doubtful", reason=reason)
     yield from _to_measure(result, found)
     yield from _other_theory(result, found)
     count = len(found.judged) + found.left_out
     if count > 1:
-        yield phrase("verdict.said", "several", count=count)
+        yield phrase("verdict.sentences", "several", count=count)
 
 
 def _to_measure(result: SealSolution, found: SealJudgement) -> Iterator[str]:
@@ -205,7 +207,7 @@ def _to_measure(result: SealSolution, found: SealJudgement) -> Iterator[str]:
         length = shares.by_profiles.length
         yields = any(one.kind == YIELD_STRESS for one in result.loads[found.number].validity.cautions)
         curve = "curve" if yields else ""
-        yield phrase("verdict.said", "profile", curve, length=length, height=height)
+        yield phrase("verdict.sentences", "profile", curve, length=length, height=height)
 
 
 def _other_theory(result: SealSolution, found: SealJudgement) -> Iterator[str]:
@@ -213,7 +215,7 @@ def _other_theory(result: SealSolution, found: SealJudgement) -> Iterator[str]:
     sampled = found.number is not None and result.loads[found.number].sampled is not None
     for theory, (place, judged, own) in result.judgement_by_theory.items():
         yield phrase(
-            "verdict.said",
+            "verdict.sentences",
             "theory_as_given" if sampled else "theory",
             theory=THEORIES[theory],
             verdict=judged.verdict,

@@ -410,7 +410,7 @@ def _normal(axes: Axes, contact: ContactGeometry) -> None:
 
 
 def _supports(axes: Axes, case: Case, seat: Outline, scale: float) -> None:
-    """Rollers below the bottom of the seat, and beside its wall if that is held; arrows where it is pressed in."""
+    """Rollers below the bottom of the seat, and along its wall if that is held; arrows where the wall is pressed in."""
     held = {"seat_bottom": (0.0, -scale), "seat_wall": (scale, 0.0)}
     if case.seat.wall != "fixed":
         del held["seat_wall"]

@@ -234,12 +234,12 @@ def draw_marks(
     marks.set(markersize=_MARK, markeredgewidth=0.8, color=colour)
     figure.add_artist(marks)
     away = (_MARK + _PAD) / INCH
-    beside = axes.transAxes + ScaledTranslation(across * away, up * away, figure.dpi_scale_trans)
+    shifted = axes.transAxes + ScaledTranslation(across * away, up * away, figure.dpi_scale_trans)
     # one font for all of them: each would look up its settings again
     font = FontProperties()
     for place, name in zip(places, names, strict=True):
         if name:
-            figure.text(*place, name, transform=beside, ha=ha, va=va, color=colour, fontproperties=font)
+            figure.text(*place, name, transform=shifted, ha=ha, va=va, color=colour, fontproperties=font)
 
 
 def _in_the_dark(drawing: bytes) -> bytes:

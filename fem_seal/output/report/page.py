@@ -131,8 +131,8 @@ def _around(result: SealSolution) -> tuple[Picture | None, ...]:
     from fem_seal.output.pictures.three_d import drawn_in_space, seal_picture
 
     # VTK draws in a separate process at the same time as matplotlib
-    with ThreadPoolExecutor(1) as beside:
-        image = beside.submit(drawn_in_space, result)
+    with ThreadPoolExecutor(1) as executor:
+        image = executor.submit(drawn_in_space, result)
         return (
             unrolled_picture(result),
             line_load_picture(result),

@@ -97,7 +97,7 @@ def imprint_in_words(result: SealSolution) -> tuple[str, str] | None:
     return quantity_worth("length", imprint.deepest, digits), where
 
 
-def what_yielded(result: SealSolution, load: LoadResult) -> Iterator[str]:
+def yielding_reasons(result: SealSolution, load: LoadResult) -> Iterator[str]:
     """How far the bodies have yielded at a load that was solved as elastoplastic."""
     if result.unloaded is None:
         return

@@ -12,12 +12,12 @@ import numpy as np
 from fem_seal.answers.leakage_class import leakage_classes, nominal_size, test_of, volume_of
 from fem_seal.answers.solution import SealSolution
 from fem_seal.contact.solution import PlasticZone, yielding_of
-from fem_seal.output.answers.target import TARGET_FORCE, opens_at, valve_facts, what_opens
+from fem_seal.output.answers.target import TARGET_FORCE, opening_reasons, opens_at, valve_facts
 from fem_seal.output.answers.theories import corrected_beside
 from fem_seal.output.case_words import earlier_load
 from fem_seal.output.columns import COLUMNS, in_words
 from fem_seal.output.prose import phrase
-from fem_seal.output.report.tables import imprint_in_words, what_yielded
+from fem_seal.output.report.tables import imprint_in_words, yielding_reasons
 from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.findings import Level, Validity
 from fem_seal.seal.load_names import load_name, load_values
@@ -224,9 +224,9 @@ def readings_in_words(load: LoadResult, volume: LeakVolume = LIQUID) -> str:
         return phrase("readings.load", "same")
     digits, claimed = min(load.leak_digits, 2), not load.validity.outside
     rates = {reading: one.leak.leak_rate for reading, one in load.readings.items() if one.leak is not None}
-    beside = tuple(rates.values())
+    every = tuple(rates.values())
     return ", ".join(
-        f"{leak_range_text(rate, digits, claimed=claimed, beside=beside, volume=volume)} {WORDS[reading].condition}"
+        f"{leak_range_text(rate, digits, claimed=claimed, beside=every, volume=volume)} {WORDS[reading].condition}"
         for reading, rate in rates.items()
     )
 
@@ -275,9 +275,9 @@ def headline(result: SealSolution) -> str:
     opens = {opens_at(load) for load in result.loads}
     (only,) = opens if len(opens) == 1 else (None,)
     opening = f" It opens at {only}." if only else ""
-    beside = corrected_beside(result)
-    more = " ".join(["", *([beside] if beside else []), *remembered(result)])
-    return _what_leaks(result) + opening + more + _how_sure(result)
+    corrected = corrected_beside(result)
+    more = " ".join(["", *([corrected] if corrected else []), *remembered(result)])
+    return _leak_sentence(result) + opening + more + _validity_sentence(result)
 
 
 def remembered(result: SealSolution) -> list[str]:
@@ -291,7 +291,7 @@ def remembered(result: SealSolution) -> list[str]:
     ]
 
 
-def _how_sure(result: SealSolution) -> str:
+def _validity_sentence(result: SealSolution) -> str:
     """Sentence of the headline about loads that are outside the theory or doubtful; empty if all are valid."""
     clauses = []
     for level in (Level.OUTSIDE, Level.DOUBTFUL):
@@ -319,7 +319,7 @@ def _worst_reason(validity: Validity) -> str:
     return validity.reasons[0] + more
 
 
-def _what_leaks(result: SealSolution) -> str:
+def _leak_sentence(result: SealSolution) -> str:
     loads = result.loads
     highest = result.highest
     last = loads[-1]
@@ -450,15 +450,15 @@ def reasons(result: SealSolution, derived: Derived) -> list[str]:
     """Reasons for the result: what determines the contact and what throttles the flow."""
     load = result.highest
     return [
-        *_what_sets_the_width(result, derived, load),
-        *what_yielded(result, load),
-        *what_opens(result, load),
-        *_what_throttles(load),
-        *_what_yields(result, load),
+        *_width_reasons(result, derived, load),
+        *yielding_reasons(result, load),
+        *opening_reasons(result, load),
+        *_flow_reasons(load),
+        *_asperity_reasons(result, load),
     ]
 
 
-def _what_sets_the_width(result: SealSolution, derived: Derived, load: LoadResult) -> Iterator[str]:
+def _width_reasons(result: SealSolution, derived: Derived, load: LoadResult) -> Iterator[str]:
     hertz = derived.loads[result.loads.index(load)].hertz
     if hertz is None:
         yield phrase("reasons.width", "conforming", contact=_contact(load))
@@ -483,7 +483,7 @@ def _leaves_curvature(result: SealSolution, hertz: HertzLine, peak: float) -> bo
     return bool((breaks < 2 * hertz.std).any()) or peak > _ABOVE_HERTZ * hertz.peak_pressure
 
 
-def _what_throttles(load: LoadResult) -> Iterator[str]:
+def _flow_reasons(load: LoadResult) -> Iterator[str]:
     if load.leak is None or load.leak.leak_rate == 0:
         return
     if not math.isfinite(load.leak.leak_rate):
@@ -505,7 +505,7 @@ def _what_throttles(load: LoadResult) -> Iterator[str]:
     yield phrase("reasons.fluid", "ratio", effect, ratio=ratio)
 
 
-def _what_yields(result: SealSolution, load: LoadResult) -> Iterator[str]:
+def _asperity_reasons(result: SealSolution, load: LoadResult) -> Iterator[str]:
     surface = result.surface
     if surface is None:
         return
@@ -517,13 +517,13 @@ def _what_yields(result: SealSolution, load: LoadResult) -> Iterator[str]:
     area = float(surface.contact_area(peak))
     yielded = float(surface.plastic_area(peak)) / area
     share = "nearly all" if yielded > 0.999 else "next to nothing" if yielded < 1e-3 else percent(yielded)
-    factor, effect = _less_by_yielding(load)
+    factor, effect = _yielding_factor(load)
     yield phrase("reasons.asperities", "yielded", effect, area=area, share=share, factor=factor)
     if load.yields and _two_numbers(load):
         yield phrase("readings.load", "why", readings=readings_in_words(load))
 
 
-def _less_by_yielding(load: LoadResult) -> tuple[str, str]:
+def _yielding_factor(load: LoadResult) -> tuple[str, str]:
     """Factor by which yielding lowers the leak rate, in both readings, and key of its sentence; empty if unknown."""
     own, never = load.leak, load.reading(Reading.ELASTIC).leak
     if own is None or never is None:

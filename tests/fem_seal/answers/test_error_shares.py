@@ -88,7 +88,7 @@ def test_the_sentence_and_the_summary_have_them(tmp_path):
     told = error_sentence(result())
     assert "spans a factor of" in told and "rms height" in told and "known exactly, a factor of" in told
     close = run_loads(case(load={"fluid_pressure": "20 bar"}, roughness=FEW, leak=CORRECTED))
-    assert "Without the doubt of long waves a factor of" in error_sentence(close)
+    assert "Without the uncertainty from long waves, a factor of" in error_sentence(close)
     assert error_sentence(result(*SPREADS, theory="paper")) == ""
     summary = json.loads(write_summary(result(), tmp_path / "summary.json").read_text(encoding="utf-8"))
     (entry,) = summary["error_shares"]

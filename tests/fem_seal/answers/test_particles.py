@@ -247,7 +247,7 @@ def test_a_seal_far_narrower_than_what_was_counted_gets_no_number():
     # what needs no counts is still said
     assert answers.keeping_filter == result().particles[-1].keeping_filter
     told = " ".join(particles_in_words(changed))
-    assert "cannot be said" in told and "half of the leak" not in told and "1.5 µm" in told
+    assert "is not known" in told and "half of the leak" not in told and "1.5 µm" in told
     assert particle_table(changed).rows[0][1] == "–"
     assert report(changed)
 

@@ -171,7 +171,7 @@ def test_given_profiles_say_that_they_know_the_usual_surface_only(solved):
     found = solved.loads[0].contact.profile
     profile = ImportedProfile(found.x, found.pressure, None, None)
     (load,) = leak_of_profiles(problem, [profile])
-    assert "usual surface alone" in load.validity.reasons[0]
+    assert "usual surface of a finish only" in load.validity.reasons[0]
 
 
 def test_samples_with_tables_from_that_of_the_case_are_those_with_their_own(solved):

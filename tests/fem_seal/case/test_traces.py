@@ -160,7 +160,7 @@ WRONG = {
     "metres": ("angle [deg], deviation [m]\n" + rows(), "mm; check their unit"),
     "all lost": (
         "angle [deg], deviation [um]\n" + "".join(f"{phi},---\n" for phi in ANGLE),
-        "has no more than 0 points with a number; 8 are needed",
+        "has only 0 points with a number; at least 8 are needed",
     ),
 }
 

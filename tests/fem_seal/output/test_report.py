@@ -429,4 +429,4 @@ def test_a_leak_rate_that_nobody_can_measure_has_its_report() -> None:
     assert 0.0 < result.loads[0].leak.leak_rate < 1e-30
     page = report(result)
     assert "none measurable" in page
-    assert "The ends hold" not in page
+    assert "The interval covers" not in page

@@ -539,7 +539,7 @@ def test_report_shows_the_simulation(tmp_path):
     assert 'id="picture-direct_map"' in page
     assert "Polonsky" in page
     assert "Bruggeman" not in page
-    assert "no open path above" not in page
+    assert "no open leak path above" not in page
     row = pd.read_csv(tmp_path / "leak.csv").iloc[-1]
     load = result().loads[-1]
     (low, high), off = load.leak_range, 1 + load.mesh_error.leak_rate

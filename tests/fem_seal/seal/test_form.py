@@ -344,7 +344,7 @@ def test_a_trace_beside_the_case_file(tmp_path: Path) -> None:
     few = case.replace({"form.seat.trace": {"file": str(tmp_path / "trace.csv"), "waves": 60}})
     assert few.form is not None and few.form.seat is not None and few.form.seat.trace is not None
     assert few.form.seat.trace.told == 35
-    assert any("tells no more than 35 waves per turn" in one for one in error_of(few).remarks)
+    assert any("resolves no more than 35 waves per turn" in one for one in error_of(few).remarks)
 
 
 def test_a_trace_of_roughness_says_so_and_one_with_a_hole_is_refused(tmp_path: Path) -> None:
@@ -383,7 +383,7 @@ def test_what_changes_nothing_is_said(tmp_path: Path, capsys: pytest.CaptureFixt
     assert main(["check", str(tmp_path / "case.toml")]) == 0
     warned = " ".join(capsys.readouterr().err.split())
     assert "a free closure moves until this has no effect" in warned
-    assert "what follows is that of the round seal" in warned
+    assert "the numbers below are for the round seal" in warned
 
 
 # ---------------------------------------------------------------- keys into lists
