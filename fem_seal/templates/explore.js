@@ -1,7 +1,7 @@
 function gather(places, fluid, typed, _, meta, before) {
-    // The texts of the moment from the places of the sliders; a typed text stands until its slider is moved, and so does
-    // one that cannot be taken: it stays in its field, beside the value that is calculated with. While an answer is on its
-    // way nothing else is asked; then for what the sliders say by then, so that the page moves on.
+    // Texts of all values from the places of the sliders. A typed text stays until its slider is moved, and so does an
+    // invalid one: it stays in its field while the calculation uses the last valid value. While an answer is pending no
+    // other is requested; the next request takes the latest sliders, so that the page moves on.
     const none = window.dash_clientside.no_update;
     const design = {}, wrong = {};
     meta.keys.forEach((key, n) => {
@@ -10,7 +10,7 @@ function gather(places, fluid, typed, _, meta, before) {
         if (stands && own.wrong !== undefined) { wrong[key] = own.wrong; }
     });
     if (fluid) { design.fluid = fluid; }
-    // one that is being typed in stays as it is
+    // a field that is being typed in is not changed
     meta.keys.forEach(key => {
         const text = key in wrong ? wrong[key] : design[key];
         const field = document.getElementById(JSON.stringify({key: key, kind: "text"}));
@@ -29,8 +29,8 @@ function gather(places, fluid, typed, _, meta, before) {
 }
 
 function enter(_a, _b, entered, typed, places, meta) {
-    // What was typed and not moved away from since. All of it is asked about each time, and only the newest answer is
-    // taken, since one may overtake another; the text is that of the field itself, which dash knows a moment later.
+    // Typed texts whose sliders have not moved since. Each request contains all of them and only the newest answer is
+    // used, since answers may overtake each other; the text comes from the field itself, since dash knows it later.
     const kept = {}, stands = {};
     let changed = false;
     meta.keys.forEach((key, n) => {
