@@ -123,7 +123,7 @@ def test_options_replace_entries_and_keep_the_comments(call, tmp_path) -> None:
         ([], "without a terminal no questions can be asked; give one: ball-valve"),
         (["-t", "flat-set"], "do you mean flat-seat?"),
         (["-t", "needle", "-o", "needle.txt"], "must end with .toml"),
-        (["-t", "flat-seat", "--included-angle", "90 deg"], "is not in the template flat-seat has"),
+        (["-t", "flat-seat", "--included-angle", "90 deg"], "is not in the template flat-seat"),
         (["-t", "needle", "--ra", "0.1"], "roughness.Ra = 0.1: has no unit"),
         (["-t", "needle", "--bore", "50 mm", "--diameter", "8 mm"], "must exceed inner_radius = 15 mm"),
         (["-t", "needle", "--set", "seat.bore_diameter"], "must be KEY=VALUE"),

@@ -131,7 +131,7 @@ def test_it_makes_a_run_doubtful_and_stands_in_the_check(tmp_path, capsys) -> No
     result = fem_seal.run(touched)
     assert any("inside its land" in one for one in result.warnings)
     assert result.loads[0].validity.level == "doubtful"
-    assert "named after" in " ".join(result.loads[0].validity.reasons)
+    assert "gives the shape" in " ".join(result.loads[0].validity.reasons)
     path = tmp_path / "case.toml"
     path.write_text(
         '[closure]\nshape = "cone"\nincluded_angle = "48 deg"\ninner_diameter = "3 mm"\nouter_diameter = "8 mm"\n'

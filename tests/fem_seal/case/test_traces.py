@@ -139,9 +139,9 @@ def test_a_closed_turn_and_one_that_only_looks_like_it(file: Path) -> None:
 
 
 WRONG = {
-    "nothing": ("", "has no 8 rows of numbers"),
-    "a few numbers": ("angle [deg], deviation [um]\n0,1\n90,2\n", "has no 8 rows of numbers"),
-    "words": ("a roundness of two microns\n" * 20, "has no 8 rows of numbers"),
+    "nothing": ("", "has fewer than 8 rows of numbers"),
+    "a few numbers": ("angle [deg], deviation [um]\n0,1\n90,2\n", "has fewer than 8 rows of numbers"),
+    "words": ("a roundness of two microns\n" * 20, "has fewer than 8 rows of numbers"),
     "no unit": (
         "angle [deg], deviation\n" + rows(),
         "does not give the unit of the deviation; write it into the",
