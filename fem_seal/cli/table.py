@@ -48,12 +48,11 @@ def table(
         found = leak_map(case, pressures, forces)
         with replaced_together(folder, whole=False) as draft:
             write_map(found, draft)
-    whole = found.complete
     if json:
         say_json({"folder": str(folder), "points": map_rows(found)})
     elif not quiet:
         _show(found)
-    warn(_left_out(found, whole))
+    warn(_left_out(found))
     if not (json or quiet):
         say(f"Tables in {folder}: {', '.join(sorted(path.name for path in folder.iterdir() if path.suffix))}")
 
@@ -115,13 +114,14 @@ def _show(found: LeakMap) -> None:
     show(numbers_table(headings, rows, narrow=True))
 
 
-def _left_out(found: LeakMap, whole: LeakMap) -> list[str]:
+def _left_out(found: LeakMap) -> list[str]:
     from fem_seal.output.leak_map import CSV
     from fem_seal.output.prose import phrase
 
     gaps = sum(one is None for row in found.validity for one in row)
     if not gaps:
         return []
+    whole = found.complete
     rows, columns = found.fluid_pressure.size, found.applied_force.size
     kept = {"kept_rows": whole.fluid_pressure.size, "kept_columns": whole.applied_force.size, "csv": CSV}
     sizes = {"gaps": gaps, "points": rows * columns, "rows": rows, "columns": columns}
