@@ -71,7 +71,7 @@ Debug = Annotated[bool, option("common", "debug")]
 
 @contextmanager
 def progress_of(quiet: bool) -> Iterator[Callable[[str], None]]:
-    """Show on stderr what is being done: a changing line on a terminal, lines elsewhere, or nothing.
+    """Show the current step on stderr: one changing line on a terminal, lines elsewhere, or nothing.
 
     Parameters
     ----------
