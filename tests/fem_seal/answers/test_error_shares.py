@@ -127,7 +127,9 @@ def test_a_measured_profile_leaves_what_was_foretold(tmp_path, seed):
     found = fem_seal.run(finished())
     (shares,) = error_shares_of(found)
     assert shares.factor > 2.5 and shares.by_profiles.length == pytest.approx(5.6e-3)
-    assert "With one measured profile of 5.6 mm of each face that has a drawing's finish" in error_sentence(found)
+    assert "With one measured profile of 5.6 mm of each face that has a drawing's finish" in error_sentence(
+        found
+    )
     (after,) = error_shares_of(fem_seal.run(measured(finished(), tmp_path, seed)))
     assert after.factor == pytest.approx(shares.by_profiles.left, rel=0.15)
 

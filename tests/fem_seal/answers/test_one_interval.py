@@ -108,7 +108,9 @@ def test_what_widens_the_interval_is_said_beside_it():
     alone = known_as(single_result(), Bounds.factor_bounds(3.3), Level.DOUBTFUL, 1e-3)
     assert "The interval covers the error of the calculation: few channels." in headline(alone)
     plain = known_as(rough_result(), (1.0, 1.0), Level.VALID, 1e-3)
-    assert not any("error of the calculation" in one for one in leakage_lines(plain.case, plain.highest, plain.loads))
+    assert not any(
+        "error of the calculation" in one for one in leakage_lines(plain.case, plain.highest, plain.loads)
+    )
 
 
 def test_a_verdict_that_only_the_accuracy_decides_says_so_with_the_same_ends():

@@ -231,7 +231,9 @@ def test_with_a_filter_that_stops_all_nothing_is_said_to_clog():
         case=result().case.replace({"fluid.particles": None}).replace({"fluid.particles": table}),
     )
     told = " ".join(particles_in_words(changed))
-    assert "All particles that pass the filter also pass the contact" in told and "half of the leak" not in told
+    assert (
+        "All particles that pass the filter also pass the contact" in told and "half of the leak" not in told
+    )
 
 
 @pytest.mark.usefixtures("unrendered")

@@ -561,7 +561,7 @@ def test_a_class_is_claimed_for_the_fluid_of_its_test_whether_it_is_required_or_
         assert leakage_classes(oil, of_oil) == leakage_classes(water, with_ends(load, *ends))
     assert next_class(oil, with_ends(load, 1e-10 / 46, 2.4e-9 / 46)).name == "CC"
     assert leakage_lines(oil, load, solved.loads)[-1].startswith(
-        "  Classes are those of a test with water, of which 46"
+        "  Classes are for a test with water, which leaks 46"
     )
     assert "Classes are those" not in "".join(leakage_lines(water, load, solved.loads))
     (tile,) = (one for one in facts(replace(solved, case=oil)) if one.name.startswith("Leakage class"))
@@ -641,7 +641,10 @@ def test_where_nothing_visible_may_leak_the_sentence_compares_with_no_number():
     solved = rough_result()
     doubted = replace(solved, loads=tuple(load.with_values(validity=few) for load in solved.loads))
     (told, *_) = verdict_sentences(required(doubted, standard="ISO 5208", **{"class": "A"}))
-    assert "within the error of the calculation it may be invisible: few channels." in told and "times" not in told
+    assert (
+        "within the error of the calculation it may be invisible: few channels." in told
+        and "times" not in told
+    )
 
 
 def test_what_the_interval_holds_is_not_counted_again():

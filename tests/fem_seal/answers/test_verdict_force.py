@@ -98,7 +98,9 @@ def test_where_the_seat_yields_before_the_verdict_passes_it_says_so():
     load = {"fluid_pressure": "20 bar", "applied_force": "1 kN", "target_leak_rate": "1e-9 m^3/s"}
     (found,) = fem_seal.run(case(closure=ball(), seat=cone(soft), load=load), levers=False).loads
     assert found.force_for_verdict is None
-    assert "beyond it all loads are outside the theory (seat: von Mises stress" in found.verdict_force.why_none
+    assert (
+        "beyond it all loads are outside the theory (seat: von Mises stress" in found.verdict_force.why_none
+    )
     (told,) = verdict_force_sentences([found])
     assert told.startswith("At 20 bar no force lets the verdict pass: up to an applied force of ")
 
@@ -141,7 +143,9 @@ def test_of_a_body_that_yields_it_is_not_looked_for_unless_asked(monkeypatch):
     plain = run_loads(of)
     assert all(not one.verdict_force.looked_for and one.force_for_verdict is None for one in plain.loads)
     (said,) = verdict_force_sentences(plain.loads)
-    assert said.startswith("The force with which the verdict passes was not calculated: where a body yields ")
+    assert said.startswith(
+        "The force with which the verdict passes was not calculated: where a body yields, "
+    )
     (tile,) = [one for one in valve_facts(plain, plain.loads[0]) if one[0] == "Force for a pass"]
     assert tile[1] == "not calculated"
     with pytest.MonkeyPatch.context() as few:

@@ -164,7 +164,9 @@ def test_a_study_is_made_of_a_dict_as_of_its_parts():
 
 
 def test_a_study_of_a_dict_says_what_is_wrong():
-    with pytest.raises(fem_seal.InputError, match='responses: is not allowed together with a dict with "base"'):
+    with pytest.raises(
+        fem_seal.InputError, match='responses: is not allowed together with a dict with "base"'
+    ):
         fem_seal.Study({"base": CASE, **STUDY}, responses=["fwhm_m"])
     with pytest.raises(fem_seal.InputError, match="angel"):
         fem_seal.Study({**CASE, "seat": {"shape": "cone", "angel": "45 deg", "material": "steel"}}, **STUDY)

@@ -184,7 +184,9 @@ def test_thickening_divides_the_leak_rate_by_its_mean():
         leak.effective_viscosity_ratio(law, 1.8e8), rel=1e-9
     )
     # the factors that the warning names enclose what such oils do
-    low, high = (float(one) for one in said.split("the real leak rate is ")[1].split(" times")[0].split(" to "))
+    low, high = (
+        float(one) for one in said.split("the real leak rate is ")[1].split(" times")[0].split(" to ")
+    )
     assert low < barus.leak.leak_rate / plain.leak.leak_rate < high
 
 

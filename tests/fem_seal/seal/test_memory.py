@@ -504,7 +504,9 @@ def test_the_report_shows_the_loop_and_names_the_load() -> None:
 
 def test_words_say_whether_anything_is_remembered() -> None:
     (said,) = words.remembered(result())
-    assert "does not come back" in said and all(load.remembers for load in result().loads)
+    assert "the plastic deformation from that load remains" in said and all(
+        load.remembers for load in result().loads
+    )
     first = tuple(load.first_loading for load in result().loads)
     assert not any(load.remembers for load in first)
     (said,) = words.remembered(

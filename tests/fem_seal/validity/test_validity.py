@@ -102,7 +102,11 @@ def test_factors_with_a_lay_are_those_of_the_direct_numerical_results(reference_
         (0.2, 0.014, "factor 1.4 either way"),
         (5.0, 0.014, "factor 1.4 either way"),
         (5.0, 0.25, "factor 3.3 either way; there are no such results beyond A/A0 = 0.16"),
-        (0.05, 0.05, "factor 4 either way; there are no such results beyond a ratio of 10 of the correlation lengths"),
+        (
+            0.05,
+            0.05,
+            "factor 4 either way; there are no such results beyond a ratio of 10 of the correlation lengths",
+        ),
         (0.2, 0.4, "orders of magnitude"),
         (0.8, 0.014, ""),
     ],
