@@ -18,6 +18,7 @@ from fem_seal.answers.solution import SealSolution
 from fem_seal.arrays import FloatArray
 from fem_seal.case.case import CaseSource, case_of
 from fem_seal.errors import InputError
+from fem_seal.former_names import formerly
 from fem_seal.processes import given_back
 from fem_seal.seal.problem import SealProblem
 
@@ -65,7 +66,7 @@ class SealResult(SealSolution):
         Leak rates with an interval, if the case has a table [uncertainty].
     judgement : SealJudgement or None
         Whether the seal keeps what [requirement] asks of it; `verdict` and `margin` are its short form.
-    levers : tuple of Lever
+    sensitivities : tuple of Sensitivity
         What changes the leak rate, the strongest first, if asked for.
     warnings : tuple of str
         Everything to know before believing the result, the worst first; each load's `validity` says what it means.
@@ -201,11 +202,12 @@ class SealResult(SealSolution):
             view(Path(folder), None if png is None else Path(png), load)
 
 
+@formerly(levers="sensitivities")
 def run(
     case: CaseSource,
     progress: Callable[[str], None] | None = None,
     *,
-    levers: bool | None = None,
+    sensitivities: bool | None = None,
     verdict_force: bool | None = None,
 ) -> SealResult:
     """Solve every load of a case.
@@ -216,9 +218,9 @@ def run(
         Itself, its file or its tables, as `load_case` takes them.
     progress : callable, optional
         Called with a status message before each step.
-    levers : bool, optional
+    sensitivities : bool, optional
         Whether to look for what changes the leak rate most; with a requirement unless given, not where a body yields:
-        there it takes as long as a dozen paths of loads.
+        there it takes as long as some twenty paths of loads.
     verdict_force : bool, optional
         Whether to look for the force with which the verdict passes, of a case with a target leak rate: unless given,
         not where a body yields. It takes some ten contacts, and two to four times the mesh, its error and the samples
@@ -256,7 +258,7 @@ def run(
     192 MPa
     """
     with given_back():
-        solution = solve(case_of(case), progress, Wanted(levers, verdict_force))
+        solution = solve(case_of(case), progress, Wanted(sensitivities, verdict_force))
     return SealResult(**{field.name: getattr(solution, field.name) for field in fields(solution)})
 
 
@@ -487,7 +489,7 @@ def direct_seal(
         raise InputError.at("direct.file", message, file=case.file)
     settings = replace(given, folder=given.folder if folder is None else Path(folder))
     tell = progress or (lambda text: None)
-    result = run(case, tell, levers=False, verdict_force=False)
+    result = run(case, tell, sensitivities=False, verdict_force=False)
     named = None if case.direct is None else case.direct.asperities
     yields = result.surface is not None and result.surface.hardness is not None
     kinds: tuple[Asperities, ...] = (

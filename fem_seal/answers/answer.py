@@ -21,11 +21,11 @@ class Wanted:
 
     Parameters
     ----------
-    levers, verdict_force : bool or None
+    sensitivities, verdict_force : bool or None
         See `fem_seal.run`.
     """
 
-    levers: bool | None = None
+    sensitivities: bool | None = None
     verdict_force: bool | None = None
 
 

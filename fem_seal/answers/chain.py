@@ -15,7 +15,7 @@ from fem_seal.answers.form import FORM
 from fem_seal.answers.judgement import JudgedLoad
 from fem_seal.answers.opening import OPENING
 from fem_seal.answers.particles import PARTICLES
-from fem_seal.answers.sensitivities import LEVERS
+from fem_seal.answers.sensitivities import SENSITIVITIES
 from fem_seal.answers.solution import SealSolution
 from fem_seal.answers.target import TARGET
 from fem_seal.answers.uncertainty import UNCERTAINTY
@@ -49,7 +49,7 @@ ANSWERS: tuple[Answer[Any], ...] = (
     UNCERTAINTY,
     VERDICT_FORCE,
     VERDICT,
-    LEVERS,
+    SENSITIVITIES,
 )
 
 Read = TypeVar("Read", LoadResult, LeakModel)

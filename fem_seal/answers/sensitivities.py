@@ -1,32 +1,32 @@
-"""Sensitivities of the leak rate: one load solved again with one dimension, material or roughness changed.
+"""Sensitivities of the leak rate: one load calculated again with one thing changed, all else as it is.
 
-Each lever is a finite step, in the direction in which less leaks (of a dimension: upwards), and its local exponent
-d ln Q / d ln x. Contacts start from the one that is known; a change of surface takes its own interface law and a short
-table of flow conductivities, a change of geometry its own mesh.
+Each is a finite step: what a drawing or an order can change, and the numbers of a surface that stand behind them. The
+changed case goes the way of every case, with bodies and tables shared as those of a study, so that its leak rate is
+that of a complete run.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
+from typing import Any
 
 from fem_seal.answers.answer import Answer, Inquiry, Wanted
-from fem_seal.answers.uncertainty import changed_surface, stiffer, stiffer_bodies
+from fem_seal.answers.uncertainty import changed_surface, stiffer_bodies
 from fem_seal.answers.verdict import VERDICT
 from fem_seal.case.case import Case
 from fem_seal.case.fields import quantities_of
 from fem_seal.case.roughness import self_affine_part
-from fem_seal.contact.model import ContactModel
-from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import SealError
+from fem_seal.processes import can_copy, fork_map
 from fem_seal.seal.evaluate import evaluate
-from fem_seal.seal.leak_model import Conductivity, FlowModel, LeakModel, log_peaks
-from fem_seal.seal.load_result import LoadResult, SolvedSeal, highest_load
-from fem_seal.seal.load_solver import LoadSolver, solve_load
-from fem_seal.seal.problem import SealProblem, build_mesh, condensed
+from fem_seal.seal.leak_model import Conductivity, FlowModel
+from fem_seal.seal.load_result import SolvedSeal, highest_load
+from fem_seal.seal.problem import SealProblem
+from fem_seal.seal.sources import Shared, Source
 from leak import LeakError, RoughContact
 from meshes import GeometryError, MeshingError
 
@@ -39,17 +39,33 @@ _FORCE, _TWICE, _HURST = 1.1, 2.0, 1.1
 _LARGEST_HURST = 1.0
 # Of lengths the largest round number up to this share; of angles this many.
 _OF_LENGTH, _OF_ANGLE = 0.07, math.radians(5.0)
-# Dimensions far from the contact, and those that others decide.
-_NO_LEVERS = (
-    "outer_radius",
-    "height",
-    "housing_radius",
-    "cavity_radius",
-    "stem_radius",
-    "face_radius",
-    "recess",
-)
-_MOST_DIMENSIONS = 3
+# Dimensions at the contact, of all shapes; the others are far from it, or follow from these.
+_AT_CONTACT = {
+    "closure": {
+        "angle",
+        "radius",
+        "centre_radius",
+        "mean_radius",
+        "inner_radius",
+        "outer_radius",
+        "edge_radius",
+    },
+    "seat": {
+        *("angle", "contact_angle", "top_angle", "relief_angle"),
+        *("radius", "centre_radius", "land_radius", "land_inner_radius", "land_outer_radius", "bore_radius"),
+        *("land_width", "edge_radius"),
+    },
+}
+# Those that a drawing has even where the case leaves them open.
+_ALWAYS = {"land_width", "edge_radius"}
+# Both edges of a ring, and what they are changed as: its middle, its width.
+_RINGS = {
+    ("closure", "inner_radius", "outer_radius"): ("mean_radius", "face_width"),
+    ("seat", "land_inner_radius", "land_outer_radius"): ("land_radius", "land_width"),
+}
+# What seats and closures are made of instead: soft and hard, stiff and compliant.
+_MATERIALS = ("316L", "stellite 6", "aluminium bronze C95400")
+_DOING = "what changes the leak rate most"
 # Range and points of the table of a changed surface: resistance further down is below 1e-4 of the whole.
 _DECADES, _ABOVE, _POINTS = 2.0, 0.05, 16
 _FAILURES = (SealError, LeakError, GeometryError, MeshingError, ValueError, ArithmeticError)
@@ -58,23 +74,25 @@ Rates = tuple[float, ...]
 
 
 @dataclass(frozen=True)
-class Lever:
-    """One thing that can be changed, and what it does.
+class Sensitivity:
+    """One thing that can be changed, and what that does to the leak rate.
 
     Parameters
     ----------
     key : str
-        "force", "rms_height", "hurst", "q_rolloff", "hardness", "youngs_modulus", or a dimension such as
-        "closure.radius".
+        "force", "rms_height", "form", "hardness", "youngs_modulus", "hurst", "q_rolloff", the path of a finish such as
+        "roughness.seat.Ra", of a dimension such as "closure.radius", or of a material.
     before, after : float or None
         Value, SI; None of what is only scaled.
     factor : float
-        Value after the step over that before.
+        Value after the step over that before; NaN of a material.
     ratio : tuple of float
         Leak rate after over before in both readings of yielding asperities, volume conserved and changed only where it
         touches, or twice in the only one; zero where the step seals.
     exponents : tuple of float
         Local d ln Q / d ln x of the same readings; NaN where one does not leak on either side of a small step.
+    material : str
+        Name of the other material; empty of all else.
     """
 
     key: str
@@ -83,10 +101,11 @@ class Lever:
     factor: float
     ratio: tuple[float, float]
     exponents: tuple[float, float]
+    material: str = ""
 
     @property
     def strength(self) -> float:
-        """|ln| of the ratio in the reading that it moves less, by which levers are put in order.
+        """|ln| of the ratio in the reading that it moves less, by which sensitivities are put in order.
 
         Infinite where the step seals, zero where the readings contradict each other.
         """
@@ -105,8 +124,10 @@ class Lever:
         )
 
 
-def levers(result: SolvedSeal, number: int | None = None) -> tuple[Lever, ...]:
-    """Levers of a result at one load, the strongest first.
+def sensitivities(
+    result: SolvedSeal, number: int | None = None, progress: Callable[[str], None] | None = None
+) -> tuple[Sensitivity, ...]:
+    """Sensitivities of a result at one load, the strongest first.
 
     Parameters
     ----------
@@ -114,144 +135,202 @@ def levers(result: SolvedSeal, number: int | None = None) -> tuple[Lever, ...]:
         Where a body yields every step takes the path of loads once more.
     number : int, optional
         Of the load; the one with the highest fluid pressure unless given.
+    progress : callable, optional
+        Told before each where they are calculated one after the other, in a process that cannot be copied.
 
     Returns
     -------
-    tuple of Lever
+    tuple of Sensitivity
         Empty where nothing leaks, the seal is open, or there is no leak rate.
     """
-    number = highest_load(result.loads) if number is None else number
-    bench = _Bench(result, result.loads[number], number)
-    if not bench.usable:
+    changed = _ChangedSeal(result, highest_load(result.loads) if number is None else number)
+    if not changed.leaks:
         return ()
-    found = [*bench.force(), *bench.surface_levers(), *bench.dimensions()]
-    return tuple(sorted(found, key=lambda one: -one.strength))
+
+    tell = progress if progress is not None and not can_copy() else lambda text: None
+
+    def found(change: _Change) -> Sensitivity | None:
+        tell(_DOING)
+        return changed.sensitivity(change)
+
+    every = fork_map(found, list(changed.changes()))
+    return tuple(sorted(filter(None, every), key=lambda one: -one.strength))
 
 
-def _short_table(peaks: Sequence[float], flow: FlowModel, surface: RoughContact) -> Conductivity:
-    low, high = min(peaks) - _DECADES, max(peaks) + _ABOVE
-    points = _POINTS + math.ceil(8 * (max(peaks) - min(peaks)))
+def _short_table(flow: FlowModel, surface: RoughContact, log_peaks: Sequence[float]) -> Conductivity:
+    """Flow conductivity around the peak pressures of a few contacts, the only ones that this surface has."""
+    if flow.simulated is not None:
+        return flow.table_around(surface, log_peaks)
+    low, high = min(log_peaks) - _DECADES, max(log_peaks) + _ABOVE
+    points = _POINTS + math.ceil(8 * (max(log_peaks) - min(log_peaks)))
     return flow.table(surface, 10.0**low, 10.0**high, points)
 
 
 @dataclass(frozen=True)
-class _Bench:
-    """A load whose inputs can be exchanged one by one."""
+class _Change:
+    """One thing that is changed.
+
+    Parameters
+    ----------
+    key : str
+    step : float
+        Factor that is told; one over it where less leaks then. NaN of what has none.
+    problem : callable
+        The problem with a factor on its value.
+    small : float
+        Relative step up of the local exponent, which says the direction as well; zero: there is only the one step.
+    before : float, optional
+        Value [SI].
+    of : float, optional
+        What the factor is of [SI]; `before` unless given.
+    material : str
+    """
+
+    key: str
+    step: float
+    problem: Callable[[float], SealProblem]
+    small: float = 0.0
+    before: float | None = None
+    of: float | None = None
+    material: str = ""
+
+    def after(self, factor: float) -> float | None:
+        """Value after a step [SI]."""
+        if self.before is None:
+            return None
+        return self.before + (factor - 1.0) * (self.before if self.of is None else self.of)
+
+
+@dataclass(frozen=True)
+class _ChangedSeal:
+    """A seal up to one load, and what it would be with other inputs."""
 
     result: SolvedSeal
-    load: LoadResult
     number: int
 
-    @property
-    def problem(self) -> SealProblem:
-        return self.result.problem
+    @cached_property
+    def source(self) -> Source:
+        return Shared(tables=_short_table)
 
-    @property
+    @cached_property
     def case(self) -> Case:
-        return self.result.case
+        # another bore may have another limit of its class, which nobody asks for here
+        return self.result.case.replace({"requirement": None})
+
+    @cached_property
+    def problem(self) -> SealProblem:
+        return self._at_load(SealProblem.of(self.case))
 
     @cached_property
     def rates(self) -> Rates:
-        return _rates(self.load)
+        """Of the case itself, from the source that its changes share."""
+        return self._rates(self.problem)
 
     @property
-    def usable(self) -> bool:
-        return self.problem.leaks and all(0 < rate < math.inf for rate in self.rates) and bool(self.rates)
+    def leaks(self) -> bool:
+        leak = self.result.loads[self.number].leak if self.result.problem.leaks else None
+        if leak is None or not 0 < leak.leak_rate < math.inf:
+            return False
+        return bool(self.rates) and all(0 < rate < math.inf for rate in self.rates)
 
-    def solved(
-        self, problem: SealProblem, model: ContactModel, force: float, start: ContactSolution | None
-    ) -> LoadResult:
-        """The load on another problem or model; its own table of conductivities as long as it will do."""
-        if self.problem.curves:
-            points = (*problem.loads.points[: self.number], (self.load.fluid_pressure, force))
-            path = replace(problem, loads=replace(problem.loads, points=points))
-            contact = solve_load(LoadSolver(path, model), self.number)
-        else:
-            contact = LoadSolver(problem, model).solve(self.load.fluid_pressure, force, start=start)
-        bare = LoadResult(self.load.fluid_pressure, force, contact, formed=problem.around(contact))
-        peaks = log_peaks(bare.contacts)
-        surface, rough = problem.surface, self.load.rough
-        assert surface is not None  # of `usable`
-        # the tables of the load go on to the next decade
-        reached = max(log_peaks(self.load.contacts)) + 0.25
-        if surface is not self.problem.surface or max(peaks) > reached:
-            rough = LeakModel(surface, problem.flow, lambda flow, of: _short_table(peaks, flow, of))
-        return bare.with_values(rough=rough)
+    def _at_load(self, problem: SealProblem, more_force: float = 0.0) -> SealProblem:
+        """A problem with the load in question as the last, after those that have a say in it.
 
-    def lever(
-        self,
-        key: str,
-        solved: Callable[[float], LoadResult],
-        small: float,
-        large: float,
-        value: float | None = None,
-    ) -> Iterator[Lever]:
-        """The lever of a factor: a small step up says which way, and a large one how far."""
-        small = max(small, _SMALL_PATH) if self.problem.curves else small
+        Bodies that yield remember the loads before it; a tolerance is filled as at the highest of all.
+        """
+        points, highest = self.result.problem.loads.points, highest_load(self.result.loads)
+        before: tuple[tuple[float, float], ...] = ()
+        if problem.curves:
+            before = points[: self.number]
+        elif problem.form is not None and problem.form.tolerance is not None and highest != self.number:
+            before = points[highest : highest + 1]
+        pressure, force = points[self.number]
+        points = (*before, (pressure, force + more_force))
+        return replace(
+            problem, loads=replace(problem.loads, points=points, refused={}, target_leak_rate=None)
+        )
+
+    def _rates(self, problem: SealProblem) -> Rates:
+        """Leak rate in each reading of yielding asperities, or the only one [m^3/s]; none without a contact."""
+        load = evaluate(problem, self.source).loads[-1]
+        if load.point != problem.loads.points[-1]:
+            return ()
+        found = (load.leak, *(one.leak for one in load.others.values()))
+        return tuple(leak.leak_rate for leak in found if leak is not None)
+
+    def sensitivity(self, change: _Change) -> Sensitivity | None:
+        """What a change does; None where it is none or cannot be calculated.
+
+        A dimension whose larger value opens the seal is made smaller.
+        """
+        small = change.small and max(change.small, _SMALL_PATH if self.problem.curves else 0.0)
+        near = self._rates_if_any(change.problem, 1.0 + small) if small else self.rates
+        factor = 1.0 / change.step if sum(near) > sum(self.rates) else change.step
+        far = self._rates_if_any(change.problem, factor)
+        if not far and not small and factor > 1:
+            factor = 2.0 - factor
+            far = self._rates_if_any(change.problem, factor)
+        after = change.after(factor)
+        if not len(near) == len(far) == len(self.rates) or (
+            change.key == "hurst" and after is not None and after > _LARGEST_HURST
+        ):
+            return None
+        ratios = [one / before for before, one in zip(self.rates, far, strict=True)]
+        exponents = _exponents(self.rates, *((near, 1.0 + small) if small else (far, factor)))
+        return Sensitivity(
+            change.key, change.before, after, factor, (ratios[0], ratios[-1]), exponents, change.material
+        )
+
+    def _rates_if_any(self, problem: Callable[[float], SealProblem], factor: float) -> Rates:
         with suppress(*_FAILURES):
-            near = _rates(solved(1.0 + small))
-            if len(near) != len(self.rates):
-                return
-            factor = large if sum(near) < sum(self.rates) else 1.0 / large
-            ratio = _ratio(self.rates, _rates(solved(factor)))
-            after = None if value is None else value * factor
-            yield Lever(key, value, after, factor, ratio, _exponents(self.rates, near, 1.0 + small))
+            return self._rates(problem(factor))
+        return ()
 
-    def force(self) -> list[Lever]:
+    def changes(self) -> Iterator[_Change]:
+        """All that can be changed."""
+        yield self._force()
+        yield from self._surface()
+        if self.problem.form is not None and (self.problem.form.waves or self.problem.form.tolerance):
+            yield _Change("form", 1.0 / _TWICE, self._with_form)
+        yield from self._dimensions()
+        yield from self._materials()
+
+    def _force(self) -> _Change:
         """More force of spring or actuator: a tenth of it or, where there is none, of the contact force."""
-        applied = self.load.applied_force
-        own = applied > 0
-        unit = applied if own else self.load.contact_force
+        load = self.result.loads[self.number]
+        applied = load.applied_force
+        unit = applied if applied > 0 else load.contact_force
 
-        def solved(factor: float) -> LoadResult:
-            force = applied + (factor - 1.0) * unit
-            return self.solved(self.problem, self.result.model, force, self.load.contact)
+        def problem(factor: float) -> SealProblem:
+            return self._at_load(self.problem, (factor - 1.0) * unit)
 
-        return [
-            replace(one, before=applied, after=applied + (one.factor - 1.0) * unit)
-            for one in self.lever("force", solved, _SMALL_FORCE, _FORCE)
-        ]
+        return _Change("force", _FORCE, problem, _SMALL_FORCE, applied, unit)
 
-    def surface_levers(self) -> list[Lever]:
-        """Heights, hardness, modulus and, of a self-affine spectrum, its shape."""
-        if self.problem.flow is None or self.problem.flow.simulated is not None:
-            return []
+    def _surface(self) -> Iterator[_Change]:
+        """Heights, hardness, modulus and, of a self-affine spectrum, its shape; none of a simulated surface."""
         surface, roughness = self.problem.surface, self.case.roughness
-        assert surface is not None  # of `usable`
-        steps = {"rms_height": _TWICE, "youngs_modulus": _TWICE}
-        if surface.hardness is not None:
-            steps["hardness"] = _TWICE
-        values: dict[str, float | None] = {
-            # of a drawing the height that it gives is halved, and not the rms height of the gap
-            "rms_height": None if self._drawn else surface.spectrum.rms_height,
-            "hardness": surface.hardness,
+        assert surface is not None and roughness is not None and self.problem.flow is not None  # of `leaks`
+        if self.problem.flow.simulated is not None:
+            return
+        # of a drawing the heights that it gives are halved, and not the rms height of the gap
+        drawn = self._drawn
+        steps: dict[str, tuple[float, float | None]] = {
+            "rms_height": (_TWICE, None if drawn else surface.spectrum.rms_height),
+            "youngs_modulus": (_TWICE, None),
         }
+        if surface.hardness is not None:
+            steps["hardness"] = _TWICE, surface.hardness
         part = self_affine_part(roughness)
-        if part is not None and roughness is not None:
+        if part is not None:
             given = roughness.parts[part]
-            values |= {key: getattr(given, key, None) for key in ("hurst", "q_rolloff")}
-            steps |= {"hurst": _HURST, "q_rolloff": _TWICE}
-        return [
-            lever
-            for key, large in steps.items()
-            for lever in self.lever(key, self._with_surface(key), _SMALL, large, values.get(key))
-            if not (key == "hurst" and lever.after is not None and lever.after > _LARGEST_HURST)
-        ]
+            steps["hurst"] = _HURST, getattr(given, "hurst", None)
+            steps["q_rolloff"] = _TWICE, getattr(given, "q_rolloff", None)
+        for key, (step, value) in steps.items():
+            yield _Change(key, step, partial(self._with_surface, key), _SMALL, value)
+        for path, value in drawn.items() if len(drawn) > 1 else ():
+            yield _Change(path, 1.0 / _TWICE, partial(self._with_entries, {path: value}, value), before=value)
 
-    def _with_surface(self, key: str) -> Callable[[float], LoadResult]:
-        def solved(factor: float) -> LoadResult:
-            surface, stiffness = self._changed(key, factor), factor if key == "youngs_modulus" else 1.0
-            problem, model = replace(self.problem, surface=surface), self.result.model
-            if stiffness != 1.0 and self.problem.curves:
-                problem = replace(problem, materials=stiffer_bodies(problem.materials, stiffness))
-                model = condensed(problem, self.result.seal_mesh)
-            else:
-                model = stiffer(model, stiffness)
-            return self.solved(problem, model, self.load.applied_force, self.load.contact)
-
-        return solved
-
-    @property
+    @cached_property
     def _drawn(self) -> dict[str, float]:
         """Heights that a drawing gives [m], by their key in the case; none unless all the roughness is from it."""
         roughness = self.case.roughness
@@ -265,70 +344,89 @@ class _Bench:
             if one.height is not None
         }
 
-    def _changed(self, key: str, factor: float) -> RoughContact:
-        """The surface with one input changed.
+    def _with_surface(self, key: str, factor: float) -> SealProblem:
+        """The problem with one input of its surface changed.
 
         Half of a drawing's value may be measured with another filter, and stand for other waves. A small change of it
         is one of heights alone: the filters change in steps.
         """
-        surface, drawn = self.problem.surface, self._drawn
-        assert surface is not None  # of `usable`
-        if key != "rms_height" or factor != 1.0 / _TWICE or not drawn:
-            return changed_surface(self.case, surface, {key: factor})
-        halved = self.case.replace({path: factor * value for path, value in drawn.items()})
-        assert halved.roughness is not None
-        spectrum, peklenik = halved.roughness.combined()
-        return replace(surface, spectrum=spectrum, peklenik=peklenik)
+        if key == "rms_height" and factor == 1.0 / _TWICE and self._drawn:
+            halved = {path: factor * value for path, value in self._drawn.items()}
+            return self._at_load(SealProblem.of(self.case.replace(halved)))
+        problem = self.problem
+        assert problem.surface is not None  # of `leaks`
+        stiffness = factor if key == "youngs_modulus" else 1.0
+        return replace(
+            problem,
+            surface=changed_surface(self.case, problem.surface, {key: factor}),
+            materials=stiffer_bodies(problem.materials, stiffness),
+        )
 
-    def dimensions(self) -> list[Lever]:
-        """Lengths and angles at the contact that the case gives, each with a mesh of its own."""
-        found = []
-        for paths, value, step in self._dimensions():
-            with suppress(*_FAILURES):
-                after = value + step
-                far = _rates(self._with_dimensions(dict.fromkeys(paths, after)))
-                if len(far) == len(self.rates):
-                    effect = _ratio(self.rates, far), _exponents(self.rates, far, after / value)
-                    found.append(Lever(" and ".join(paths), value, after, after / value, *effect))
-        return found
+    def _with_form(self, factor: float) -> SealProblem:
+        form = self.problem.form
+        return replace(self.problem, form=form and form.scaled(factor))
 
-    def _dimensions(self) -> Iterator[tuple[tuple[str, ...], float, float]]:
-        """Keys that are changed together, their value and the step."""
-        listed: dict[str, tuple[float, float]] = {}
-        for body in ("closure", "seat"):
-            table = getattr(self.case, body)
-            for key in table.model_fields_set - set(_NO_LEVERS):
-                marker = next(quantities_of(type(table).model_fields[key]), None)
-                value = getattr(table, key)
-                if marker is None or not value:
-                    continue
-                if marker.dimension == "angle":
-                    listed[f"{body}.{key}"] = (value, _OF_ANGLE)
-                elif key != "interference":
-                    listed[f"{body}.{key}"] = (value, _round_step(value))
-        both = [listed.get(f"{body}.angle") for body in ("closure", "seat")]
-        if all(both):
+    def _with_entries(self, entries: Mapping[str, float], of: float, factor: float) -> SealProblem:
+        """The problem with some numbers of the case larger by the same: a factor on one of them, or between two."""
+        more = (factor - 1.0) * of
+        return self._at_load(
+            SealProblem.of(self.case.replace({path: value + more for path, value in entries.items()}))
+        )
+
+    def _dimensions(self) -> Iterator[_Change]:
+        """Lengths and angles at the contact."""
+        lengths, angles = dict[str, float](), dict[str, float]()
+        for path, kind, value in self._at_contact():
+            (angles if kind == "angle" else lengths)[path] = value
+
+        def change(key: str, entries: Mapping[str, float], of: float) -> _Change:
+            step = _OF_ANGLE if key.endswith("angle") else _round_step(of)
+            return _Change(key, 1.0 + step / of, partial(self._with_entries, entries, of), before=of)
+
+        pair = {path: value for path, value in angles.items() if path.endswith(".angle")}
+        if len(pair) == 2 and len(set(pair.values())) == 1:
             # faces that fit each other are turned together
-            value, step = listed.pop("closure.angle")
-            yield ("closure.angle", "seat.angle"), value, step
-            listed.pop("seat.angle")
-        order = sorted(listed, key=lambda path: (path.endswith(("edge_radius", "relief_angle")), path))
-        for path in order[:_MOST_DIMENSIONS]:
-            yield (path,), *listed[path]
+            yield change(" and ".join(pair), pair, pair["seat.angle"])
+            angles = {path: value for path, value in angles.items() if path not in pair}
+        for (body, *keys), (middle, width) in _RINGS.items():
+            edges = {path: lengths[path] for key in keys if (path := f"{body}.{key}") in lengths}
+            if len(edges) == 2:
+                inner, outer = edges.values()
+                yield change(f"{body}.{middle}", edges, 0.5 * (inner + outer))
+                yield change(f"{body}.{width}", {f"{body}.{keys[1]}": outer}, outer - inner)
+                lengths = {path: value for path, value in lengths.items() if path not in edges}
+        for path, value in {**lengths, **angles}.items():
+            yield change(path, {path: value}, value)
 
-    def _with_dimensions(self, entries: dict[str, float]) -> LoadResult:
-        points = self.problem.loads.points[: self.number] if self.problem.curves else ()
-        pressures, forces = zip(*points, self.load.point, strict=True)
-        of_load = {"load.fluid_pressure": list(pressures), "load.applied_force": list(forces)}
-        case = self.case.replace({**of_load, "requirement": None, **entries})
-        size = self.result.seal_mesh.sizing.contact_size
-        problem = replace(SealProblem.of(case), surface=self.problem.surface, contact_size=size)
-        if self.problem.curves:
-            model, start = condensed(problem, build_mesh(problem)), None
-        else:
-            evaluated = evaluate(problem)
-            model, start = evaluated.model, evaluated.solved.contacts[0]
-        return self.solved(problem, model, self.load.applied_force, start)
+    def _at_contact(self) -> Iterator[tuple[str, str, float]]:
+        """Path, kind and value of each dimension at the contact that a drawing has."""
+        made: dict[str, Any] = {"closure": self.case.closure.body()}
+        made["seat"] = self.case.seat.body(made["closure"])
+        for body, shape in made.items():
+            table = getattr(self.case, body)
+            for key, entry in type(table).model_fields.items():
+                marker = next(quantities_of(entry), None)
+                if marker is None or key not in _AT_CONTACT[body]:
+                    continue
+                given = getattr(table, key)
+                value = getattr(shape, key, None) if given is None and key in _ALWAYS else given
+                if value:
+                    yield f"{body}.{key}", marker.dimension, value
+
+    def _materials(self) -> Iterator[_Change]:
+        """Another material of closure or seat; not where the body yields, whose curve nobody knows of the other."""
+        assert self.problem.flow is not None  # of `leaks`
+        for body, own in self.problem.materials.items():
+            if own.hardening is not None or self.problem.flow.simulated is not None:
+                continue
+            for name in _MATERIALS:
+                if name != own.name:
+                    yield _Change(
+                        f"{body}.material", math.nan, partial(self._with_material, body, name), material=name
+                    )
+
+    def _with_material(self, body: str, name: str, factor: float) -> SealProblem:
+        return self._at_load(SealProblem.of(self.case.replace({f"{body}.material": name})))
 
 
 def _round_step(length: float) -> float:
@@ -344,17 +442,6 @@ def _round_step(length: float) -> float:
     return max(first * power for first in (1, 2, 5) if first * power <= wanted * (1 + 1e-9))
 
 
-def _rates(load: LoadResult) -> Rates:
-    """Leak rate in each reading of yielding asperities, or the only one [m^3/s]."""
-    found = (load.leak, *(one.leak for one in load.others.values()))
-    return tuple(leak.leak_rate for leak in found if leak is not None)
-
-
-def _ratio(before: Rates, after: Rates) -> tuple[float, float]:
-    ratios = [far / near for near, far in zip(before, after, strict=True)]
-    return ratios[0], ratios[-1]
-
-
 def _exponents(before: Rates, after: Rates, factor: float) -> tuple[float, float]:
     """d ln Q / d ln x of the readings; NaN where one does not leak or is open."""
     if not all(0 < rate < math.inf for rate in (*before, *after)):
@@ -363,17 +450,24 @@ def _exponents(before: Rates, after: Rates, factor: float) -> tuple[float, float
     return found[0], found[-1]
 
 
-def _compute(seal: SolvedSeal, ask: Inquiry) -> tuple[Lever, ...]:
+def _compute(seal: SolvedSeal, ask: Inquiry) -> tuple[Sensitivity, ...]:
     judged = VERDICT.of(ask.answers).seal
-    return levers(seal, None if judged is None else judged.number)
+    return sensitivities(seal, None if judged is None else judged.number, ask.clock.progress)
 
 
 def _applies(seal: SolvedSeal, wanted: Wanted) -> bool:
-    # of a path of loads they take as long as a dozen paths: only if they are asked for
+    # of a path of loads they take as long as some twenty paths: only if they are asked for
     unasked = seal.case.requirement is not None and not seal.problem.curves
-    return unasked if wanted.levers is None else wanted.levers
+    return unasked if wanted.sensitivities is None else wanted.sensitivities
 
 
-LEVERS = Answer[tuple[Lever, ...]](
-    "levers", "levers on the leak rate", _compute, (), _applies, doing="what changes the leak rate most"
+SENSITIVITIES = Answer[tuple[Sensitivity, ...]](
+    "sensitivities",
+    "sensitivities of the leak rate",
+    _compute,
+    (),
+    _applies,
+    doing=_DOING,
+    # among the times of summary.json
+    clock="levers",
 )

@@ -10,10 +10,11 @@ from fem_seal.answers.accuracy import ACCURACY, Comparison
 from fem_seal.answers.form import FORM
 from fem_seal.answers.judgement import JudgedLoad, Judgement, SealJudgement, Verdict
 from fem_seal.answers.particles import PARTICLES
-from fem_seal.answers.sensitivities import LEVERS
+from fem_seal.answers.sensitivities import SENSITIVITIES
 from fem_seal.answers.uncertainty import UNCERTAINTY
 from fem_seal.answers.variants import INTERFACE_VARIANTS, THEORIES, THEORY_VARIANTS
 from fem_seal.answers.verdict import VERDICT
+from fem_seal.former_names import former_attribute
 from fem_seal.seal.load_result import DiscretisationError, SolvedSeal, highest_load, strongest_load
 
 
@@ -36,7 +37,8 @@ class SealSolution(SolvedSeal):
     theories = THEORIES
     theory_variants = THEORY_VARIANTS
     uncertainty = UNCERTAINTY
-    levers = LEVERS
+    sensitivities = SENSITIVITIES
+    levers = former_attribute("levers", "sensitivities")
 
     def answered(self, **answers: object) -> Self:
         """The same with other answers, by their names."""

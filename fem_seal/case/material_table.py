@@ -64,6 +64,9 @@ _NAMES: Names = {
     "temperature": ("temperature", ("temperature", "t")),
 }
 
+# What a material is called that the case gives no name.
+UNNAMED = "user-defined"
+
 
 class TensileTest(NamedTuple):
     """Strain and stress of a table.
@@ -236,7 +239,7 @@ class MaterialTable(Table):
     youngs_modulus = { temperature = ["20 degC", "300 degC"], value = ["210 GPa", "185 GPa"] }.
     """
 
-    name: str = Field("user-defined", max_length=80)
+    name: str = Field(UNNAMED, max_length=80)
     youngs_modulus: Modulus
     poissons_ratio: PoissonsRatio
     hardness: Strength | None = None

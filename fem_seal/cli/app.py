@@ -41,7 +41,7 @@ from fem_seal.cli.terminal import (
     warn,
 )
 from fem_seal.errors import ConvergenceError, InputError, NoLoadLeftError, SealError, unexpected
-from fem_seal.former_names import said_to
+from fem_seal.former_names import said_to, say_once
 from fem_seal.version import __version__
 
 if TYPE_CHECKING:
@@ -140,12 +140,16 @@ def run(
     case_file: CaseFile,
     output: Annotated[Path | None, output_option("[output] folder of the case, CASE.out")] = None,
     variants: Annotated[bool, option("run", "variants")] = False,
+    sensitivities: Annotated[bool | None, option("run", "sensitivities")] = None,
     levers: Annotated[bool | None, option("run", "levers")] = None,
     quiet: Quiet = False,
     json: Json = False,
     debug: Debug = False,
 ) -> None:
     """Solve all loads of a case and write tables, VTK files, mesh and report to the output folder."""
+    if levers is not None:
+        say_once("--levers", "--sensitivities")
+        sensitivities = levers if sensitivities is None else sensitivities
     case = fem_seal.load_case(case_file)
     if variants:
         case = case.replace({"leak.variants": True})
@@ -157,7 +161,7 @@ def run(
     from fem_seal.output.tables import leak_rows
 
     with folder_lock(folder), progress_of(quiet) as progress:
-        result = seal_result.run(case, progress=progress, levers=levers)
+        result = seal_result.run(case, progress=progress, sensitivities=sensitivities)
         progress("writing results")
         failures = files.write(result, folder)
     warnings = (*result.warnings, *failures)

@@ -273,7 +273,7 @@ def show_leakage(case: Case, loads: Sequence[LoadResult]) -> None:
 
 
 def show_answers(result: SealSolution) -> None:
-    """Print the answers in words: largest earlier load, form error, particles, verdict, levers.
+    """Print the answers in words: largest earlier load, form error, particles, verdict, sensitivities.
 
     Parameters
     ----------

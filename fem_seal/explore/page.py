@@ -76,7 +76,7 @@ _PICTURES = {
     "gap": "Gap across the seat",
 }
 # Elements whose contents follow the sliders.
-_FOLLOWS = ("verdict", "numbers", "warnings", "compare", "problem", "lost", "state")
+_FOLLOWS = ("verdict", "numbers", "sensitivities", "warnings", "compare", "problem", "lost", "state")
 
 
 def page_of(answers: Answers, folder: Path, title: str) -> Dash:
@@ -189,6 +189,7 @@ def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
         pinned = [answers.screen(design) for design in pinned_designs]
         state, lost = _state(screen, answers), answers.lost
         kinds = [bool(screen.waiting), asked.wrong, lost, pins, dark, [one.complete for one in pinned]]
+        kinds.append(screen.sensitivities)
         signature = json.dumps([screen.design, state, *kinds])
         now = {"signature": signature, "number": asked.number, "design": before}
         several = {"figures": len(_PICTURES), "wrong": len(factors.sliders), "rows": len(factors.sliders)}
@@ -217,7 +218,10 @@ def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
         return {
             **found,
             "figures": [drawn[key].plain() for key in _PICTURES],
-            **{name: elements(name, now=designs[0]) for name in ("verdict", "numbers", "warnings")},
+            **{
+                name: elements(name, now=designs[0])
+                for name in ("verdict", "numbers", "sensitivities", "warnings")
+            },
             "compare": elements(
                 "compare", now=designs[0], pinned=designs[1:], labels=factors.labels, most=len(PINS)
             ),

@@ -15,6 +15,7 @@ import numpy as np
 
 from fem_seal.answers.leakage_class import leakage_classes, limits, volume_of
 from fem_seal.files import own_tables
+from fem_seal.output.answers.sensitivities import in_words, shown_sensitivities
 from fem_seal.output.answers.verdict import next_class_in_words, verdict_facts, verdict_sentences
 from fem_seal.output.columns import COLUMNS
 from fem_seal.output.report.words import state_in_words
@@ -32,6 +33,7 @@ from fem_seal.units import (
 
 if TYPE_CHECKING:
     from fem_seal.answers.judgement import SealJudgement
+    from fem_seal.answers.solution import SealSolution
     from fem_seal.arrays import FloatArray
     from fem_seal.case.case import Case
     from fem_seal.explore.factors import Factors
@@ -161,6 +163,8 @@ class Screen:
         Whether the interval is still that of both readings alone, and a complete run will widen it.
     volume : LeakVolume
         What a volume is that leaks.
+    sensitivities : tuple of str
+        What would change the leak most, in sentences; empty unless the run is complete.
     """
 
     design: dict[str, str]
@@ -180,6 +184,7 @@ class Screen:
     widens: bool = False
     volume: LeakVolume = LIQUID
     wrong: dict[str, str] = field(default_factory=dict)
+    sensitivities: tuple[str, ...] = ()
 
     @property
     def load(self) -> ShownLoad | None:
@@ -225,6 +230,22 @@ def screen_of(
         volume=volume_of(case),
         **more,
     )
+
+
+def sensitivity_words(result: SealSolution, *, follow: bool = False) -> tuple[str, ...]:
+    """What would change the leak most, or why that is not said; nothing where there is no leak.
+
+    Parameters
+    ----------
+    result : SealSolution
+    follow : bool
+        Whether they are still being calculated.
+    """
+    if not result.problem.leaks:
+        return ()
+    found = tuple(in_words(result.case, one) for one in shown_sensitivities(result.sensitivities))
+    reason = "yields" if result.problem.curves else "follow" if follow else "none"
+    return found or (own_tables("explore.toml")["sensitivities"][reason],)
 
 
 def _judged(case: Case, loads: Sequence[LoadResult], judgement: SealJudgement | None) -> dict[str, Any]:

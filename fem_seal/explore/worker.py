@@ -20,9 +20,12 @@ from pathlib import Path
 from threading import RLock, Thread
 from typing import TYPE_CHECKING, Any
 
+from fem_seal.answers.answer import Inquiry, Wanted
+from fem_seal.answers.sensitivities import SENSITIVITIES
 from fem_seal.errors import unexpected
 from fem_seal.explore.live import WRONG, Session
-from fem_seal.explore.screen import Screen, lost_words, screen_of, without_interval
+from fem_seal.explore.screen import Screen, lost_words, screen_of, sensitivity_words, without_interval
+from fem_seal.seal.load_solver import Clock, LoadSolver, Progress
 from fem_seal.seal.sources import Kept
 
 if TYPE_CHECKING:
@@ -256,8 +259,13 @@ def run_to_the_end(conn: Connection, case: Case) -> None:
             try:
                 if last is None or last[0] != ask.design:
                     last = None
-                    last = ask.design, run(session.case(ask.design), aside)
-                conn.send(complete_screen(ask.design, last[1]))
+                    last = ask.design, run(session.case(ask.design), aside, sensitivities=False)
+                # of a path of loads they take too long
+                follow = last[1].problem.leaks and not last[1].problem.curves
+                conn.send(complete_screen(*last, follow=follow))
+                if follow:
+                    last = ask.design, with_sensitivities(last[1], aside)
+                    conn.send(complete_screen(*last))
                 if ask.folder:
                     last[1].write(ask.folder)
                     conn.send(Written(ask.folder))
@@ -272,16 +280,42 @@ def run_to_the_end(conn: Connection, case: Case) -> None:
         return
 
 
-def complete_screen(design: Mapping[str, str], result: SealResult) -> Screen:
+def with_sensitivities(result: SealResult, progress: Progress) -> SealResult:
+    """A result with its sensitivities, which whoever waits for its numbers has not waited for.
+
+    Parameters
+    ----------
+    result : SealResult
+    progress : callable
+        Called before each.
+    """
+    ask = Inquiry(
+        LoadSolver(result.problem, result.model),
+        Clock(progress),
+        Wanted(sensitivities=True),
+        answers=dict(result.answers),
+    )
+    return result.answered(sensitivities=SENSITIVITIES.found(result, ask))
+
+
+def complete_screen(design: Mapping[str, str], result: SealResult, *, follow: bool = False) -> Screen:
     """What is shown of a complete run.
 
     Parameters
     ----------
     design : mapping
     result : SealResult
+    follow : bool
+        Whether its sensitivities are still being calculated.
     """
     return screen_of(
-        result.case, design, result.loads, result.judgement, complete=True, warnings=result.warnings
+        result.case,
+        design,
+        result.loads,
+        result.judgement,
+        complete=True,
+        warnings=result.warnings,
+        sensitivities=sensitivity_words(result, follow=follow),
     )
 
 

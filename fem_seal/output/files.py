@@ -117,7 +117,7 @@ def summary(result: SealSolution) -> dict[str, Any]:
         (relative changes, and a sentence), ``form`` (answers about the form error at the highest load; null for a
         round seal), ``requirement`` (verdict, margin and their basis; null without one), ``verdict_force``
         (force with which the verdict passes or why none does, one entry per load; empty unless asked), ``levers`` (the
-        strongest first), ``particles`` (answers about particles in the fluid, one entry per
+        sensitivities, the strongest first), ``particles`` (answers about particles in the fluid, one entry per
         load that leaks), ``theories`` (result of the other theory, and why it differs), ``interface_variants``,
         ``uncertainty`` (null unless asked for), ``error_shares`` (shares of the width of the interval of each load),
         ``theory_variants`` (rows of variants.csv), ``warnings``, ``wall_times_s``, ``sources``.

@@ -94,8 +94,8 @@ def test_inputs_of_the_how_to_pages_are_valid(page, text):
 
 
 def test_the_relief_valve_of_the_how_to_page_is_told_as_the_page_says():
-    # neither number nor verdict asks for levers, which have tests of their own
-    result = fem_seal.run(fem_seal.load_case(DOCS / "howto" / "relief_valve.toml"), levers=False)
+    # neither number nor verdict asks for sensitivities, which have tests of their own
+    result = fem_seal.run(fem_seal.load_case(DOCS / "howto" / "relief_valve.toml"), sensitivities=False)
     # the oil lifts the poppet at pi r^2 P = spring, on a circle within the land
     for radius, sign in ((3.95e-3, 1), (4.45e-3, -1)):
         assert sign * (2500.0 / (3.14159 * radius**2) - result.loads[0].blow_off_pressure) > 0

@@ -1,4 +1,4 @@
-"""The strongest levers in words and as a table."""
+"""What would change the leak most, in an engineer's words."""
 
 from __future__ import annotations
 
@@ -6,57 +6,106 @@ import math
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
+from fem_seal.case.drawing_words import partner
+from fem_seal.case.material_table import UNNAMED
 from fem_seal.output.prose import phrase
 from fem_seal.output.shown import ReadableTable, Shown, worded_table
 from fem_seal.seal.load_names import load_name
 from fem_seal.units import format_digits, range_text, trimmed, unit_for
 
 if TYPE_CHECKING:
-    from fem_seal.answers.sensitivities import Lever
+    from collections.abc import Sequence
+
+    from fem_seal.answers.sensitivities import Sensitivity
     from fem_seal.answers.solution import SealSolution
     from fem_seal.case.case import Case
 
 
-# Number of levers on the terminal, and smallest strength: a change of half a per cent is no lever.
-_MOST, _SMALLEST = 3, 0.005
-# Levers that are not the force and no dimension.
-_STEPS = ("rms_height", "hardness", "youngs_modulus", "q_rolloff", "hurst")
+# So many are told, and none that changes the leak by less.
+_TOLD, _SMALLEST = 3, 0.03
+# What no drawing says.
+_NOT_DRAWN = ("youngs_modulus", "q_rolloff", "hurst")
+# Scaled by a factor, and told without their value.
+_SCALED = ("rms_height", "hardness", *_NOT_DRAWN)
+# Beyond it a leak is told as a multiple and not in per cent more.
+_MULTIPLE = 2.0
 
 
-def strongest_levers(result: SealSolution) -> list[Lever]:
-    """The levers that the terminal shows.
+def shown_sensitivities(found: Sequence[Sensitivity]) -> list[Sensitivity]:
+    """Those that a drawing can change and that change the leak by 3 % or more in both readings.
 
     Parameters
     ----------
-    result : SealSolution
+    found : sequence of Sensitivity
     """
-    return [one for one in result.levers if one.strength > _SMALLEST][:_MOST]
+    return [
+        one
+        for one in found
+        if one.key not in _NOT_DRAWN
+        and one.strength > 0
+        and min(abs(1.0 - ratio) for ratio in one.ratio) >= _SMALLEST
+    ]
 
 
-def step_in_words(case: Case, lever: Lever) -> str:
-    """The change, with its size: "halve Ra", "10 % more force of spring or actuator".
+def strongest(found: Sequence[Sensitivity]) -> list[Sensitivity]:
+    """The strongest of those that are shown, the best of all materials among them.
+
+    Parameters
+    ----------
+    found : sequence of Sensitivity
+    """
+    shown = shown_sensitivities(found)
+    material = next((one for one in shown if one.material), None)
+    return [one for one in shown if not one.material or one is material][:_TOLD]
+
+
+def in_words(case: Case, one: Sensitivity) -> str:
+    """A sensitivity as a sentence: "halving Ra cuts the leak by 82 to 89 %".
 
     Parameters
     ----------
     case : Case
-    lever : Lever
+    one : Sensitivity
     """
-    if lever.key == "force":
-        assert lever.before is not None and lever.after is not None  # of a force
-        if lever.before > 0:
-            return phrase("levers.step", "force", more=lever.factor - 1.0)
-        return phrase("levers.step", "force_added", added=lever.after - lever.before)
-    if lever.key in _STEPS:
-        key = f"{lever.key}_{'more' if lever.factor > 1 else 'less'}"
+    return f"{step_in_words(case, one)} {effect_in_words(one)}"
+
+
+def step_in_words(case: Case, one: Sensitivity) -> str:
+    """What is changed, and by how much: "halving Ra", "10 % more force of spring or actuator".
+
+    Parameters
+    ----------
+    case : Case
+    one : Sensitivity
+    """
+    if one.key == "force":
+        assert one.before is not None and one.after is not None  # of a force
+        if one.before > 0:
+            return phrase("sensitivities.step", "force", more=one.factor - 1.0)
+        return phrase("sensitivities.step", "force_added", added=one.after - one.before)
+    if one.material:
+        body, _, _ = one.key.partition(".")
+        own = getattr(case, body).material.name
+        own = "its own" if own == UNNAMED else own
+        return phrase("sensitivities.step", "material", body=body, material=one.material, own=own)
+    if one.key == "form":
+        parts = () if case.form is None else case.form.parts.values()
+        drawn = parts and all(part.tolerance is not None for part in parts)
+        return phrase("sensitivities.step", "tolerance" if drawn else "form")
+    if one.key.startswith("roughness."):
+        _, face, height = one.key.split(".")
+        return phrase("sensitivities.step", "finish", finish=f"{height} of the {face}")
+    if one.key in _SCALED:
         finish = _finish(case)
-        if key == "rms_height_less" and finish:
-            return phrase("levers.step", "rms_height_less_finish", finish=finish)
-        return phrase("levers.step", key, lever=lever)
-    return _dimension(lever)
+        if one.key == "rms_height" and one.factor < 1 and finish:
+            return phrase("sensitivities.step", "finish", finish=finish)
+        key = f"{one.key}_{'more' if one.factor > 1 else 'less'}"
+        return phrase("sensitivities.step", key, one=one)
+    return _dimension(case, one)
 
 
 def _finish(case: Case) -> str:
-    """Parameter of the drawing for the heights: "Ra"; empty where the roughness is given otherwise."""
+    """The heights that the drawing gives: "Ra"; empty where the roughness is given otherwise."""
     roughness = case.roughness
     if roughness is None or len(roughness.finishes) < len(roughness.parts):
         return ""
@@ -64,55 +113,65 @@ def _finish(case: Case) -> str:
     return " and ".join(dict.fromkeys(heights))
 
 
-def _dimension(lever: Lever) -> str:
-    assert lever.before is not None and lever.after is not None  # of a dimension
-    first, _, both = lever.key.partition(" and ")
+def _dimension(case: Case, one: Sensitivity) -> str:
+    """In the words of the case: where it has diameters and included angles, in these."""
+    assert one.before is not None and one.after is not None  # of a dimension
+    first, _, both = one.key.partition(" and ")
     body, _, key = first.partition(".")
-    kind = "angle" if key.endswith("angle") else "length"
-    unit = unit_for(kind, lever.after - lever.before)
-    by = f"{trimmed(unit.of(lever.after - lever.before))} {unit.name}".replace(" °", "°")
-    if both:
-        return phrase("levers.step", "angles", by=by)
-    return phrase("levers.step", "dimension", by=by, body=body, what=key.replace("_", " "))
+    more, word = one.after - one.before, partner(key)
+    if key == "angle" and word and word in case.written[body]:
+        more, key = -2.0 * more, word
+    elif key.endswith("radius") and word and key != "edge_radius" and case.in_diameters(body):
+        more, key = 2.0 * more, word
+    unit = unit_for("angle" if key.endswith("angle") else "length", abs(more))
+    by = f"{trimmed(unit.of(abs(more)))} {unit.name} {'larger' if more > 0 else 'smaller'}".replace(" °", "°")
+    what = key.replace("_", " ")
+    return phrase("sensitivities.step", "angles" if both else "dimension", by=by, body=body, what=what)
 
 
-def ratio_in_words(lever: Lever) -> str:
-    """The effect of the step: "leak × 0.20", or that it seals.
+def effect_in_words(one: Sensitivity) -> str:
+    """What the step does, in both readings: "cuts the leak by 82 to 89 %", or that it closes it.
 
     Parameters
     ----------
-    lever : Lever
+    one : Sensitivity
     """
-    low, high = sorted(lever.ratio)
+    low, high = sorted(one.ratio)
     if high == 0:
-        return phrase("levers.words", "sealed")
-    ends = range_text(*(format_digits(one, 2) if one else "0" for one in (low, high)))
-    return phrase("levers.words", "effect", ratio=ends)
+        return phrase("sensitivities.words", "closes")
+    if low == math.inf:
+        return phrase("sensitivities.words", "opens")
+    if high < 1:
+        return phrase("sensitivities.words", "cuts", part=range_text(_less(high), _less(low)))
+    if low >= 1 and high < _MULTIPLE:
+        part = range_text(*(f"{100 * (end - 1):.0f}" for end in (low, high)))
+        return phrase("sensitivities.words", "raises", part=part)
+    ends = range_text(*(format_digits(end, 2) if end else "0" for end in (low, high)))
+    return phrase("sensitivities.words", "multiplies", ratio=ends)
 
 
-def _exponents(lever: Lever) -> str:
-    if any(map(math.isnan, lever.exponents)):
+def _less(ratio: float) -> str:
+    """Per cent by which a leak is cut, with so many decimals that what is left of it can be read."""
+    decimals = max(math.ceil(-math.log10(ratio)) - 2, 0) if ratio else 0
+    return f"{100 * (1 - ratio):.{decimals}f}"
+
+
+def _exponents(one: Sensitivity) -> str:
+    if any(map(math.isnan, one.exponents)):
         return "–"
-    return range_text(*(format_digits(one, 2) for one in sorted(lever.exponents)))
+    ends = range_text(*(format_digits(end, 2) for end in sorted(one.exponents)))
+    return ends if one.straight else phrase("sensitivities.words", "locally", exponents=ends)
 
 
-def lever_lines(result: SealSolution) -> list[str]:
-    """The strongest levers, for the terminal; empty if not calculated or without effect on the leak rate.
+def sensitivity_lines(result: SealSolution) -> list[str]:
+    """The strongest sensitivities, for the terminal; empty if nobody asked or nothing moves the leak rate.
 
     Parameters
     ----------
     result : SealSolution
     """
-    found = strongest_levers(result)
-    if not found:
-        return []
-    lines = [phrase("levers.words", "heading", load=_load(result)) + ":"]
-    for one in found:
-        exponent = phrase(
-            "levers.words", "exponent" if one.straight else "locally", exponents=_exponents(one)
-        )
-        lines.append(f"  {step_in_words(result.case, one)}: {ratio_in_words(one)} ({exponent})")
-    return lines
+    told = [f"  {in_words(result.case, one)}" for one in strongest(result.sensitivities)]
+    return [phrase("sensitivities.words", "heading", load=_load(result)) + ":", *told] if told else []
 
 
 def _load(result: SealSolution) -> str:
@@ -121,43 +180,44 @@ def _load(result: SealSolution) -> str:
     return load_name(load, result.loads)
 
 
-def lever_table(result: SealSolution) -> ReadableTable:
-    """All levers with an effect on the leak rate: step, ratio, exponent; no rows if not calculated.
+def sensitivity_table(result: SealSolution) -> ReadableTable:
+    """All sensitivities that are shown: step, effect, exponent; no rows if nobody asked.
 
     Parameters
     ----------
     result : SealSolution
     """
     rows = [
-        {"step": step_in_words(result.case, one), "ratio": ratio_in_words(one), "exponents": _exponents(one)}
-        for one in result.levers
-        if one.strength > _SMALLEST
+        {
+            "step": step_in_words(result.case, one),
+            "effect": effect_in_words(one),
+            "exponents": _exponents(one),
+        }
+        for one in shown_sensitivities(result.sensitivities)
     ]
-    return worded_table("levers", rows)
+    return worded_table("sensitivities", rows)
 
 
-def lever_note(result: SealSolution) -> str:
-    """Explanation of the table of levers.
+def sensitivity_note(result: SealSolution) -> str:
+    """What the table of sensitivities means.
 
     Parameters
     ----------
     result : SealSolution
     """
     both = "note_both" if result.highest.yields else ""
-    return phrase("levers.words", "note", both, load=_load(result))
+    return phrase("sensitivities.words", "note", both, load=_load(result))
 
 
 SHOWN = Shown(
+    # under the key that result files have had from the beginning
     summary=lambda result: {
-        "levers": [
-            asdict(one) | {"says": f"{step_in_words(result.case, one)}: {ratio_in_words(one)}"}
-            for one in result.levers
-        ]
+        "levers": [asdict(one) | {"says": in_words(result.case, one)} for one in result.sensitivities]
     },
     words=lambda result: {
-        "levers": lever_table(result),
-        "strongest_levers": lever_lines(result)[1:],
-        "lever_note": lever_note(result),
+        "sensitivities": sensitivity_table(result),
+        "strongest_sensitivities": sensitivity_lines(result)[1:],
+        "sensitivity_note": sensitivity_note(result),
     },
-    lines=lever_lines,
+    lines=sensitivity_lines,
 )

@@ -31,7 +31,7 @@ def with_force(of, force):
 
 def verdict_under(of, force, limit):
     required = {} if of.requirement is not None else {"requirement": {"leak_rate": f"{limit!r} m^3/s"}}
-    return fem_seal.run(with_force(of, force).replace(required), levers=False)
+    return fem_seal.run(with_force(of, force).replace(required), sensitivities=False)
 
 
 @pytest.mark.parametrize(
@@ -54,7 +54,7 @@ def verdict_under(of, force, limit):
 def test_a_run_with_the_force_passes_and_one_with_less_does_not(tables, target):
     load = {"fluid_pressure": "20 bar", "applied_force": "1 kN", "target_leak_rate": f"{target!r} m^3/s"}
     of = case(load=load, **tables)
-    (found,) = fem_seal.run(of, levers=False).loads
+    (found,) = fem_seal.run(of, sensitivities=False).loads
     force = found.force_for_verdict
     assert force is not None
     assert verdict_under(of, force, target).verdict == "pass"
@@ -73,7 +73,7 @@ def test_a_run_with_the_force_passes_and_one_with_less_does_not(tables, target):
 def test_what_a_drawing_leaves_open_is_in_the_force():
     load = {"fluid_pressure": "20 bar", "applied_force": "2 kN", "target_leak_rate": "1 ml/min"}
     of = case(roughness=DRAWN, load=load)
-    result = fem_seal.run(of, levers=False)
+    result = fem_seal.run(of, sensitivities=False)
     (found,) = result.loads
     assert found.force_for_verdict > 1.1 * max(
         found.force_for_target, found.reading(Reading.CAPPED).force_for_target
@@ -96,7 +96,7 @@ def test_what_a_drawing_leaves_open_is_in_the_force():
 def test_where_the_seat_yields_before_the_verdict_passes_it_says_so():
     soft = {**STEEL, "yield_stress": "0.2 GPa", "hardness": "3.5 GPa"}
     load = {"fluid_pressure": "20 bar", "applied_force": "1 kN", "target_leak_rate": "1e-9 m^3/s"}
-    (found,) = fem_seal.run(case(closure=ball(), seat=cone(soft), load=load), levers=False).loads
+    (found,) = fem_seal.run(case(closure=ball(), seat=cone(soft), load=load), sensitivities=False).loads
     assert found.force_for_verdict is None
     assert (
         "beyond it all loads are outside the theory (seat: von Mises stress" in found.verdict_force.why_none
@@ -153,7 +153,7 @@ def test_of_a_body_that_yields_it_is_not_looked_for_unless_asked(monkeypatch):
         few.setattr("fem_seal.answers.accuracy.discretisation_error", lambda *given: NOT_ESTIMATED)
         few.setattr("fem_seal.answers.accuracy.far_field", lambda *given: ())
         few.setattr("fem_seal.answers.variants.interface_variants", lambda *given: ())
-        asked = fem_seal.run(of, progress, levers=False, verdict_force=True)
+        asked = fem_seal.run(of, progress, sensitivities=False, verdict_force=True)
     # a run of the search tells what it does, and who is told may leave it
     assert told[told.index("trying") + 1] == "meshing closure and seat"
     for one in verdict_force_sentences(asked.loads):
@@ -168,7 +168,7 @@ def test_each_force_that_is_tried_is_told():
     load = {"fluid_pressure": "20 bar", "applied_force": "1 kN", "target_leak_rate": "2e-7 m^3/s"}
     of = case(load={**load, "largest_earlier_force": "1.5 kN"})
     told = []
-    (found,) = fem_seal.run(of, told.append, levers=False).loads
+    (found,) = fem_seal.run(of, told.append, sensitivities=False).loads
     tried = [one for one in told if one.startswith("force with which the verdict passes at 20 bar: trying ")]
     assert any("trying a contact force of " in one for one in tried)
     assert any("trying the whole run with " in one for one in tried)

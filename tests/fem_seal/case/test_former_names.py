@@ -110,6 +110,19 @@ def test_the_former_option_is_taken(tmp_path, capsys) -> None:
     assert tomllib.loads(path.read_text(encoding="utf-8"))["load"]["applied_force"] == "321 N"
 
 
+def test_the_former_option_of_sensitivities_is_taken(tmp_path, capsys, monkeypatch) -> None:
+    asked = {}
+
+    def run(case, progress, **wanted):
+        asked.update(wanted)
+        raise fem_seal.InputError.at("case", "is not run here")
+
+    monkeypatch.setattr("fem_seal.result.run", run)
+    assert main(["run", str(CASE), "--no-levers", "-o", str(tmp_path)]) != 0
+    assert asked["sensitivities"] is False
+    assert capsys.readouterr().err.count("--levers is called --sensitivities now") == 1
+
+
 def test_names_in_python() -> None:
     case = fem_seal.Case(**SMOOTH, load={"fluid_pressure": "20 bar", "applied_force": "100 N"})
     result = fem_seal.run(case)

@@ -67,7 +67,7 @@ def test_every_template_is_a_valid_case_in_the_words_of_a_drawing(name: str, cal
 
 
 def test_a_template_runs_with_nothing_outside_the_theory(call, tmp_path) -> None:
-    """The cheapest of them, without the levers of its verdict and the interval of its finish, which take longer."""
+    """The cheapest of them, without sensitivities and the interval of its finish, which take longer."""
     code, _, _ = call(
         "--template", "check-valve", "--pressure", "50 bar", "--set", 'mesh.contact_size="8 um"'
     )

@@ -6,6 +6,7 @@ import os
 import re
 import signal
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from queue import Queue
 
@@ -20,7 +21,7 @@ from fem_seal.errors import InputError
 from fem_seal.explore.figures import leak_figure
 from fem_seal.explore.live import Missing, OwnTable, Session, conductivity
 from fem_seal.explore.screen import SHOWN, Screen, Shown, numbers_of, validity_words
-from fem_seal.explore.worker import Answers, Ask, Lost, Worker, Written, complete_screen
+from fem_seal.explore.worker import Answers, Ask, Lost, Worker, Written, complete_screen, with_sensitivities
 from fem_seal.output.report.words import headline
 
 BALL = {
@@ -204,6 +205,17 @@ def test_nothing_is_claimed_of_a_seal_before_all_of_it_is_known():
         note["text"] == words
         for note in leak_figure([Shown(screen, "now", "#123456")], False).layout["annotations"]
     )
+
+
+def test_sensitivities_follow_the_complete_run(session, run):
+    design, told = session.design(DESIGN), []
+    assert complete_screen(design, run, follow=True).sensitivities == ("are being calculated ...",)
+    # as in a worker, which tells each, so that a newer design can break them off
+    with ThreadPoolExecutor(1) as beside:
+        found = beside.submit(with_sensitivities, run, told.append).result()
+    assert len(set(told)) == 1 and len(told) >= len(found.sensitivities)
+    said = complete_screen(design, found).sensitivities
+    assert any(one.startswith("halving the roughness heights cuts the leak by ") for one in said)
 
 
 def test_the_interval_of_a_finish_is_that_of_a_run_in_the_end(tmp_path):

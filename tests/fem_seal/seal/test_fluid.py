@@ -166,7 +166,7 @@ THICK = {"load": {"fluid_pressure": ["1800 bar"], "applied_force": "118 kN", "pr
 
 def leak_of(**fluid):
     """Leak and warnings of a liquid at 1800 bar."""
-    result = fem_seal.run(case(fluid=fluid, **THICK), levers=False)
+    result = fem_seal.run(case(fluid=fluid, **THICK), sensitivities=False)
     (load,) = result.loads
     return load, " ".join(result.warnings)
 
@@ -192,7 +192,7 @@ def test_thickening_divides_the_leak_rate_by_its_mean():
 
 @pytest.mark.usefixtures("unrendered")
 def test_diesel_of_the_library():
-    result = fem_seal.run(case(fluid={"name": "diesel"}, **THICK), levers=False)
+    result = fem_seal.run(case(fluid={"name": "diesel"}, **THICK), sensitivities=False)
     (load,), said = result.loads, " ".join(result.warnings)
     page = report(result)
     assert "H. I. Waterman" in page and "viscosity at 1800 bar" in page
@@ -250,7 +250,7 @@ DENSE = {"load": {"fluid_pressure": ["700 bar"], "applied_force": "46 kN", "pres
 
 
 def test_dense_gas_says_how_much_and_names_the_real_gas():
-    warnings = " ".join(fem_seal.run(case(fluid={"name": "hydrogen"}, **DENSE), levers=False).warnings)
+    warnings = " ".join(fem_seal.run(case(fluid={"name": "hydrogen"}, **DENSE), sensitivities=False).warnings)
     assert "hydrogen at 701 bar is not a dilute ideal gas" in warnings
     assert "about 0.69 times as much leaks" in warnings
     assert '[fluid] name = "CoolProp:Hydrogen" calculates with the real gas' in warnings
@@ -259,7 +259,7 @@ def test_dense_gas_says_how_much_and_names_the_real_gas():
 def test_real_hydrogen_leaks_less():
     pytest.importorskip("CoolProp")
     ideal, real = (
-        fem_seal.run(case(fluid={"name": name}, **DENSE), levers=False)
+        fem_seal.run(case(fluid={"name": name}, **DENSE), sensitivities=False)
         for name in ("hydrogen", "CoolProp:Hydrogen")
     )
     assert not any("dilute" in text or "extrapolated" in text for text in real.warnings)
@@ -270,7 +270,7 @@ def test_real_hydrogen_leaks_less():
 
 def test_a_gas_that_is_liquid_at_the_inlet_is_outside_the_theory():
     pytest.importorskip("CoolProp")
-    result = fem_seal.run(case(fluid={"name": "CoolProp:CarbonDioxide"}, **DENSE), levers=False)
+    result = fem_seal.run(case(fluid={"name": "CoolProp:CarbonDioxide"}, **DENSE), sensitivities=False)
     assert result.loads[0].validity.outside
     assert any("condenses at 57.29 bar" in text for text in result.warnings)
 
@@ -280,7 +280,7 @@ def test_gas_through_a_wide_gap_chokes():
     rough = {"spectrum": {"kind": "self-affine", "rms_height": "20 um", "hurst": 0.8,
              "q_low": "1e3 1/m", "q_rolloff": "1e4 1/m", "q_high": "1e6 1/m"}}  # fmt: skip
     load = {"fluid_pressure": ["20 bar"], "applied_force": "1.5 kN", "pressure_side": "inner"}
-    result = fem_seal.run(case(fluid={"name": "nitrogen"}, roughness=rough, load=load), levers=False)
+    result = fem_seal.run(case(fluid={"name": "nitrogen"}, roughness=rough, load=load), sensitivities=False)
     (said,) = (text for text in result.warnings if "Mach number" in text)
     assert "it chokes" in said and "the real leak rate is lower" in said
     # slow enough at either load, but for the reading at 200 bar in which eight times as much leaks
