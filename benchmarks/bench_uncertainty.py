@@ -20,7 +20,7 @@ import pytest
 import fem_seal
 from fem_seal import processes
 from fem_seal.answers import chain
-from fem_seal.answers.uncertainty import _Study, leak_interval
+from fem_seal.answers.uncertainty import SampledSeal, leak_interval
 from fem_seal.case.tables import Scans, Spread, Uncertainty
 
 STEEL = {
@@ -155,7 +155,7 @@ def solved(spectra):
             patch.setattr(chain, "ANSWERS", [one for one in chain.ANSWERS if one.name != "uncertainty"])
             result = fem_seal.run(case)
         # the case has its own leak rates, and the tables for them, before the first sample
-        study = _Study.of(result, settings)
+        study = SampledSeal.of(result, settings)
         assert len(study.of_case) == study.readings * len(pressures)
         return result, settings
 
@@ -165,7 +165,7 @@ def solved(spectra):
 @of_every_cell
 def test_uncertainty_per_sample(benchmark, solved, fluid, kind, form):
     """Processor time of a sample in one process, with what all share beyond the case's own tables."""
-    study, start = _Study.of(*solved(fluid, kind, form)), process_time()
+    study, start = SampledSeal.of(*solved(fluid, kind, form)), process_time()
     rates = benchmark.pedantic(lambda: np.array([study._leak_rates(n) for n in range(SAMPLES)]), rounds=1)
     benchmark.extra_info.update(
         goal_s=GOAL, figure_s=(process_time() - start) / SAMPLES, note=f"{SAMPLES} samples, all calculated"

@@ -15,6 +15,7 @@ from fem_seal.answers.form import FORM
 from fem_seal.answers.judgement import JudgedLoad
 from fem_seal.answers.opening import OPENING
 from fem_seal.answers.particles import PARTICLES
+from fem_seal.answers.pass_probability import PASS_PROBABILITY
 from fem_seal.answers.sensitivities import SENSITIVITIES
 from fem_seal.answers.solution import SealSolution
 from fem_seal.answers.target import TARGET
@@ -47,6 +48,7 @@ ANSWERS: tuple[Answer[Any], ...] = (
     FINDINGS,
     THEORY_VARIANTS,
     UNCERTAINTY,
+    PASS_PROBABILITY,
     VERDICT_FORCE,
     VERDICT,
     SENSITIVITIES,

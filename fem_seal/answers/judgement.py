@@ -257,6 +257,29 @@ class VerdictForce:
     begins: str = ""
 
 
+@dataclass(frozen=True)
+class PassProbability:
+    """Share of the samples of a load that keep the requirement; in a batch that of the seals.
+
+    Parameters
+    ----------
+    share : float
+        Of the samples of inputs, finish and theory's own error; NaN if not known.
+    error : float
+        Its standard error.
+    batch_low : float
+        Share of a batch that passes with 95 % confidence; NaN where no input varies from part to part, and where
+        samples are sealed or open.
+    why_none : str
+        Why there is no share, a clause; empty with one.
+    """
+
+    share: float = math.nan
+    error: float = math.nan
+    batch_low: float = math.nan
+    why_none: str = ""
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class JudgedLoad(LoadResult):
     """A load of a result, and what is said of it.
@@ -267,10 +290,13 @@ class JudgedLoad(LoadResult):
         Whether it keeps what [requirement] asks of it; None where nothing is asked.
     verdict_force : VerdictForce or None
         The force at which the verdict passes; None if not asked.
+    passing : PassProbability or None
+        How likely it keeps that; None where nothing is asked.
     """
 
     judgement: Judgement | None = None
     verdict_force: VerdictForce | None = None
+    passing: PassProbability | None = None
 
     @classmethod
     def of(cls, load: LoadResult, **known: object) -> JudgedLoad:
@@ -295,6 +321,21 @@ class JudgedLoad(LoadResult):
     def margin(self) -> float | None:
         """Allowed over calculated leak rate, see `Judgement.margin`; None where nothing is required."""
         return None if self.judgement is None else self.judgement.margin
+
+    @property
+    def pass_probability(self) -> float | None:
+        """Share of the samples that keep the requirement; None where nothing is required."""
+        return None if self.passing is None else self.passing.share
+
+    @property
+    def pass_probability_error(self) -> float | None:
+        """Its standard error; None where nothing is required."""
+        return None if self.passing is None else self.passing.error
+
+    @property
+    def batch_share_p05(self) -> float | None:
+        """Share of a batch that passes with 95 % confidence; None where nothing is required."""
+        return None if self.passing is None else self.passing.batch_low
 
     @property
     def force_for_verdict(self) -> float | None:

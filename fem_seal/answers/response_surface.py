@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import combinations_with_replacement
 
 import numpy as np
@@ -36,6 +36,10 @@ class ResponseSurface:
     coefficients : ndarray, shape (terms, outputs)
     error : ndarray, shape (outputs,)
         Root-mean-square difference between each run and the polynomial through all other runs.
+    influence : ndarray, shape (terms, runs)
+        Change of the coefficients per change of an output of a run.
+    left_out : ndarray, shape (runs, outputs)
+        Each run minus the polynomial through all other runs.
 
     References
     ----------
@@ -48,10 +52,18 @@ class ResponseSurface:
     exponents: IntArray
     coefficients: FloatArray
     error: FloatArray
+    influence: FloatArray = field(repr=False)
+    left_out: FloatArray = field(repr=False)
 
     def __call__(self, inputs: FloatArray) -> FloatArray:
         """Outputs at inputs of shape (n, d); shape (n, outputs)."""
         return _design(inputs, self.bases, self.centre, self.scale, self.exponents) @ self.coefficients
+
+    def without_each(self, inputs: FloatArray, output: int) -> FloatArray:
+        """An output at inputs of shape (n, d) by the polynomials through all runs but one, shape (n, runs)."""
+        design = _design(inputs, self.bases, self.centre, self.scale, self.exponents)
+        changes = self.influence * self.left_out[:, output]
+        return design @ (self.coefficients[:, [output]] - changes)
 
     @property
     def variance(self) -> FloatArray:
@@ -66,7 +78,11 @@ class ResponseSurface:
 
 
 def fit(
-    inputs: FloatArray, outputs: FloatArray, population: FloatArray, runs_per_term: float = _RUNS_PER_TERM
+    inputs: FloatArray,
+    outputs: FloatArray,
+    population: FloatArray,
+    runs_per_term: float = _RUNS_PER_TERM,
+    lowest_degree: int = 0,
 ) -> ResponseSurface:
     """Least-squares polynomial through runs, of the degree that predicts left-out runs best.
 
@@ -78,22 +94,25 @@ def fit(
         Values of the inputs that represent their distribution; the runs may be among them.
     runs_per_term : float
         Runs that there must be for each coefficient, above 1.
+    lowest_degree : int
+        Of the polynomials among which it is chosen.
     """
     centre, scale = population.mean(axis=0), population.std(axis=0)
     bases = tuple(_orthonormal((z - c) / s) for z, c, s in zip(population.T, centre, scale, strict=True))
     best: ResponseSurface | None = None
-    for degree in range(_HIGHEST_DEGREE + 1):
+    for degree in range(lowest_degree, _HIGHEST_DEGREE + 1):
         exponents = _exponents(inputs.shape[1], degree)
-        if degree > 0 and len(inputs) < runs_per_term * len(exponents):
+        if degree > lowest_degree and len(inputs) < runs_per_term * len(exponents):
             break
         design = _design(inputs, bases, centre, scale, exponents)
         q, r = np.linalg.qr(design)
+        influence = np.linalg.solve(r, q.T)
         coefficients = np.linalg.solve(r, q.T @ outputs)
         leverage = np.minimum((q**2).sum(axis=1), 1 - 1e-9)
         left_out = (outputs - design @ coefficients) / (1 - leverage)[:, None]
         error = np.sqrt((left_out**2).mean(axis=0))
         if best is None or error.max() < best.error.max():
-            best = ResponseSurface(bases, centre, scale, exponents, coefficients, error)
+            best = ResponseSurface(bases, centre, scale, exponents, coefficients, error, influence, left_out)
     assert best is not None
     return best
 

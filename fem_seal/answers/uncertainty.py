@@ -36,6 +36,7 @@ from fem_seal.seal.leak_model import Conductivity, FlowModel, log_peaks, range_a
 from fem_seal.seal.load_result import LoadResult, SolvedSeal, leak_rates
 from fem_seal.seal.load_solver import LoadSolver, linearised_again, path_again, solved_again
 from fem_seal.seal.problem import SealProblem, condensed, interface_law
+from fem_seal.seal.sources import Kept
 
 if TYPE_CHECKING:
     from fem_seal.case.case import Case
@@ -64,6 +65,8 @@ _NOTHING, _TRACE = 1e-35, 1e-9
 _NEARLY_SEALED = 0.95
 
 
+# Surfaces of samples that are kept for the next seal.
+_KEPT = 64
 # Factors of the theory's own error for each sample, and the most of both together.
 _FACTORS, _MOST_FOUND = 32, 2**18
 
@@ -238,7 +241,7 @@ def leak_interval(
     told = progress or (lambda text: None)
     if result.case.roughness is not None and result.case.roughness.finishes:
         return _interval_of_finish(result, settings, told)
-    return _interval(_Study.of(result, settings), settings, told)
+    return _interval(SampledSeal.of(result, settings), settings, told)
 
 
 # Runs per term of a quadratic polynomial in the inputs of a finish, and the most runs.
@@ -267,13 +270,13 @@ def _interval_of_finish(
     """
     chosen = _representative(result.loads)
     part = result.with_loads([result.loads[n] for n in chosen])
-    study = _Study.of(part, settings)
+    study = SampledSeal.of(part, settings)
     study = replace(study, lenient=True, whole_paths=study.whole_paths or whole_paths, numbers=chosen)
     usual, viscosity = np.array(study.of_case), study.viscosity[:, None]
     if not np.all((usual > 0) & np.isfinite(usual)):
         # what is sealed has no ratios
         few = settings.model_copy(update={"samples": min(settings.samples, _OF_SEALED)})
-        return _interval(_Study.of(result, few), few, progress)
+        return _interval(SampledSeal.of(result, few), few, progress)
     terms = (study.scores.shape[1] + 1) * (study.scores.shape[1] + 2) // 2
     goal = min(math.ceil(_RUNS_PER_TERM * terms) + 1, len(study.uniform), _MOST_RUNS)
     runs, rates, surface, error = 0, np.empty((0, usual.size)), None, None
@@ -304,7 +307,7 @@ def _interval_of_finish(
         ratios[checked], ratios[known] = truth, rates[known]
         runs += _CHECKS
     ratios = ratios / viscosity
-    nominal = np.array(_Study(result, (), study.uniform).of_case).reshape(study.kinds, 1, -1)
+    nominal = np.array(SampledSeal(result, (), study.uniform).of_case).reshape(study.kinds, 1, -1)
     by_kind = ratios.reshape(len(ratios), study.kinds, len(chosen)).swapaxes(0, 1)
     rates = _at_all_loads(np.log(_line_loads(result.loads)), chosen, by_kind) * nominal
     shares = _shares(study, ratios * usual, surface)
@@ -323,7 +326,7 @@ def _interval_of_finish(
 
 
 def _interval_of_samples(
-    study: _Study,
+    study: SampledSeal,
     settings: Uncertainty,
     loads: Sequence[LoadResult],
     rates: Sequence[FloatArray],
@@ -389,7 +392,7 @@ def _at_all_loads(log_load: FloatArray, chosen: Sequence[int], ratios: FloatArra
     return found
 
 
-def _interval(study: _Study, settings: Uncertainty, progress: Callable[[str], None]) -> LeakInterval:
+def _interval(study: SampledSeal, settings: Uncertainty, progress: Callable[[str], None]) -> LeakInterval:
     viscosity = study.viscosity
     runs, rates, surface = _runs(study, progress)
     error = None
@@ -433,7 +436,9 @@ def _allowed(leak_rate: FloatArray, least: float, share: float) -> float:
     return max(least, share * float(np.max(widths, initial=0.0)))
 
 
-def _runs(study: _Study, progress: Callable[[str], None]) -> tuple[int, FloatArray, ResponseSurface | None]:
+def _runs(
+    study: SampledSeal, progress: Callable[[str], None]
+) -> tuple[int, FloatArray, ResponseSurface | None]:
     """Calculate samples until a polynomial through them is good enough; None instead of it if all are calculated."""
     total = len(study.uniform)
     if not study.calculated:
@@ -472,7 +477,7 @@ def _ends(leak_rate: FloatArray, confidence: float) -> list[int]:
     return sorted(set(near))
 
 
-def _shares(study: _Study, nominal: FloatArray, surface: ResponseSurface | None) -> FloatArray:
+def _shares(study: SampledSeal, nominal: FloatArray, surface: ResponseSurface | None) -> FloatArray:
     """First-order shares in the variance of ln Q of the case's own reading, shape (loads, inputs)."""
     loads, inputs = len(study.result.loads), study.inputs
     nominal = nominal[:, :loads]
@@ -494,7 +499,7 @@ def _shares(study: _Study, nominal: FloatArray, surface: ResponseSurface | None)
 
 
 @dataclass(frozen=True)
-class _Study:
+class SampledSeal:
     """All samples of the inputs of one result.
 
     Parameters
@@ -521,7 +526,15 @@ class _Study:
     numbers: Sequence[int] | None = None
 
     @classmethod
-    def of(cls, result: SolvedSeal, settings: Uncertainty) -> _Study:
+    def of(cls, result: SolvedSeal, settings: Uncertainty) -> SampledSeal:
+        """The samples of a result.
+
+        Parameters
+        ----------
+        result : SolvedSeal
+        settings : Uncertainty
+            The table [uncertainty].
+        """
         inputs = uncertain_inputs(result.case, settings)
         if settings.posterior is None:
             dimensions = sum(one.dimensions for one in inputs)
@@ -671,6 +684,13 @@ class _Study:
         }
 
     def _surface(self, sample: int, factors: dict[str, float]) -> RoughContact:
+        """The surface of a sample, the same object for all seals with this finish: it keeps what it has worked out."""
+        assert self.result.case.roughness is not None  # of the checks
+        values = (tuple(self.values[one.name][sample].tolist()) for one in self.calculated)
+        name = self.result.surface, self.result.case.roughness.model_dump_json(), self.inputs, tuple(values)
+        return _surfaces.get(name, lambda: self._made(sample, factors))
+
+    def _made(self, sample: int, factors: dict[str, float]) -> RoughContact:
         assert self.result.surface is not None
         means = {
             one.name: one.spectrum(self.values[one.name][sample])
@@ -738,6 +758,10 @@ class _Study:
         model = result.model if stiffness == 1 else condensed(changed, result.seal_mesh)
         contacts = path_again(LoadSolver(changed, model))
         return contacts if self.numbers is None else [contacts[number] for number in self.numbers]
+
+
+# of all seals of this process
+_surfaces = Kept(_KEPT)
 
 
 def stiffer_bodies(materials: Mapping[str, Material], factor: float) -> dict[str, Material]:

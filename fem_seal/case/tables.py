@@ -175,12 +175,14 @@ class Spread(Table):
 
     distribution: Literal["lognormal", "normal", "uniform"] = "lognormal"
     relative: Annotated[float, Number(0, 0.9, exclusive_low=True)]
+    varies: Literal["unknown", "part"] = "unknown"
 
 
 class Scans(Table):
     """How the spectrum spreads: by the differences between the scans that it was measured from."""
 
     distribution: Literal["scans"]
+    varies: Literal["unknown", "part"] = "unknown"
 
 
 class Uncertainty(Table):
@@ -208,6 +210,12 @@ class Uncertainty(Table):
         """The uncertain inputs with their spreads, without the spectrum between scans, in the order of the table."""
         fields = {name: getattr(self, name) for name in type(self).model_fields}
         return {name: value for name, value in fields.items() if isinstance(value, Spread)}
+
+    @property
+    def of_parts(self) -> set[str]:
+        """Those that differ from part to part of a batch, the spectrum among them."""
+        given = {name: getattr(self, name) for name in type(self).model_fields}
+        return {name for name, value in given.items() if getattr(value, "varies", "") == "part"}
 
 
 # Pressures that are written in other units than those of the loads are the same up to rounding.

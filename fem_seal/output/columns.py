@@ -173,6 +173,10 @@ def _of_scratches(load: LoadResult, which: int) -> float | None:
     return None if around is None or around.scratches is None else around.scratches[which]
 
 
+def _of_judged(name: str) -> Callable[[LoadResult], float | None]:
+    return lambda load: getattr(load, name) if isinstance(load, JudgedLoad) else None
+
+
 # Texts of the columns of all tables.
 _SAID = own_tables("columns.toml")
 # Functions of columns whose number is not the property of the load with the name of the column.
@@ -203,8 +207,11 @@ _OF: dict[str, Callable[[LoadResult], float | None]] = {
     "leak_rate_round_m3_per_s": lambda load: None if load.formed is None else _rate(load.leak_round),
     "leak_rate_scratches_low_m3_per_s": lambda load: _of_scratches(load, 0),
     "leak_rate_scratches_high_m3_per_s": lambda load: _of_scratches(load, 1),
-    "force_for_verdict_N": lambda load: load.force_for_verdict if isinstance(load, JudgedLoad) else None,
-    "margin": lambda load: load.margin if isinstance(load, JudgedLoad) else None,
+    "force_for_verdict_N": _of_judged("force_for_verdict"),
+    "margin": _of_judged("margin"),
+    "pass_probability": _of_judged("pass_probability"),
+    "pass_probability_error": _of_judged("pass_probability_error"),
+    "batch_share_p05": _of_judged("batch_share_p05"),
 }
 
 

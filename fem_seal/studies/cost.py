@@ -13,8 +13,12 @@ if TYPE_CHECKING:
 # What takes the interval of the leak rate, and with it what the calculation may be off by.
 INTERVAL = frozenset({"leak_rate_low_m3_per_s", "leak_rate_high_m3_per_s", "margin"})
 FORCE_FOR_VERDICT = "force_for_verdict_N"
+# What takes the share of the samples that keep the requirement.
+PASSING = frozenset({"pass_probability", "pass_probability_error", "batch_share_p05"})
 # A sample of uncertain inputs [s]; forces that are tried for a target, and runs for a verdict.
 _SAMPLE, _FORCES, _RUNS = 0.02, 12, 6
+# Samples that are calculated for that share, of five inputs.
+_FOR_SHARE = 30
 
 
 def is_target(column: str) -> bool:
@@ -35,6 +39,8 @@ def design_seconds(case: Case, columns: Collection[str]) -> float:
     verdict = FORCE_FOR_VERDICT in columns
     sampled = case.sampled is not None and (verdict or not INTERVAL.isdisjoint(columns))
     samples = 0 if case.sampled is None or not sampled else case.sampled.samples
+    if case.sampled is not None and not PASSING.isdisjoint(columns):
+        samples += _FOR_SHARE
     once = seconds(case) + _SAMPLE * samples + (OWN if sampled else 0.0)
     asked = case.load.target_leak_rate is not None
     forces = (

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from leak import Reading
 
 LEAK_RATE = "leak_rate_m3_per_s"
+PASSES = "pass_probability"
 # What a design leaks at most.
 _UPPER_ENDS = (LEAK_RATE, *map(leak_rate_column, (*FURTHER, OWN)), "leak_rate_high_m3_per_s")
 _QUANTILES = (0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99)
@@ -62,6 +63,12 @@ class Designs:
     def done(self) -> pd.DataFrame:
         """Designs that did not fail."""
         return self.table[self.table["status"] == "done"]
+
+    @property
+    def limit(self) -> float | None:
+        """What the requirement of the base case allows to leak [m^3/s]; None if that is not one number."""
+        varied = any(name.startswith("requirement.") for name in self.parameters)
+        return None if varied else self.about["seal"].get("limit_m3_per_s")
 
     @cached_property
     def feasible(self) -> pd.DataFrame:

@@ -29,7 +29,7 @@ _DISTRIBUTIONS = {"LogUniform": "log-uniform", "LogNormal": "lognormal"}
 # So many values can be named one by one.
 FEW = 8
 # Of designs that count and of those that do not, as in templates/study.page.toml.
-BLUE, GREY = "#2f81f7", "#8c959f"
+BLUE, GREY, RED = "#2f81f7", "#8c959f", "#b3261e"
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,16 +141,19 @@ class Display:
         Parameters, responses, derived columns and goals, the verdict if there is one, and the validity unless all are
         valid.
         """
-        designs = self.designs
-        numbers = designs.best(count)
-        about = designs.about
+        numbers = self.designs.best(count)
+        return numbers, self.told(numbers)
+
+    def told(self, numbers: list[int]) -> dict[str, list[str]]:
+        """What some designs are, as texts by their labels, see `best`."""
+        designs, about = self.designs, self.designs.about
         names = dict.fromkeys([*designs.parameters, *about["responses"], *about["derived"], *about["goals"]])
         rows = designs.done.loc[numbers].index
         told = {self.label(name): self.texts(rows, name) for name in names}
         verdicts = designs.verdict.loc[numbers].tolist()
         told |= {"verdict": verdicts} if any(verdicts) else {}
         levels = designs.validity.loc[numbers].tolist()
-        return numbers, told | ({"validity": levels} if set(levels) - {Level.VALID, ""} else {})
+        return told | ({"validity": levels} if set(levels) - {Level.VALID, ""} else {})
 
     @cached_property
     def _words(self) -> dict[str, str]:

@@ -22,6 +22,7 @@ from fem_seal.studies import plots
 from fem_seal.studies.designs import SENSITIVITY
 from fem_seal.studies.designs_table import (
     LEAK_RATE,
+    PASSES,
     Designs,
     Sensitivity,
     class_shares,
@@ -131,6 +132,7 @@ def sections(designs: Designs) -> Iterator[Section]:
     if designs.done.empty:
         return
     display = Display(designs)
+    yield from _passing(display)
     # a batch of parts: nothing is looked for among them
     looked_for = designs.about["goals"] or designs.kind in (*_WITHOUT_SHARES, *SENSITIVITY)
     batch = designs.by_chance and not looked_for
@@ -195,6 +197,28 @@ def _best(display: Display) -> Iterator[Section]:
     yield Section(
         "Best designs",
         _words().best(designs, titles, bool(numbers)),
+        columns=("design", *columns),
+        rows=tuple(zip(map(str, numbers), *columns.values(), strict=True)),
+    )
+
+
+# Confidence that is asked for, and designs in the table of how likely each passes.
+_CONFIDENT, _MOST_ROWS = 0.95, 500
+
+
+def _passing(display: Display) -> Iterator[Section]:
+    """Which designs keep the requirement often enough, the likeliest first."""
+    designs = display.designs
+    if PASSES not in designs.done:
+        return
+    likely = designs.done[PASSES].sort_values(ascending=False, kind="stable")
+    limit, unknown = designs.limit, int(likely.isna().sum())
+    allowed = f"leak less than {leak_rate_text(limit)}" if limit else "keep the requirement"
+    numbers = likely.index[:_MOST_ROWS].tolist()
+    columns = display.told(numbers)
+    yield Section(
+        "Designs that pass",
+        _words().passing(int((likely >= _CONFIDENT).sum()), len(likely), allowed, unknown, len(numbers)),
         columns=("design", *columns),
         rows=tuple(zip(map(str, numbers), *columns.values(), strict=True)),
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import math
 from collections.abc import Iterable
 from html import escape
 from io import BytesIO
@@ -17,7 +18,7 @@ from fem_seal.output.notebook import table_html
 from fem_seal.output.pictures.style import style
 from fem_seal.seal.readings import WORDS
 from fem_seal.studies.designs_table import LEAK_RATE, Designs, Sensitivity, other_leak_rates, pareto_front
-from fem_seal.studies.display import BLUE, FEW, GREY, LOOKS, Display, short, spans_a_decade
+from fem_seal.studies.display import BLUE, FEW, GREY, LOOKS, RED, Display, short, spans_a_decade
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -55,6 +56,24 @@ def _points(display: Display, rows: pd.Index, x: str, y: str, names: Iterable[st
     }
 
 
+def _lines(display: Display, x: str = "", y: str = "") -> list[dict[str, Any]]:
+    """Lines at what the requirement allows to leak, across a plot with these columns on its axes."""
+    limit, line = display.designs.limit, {"color": RED, "dash": "dash", "width": 1.5}
+    found = []
+    for side, across, name in (("x", "y", x), ("y", "x", y)):
+        if limit is not None and name.startswith("leak_rate") and name.endswith("_m3_per_s"):
+            at = float(display.shown(name, limit))
+            place = {
+                f"{across}ref": "paper",
+                f"{across}0": 0,
+                f"{across}1": 1,
+                f"{side}0": at,
+                f"{side}1": at,
+            }
+            found.append({"type": "line", "line": line, **place})
+    return found
+
+
 def _groups(designs: Designs, rows: pd.Index) -> list[tuple[str, pd.Index, str]]:
     """Designs that count and those that do not: legend, designs, look; one group if all do."""
     if not designs.some_do_not_count:
@@ -82,7 +101,8 @@ def response_plot(display: Display) -> Figure | None:
                 "method": "update",
                 "args": [
                     {side: [display.values(group, name) for _, group, _ in groups]},
-                    {f"{side}axis.{key}": value for key, value in display.axis(name).items()},
+                    {f"{side}axis.{key}": value for key, value in display.axis(name).items()}
+                    | ({"shapes": _lines(display, y=name)} if side == "y" else {}),
                 ],
             }
             for name in names
@@ -99,6 +119,7 @@ def response_plot(display: Display) -> Figure | None:
         xaxis=display.axis(across),
         yaxis=display.axis(up),
         showlegend=designs.some_do_not_count,
+        shapes=_lines(display, y=up),
         updatemenus=[
             menu("y", outputs, x=0.0, xanchor="left", active=outputs.index(up)),
             menu("x", designs.parameters, x=1.0, xanchor="right"),
@@ -133,12 +154,21 @@ def map_plot(display: Display) -> Figure | None:
         colorbar=bar,
         contours=steps,
     )
+    allowed = []
+    for one in _lines(display, y=output):
+        at = math.log10(one["y0"]) if logarithmic else one["y0"]
+        level = {"start": at, "end": at, "size": 1.0, "coloring": "none"}
+        allowed.append(
+            {**contour, "contours": level, "line": one["line"], "showscale": False, "showlegend": False}
+        )
     crosses = [
         _trace("crosses", **_points(display, rows, names[0], names[1], [*names, output]), name=name)
         for name, rows, look in _groups(designs, designs.done.index)
         if look == "not_counting"
     ]
-    return _figure([contour, *crosses], "map", xaxis=display.axis(names[0]), yaxis=display.axis(names[1]))
+    return _figure(
+        [contour, *allowed, *crosses], "map", xaxis=display.axis(names[0]), yaxis=display.axis(names[1])
+    )
 
 
 def parallel_plot(display: Display) -> Figure | None:
@@ -251,7 +281,8 @@ def pareto_plot(display: Display) -> Figure | None:
     traces = [
         _trace(look, **_points(display, rows, names[0], names[1], told)) for look, rows in groups.items()
     ]
-    return _figure(traces, "pareto", xaxis=display.axis(names[0]), yaxis=display.axis(names[1]))
+    axes = {"xaxis": display.axis(names[0]), "yaxis": display.axis(names[1])}
+    return _figure(traces, "pareto", shapes=_lines(display, *names), **axes)
 
 
 def search_plot(display: Display) -> Figure | None:
@@ -283,6 +314,8 @@ def search_plot(display: Display) -> Figure | None:
         for trace in traces:
             figure.add_trace({**trace, "showlegend": place == 1}, row=place, col=1)
         figure.update_yaxes(display.axis(name), row=place, col=1)
+        for line in _lines(display, y=name):
+            figure.add_hline(line["y0"], line=line["line"], row=place, col=1)
     figure.update_xaxes({"title": {"text": "trial"}}, row=len(names), col=1)
     figure.update_layout({**own_tables(LOOKS)["layout"], "height": 160 + 300 * len(names)})
     return figure
@@ -323,7 +356,8 @@ def distribution_plot(display: Display) -> Figure | None:
         for reading, rates in other_leak_rates(display.designs).items()
     ]
     curve = _trace("share_below", **below(leak_rate))
-    return _figure([bars, curve, *others], "distribution", xaxis=display.axis(LEAK_RATE))
+    axis = display.axis(LEAK_RATE)
+    return _figure([bars, curve, *others], "distribution", xaxis=axis, shapes=_lines(display, x=LEAK_RATE))
 
 
 def sensitivity_plot(display: Display, found: Sensitivity) -> Figure:

@@ -19,6 +19,7 @@ from fem_seal.answers.chain import solve
 from fem_seal.answers.findings import FINDINGS
 from fem_seal.answers.judgement import JudgedLoad, Verdict
 from fem_seal.answers.opening import OPENING
+from fem_seal.answers.pass_probability import PASS_PROBABILITY, pass_probabilities
 from fem_seal.answers.target import TARGET
 from fem_seal.answers.uncertainty import UNCERTAINTY
 from fem_seal.answers.variants import THEORIES
@@ -32,15 +33,15 @@ from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.problem import SealProblem
 from fem_seal.seal.readings import FURTHER, leak_rate_column
 from fem_seal.seal.sources import EXACT, Shared, Source, family_or_own_table
-from fem_seal.studies.cost import FORCE_FOR_VERDICT, INTERVAL, is_target
+from fem_seal.studies.cost import FORCE_FOR_VERDICT, INTERVAL, PASSING, is_target
 from fem_seal.validity.checks import validity_of
 from leak.theory.plasticity import READINGS
 
 # A margin counts up to here: a sealed design, whose margin is infinite, can be compared with others.
 LARGEST_MARGIN = 1e6
-_OTHER_READINGS = {leak_rate_column(one) for one in FURTHER}
+_BOTH_READINGS = {"margin", *PASSING, *(leak_rate_column(one) for one in FURTHER)}
 _THEORIES = set(map(leak_rate_column, READINGS))
-_FOR_VERDICT = (ACCURACY, OPENING, TARGET, FINDINGS, UNCERTAINTY, VERDICT_FORCE, VERDICT)
+_FOR_VERDICT = (ACCURACY, OPENING, TARGET, FINDINGS, UNCERTAINTY, PASS_PROBABILITY, VERDICT_FORCE, VERDICT)
 _SOURCES = {
     (stress, interpolate): Shared(stress=stress, tables=family_or_own_table if interpolate else EXACT.table)
     for stress in (False, True)
@@ -120,9 +121,10 @@ def evaluate_designs(
     solved = evaluate_many(problems, sources, batch)
     loads = batch.each(solved, lambda number: _with_answers(solved[number], cases[number], columns))
     # for the checks alone the table would take too long
-    leaks = any(column.startswith(("leak_rate", "lift_off", "margin")) for column in columns)
+    passing, both = not PASSING.isdisjoint(columns), not _BOTH_READINGS.isdisjoint(columns)
+    leaks = passing or any(column.startswith(("leak_rate", "lift_off", "margin")) for column in columns)
     if leaks:
-        for step in _leaks(other="margin" in columns or not _OTHER_READINGS.isdisjoint(columns)):
+        for step in _leaks(other=both):
             batch.each(loads, lambda number: step(loads[number]))  # noqa: B023
     told = batch.each(
         loads,
@@ -163,7 +165,8 @@ def _checked(
 ) -> JudgedLoad:
     """A load with its validity, the samples of its inputs and what is said of it, as far as columns ask."""
     sampled = case.sampled is not None and not INTERVAL.isdisjoint(columns)
-    usual_only = leaks and found.problem.of_finish and not sampled
+    passing = not PASSING.isdisjoint(columns)
+    usual_only = leaks and found.problem.of_finish and not (sampled or passing)
     load = load.with_values(
         validity=validity_of(found, load, by_table=leaks and interpolated, usual_only=usual_only)
     )
@@ -173,7 +176,8 @@ def _checked(
         (load,) = answered(seal, ask, [UNCERTAINTY]).loads
         known = UNCERTAINTY.of(ask.answers) is not None
     judgement = judged(case, load, sampled=known) if "margin" in columns else None
-    return JudgedLoad.of(load, judgement=judgement)
+    likely = pass_probabilities(found.seal(case).with_loads([load])) if passing else [None]
+    return JudgedLoad.of(load, judgement=judgement, passing=likely[0])
 
 
 def _validity(load: LoadResult, columns: Sequence[str]) -> Validity:

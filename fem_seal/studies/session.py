@@ -186,7 +186,7 @@ def description(study: StudyPlan) -> dict[str, Any]:
     """What a reader of the file has to know about the columns; in JSON's types."""
     from fem_seal.answers.leakage_class import nominal_size
 
-    case = study.case
+    case, required = study.case, study.case.requirement
     return {
         "format_version": FORMAT_VERSION,
         "version": __version__,
@@ -215,6 +215,8 @@ def description(study: StudyPlan) -> dict[str, Any]:
             "nominal_size": nominal_size(case).size,
             "gas": getattr(case.fluid, "gas", None) is not None,
             "fluid": case.fluid.name if case.fluid else None,
+            # limits of classes depend on the design
+            "limit_m3_per_s": None if required is None or required.standard else required.leak_rate,
         },
     }
 

@@ -228,15 +228,10 @@ class NearbyTables:
 
     def _at(self, surface: RoughContact, sealing: float, places: FloatArray) -> _Values:
         """What is interpolated, of all surfaces in the same way."""
-        many_kinks = self.surface.spectrum.break_moments.size > _PIECES
-        few = replace(surface, spectrum=_few_power_laws(surface.spectrum)) if many_kinks else surface
+        few = self.surface.spectrum.break_moments.size > _PIECES
+        rarefied = self.of_gas and self.method == "bruggeman"
         p = sealing * np.exp(self._log_share(places))
-        if not self.of_gas or self.method != "bruggeman":
-            u = np.asarray(few.effective_separation(p, self.method, refinement=_DETAIL))
-            return _Values(_smooth(u, surface), np.zeros((p.size, _LOG_D.size)))
-        u, log_R = few.rarefied_separation(p, _LOG_D, refinement=_DETAIL)
-        log_R[u <= _NOTHING * _length(surface)] = 0.0
-        return _Values(_smooth(u, surface), log_R)
+        return _calculated(surface, tuple(p.tolist()), self.method, few, rarefied)
 
     def _places(self, shares: FloatArray) -> FloatArray:
         """Where in the abscissa surfaces are calculated, for highest pressures over that of sealing."""
@@ -285,6 +280,20 @@ class NearbyTables:
     @cached_property
     def _even(self) -> FloatArray:
         return self._abscissa(_LOG_SHARES)
+
+
+@lru_cache(maxsize=128)  # neighbouring seals ask for the same surfaces
+def _calculated(
+    surface: RoughContact, pressures: tuple[float, ...], method: str, few: bool, rarefied: bool
+) -> _Values:
+    p = np.array(pressures)
+    coarse = replace(surface, spectrum=_few_power_laws(surface.spectrum)) if few else surface
+    if not rarefied:
+        u = np.asarray(coarse.effective_separation(p, method, refinement=_DETAIL))
+        return _Values(_smooth(u, surface), np.zeros((p.size, _LOG_D.size)))
+    u, log_R = coarse.rarefied_separation(p, _LOG_D, refinement=_DETAIL)
+    log_R[u <= _NOTHING * _length(surface)] = 0.0
+    return _Values(_smooth(u, surface), log_R)
 
 
 @lru_cache(maxsize=4)  # both readings of a surface that yields ask for the same

@@ -81,6 +81,19 @@ class FlowError:
         """
         return np.asarray(np.exp(self.bias + self.spread * np.asarray(score, dtype=float)))
 
+    def share_below(self, factor: ArrayLike) -> FloatArray:
+        """Share of contacts whose factor on the conductivity is not above this one, the inverse of `factor`.
+
+        Parameters
+        ----------
+        factor : array_like
+            From zero to infinity, broadcast against `bias` [-].
+        """
+        from scipy.special import ndtr
+
+        with np.errstate(divide="ignore"):
+            return np.asarray(ndtr((np.log(factor) - self.bias) / self.spread))
+
 
 def closing(contact_area: ArrayLike) -> FloatArray:
     """X = A/(A_c - A), as far as there are direct simulations."""

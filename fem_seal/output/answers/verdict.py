@@ -75,8 +75,11 @@ def verdict_sentences(result: SealSolution) -> list[str]:
     place = _place(result, found)
     doubted = found.worst.verdict != "inconclusive" and _doubt(result, found)
     at = f"{place}, with doubt" if doubted else place
-    first = _verdict(found, at, _digits(result, found), volume_of(result.case))
-    return [first, *_further_sentences(result, found)]
+    first, likely = (
+        _verdict(found, at, _digits(result, found), volume_of(result.case)),
+        _pass_sentence(result),
+    )
+    return [first, *([likely] if likely else []), *_further_sentences(result, found)]
 
 
 def _digits(result: SealSolution, found: SealJudgement) -> int:
@@ -297,14 +300,53 @@ def verdict_facts(result: SealSolution) -> list[tuple[str, str, str]]:
     found = result.judgement
     if found is None:
         return []
-    shares, margin = found.shares, found.margin
+    shares, margin, likely = found.shares, found.margin, least_likely(result.loads)
     text = factor_text(margin, _digits(result, found)) if math.isfinite(margin) else "–"
     if math.isinf(margin):
         text = "sealed"
     facts = [("Margin", text, phrase("verdict.facts", "margin"))]
+    if likely is not None and likely.passing is not None and not likely.passing.why_none:
+        facts.append(("Passes", _in_percent(likely.passing.share), phrase("verdict.facts", "passes")))
     for name, share in _shares(result, shares).items():
         facts.append((_USED[name], share, phrase("verdict.facts", name, body=shares.body)))
     return facts
+
+
+def least_likely(loads: Sequence[JudgedLoad]) -> JudgedLoad | None:
+    """The load that keeps the requirement with the smallest probability; None where nothing is required.
+
+    Parameters
+    ----------
+    loads : sequence of JudgedLoad
+    """
+    judged = [load for load in loads if load.passing is not None]
+    known = [load for load in judged if not load.passing.why_none]  # type: ignore[union-attr]
+    return min(known or judged, key=lambda load: load.passing.share, default=None)  # type: ignore[union-attr]
+
+
+def _in_percent(share: float) -> str:
+    """A probability: none is told as certain, and none as impossible."""
+    if share > 0.9995 or share < 0.0005:
+        return "more than 99.9 %" if share > 0.5 else "less than 0.1 %"
+    return f"{100.0 * share:.1f} %"
+
+
+def _pass_sentence(result: SealSolution) -> str:
+    """How likely the load passes that passes least often; empty where nobody knows."""
+    load = least_likely(result.loads)
+    if load is None or load.passing is None:
+        return ""
+    found = load.passing
+    return phrase(
+        "verdict.passes",
+        "none" if found.why_none else "share",
+        "" if math.isnan(found.batch_low) else "batch",
+        load=load_name(load, result.loads),
+        share=_in_percent(found.share),
+        error=f"{100.0 * found.error:.1f} %",
+        batch=_in_percent(found.batch_low),
+        why=found.why_none,
+    )
 
 
 # Factors below this are shown in per cent: two digits would make them "1.1 times".
@@ -448,10 +490,13 @@ def verdict_numbers(result: SealSolution) -> dict[str, Any] | None:
     found = result.judgement
     if found is None:
         return None
-    worst, shares = found.worst, found.shares
+    worst, shares, likely = found.worst, found.shares, least_likely(result.loads)
     return {
         "verdict": str(found.verdict),
         "margin": found.margin,
+        "pass_probability": None if likely is None else likely.pass_probability,
+        "pass_probability_error": None if likely is None else likely.pass_probability_error,
+        "batch_share_p05": None if likely is None else likely.batch_share_p05,
         "says": verdict_sentences(result),
         "limit": worst.limit.name,
         "allowed_m3_per_s": worst.limit.leak_rate,

@@ -105,7 +105,7 @@ def test_a_sample_is_what_a_whole_run_with_its_inputs_gives():
     uniform = np.array(
         [[factor for factor in CHANGES.values()]]
     )  # 1 + 0.5 (2 u - 1) = factor for u = factor - 0.5
-    study = module._Study(rough_result(), inputs, uniform - 0.5)
+    study = module.SampledSeal(rough_result(), inputs, uniform - 0.5)
     # another mesh, and a conductivity table of 24 pressures instead of 64
     np.testing.assert_allclose(study.leak_rates([0])[0], readings(expected), rtol=2e-3)
 
@@ -142,7 +142,7 @@ def test_hardness_alone_gives_the_leak_rates_of_its_own_quantiles():
     for end, outer, quantile in ((interval.low, np.minimum, 0.05), (interval.high, np.maximum, 0.95)):
         factor = math.exp(0.1 * norm.ppf(quantile))
         uniform = np.array([[0.5 * (1 + (factor - 1) / 0.9)]])
-        study = module._Study(result, (UncertainInput("hardness", "uniform", 0.9),), uniform)
+        study = module.SampledSeal(result, (UncertainInput("hardness", "uniform", 0.9),), uniform)
         # 2048 Sobol samples know the quantile to 1e-3 of its probability
         conserved, capped = np.split(study.leak_rates([0])[0], 2)
         np.testing.assert_allclose(end, outer(conserved, capped), rtol=3e-3)
@@ -166,7 +166,7 @@ def test_polynomial_gives_the_samples_that_it_has_not_seen():
     result = single_result()
     interval = leak_interval(result, settings)
     assert interval.runs < interval.samples
-    study = module._Study.of(result, settings)
+    study = module.SampledSeal.of(result, settings)
     unseen = list(range(70, 128, 4))
     np.testing.assert_allclose(interval.leak_rate[:, unseen].T, study.leak_rates(unseen), rtol=2e-3)
     assert interval.shares.sum() == pytest.approx(1.0, abs=0.01)
@@ -202,7 +202,7 @@ def test_sealed_samples_are_counted_and_not_smoothed_over(monkeypatch):
         factor = study.values["hardness"][list(samples), 0]
         return np.where(factor > 1, 1e-9, 0.0)[:, None] * np.ones(2 * len(result.loads))
 
-    monkeypatch.setattr(module._Study, "leak_rates", half_sealed)
+    monkeypatch.setattr(module.SampledSeal, "leak_rates", half_sealed)
     settings = Uncertainty(samples=256, hardness=TEN_PER_CENT, viscosity=TEN_PER_CENT)
     interval = leak_interval(result, settings)
     assert interval.runs == 256
@@ -326,7 +326,7 @@ def test_blown_open_samples_make_the_upper_end_infinite(monkeypatch):
         factor = study.values["hardness"][list(samples), 0]
         return np.where(factor > 1.05, np.inf, 1e-9 * factor)[:, None] * np.ones(2 * len(result.loads))
 
-    monkeypatch.setattr(module._Study, "leak_rates", some_open)
+    monkeypatch.setattr(module.SampledSeal, "leak_rates", some_open)
     interval = leak_interval(result, Uncertainty(samples=64, hardness=TEN_PER_CENT))
     assert np.isinf(interval.high).all()
     assert np.isfinite(interval.median).all()
@@ -517,7 +517,11 @@ def test_result_files_hold_the_interval_and_the_variants(tmp_path):
     words = json.loads((folder / "summary.json").read_text())
     assert words["uncertainty"]["seed"] == 1
     assert words["uncertainty"]["shares_of_variance"] == {"viscosity": [1.0] * 3}
-    assert words["input"]["uncertainty"]["viscosity"] == {"distribution": "lognormal", "relative": 0.1}
+    assert words["input"]["uncertainty"]["viscosity"] == {
+        "distribution": "lognormal",
+        "relative": 0.1,
+        "varies": "unknown",
+    }
     variants = pd.read_csv(folder / "variants.csv")
     # 2 P(u) x 2 thresholds, 2 critical junctions, 3 loads
     assert len(variants) == len(words["theory_variants"]) == 24
@@ -628,7 +632,7 @@ def test_variants_on_the_command_line(tmp_path, capsys):
 def test_samples_flow_as_the_case_does(tables):
     """A sample with all factors one has the leak rate of the case, whatever flows and however."""
     result = run_loads(case(load={"fluid_pressure": "5 bar"}, **tables))
-    study = module._Study(result, (UncertainInput("rms_height", "uniform", 0.5),), np.array([[0.5]]))
+    study = module.SampledSeal(result, (UncertainInput("rms_height", "uniform", 0.5),), np.array([[0.5]]))
     expected = readings(result) if result.case.leak.plasticity else rates(result)
     # tables of 24 and 64 pressures
     if "fluid" in tables:

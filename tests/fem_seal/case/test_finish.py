@@ -175,10 +175,10 @@ def test_given_profiles_say_that_they_know_the_usual_surface_only(solved):
 
 
 def test_samples_with_tables_from_that_of_the_case_are_those_with_their_own(solved):
-    from fem_seal.answers.uncertainty import _Study
+    from fem_seal.answers.uncertainty import SampledSeal
     from fem_seal.case.tables import Uncertainty
 
-    study = _Study.of(solved, Uncertainty(samples=16, seed=2))
+    study = SampledSeal.of(solved, Uncertainty(samples=16, seed=2))
     assert study.leak_rates(range(2)) == pytest.approx(
         replace(study, exact=True).leak_rates(range(2)), rel=5e-3
     )

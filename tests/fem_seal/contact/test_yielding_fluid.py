@@ -13,7 +13,7 @@ from plastic_solids import HARDENING, LAW, YIELD, E, seal
 
 import fem_seal
 import leak
-from fem_seal.answers.uncertainty import _Study
+from fem_seal.answers.uncertainty import SampledSeal
 from fem_seal.bodies.elasticity import boundary_dofs, node_dofs
 from fem_seal.bodies.supports import Supports
 from fem_seal.case.tables import Spread, Uncertainty
@@ -403,7 +403,7 @@ def test_samples_of_a_surface_linearise_bodies_that_yield() -> None:
     assert result.contact[0].states["seat"].plastic.accumulated.max() > 1e-3  # type: ignore[attr-defined]
     (same,) = linearised_again(result.contact, problem.law)
     assert same.pressure == pytest.approx(result.contact[0].pressure, rel=1e-6)
-    study = _Study.of(result, settings)
+    study = SampledSeal.of(result, settings)
     assert study.linearised
     linear, whole = (one.leak_rates(range(2)) for one in (study, replace(study, whole_paths=True)))
     changed = np.abs(np.log(whole / np.array(study.of_case)))
@@ -413,7 +413,7 @@ def test_samples_of_a_surface_linearise_bodies_that_yield() -> None:
 
 def test_a_sample_of_the_modulus_has_its_own_path() -> None:
     _, result = sampled()
-    study = _Study.of(result, Uncertainty(youngs_modulus=Spread(relative=0.07)))
+    study = SampledSeal.of(result, Uncertainty(youngs_modulus=Spread(relative=0.07)))
     assert study.whole_paths and not study.linearised
     (rates,) = study.leak_rates([0])
     factor = study.values["youngs_modulus"][0, 0]

@@ -34,7 +34,7 @@ LEAK_HEADER = (
     "peak_pressure_max_Pa,line_load_min_over_mean,leak_rate_round_m3_per_s,"
     "leak_rate_scratches_low_m3_per_s,leak_rate_scratches_high_m3_per_s,"
     "leak_rate_conserved_m3_per_s,leak_rate_capped_m3_per_s,force_for_target_leak_capped_N,force_for_verdict_N,"
-    "contact_temperature_K,effective_viscosity_Pa_s,margin,"
+    "contact_temperature_K,effective_viscosity_Pa_s,margin,pass_probability,pass_probability_error,batch_share_p05,"
     "leak_rate_paper_m3_per_s,leak_rate_corrected_m3_per_s,verdict,validity,validity_reasons"
 )
 PROFILE_HEADER = (
@@ -114,13 +114,16 @@ def test_what_was_not_calculated_is_not_a_number(tmp_path):
         "contact_temperature_K",
         "effective_viscosity_Pa_s",
         "margin",
+        "pass_probability",
+        "pass_probability_error",
+        "batch_share_p05",
         "leak_rate_paper_m3_per_s",
         "leak_rate_corrected_m3_per_s",
     ]
     assert table[missing].isna().all().all()
     assert table.drop(columns=[*missing, "verdict", "validity_reasons"]).notna().all().all()
-    numbers = np.loadtxt(tmp_path / "leak.csv", delimiter=",", skiprows=1, usecols=range(42))
-    assert numbers.shape == (2, 42)
+    numbers = np.loadtxt(tmp_path / "leak.csv", delimiter=",", skiprows=1, usecols=range(45))
+    assert numbers.shape == (2, 45)
 
 
 def test_profile_csv_gives_the_line_load_back(tmp_path):

@@ -504,3 +504,41 @@ def test_a_first_order_index_above_the_total_is_called_noise():
     assert [row[1] for row in section.rows] == ["0.9 (noise)", "−0.1 (noise)"]
     assert "noise of the sample" in section.note
     assert not replace(noisy, method="morris").noise.any()
+
+
+def test_designs_that_pass_stand_on_the_first_screen_and_the_limit_in_the_plots():
+    angles = [math.pi / 6, math.pi / 4, math.pi / 3]
+    seal = {"nominal_size": 0.025, "gas": False, "fluid": "water", "limit_m3_per_s": 2e-9}
+    columns = {"seat.angle": angles, LEAK_RATE: [1e-9, 4e-9, 3e-8], "pass_probability": [0.97, 0.4, math.nan]}
+    designs = made([ANGLE], columns, seal=seal)
+    first = next(sections(designs))
+    assert first.heading == "Designs that pass" and [row[0] for row in first.rows] == ["0", "1", "2"]
+    assert "1 of 3 designs leak less than" in first.note and "of 1 it is not known" in first.note
+    display = Display(designs)
+    figure = plots.response_plot(display)
+    (line,) = figure.layout.shapes
+    assert line.y0 == line.y1 == pytest.approx(float(display.shown(LEAK_RATE, 2e-9)))
+    # what is no leak rate has no line
+    menu = {button.label: button.args[1] for button in figure.layout.updatemenus[0].buttons}
+    assert [len(args["shapes"]) for args in menu.values()] == [1, 0]
+    assert plots.distribution_plot(display).layout.shapes[0].x0 == line.y0
+    text = page(designs, {"done": 3, "failed": 0, "open": 0}, [])
+    assert text.index("Designs that pass") < text.index("Responses over parameters")
+    # a limit that differs from design to design is no line
+    varied = made(
+        [{**ANGLE, "name": "requirement.leak_rate"}],
+        {"requirement.leak_rate": angles, LEAK_RATE: [1e-9] * 3},
+        seal=seal,
+    )
+    assert varied.limit is None
+    two = made(
+        [ANGLE, FORCE],
+        {
+            "seat.angle": angles * 2,
+            "load.applied_force": [0.0] * 3 + [9.0] * 3,
+            LEAK_RATE: [1e-9, 4e-9, 3e-8] * 2,
+        },
+        seal=seal,
+    )
+    map_of = plots.map_plot(Display(two))
+    assert map_of.data[1].contours.start == map_of.data[1].contours.end
