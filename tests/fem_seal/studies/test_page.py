@@ -502,7 +502,7 @@ def test_a_first_order_index_above_the_total_is_called_noise():
     noisy = replace(found, first=np.array([0.9, -0.1]), total=np.array([0.8, 0.3]))
     section = _indices(Display(designs), noisy)
     assert [row[1] for row in section.rows] == ["0.9 (noise)", "−0.1 (noise)"]
-    assert "noise of the sample" in section.note
+    assert "sampling noise" in section.note
     assert not replace(noisy, method="morris").noise.any()
 
 
