@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_seal.answers.measurements import instruments
 from fem_seal.answers.posterior import Posterior, columns_of
 from fem_seal.answers.response_surface import IntArray, fit
 from fem_seal.answers.uncertainty import AnyInput, leak_interval, uncertain_inputs
@@ -44,8 +45,6 @@ _SIMULATED = 4000
 _AS_MUCH = 0.4
 # Of an expected width: truths that it is the mean of, and draws that show each.
 _TRUTHS, _SHOWN = 64, 4096
-# Accuracy of a leak rate that is measured next, and of a hardness by a Vickers series [-].
-_NEXT_READING, _HARDNESS = 0.1, 0.03
 _SHARES = (0.05, 0.5, 0.95)
 # What a reading below the instrument's limit and a sealed draw count as.
 _NO_LEAK = -1e3
@@ -665,9 +664,16 @@ def _next_tests(
 ) -> tuple[NextTest, ...]:
     """Tests in the order of what they are expected to say, from draws of the posterior."""
     now = _width(target, np.full(target.size, 1.0 / target.size))
-    shown = [(test, y, _NEXT_READING) for test, y in candidates]
+    known = instruments()
+    shown = [(test, y, known["leak_test"]["accuracies"]["leak_rate"]) for test, y in candidates]
     if "hardness" in values:
-        shown.append((NextTest("hardness"), np.log(values["hardness"][kept]), _HARDNESS))
+        shown.append(
+            (
+                NextTest("hardness"),
+                np.log(values["hardness"][kept]),
+                known["hardness_test"]["accuracies"]["hardness"],
+            )
+        )
     found = [
         replace(test, width=now, expected=expected_width(y, target, spread)) for test, y, spread in shown
     ]

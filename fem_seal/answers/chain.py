@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 
 from fem_seal.answers.accuracy import ACCURACY
 from fem_seal.answers.answer import NOTHING_ELSE, Answer, Inquiry, Wanted, answered
+from fem_seal.answers.error_shares import ERROR_SHARES
 from fem_seal.answers.findings import FINDINGS
 from fem_seal.answers.form import FORM
 from fem_seal.answers.judgement import JudgedLoad
@@ -48,6 +49,7 @@ ANSWERS: tuple[Answer[Any], ...] = (
     FINDINGS,
     THEORY_VARIANTS,
     UNCERTAINTY,
+    ERROR_SHARES,
     PASS_PROBABILITY,
     VERDICT_FORCE,
     VERDICT,

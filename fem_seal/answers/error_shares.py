@@ -3,20 +3,34 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from statistics import NormalDist
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem_seal.answers.answer import Answer
+from fem_seal.answers.measurements import (
+    EVEN,
+    LEAK_TEST,
+    LINE_SCAN,
+    Draws,
+    LineScans,
+    Measurement,
+    accuracies,
+    instruments,
+    line_scans,
+)
+from fem_seal.answers.uncertainty import UNCERTAINTY
 from fem_seal.seal.findings import Validity
-from leak.surfaces.random import height_scatter
 
 if TYPE_CHECKING:
     from fem_seal.answers.uncertainty import LeakInterval
+    from fem_seal.arrays import FloatArray
     from fem_seal.case.case import Case
-    from fem_seal.seal.load_result import LoadResult
+    from fem_seal.seal.bounds import Bounds
+    from fem_seal.seal.load_result import LoadResult, SolvedSeal
 
 
 @dataclass(frozen=True)
@@ -66,20 +80,18 @@ class ErrorShares:
         The same factor if one of the sources were known exactly.
     by_profiles : AfterProfiles or None
         What would be left if each face with a drawing's finish were measured; None where there is none.
+    measurements : sequence of Measurement
+        What would narrow the interval, and to which factor, the narrowest first; empty without uncertain inputs.
     """
 
     of_width: Mapping[str, float] = field(default_factory=dict)
     factor: float = 1.0
     left: Mapping[str, float] = field(default_factory=dict)
     by_profiles: AfterProfiles | None = None
+    measurements: Sequence[Measurement] = ()
 
 
-# What a line scan shows of a surface; its lay and the waves below the stylus it does not.
-_SHOWN = ("hurst", "q_rolloff", "rms_height")
-_OF_FINISH = (*_SHOWN, "q_high", "lay")
 _TOGETHER = "inputs together"
-# A run over which an instrument is to go, over the cutoff: five and one before and after (ISO 21920-3).
-_CUTOFFS = 7.0
 # Of the range of a finish.
 _PLACES = 200
 
@@ -109,24 +121,126 @@ def measured_profiles(case: Case) -> MeasuredProfiles | None:
     case : Case
     """
     faces = {} if case.roughness is None else case.roughness.finishes
-    spreads = {key: one.finish.spreads["rms_height"] for key, one in faces.items()}
     if case.roughness is None or not faces or len(faces) < len(case.roughness.parts):
         return None
-    lengths = {key: _CUTOFFS * one.finish.band.lambda_c for key, one in faces.items()}
-    surfaces = {key: one.surface() for key, one in faces.items()}
-    whole = sum(one.spectrum.rms_height**2 for one in surfaces.values())
-    share = {key: one.spectrum.rms_height**2 / whole for key, one in surfaces.items()}
-    left = sum((share[key] * height_scatter(one.across, lengths[key])) ** 2 for key, one in surfaces.items())
+    scans = line_scans(case.roughness)
     places = (np.arange(_PLACES) + 0.5) / _PLACES
-    spread = np.sum([share[key] * np.log(one.at(places)) for key, one in spreads.items()], axis=0)
-    return MeasuredProfiles(max(lengths.values()), left, float(spread.var())) if spread.any() else None
+    spreads = {key: one.finish.spreads["rms_height"].at(places) for key, one in faces.items()}
+    spread = np.sum([scans.shares[key] * np.log(one) for key, one in spreads.items()], axis=0)
+    return MeasuredProfiles(scans.length, scans.scatter**2, float(spread.var())) if spread.any() else None
+
+
+@dataclass(frozen=True)
+class _Outlook:
+    """What measurements would do to the interval of each load.
+
+    Parameters
+    ----------
+    seal : SolvedSeal
+    draws : Draws
+    scans : LineScans
+    """
+
+    seal: SolvedSeal
+    draws: Draws
+    scans: LineScans
+
+    @cached_property
+    def profiles(self) -> MeasuredProfiles | None:
+        """Of a seal whose finishes leave the height open."""
+        settings = self.seal.case.sampled
+        told = settings is None or "rms_height" in settings.spreads
+        return None if told or "rms_height" not in self.draws.values else measured_profiles(self.seal.case)
+
+    @cached_property
+    def per_height(self) -> float:
+        """By how much the uncertain ln h, of finishes the mean over the faces, changes with that of the gap."""
+        if self.profiles is None:
+            return 1.0
+        return float(self.draws.values["rms_height"].std()) / math.sqrt(self.profiles.before)
+
+    @cached_property
+    def rows(self) -> list[tuple[str, dict[str, float], FloatArray]]:
+        """Instruments with their accuracies and the weights of the draws after them."""
+        scatter = self.scans.scatter
+        scatters = {"q_rolloff": scatter, "hurst": scatter, "rms_height": scatter * self.per_height}
+        return [
+            (name, known, self.draws.shown(known)) for name, known in accuracies(self.draws.values, scatters)
+        ]
+
+    @cached_property
+    def doubts(self) -> list[Bounds]:
+        """Factors by which the leak rate may be off at each load, beside the draws."""
+        return [load.leak_validity.leak_factor for load in self.seal.loads]
+
+    def of(self, shares: ErrorShares, number: int) -> ErrorShares:
+        """The shares of a load with the measurements that would narrow its interval."""
+        draws, rates = self.draws, self.draws.log_rate[:, number]
+        if not shares.of_width or not np.isfinite(rates).all():
+            return shares
+        whole, before = math.log(shares.factor), draws.width(rates, EVEN)
+        found = []
+        for instrument, known, weights in self.rows:
+            after = draws.width(rates, weights)
+            gain = None if after is None or before is None else max(before - after, 0.0)
+            found.append(Measurement(instrument, known, None if gain is None else math.exp(whole - gain)))
+        scan = max(
+            (one for one in found if one.instrument == LINE_SCAN and "rms_height" in one.accuracy),
+            key=lambda one: len(one.accuracy),
+            default=None,
+        )
+        found += self._leak_tests(number, whole)
+        ranked = sorted(found, key=lambda one: math.inf if one.left is None else one.left)
+        by_profiles = None if scan is None else self._after_profiles(scan, number)
+        return replace(shares, by_profiles=by_profiles, measurements=ranked)
+
+    def _leak_tests(self, number: int, whole: float) -> Iterator[Measurement]:
+        """At the lowest load, and at this one."""
+        loads, draws = self.seal.loads, self.draws
+        (accuracy,) = instruments()[LEAK_TEST]["accuracies"].values()
+        for at in dict.fromkeys((min(range(len(loads)), key=lambda n: loads[n].point), number)):
+            if np.isfinite(draws.log_rate[:, at]).all():
+                weights = draws.shown_by_test(at, accuracy, self.doubts[at])
+                after = draws.width(draws.doubted(number, self.doubts[number]), weights)
+                left = None if after is None else math.exp(min(after, whole))
+                yield Measurement(LEAK_TEST, {"leak_rate": accuracy}, left, at)
+
+    def _after_profiles(self, scan: Measurement, number: int) -> AfterProfiles | None:
+        """After scans of faces with a finish."""
+        if self.profiles is None or scan.left is None:
+            return None
+        draws, load = self.draws, self.seal.loads[number]
+        rates, height = draws.log_rate[:, number], draws.values["rms_height"]
+        usual = {name: float(np.median(one)) for name, one in draws.values.items()}
+        _, high = draws.ends(rates, draws.shown(scan.accuracy, usual))
+        assert load.leak is not None  # of an interval
+        most = max(load.leak.leak_rate, *(load.leak_range or (0.0,)), math.exp(high[0]))
+        slope = float(np.polyfit(height, rates[0], 1)[0]) * self.per_height
+        return AfterProfiles(self.scans.length, scan.left, most * self.doubts[number].high, slope)
+
+
+def all_error_shares(seal: SolvedSeal, interval: LeakInterval | None) -> tuple[ErrorShares, ...]:
+    """What makes the interval of each load, and what would narrow it.
+
+    Parameters
+    ----------
+    seal : SolvedSeal
+    interval : LeakInterval or None
+        Of the uncertain inputs.
+    """
+    found = tuple(error_shares(load, interval, number) for number, load in enumerate(seal.loads))
+    log_peaks = np.log10([load.peak_pressure for load in seal.loads])
+    draws = None if interval is None else Draws.of(interval, log_peaks)
+    if draws is None or seal.case.roughness is None:
+        return found
+    outlook = _Outlook(seal, draws, line_scans(seal.case.roughness))
+    return tuple(outlook.of(one, number) for number, one in enumerate(found))
 
 
 def error_shares(
     load: LoadResult,
     interval: LeakInterval | None,
     number: int,
-    profiles: MeasuredProfiles | None = None,
 ) -> ErrorShares:
     """What makes the interval of one load.
 
@@ -140,8 +254,6 @@ def error_shares(
         Of the uncertain inputs.
     number : int
         Of the load among those of the interval.
-    profiles : MeasuredProfiles, optional
-        Of the case.
     """
     ends = load.leak_interval
     if ends is None or not 0.0 < ends.low < ends.high < math.inf:
@@ -170,24 +282,10 @@ def error_shares(
         widths[name] = together * variance / total
         left[name] = math.exp(whole - together * (1.0 - math.sqrt(1.0 - variance / total)))
     ranked = sorted(widths, key=lambda name: -widths[name])
-    by_profiles = None
-    if profiles is not None and variances.get("rms_height", 0.0) > 0.0:
-        shown = sum(variances.get(name, 0.0) for name in _SHOWN)
-        shown *= 1.0 + variances[_TOGETHER] / sum(variances.get(name, 0.0) for name in _OF_FINISH)
-        slope = variances["rms_height"] / profiles.before
-        rest = min(total - shown + slope * profiles.left, total)
-        after = math.exp(whole - together * (1.0 - math.sqrt(rest / total)))
-        assert load.leak is not None and interval is not None  # of an interval that is sampled
-        bias = 0.0 if load.flow_error is None else float(load.flow_error.bias)
-        above = bias + math.sqrt(rest) * NormalDist().inv_cdf(0.5 + 0.5 * interval.confidence)
-        most = max(load.leak.leak_rate, *(load.leak_range or (0.0,)))
-        high = most * math.exp(max(above, 0.0)) * load.leak_validity.leak_factor.high
-        by_profiles = AfterProfiles(profiles.length, after, high, math.sqrt(slope))
     return ErrorShares(
         {name: widths[name] / whole for name in ranked},
         math.exp(whole),
         {name: left[name] for name in ranked},
-        by_profiles,
     )
 
 
@@ -199,3 +297,11 @@ def _of_inputs(interval: LeakInterval, number: int) -> dict[str, float]:
     shares = dict(zip(interval.inputs, np.nan_to_num(interval.shares[number]).tolist(), strict=True))
     rest = max(1.0 - sum(shares.values()), 0.0)
     return {name: share * variance for name, share in shares.items()} | {_TOGETHER: rest * variance}
+
+
+ERROR_SHARES = Answer[tuple[ErrorShares, ...]](
+    "error_shares",
+    "what makes the interval of the leak rates",
+    lambda seal, ask: all_error_shares(seal, UNCERTAINTY.of(ask.answers)),
+    (),
+)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Self
 
 from fem_seal.answers.accuracy import ACCURACY, Comparison
+from fem_seal.answers.error_shares import ERROR_SHARES
 from fem_seal.answers.form import FORM
 from fem_seal.answers.judgement import JudgedLoad, Judgement, SealJudgement, Verdict
 from fem_seal.answers.particles import PARTICLES
@@ -37,6 +38,7 @@ class SealSolution(SolvedSeal):
     theories = THEORIES
     theory_variants = THEORY_VARIANTS
     uncertainty = UNCERTAINTY
+    error_shares = ERROR_SHARES
     sensitivities = SENSITIVITIES
     levers = former_attribute("levers", "sensitivities")
 

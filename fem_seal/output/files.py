@@ -119,7 +119,8 @@ def summary(result: SealSolution) -> dict[str, Any]:
         (force with which the verdict passes or why none does, one entry per load; empty unless asked), ``levers`` (the
         sensitivities, the strongest first), ``particles`` (answers about particles in the fluid, one entry per
         load that leaks), ``theories`` (result of the other theory, and why it differs), ``interface_variants``,
-        ``uncertainty`` (null unless asked for), ``error_shares`` (shares of the width of the interval of each load),
+        ``uncertainty`` (null unless asked for), ``error_shares`` (shares of the width of the interval of each load,
+        and the factor that a measurement is expected to leave),
         ``theory_variants`` (rows of variants.csv), ``warnings``, ``wall_times_s``, ``sources``.
     """
     case = result.case

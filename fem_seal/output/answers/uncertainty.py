@@ -3,37 +3,20 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem_seal.answers.error_shares import ErrorShares, error_shares, measured_profiles
 from fem_seal.answers.leakage_class import volume_of
-from fem_seal.output.prose import phrase, prose
+from fem_seal.output.answers.error_shares import input_name
+from fem_seal.output.prose import phrase
 from fem_seal.output.shown import ReadableTable, Shown
 from fem_seal.seal.load_names import load_name
-from fem_seal.seal.load_result import highest_load
 from fem_seal.units import format_digits, percent, unit_for
 
 if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
     from fem_seal.answers.uncertainty import LeakInterval
-
-
-# Sources of error are named from this factor of the interval on; their largest number, and smallest share.
-_NARROW, _NAMED, _LEAST = 1.25, 4, 0.01
-# A measurement that narrows the interval by a smaller factor is not named.
-_NARROWER = 1.1
-
-
-def _input_name(name: str) -> str:
-    """An uncertain input in words; one of several measured spectra is called by its key."""
-    names: dict[str, str] = prose()["sources_of_error"]
-    if name in names or name.startswith("accuracy: "):
-        return names.get(name, name.removeprefix("accuracy: "))
-    key = name.removeprefix("scan_length_")
-    return f"{names['scan_length']} ({key})" if key != name else f"{name} between scans"
 
 
 def interval_table(result: SealSolution) -> ReadableTable:
@@ -50,7 +33,7 @@ def interval_table(result: SealSolution) -> ReadableTable:
         f"leak rate [{unit.name}]",
         f"{span}: from [{unit.name}]",
         f"to [{unit.name}]",
-        *(f"{_input_name(name)} [%]" for name in interval.inputs),
+        *(f"{input_name(name)} [%]" for name in interval.inputs),
     )
     rows = []
     for load, both, shares in zip(result.loads, ends, interval.shares, strict=True):
@@ -84,44 +67,8 @@ def interval_note(result: SealSolution) -> str:
         "held",
         "" if result.highest.flow_error is None else "own",
         interval=interval,
-        inputs=", ".join(_input_name(name) + spreads.get(name, "") for name in interval.inputs),
+        inputs=", ".join(input_name(name) + spreads.get(name, "") for name in interval.inputs),
         sealed=sealed,
-    )
-
-
-def error_shares_of(result: SealSolution) -> list[ErrorShares]:
-    """Shares of the sources of error in the interval of each load.
-
-    Parameters
-    ----------
-    result : SealSolution
-    """
-    profiles = measured_profiles(result.case)
-    return [
-        error_shares(load, result.uncertainty, number, profiles) for number, load in enumerate(result.loads)
-    ]
-
-
-def error_sentence(result: SealSolution) -> str:
-    """Sources of error of the interval of the highest load, and measures against it; empty for a narrow interval."""
-    number = highest_load(result.loads)
-    found = error_shares_of(result)[number]
-    if found.factor < _NARROW or len(found.of_width) < 2:
-        return ""
-    largest = next(iter(found.of_width))
-    measured = found.by_profiles
-    named = [(name, share) for name, share in list(found.of_width.items())[:_NAMED] if share >= _LEAST]
-    return phrase(
-        "notes.error_shares",
-        "interval",
-        "doubt" if largest.startswith("accuracy: ") else "source",
-        "" if measured is None or measured.left * _NARROWER > found.factor else "profile",
-        measured=measured,
-        load=load_name(result.loads[number], result.loads),
-        factor=found.factor,
-        shares=", ".join(f"{_input_name(name)} {percent(share, 1)}" for name, share in named),
-        largest=_input_name(largest),
-        left=found.left[largest],
     )
 
 
@@ -147,12 +94,9 @@ def interval_numbers(result: SealSolution, interval: LeakInterval) -> dict[str, 
 SHOWN = Shown(
     summary=lambda result: {
         "uncertainty": None if result.uncertainty is None else interval_numbers(result, result.uncertainty),
-        "error_shares": [asdict(one) for one in error_shares_of(result)],
     },
     words=lambda result: {
         "interval": interval_table(result),
         "interval_note": interval_note(result),
-        "error_sentence": error_sentence(result),
     },
-    lines=lambda result: [f"  {one}" for one in [error_sentence(result)] if one],
 )

@@ -197,20 +197,17 @@ def _to_measure(result: SealSolution, found: SealJudgement) -> Iterator[str]:
     """Measurement that may turn an inconclusive verdict into a pass."""
     if found.number is None or found.worst.why not in (VerdictReason.INTERVAL, VerdictReason.ACCURACY):
         return
-    # `check` does not need this import
-    from fem_seal.output.answers.uncertainty import error_shares_of
-
-    shares = error_shares_of(result)[found.number]
-    if shares.by_profiles is None:
+    known = result.error_shares
+    profiles = known[found.number].by_profiles if found.number < len(known) else None
+    if profiles is None:
         return
     ends = result.loads[found.number].leak_interval
     assert ends is not None  # they are judged
-    height = shares.by_profiles.passing_height(found.margin * ends.high)
+    height = profiles.passing_height(found.margin * ends.high)
     if height >= _LOWEST_HEIGHT:
-        length = shares.by_profiles.length
         yields = any(one.kind == YIELD_STRESS for one in result.loads[found.number].validity.cautions)
         curve = "curve" if yields else ""
-        yield phrase("verdict.sentences", "profile", curve, length=length, height=height)
+        yield phrase("verdict.sentences", "profile", curve, length=profiles.length, height=height)
 
 
 def _other_theory(result: SealSolution, found: SealJudgement) -> Iterator[str]:

@@ -13,10 +13,11 @@ from sample_results import SPECTRUM, case, run_loads
 import fem_seal
 import leak
 from fem_seal.answers.error_shares import ErrorShares, error_shares, measured_profiles
-from fem_seal.output.answers.uncertainty import error_sentence, error_shares_of
+from fem_seal.output.answers.error_shares import error_sentence, measurement_table
 from fem_seal.output.answers.verdict import verdict_sentences
 from fem_seal.output.files import write_summary
 from fem_seal.seal.bounds import Bounds
+from fem_seal.units import format_digits
 from leak.surfaces.random import height_scatter
 
 CORRECTED = {"theory": "corrected"}
@@ -87,12 +88,24 @@ def test_the_papers_theory_has_its_readings_and_no_error_of_its_own():
 def test_the_sentence_and_the_summary_have_them(tmp_path):
     told = error_sentence(result())
     assert "spans a factor of" in told and "rms height" in told and "known exactly, a factor of" in told
+    assert (
+        "With rms height measured to 6 % and roll-off to 21 % (stylus profilometer, one line scan of 5.6 mm"
+        in told
+    )
+    assert "with a leak rate measured to 10 % at 20 bar, 1.4." in told
     close = run_loads(case(load={"fluid_pressure": "20 bar"}, roughness=FEW, leak=CORRECTED))
     assert "Without the uncertainty from long waves, a factor of" in error_sentence(close)
     assert error_sentence(result(*SPREADS, theory="paper")) == ""
     summary = json.loads(write_summary(result(), tmp_path / "summary.json").read_text(encoding="utf-8"))
     (entry,) = summary["error_shares"]
-    assert entry["of_width"] == pytest.approx(dict(error_shares_of(result())[0].of_width))
+    (shares,) = result().error_shares
+    assert entry["of_width"] == pytest.approx(dict(shares.of_width))
+    assert [one["left"] for one in entry["measurements"]] == [one.left for one in shares.measurements]
+    table = measurement_table(result())
+    assert len(table.rows) == len(shares.measurements)
+    whats, factors = [row[0] for row in table.rows], [row[3] for row in table.rows]
+    assert {"rms height", "roll-off", "viscosity", "leak rate at 20 bar"} < {*whats}
+    assert factors == [format_digits(shares.factor, 2)] * len(factors)
 
 
 LAPPED = {
@@ -125,12 +138,12 @@ def finished(**tables):
 def test_a_measured_profile_leaves_what_was_foretold(tmp_path, seed):
     """By doing it: a finish of 0.2 um leaves a factor of 3 before, one line scan of each face 1.4 to 1.6."""
     found = fem_seal.run(finished())
-    (shares,) = error_shares_of(found)
+    (shares,) = found.error_shares
     assert shares.factor > 2.5 and shares.by_profiles.length == pytest.approx(5.6e-3)
     assert "With one measured profile of 5.6 mm of each face that has a drawing's finish" in error_sentence(
         found
     )
-    (after,) = error_shares_of(fem_seal.run(measured(finished(), tmp_path, seed)))
+    (after,) = fem_seal.run(measured(finished(), tmp_path, seed)).error_shares
     assert after.factor == pytest.approx(shares.by_profiles.left, rel=0.15)
 
 

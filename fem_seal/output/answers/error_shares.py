@@ -1,0 +1,128 @@
+"""What makes the interval of the leak rate wide, and what to measure to narrow it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import asdict
+from typing import TYPE_CHECKING
+
+from fem_seal.answers.measurements import LEAK_TEST, Measurement, instruments, line_scans
+from fem_seal.output.prose import filled, phrase, prose
+from fem_seal.output.shown import ReadableTable, Shown, worded_table
+from fem_seal.seal.load_names import load_name
+from fem_seal.seal.load_result import highest_load
+from fem_seal.units import format_digits, percent
+
+if TYPE_CHECKING:
+    from fem_seal.answers.error_shares import ErrorShares
+    from fem_seal.answers.solution import SealSolution
+
+# Sources of error are named from this factor of the interval on; their largest number, and smallest share.
+_NARROW, _NAMED, _LEAST = 1.25, 4, 0.01
+# A measurement that narrows the interval by a smaller factor is not named; largest number of instruments.
+_NARROWER, _INSTRUMENTS = 1.1, 2
+
+
+def input_name(name: str) -> str:
+    """An uncertain input in words; one of several measured spectra is called by its key.
+
+    Parameters
+    ----------
+    name : str
+    """
+    names: dict[str, str] = prose()["sources_of_error"]
+    if name in names or name.startswith("accuracy: "):
+        return names.get(name, name.removeprefix("accuracy: "))
+    key = name.removeprefix("scan_length_")
+    return f"{names['scan_length']} ({key})" if key != name else f"{name} between scans"
+
+
+def error_sentence(result: SealSolution) -> str:
+    """What makes the interval of the highest load, and what would narrow it; empty where it is narrow."""
+    load = result.loads[highest_load(result.loads)]
+    found = _highest(result)
+    if found is None or found.factor < _NARROW or len(found.of_width) < 2:
+        return ""
+    largest = next(iter(found.of_width))
+    told = [(name, share) for name, share in list(found.of_width.items())[:_NAMED] if share >= _LEAST]
+    (first, after), *others = [*_told(result, found)] or [("", 0.0)]
+    return phrase(
+        "notes.error_shares",
+        "interval",
+        "doubt" if largest.startswith("accuracy: ") else "source",
+        "measured" if first else "",
+        load=load_name(load, result.loads),
+        factor=found.factor,
+        shares=", ".join(f"{input_name(name)} {percent(share, 1)}" for name, share in told),
+        largest=input_name(largest),
+        left=found.left[largest],
+        first=first,
+        after=after,
+        others="".join(phrase("notes.error_shares", "other", what=what, left=left) for what, left in others),
+    )
+
+
+def _highest(result: SealSolution) -> ErrorShares | None:
+    number = highest_load(result.loads)
+    return result.error_shares[number] if number < len(result.error_shares) else None
+
+
+def _told(result: SealSolution, found: ErrorShares) -> Iterator[tuple[str, float]]:
+    """Measurements that are worth it with the factor that each leaves: profiles of a finish first, a leak test last."""
+    worth = [one for one in found.measurements if one.left and one.left * _NARROWER <= found.factor]
+    best: dict[str, Measurement] = {}
+    for one in worth:
+        best.setdefault(one.instrument, one)
+    profiles, test = found.by_profiles, best.pop(LEAK_TEST, None)
+    if profiles is not None:
+        best.pop("line_scan", None)
+        if profiles.left * _NARROWER <= found.factor:
+            yield phrase("notes.measurement", "profiles", profiles=profiles), profiles.left
+    for one in list(best.values())[: _INSTRUMENTS - (profiles is not None)]:
+        yield phrase("notes.measurement", "input", **_words(result, one)), float(one.left or 0.0)
+    # that at a lower load says more than it seems to
+    tests = [one for one in worth if one.instrument == LEAK_TEST]
+    if test is not None:
+        test = min(tests, key=lambda one: result.loads[one.at or 0].point)
+        yield phrase("notes.measurement", LEAK_TEST, **_words(result, test)), float(test.left or 0.0)
+
+
+def _words(result: SealSolution, one: Measurement) -> dict[str, str]:
+    """A measurement in words: what, with which instrument, how well, and who says so."""
+    table = instruments()[one.instrument]
+    scan = None if result.case.roughness is None else line_scans(result.case.roughness)
+    length = {} if scan is None else {"length": scan.length}
+    load = "" if one.at is None else load_name(result.loads[one.at], result.loads)
+    accurate = {input_name(name): percent(value, 1) for name, value in one.accuracy.items()}
+    first, *others = [f"{name} to {accuracy}" for name, accuracy in accurate.items()]
+    return {
+        "load": load,
+        "what": ", ".join(accurate) + (f" at {load}" if load else ""),
+        "measured": " and ".join([first.replace(" to ", " measured to "), *others]),
+        "instrument": filled(table["instrument"], length),
+        "accuracy": ", ".join(accurate.values()),
+        "source": table["source"],
+        "after": "cannot be told" if one.left is None else format_digits(one.left, 2),
+    }
+
+
+def measurement_table(result: SealSolution) -> ReadableTable:
+    """What can be measured and the factor from end to end of the highest load then; no rows without uncertain inputs.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    found = _highest(result)
+    rows = [] if found is None else [_words(result, one) for one in found.measurements]
+    return worded_table("measurements", rows, now="" if found is None else format_digits(found.factor, 2))
+
+
+SHOWN = Shown(
+    summary=lambda result: {"error_shares": [asdict(one) for one in result.error_shares]},
+    words=lambda result: {
+        "error_sentence": error_sentence(result),
+        "measurements": measurement_table(result),
+    },
+    lines=lambda result: [f"  {one}" for one in [error_sentence(result)] if one],
+)
