@@ -84,7 +84,7 @@ def _told(result: SealSolution, found: ErrorShares) -> Iterator[tuple[str, float
     tests = [one for one in worth if one.instrument == LEAK_TEST]
     if test is not None:
         test = min(tests, key=lambda one: result.loads[one.at or 0].point)
-        yield phrase("notes.measurement", LEAK_TEST, **_words(result, test)), float(test.left or 0.0)
+        yield phrase("notes.measurement", "leak_test", **_words(result, test)), float(test.left or 0.0)
 
 
 def _words(result: SealSolution, one: Measurement) -> dict[str, str]:
