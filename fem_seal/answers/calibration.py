@@ -458,17 +458,28 @@ def calibrate(
     own = case.replace({"requirement": None, "load.target_leak_rate": None})
     tests = _load_tests(own)
     progress("leak rates of the case's own loads")
-    wider = _with_points(own, [*own.load.points, *(point for _, point in tests)])
-    groups = [_group(wider, settings, draws, progress)]
+    # on the bodies of the case, unless the loads are a path
+    alike = [n for n, one in enumerate(readings) if not curves(own) and _alike(one.case, own)]
+    points = [
+        *own.load.points,
+        *(readings[n].case.load.points[0] for n in alike),
+        *(point for _, point in tests),
+    ]
+    groups = [_group(_with_points(own, points), settings, draws, progress)]
     if groups[0].points[: len(own.load.points)] != list(own.load.points):
         raise InputError(problem("calibrate_load"))
-    order: list[int] = []
-    for numbers, measured in _by_fluid_and_memory(readings):
+    place: dict[int, int] = {}
+    for n in alike:
+        if (point := readings[n].case.load.points[0]) not in groups[0].points:
+            raise InputError(problem("calibrate_reading", line=readings[n].line))
+        place[n] = groups[0].points.index(point)
+    for numbers, measured in _by_fluid_and_memory(readings, without=alike):
         progress(f"leak rates of {len(numbers)} readings")
+        place |= {n: sum(len(one.points) for one in groups) + k for k, n in enumerate(numbers)}
         groups.append(_group(measured, _settings_for(measured, case, settings), draws, progress))
         if len(groups[-1].points) != len(numbers):
             raise InputError(problem("calibrate_reading", line=readings[numbers[0]].line))
-        order += numbers
+    first = sum(len(one.points) for one in groups)
     others: list[tuple[str, Case]] = []
     for name, other in _other_tests(own):
         with suppress(SealError):
@@ -476,8 +487,7 @@ def calibrate(
             groups.append(_group(other, _settings_for(other, case, settings), draws, progress))
             others.append((name, other))
     joint = _Joint.of(groups, seed)
-    first = len(groups[0].points)
-    places = first + np.argsort(order)
+    places = [place[n] for n in range(len(readings))]
     y = joint.y[:, places]
     data = Data.of(readings, joint.slack)
     weights = weights_of(data.log_likelihood(y))
@@ -493,7 +503,7 @@ def calibrate(
     candidates += [
         (
             NextTest(name, _fluid(other), *other.load.points[-1], _earlier(other)),
-            joint.y[kept, first + len(order) + n],
+            joint.y[kept, first + n],
         )
         for n, (name, other) in enumerate(others)
     ]
@@ -519,7 +529,7 @@ def calibrate(
         _alternatives(own, readings, data, y, settings, draws, progress),
         _next_tests(candidates, joint.y[kept, last], every, kept),
         float(1.0 / (weights**2).sum()),
-        _posterior(draws, joint, weights, [*range(last + 1), *places.tolist()], seed),
+        _posterior(draws, joint, weights, [*range(last + 1), *places], seed),
     )
 
 
@@ -533,11 +543,19 @@ def _with_points(case: Case, points: Sequence[tuple[float, float]]) -> Case:
     return case.replace({"load.fluid_pressure": list(pressures), "load.applied_force": list(forces)})
 
 
-def _by_fluid_and_memory(readings: Sequence[MeasuredLeak]) -> Iterator[tuple[list[int], Case]]:
+def _alike(case: Case, other: Case) -> bool:
+    """Whether fluid and memory are the same."""
+    return _fluid(case) == _fluid(other) and case.load.earlier == other.load.earlier
+
+
+def _by_fluid_and_memory(
+    readings: Sequence[MeasuredLeak], without: Sequence[int] = ()
+) -> Iterator[tuple[list[int], Case]]:
     """Readings with the same fluid and memory, by their numbers, with a case that has their loads."""
     groups: dict[tuple[str, Any], list[int]] = {}
     for number, one in enumerate(readings):
-        groups.setdefault((_fluid(one.case), one.case.load.earlier), []).append(number)
+        if number not in without:
+            groups.setdefault((_fluid(one.case), one.case.load.earlier), []).append(number)
     for numbers in groups.values():
         yield (
             numbers,

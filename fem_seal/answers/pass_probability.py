@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from fem_seal.answers.answer import Answer
 from fem_seal.answers.judgement import JudgedLoad, Limit, PassProbability
 from fem_seal.answers.leakage_class import limits
+from fem_seal.answers.posterior import Posterior
 from fem_seal.answers.response_surface import IntArray, ResponseSurface, fit
 from fem_seal.answers.uncertainty import SampledSeal, UncertainScans
 from fem_seal.arrays import FloatArray
@@ -198,18 +199,32 @@ def _of_loads(case: Case, quick: QuickSamples) -> list[PassProbability]:
 
 def _of_load(case: Case, load: LoadResult, number: int, quick: QuickSamples) -> PassProbability:
     allowed, error = limits(case, load.fluid_pressure), load.flow_error or _EXACT
+    settings, every = case.sampled, np.arange(len(quick.sampled.uniform))
+    tested = settings is not None and settings.posterior is not None
+
+    def error_of(samples: IntArray) -> FlowError:
+        """That of some samples; a leak test has left one of each."""
+        if settings is None or settings.posterior is None:
+            return error
+        peak = np.log10([load.peak_pressure])
+        own = Posterior.read(settings.posterior).error_at(peak, settings.seed)[0, samples]
+        return FlowError(error.bias + error.spread * own, _EXACT.spread)
+
     read = []
     for reading in range(quick.sampled.readings):
         columns = [quick.column(reading, number, in_test=_tested_with_gas(case, one)) for one in allowed]
         smooth = bool(quick.smooth[columns].all())
         ln_ratio = _ln_ratio(allowed, columns, quick.ln_rates if smooth else quick.of_runs)
-        share = float(error.share_below(np.exp(ln_ratio)).mean())
+        own = error_of(every if smooth else quick.known)
+        share = float(own.share_below(np.exp(ln_ratio)).mean())
         off = _error_of_count(share, len(ln_ratio)) if quick.sampled.inputs else 0.0
         if smooth:
-            without = error.share_below(np.exp(_ln_ratio(allowed, columns, quick.without_each)))
+            each = replace(own, bias=own.bias[:, None]) if tested else own
+            without = each.share_below(np.exp(_ln_ratio(allowed, columns, quick.without_each)))
             off = math.hypot(off, _jackknife(without.mean(axis=0)))
         known = smooth or not quick.sampled.calculated
-        batch = _batch(case, allowed, columns, quick, error) if known else math.nan
+        # what a leak test has left belongs together, and is that of one seal
+        batch = _batch(case, allowed, columns, quick, error) if known and not tested else math.nan
         read.append(PassProbability(round(share, _DIGITS), off, batch))
     return min(read, key=lambda one: one.share)
 
