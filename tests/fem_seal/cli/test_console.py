@@ -12,6 +12,7 @@ import pytest
 from sample_results import case
 
 from fem_seal.cli import app as cli
+from fem_seal.cli import terminal
 from fem_seal.cli.terminal import _cell, show_leak_table, show_leakage
 from fem_seal.output import columns as output_columns
 from fem_seal.seal import findings as caution
@@ -266,7 +267,7 @@ def test_names_are_shown_without_their_control_characters(arguments, capfd, tmp_
 def test_progress_is_shown_without_control_characters(capfd):
     lines = Lines()
     lines.note(ESCAPES)
-    with cli._progress(False) as progress:
+    with terminal.progress_of(False) as progress:
         progress(ESCAPES)
     assert not obeyed("".join(capfd.readouterr()))
 
