@@ -38,6 +38,8 @@ from leak import error_correlation
 _DRAWS = 2**15
 # Draws that keep the posterior: as many as a run has samples in its finest intervals.
 _KEPT = 512
+# Draws that the posterior must be worth.
+_FEWEST = 50.0
 # Largest share of data sets of the prior that are farther from it than those that are called a conflict.
 _CONFLICT = 0.02
 _SIMULATED = 4000
@@ -125,10 +127,13 @@ class Conflict:
     culprit : {"path", "factor", "order"}
         What explains them best: a path that no force closes (scratch, particle), one factor (fluid, form), or none of
         them: as much leaks as expected, at other loads.
+    farthest : int
+        Number of the reading that is farthest from what is expected.
     """
 
     factor: float
     culprit: str
+    farthest: int = 0
 
 
 @dataclass(frozen=True)
@@ -174,6 +179,11 @@ class Calibration:
     next_tests: tuple[NextTest, ...]
     effective_draws: float
     posterior: Posterior = field(repr=False)
+
+    @property
+    def settled(self) -> bool:
+        """Whether draws of the posterior can stand for it in other calculations."""
+        return self.conflict is None and self.effective_draws >= _FEWEST
 
 
 # -------------------------------------------------------------------- draws and their leak rates
@@ -405,8 +415,10 @@ def _conflict(y: FloatArray, data: Data, drive: FloatArray) -> Conflict:
     A path that no force closes, a scratch or a particle, lets through what the pressure drives.
     """
     shown = ~data.below
+    expected = y.mean(axis=0)
+    line = int(np.argmax(np.abs(data.y - expected) / np.hypot(y.std(axis=0), data.spread)))
     if not shown.any():
-        return Conflict(0.0, "factor")
+        return Conflict(math.exp(float((data.y - expected).mean())), "factor", line)
     mean = y[:, shown].mean(axis=0)
     covariance = np.atleast_2d(np.cov(y[:, shown].T)) + np.diag(data.spread[shown] ** 2)
     inverse, away = np.linalg.inv(covariance), data.y[shown] - mean
@@ -421,9 +433,9 @@ def _conflict(y: FloatArray, data: Data, drive: FloatArray) -> Conflict:
     of_path = min(float(one @ inverse @ one) for one in paths)
     factor = math.exp(float(away.mean()))
     if abs(away.mean()) < _AS_MUCH:
-        return Conflict(factor, "order")
+        return Conflict(factor, "order", line)
     path = away.mean() > 0.0 and away.size > 1 and of_path < of_factor
-    return Conflict(factor, "path" if path else "factor")
+    return Conflict(factor, "path" if path else "factor", line)
 
 
 # -------------------------------------------------------------------- the calibration

@@ -177,6 +177,7 @@ def _found(
         return _of_loads(seal.case, QuickSamples(sampled, every, np.tile(sampled.of_case, (len(every), 1))))
     inputs, degree = sampled.scores.shape[1], _lowest_degree(sampled.scores.shape[1])
     fewest = goal = math.ceil(_RUNS_PER_TERM * math.comb(inputs + degree, degree)) + 1
+    most = min(_MOST_RUNS, len(sampled.uniform))
     rates = np.empty((0, sampled.kinds * len(seal.loads)))
     while True:
         progress(f"probability to pass: samples {len(rates) + 1} to {goal}")
@@ -188,9 +189,9 @@ def _found(
             )
         if len(known) >= fewest:
             found = _of_loads(seal.case, QuickSamples(sampled, known, rates[known]))
-            if goal >= _MOST_RUNS or all(one.error <= _ERROR for one in found):
+            if goal >= most or all(one.error <= _ERROR for one in found):
                 return found
-        goal = min(2 * goal, _MOST_RUNS)
+        goal = min(2 * goal, most)
 
 
 def _of_loads(case: Case, quick: QuickSamples) -> list[PassProbability]:

@@ -180,7 +180,8 @@ class LeakInterval:
         number : int
         """
         tested = None if self.in_test is None else self.in_test.ends(number)
-        return load.with_values(sampled=self.ends(number), sampled_in_test=tested)
+        left_by_test = self.error_scores is not None
+        return load.with_values(sampled=self.ends(number), sampled_in_test=tested, tested=left_by_test)
 
 
 def leak_interval(

@@ -46,4 +46,4 @@ def calibrate(
         show_table(
             "Leak rates of the case's loads", files.PREDICTION_HEADINGS, files.prediction_rows(found), 2
         )
-        say(f"Files in {folder}; {folder / files.CASE} is a case for every other command")
+        say(files.files_line(found, folder))

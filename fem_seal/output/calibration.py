@@ -68,11 +68,16 @@ def write_calibration(found: Calibration, folder: Path) -> None:
     write_rows_csv(folder / "inputs.csv", INPUT_COLUMNS, inputs)
     tests = [(*astuple(one), one.narrowing) for one in found.next_tests]
     write_rows_csv(folder / "next_tests.csv", TEST_COLUMNS, tests)
+    if found.settled:
+        _write_case(found, folder)
+    write_text(folder / "summary.json", as_json(summary(found)))
+    write_text(folder / "report.html", report(found))
+
+
+def _write_case(found: Calibration, folder: Path) -> None:
     path = found.posterior.write(folder / POSTERIOR)
     changed = found.case.replace({"uncertainty.posterior": str(path.absolute())})
     write_text(folder / CASE, case_text(changed, folder.absolute(), phrase("calibration.files", "case")))
-    write_text(folder / "summary.json", as_json(summary(found)))
-    write_text(folder / "report.html", report(found))
 
 
 def summary(found: Calibration) -> dict[str, Any]:
@@ -110,6 +115,13 @@ def lines(found: Calibration) -> Iterator[str]:
     ----------
     found : Calibration
     """
+    if found.conflict is not None:
+        way, culprit = "more" if found.conflict.factor > 1 else "less", found.conflict.culprit
+        words = phrase("calibration.culprit", culprit if culprit == "order" else f"{culprit}_{way}")
+        factor = number(max(found.conflict.factor, 1.0 / found.conflict.factor), 2)
+        values = {"p": found.p_value, "line": found.readings[found.conflict.farthest].line}
+        yield phrase("calibration.sentences", "conflict", factor=factor, way=way, culprit=words, **values)
+        return
     last = found.predictions[-1]
     yield phrase(
         "calibration.sentences",
@@ -118,13 +130,6 @@ def lines(found: Calibration) -> Iterator[str]:
         now=_range(found, last.posterior),
         before=_range(found, last.prior),
     )
-    if found.conflict is not None:
-        way, culprit = "more" if found.conflict.factor > 1 else "less", found.conflict.culprit
-        words = phrase("calibration.culprit", culprit if culprit == "order" else f"{culprit}_{way}")
-        factor = number(max(found.conflict.factor, 1.0 / found.conflict.factor), 2)
-        yield phrase(
-            "calibration.sentences", "conflict", p=found.p_value, factor=factor, way=way, culprit=words
-        )
     told, silent = ([one for one in found.inputs if (one.learned >= _LEARNED) is it] for it in (True, False))
     if told:
         yield phrase("calibration.sentences", "learned", inputs=", ".join(map(_told, told)))
@@ -139,7 +144,7 @@ def lines(found: Calibration) -> Iterator[str]:
         which = "prefers_clearly" if ratio > 100.0 else "prefers" if ratio > _PREFERRED else "no_preference"
         names = {"best": _alternative(best), "second": _alternative(second)}
         yield phrase("calibration.sentences", which, ratio=ratio, **names)
-    if found.next_tests and found.conflict is None:
+    if found.next_tests:
         best_test = found.next_tests[0]
         yield phrase(
             "calibration.sentences",
@@ -147,12 +152,24 @@ def lines(found: Calibration) -> Iterator[str]:
             test=test_in_words(best_test),
             narrowing=max(best_test.narrowing, 0.0),
         )
-    if found.effective_draws < 100.0:
+    if not found.settled:
         yield phrase("calibration.sentences", "thin", draws=found.effective_draws)
 
 
 def _range(found: Calibration, rates: Percentiles) -> str:
     return leak_range_text((rates[0], rates[2]), volume=volume_of(found.case))
+
+
+def files_line(found: Calibration, folder: Path) -> str:
+    """Where the files are.
+
+    Parameters
+    ----------
+    found : Calibration
+    folder : Path
+    """
+    what = "files" if found.settled else "no_case"
+    return phrase("calibration.sentences", what, folder=folder, case=folder / CASE)
 
 
 def _told(one: LearnedInput) -> str:
@@ -210,8 +227,8 @@ def prediction_rows(found: Calibration) -> list[list[str]]:
             format_quantity("fluid pressure", one.fluid_pressure),
             format_quantity("force", one.applied_force),
             _range(found, one.prior),
-            _range(found, one.posterior),
-            quantity("flow", one.posterior[1], 2),
+            _range(found, one.posterior) if found.conflict is None else "–",
+            quantity("flow", one.posterior[1], 2) if found.conflict is None else "–",
         ]
         for one in found.predictions
     ]
@@ -249,10 +266,19 @@ def report(found: Calibration) -> str:
         ]
         for one in found.inputs
     ]
-    tests = [
-        [test_in_words(one), number(one.width, 3), number(one.expected, 3), percent(max(one.narrowing, 0.0))]
-        for one in found.next_tests
-    ]
+    tests = (
+        []
+        if found.conflict is not None
+        else [
+            [
+                test_in_words(one),
+                number(one.width, 3),
+                number(one.expected, 3),
+                percent(max(one.narrowing, 0.0)),
+            ]
+            for one in found.next_tests
+        ]
+    )
     return template("calibration.html.j2").render(
         title=found.case.title or "fem-seal",
         version=__version__,
@@ -263,7 +289,8 @@ def report(found: Calibration) -> str:
         readings=readings,
         inputs=inputs,
         tests=tests,
-        p_value=found.p_value,
+        farther=percent(found.p_value),
+        conflict=found.conflict is not None,
     )
 
 

@@ -73,6 +73,8 @@ class LoadResult(ByReading):
         none is sampled.
     sampled_in_test : Bounds or None
         The same with the gas of the standards' tests, see `in_test` [m^3/s].
+    tested : bool
+        Whether the samples are those that a leak test has left; the inputs as given are then none of them.
     by_theory : mapping or None
         The load by theories of the rough contact that it is not calculated with; None where nobody asked.
     """
@@ -91,6 +93,7 @@ class LoadResult(ByReading):
     mesh_error: DiscretisationError | None = None
     sampled: Bounds | None = None
     sampled_in_test: Bounds | None = None
+    tested: bool = False
     by_theory: Mapping[str, LoadResult] | None = None
 
     def __repr__(self) -> str:
@@ -328,6 +331,8 @@ class LoadResult(ByReading):
         if self.leak is None:
             return None
         known = [self.leak.leak_rate, *(self.leak_range or ()), *(self.sampled or ())]
+        if self.tested and self.sampled is not None:
+            known = [*self.sampled]
         return Bounds.of(known).widened(self.leak_validity.leak_factor)
 
     @property
@@ -344,7 +349,10 @@ class LoadResult(ByReading):
         if found is self:
             return self
         return found.with_values(
-            sampled=self.sampled_in_test, validity=self.validity, mesh_error=self.mesh_error
+            sampled=self.sampled_in_test,
+            tested=self.tested,
+            validity=self.validity,
+            mesh_error=self.mesh_error,
         )
 
     @variant

@@ -410,7 +410,7 @@ def accuracy_in_words(load: LoadResult) -> list[str]:
 def _samples_in_words(case: Case, load: LoadResult) -> str:
     """Sentence about the interval of a leak rate with uncertain inputs."""
     assert case.sampled is not None
-    what = "finish" if has_finish(case) else "inputs"
+    what = "tested" if load.tested else "finish" if has_finish(case) else "inputs"
     also = "_both" if load.yields else "" if load.flow_error is None else "_own"
     return phrase("readings.sampled", what + also, share=case.sampled.confidence)
 

@@ -12,7 +12,6 @@ from places import EXAMPLES
 
 import fem_seal
 from fem_seal.answers.calibration import (
-    Conflict,
     Data,
     _conflict,
     _Draws,
@@ -27,7 +26,7 @@ from fem_seal.answers.calibration import (
 from fem_seal.answers.posterior import Posterior
 from fem_seal.case.measured import measured_in, read_measured
 from fem_seal.cli.app import main
-from fem_seal.output.calibration import lines
+from fem_seal.output.calibration import lines, write_calibration
 from leak import error_correlation
 
 HEADER = "fluid_pressure [bar], leak_rate [ml/min], uncertainty [%], below\n"
@@ -138,7 +137,8 @@ def test_a_path_that_no_force_closes_is_told_from_a_factor():
     assert found.culprit == "path"
     assert found.factor > 5.0
     thinner = Data(theory + math.log(20.0), spread, below)
-    assert _conflict(y, thinner, pressure) == Conflict(pytest.approx(20.0, rel=0.05), "factor")
+    found = _conflict(y, thinner, pressure)
+    assert (found.factor, found.culprit) == (pytest.approx(20.0, rel=0.05), "factor")
     turned = Data(theory[::-1], spread, below)
     assert _conflict(y, turned, pressure).culprit == "order"
 
@@ -240,6 +240,14 @@ def test_a_test_narrows_the_prediction_and_the_calibrated_case_has_it(tmp_path, 
     assert interval.samples == 512
     assert interval.low[-1] * 6e7 == pytest.approx(low, rel=0.03)
     assert interval.high[-1] * 6e7 == pytest.approx(high, rel=0.03)
+    # the seal as it was given is not among those that show the readings
+    judged = fem_seal.run(
+        fem_seal.load_case(folder / "calibrated.toml").replace(
+            {"requirement.leak_rate": 0.5 * (interval.low[-1] + interval.high[-1])}
+        )
+    )
+    assert judged.highest.leak_interval.low == pytest.approx(interval.low[-1], rel=0.01)
+    assert 0.05 < judged.highest.passing.share < 0.95
 
 
 def test_intervals_of_a_real_seal_hold_the_truth_as_often_as_they_say():
@@ -270,7 +278,22 @@ def test_a_seal_that_leaks_a_hundred_times_more_is_a_conflict(tmp_path):
     assert found.p_value < 0.02
     assert found.conflict is not None
     assert found.conflict.factor > 10.0
-    assert any("Conflict" in line for line in lines(found))
+    (line,) = lines(found)
+    assert line.startswith("Conflict: ")
+    assert "line 3 is farthest off" in line or "line 2 is farthest off" in line
+    write_calibration(found, tmp_path)
+    # nothing that others could take for known
+    assert not list(tmp_path.glob("calibrated.toml"))
+    assert not found.settled
+
+
+def test_a_seal_tighter_than_it_can_be_is_a_conflict_too(tmp_path):
+    case = seal(uncertainty={"hardness": {"relative": 0.1}})
+    path = table(tmp_path, "5, 1e-4, 10, yes", "20, 1e-4, 10, yes")
+    found = calibrate(case, read_measured(case, path))
+    assert found.conflict is not None
+    assert found.conflict.factor < 1e-3
+    assert any("less leaks than expected" in line for line in lines(found))
 
 
 def test_without_a_leak_rate_nothing_is_calibrated(tmp_path):
