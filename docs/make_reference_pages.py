@@ -177,7 +177,7 @@ def _leak_test(folder: Path, made: Path) -> None:
         case = Path(place) / "leak_test.toml"
         (made / "calibrate.txt").write_text(_terminal("calibrate", case, "leak_test.csv"), encoding="utf-8")
         drawn = re.search(
-            r'base64,([^"]+)', (case.with_suffix(".calibrated") / "report.html").read_text("utf-8")
+            r'base64,([^"]+)', (case.with_suffix(".calibrated") / "report.html").read_text(encoding="utf-8")
         )
     assert drawn is not None
     (made / "calibration.svg").write_bytes(base64.b64decode(drawn[1]))

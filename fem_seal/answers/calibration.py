@@ -730,8 +730,8 @@ def expected_width(shown: FloatArray, target: FloatArray, spread: float) -> floa
     Examples
     --------
     >>> y = np.linspace(-1.0, 1.0, 4001)
-    >>> 1.0 < expected_width(y, y, 0.01) < 1.05, round(expected_width(0.0 * y, y, 0.01) / np.exp(1.8), 2)
-    (True, 1.0)
+    >>> 1.0 < expected_width(y, y, 0.01) < 1.05, f"{expected_width(0.0 * y, y, 0.01) / np.exp(1.8):.2f}"
+    (True, '1.00')
     """
     random = np.random.default_rng(1)
     truths = random.choice(shown.size, min(_TRUTHS, shown.size), replace=False)

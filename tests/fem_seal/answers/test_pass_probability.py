@@ -215,7 +215,7 @@ def test_a_result_tells_it_in_table_report_and_on_the_terminal():
     wanted = wanted.replace(
         {"load": {"fluid_pressure": ["5 bar", "20 bar"]}, "uncertainty": {"viscosity": {"relative": 0.1}}}
     )
-    result = fem_seal.run(wanted, levers=False)
+    result = fem_seal.run(wanted, sensitivities=False)
     first, last = result.loads
     assert first.passing is None and first.pass_probability is None and first.pass_probability_error is None
     table = leak_table(result)
@@ -236,7 +236,7 @@ def test_a_design_has_the_probability_of_a_run(of):
     rate = seal_of(wanted).loads[0].leak.leak_rate
     wanted = wanted.replace({"requirement": {"leak_rate": f"{rate!r} m^3/s"}})
     design = evaluate_design(wanted, PASSING).values
-    (load,) = fem_seal.run(wanted, levers=False).loads
+    (load,) = fem_seal.run(wanted, sensitivities=False).loads
     assert 0.05 < load.pass_probability < 0.95
     assert design["pass_probability"] == pytest.approx(load.pass_probability, abs=1e-4)
     # whatever else is asked for

@@ -222,7 +222,7 @@ def test_a_study_varies_and_changes_either_word(seat, tmp_path) -> None:
     [
         (
             '[parameters]\n"seat.bore_radius" = ["9 mm", "10 mm"]\n"seat.bore_diameter" = ["18 mm", "20 mm"]\n',
-            "in other words",
+            "is another name of",
         ),
         (
             '[changes]\n"seat.bore_radius" = "9 mm"\n[parameters]\n"seat.bore_diameter" = ["18 mm", "20 mm"]\n',

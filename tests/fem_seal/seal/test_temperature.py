@@ -470,7 +470,8 @@ def test_a_number_that_is_not_known_when_hot_is_doubtful() -> None:
     level, text = said["hot hardness, seat"]
     assert level is Level.DOUBTFUL
     assert (
-        "seat.material.hardness: the library knows the hardness of 316L at 20 degC only; the 1.64 GPa" in text
+        "seat.material.hardness: the library knows the hardness of 316L at 20 degC only; the value at 20 degC, 1.64 GPa"
+        in text
     )
     assert 'hardness = { temperature = ["20 degC", "200 degC"], value = ["1.64 GPa", "..."] }' in text
     # the remedy, and what the limits are
@@ -492,7 +493,7 @@ def test_a_number_that_is_not_known_when_hot_is_doubtful() -> None:
 def test_beyond_a_table_of_the_library_its_end_is_kept_with_a_word() -> None:
     said = said_of(hot(temperature="620 degC"))
     assert (
-        "from 20 degC to 500 degC; the 165 GPa of 500 degC stands for 620 degC"
+        "from 20 degC to 500 degC; the value at 500 degC, 165 GPa, is used for 620 degC"
         in said["hot youngs_modulus, seat"][1]
     )
     assert (
@@ -503,7 +504,7 @@ def test_beyond_a_table_of_the_library_its_end_is_kept_with_a_word() -> None:
     # expansion counts where the bodies grow differently
     assert "hot thermal_expansion, seat" not in said
     grown = said_of(hot(seat="stellite 6"))
-    assert "from 20 degC to 100 degC; the 11.4e-6 1/K of 100 degC" in grown["hot thermal_expansion, seat"][1]
+    assert "from 20 degC to 100 degC; the value at 100 degC, 11.4e-6 1/K" in grown["hot thermal_expansion, seat"][1]
 
 
 def test_a_number_of_ones_own_without_a_temperature_is_a_remark() -> None:
@@ -525,10 +526,10 @@ def test_a_number_of_ones_own_without_a_temperature_is_a_remark() -> None:
 
 def test_doubt_reaches_the_loads_of_a_run_and_a_remark_only_the_warnings() -> None:
     result = fem_seal.run(hot(temperature="200 degC"))
-    assert "seat: hardness of 20 degC, not of 200 degC" in result.loads[0].validity.reasons
+    assert "seat: hardness at 20 degC used for 200 degC" in result.loads[0].validity.reasons
     assert result.loads[0].validity.level is not Level.VALID
     mild = fem_seal.run(hot(temperature="60 degC"))
-    assert not any("hardness of" in reason for reason in mild.loads[0].validity.reasons)
+    assert not any("hardness at" in reason for reason in mild.loads[0].validity.reasons)
     assert any("seat.material.hardness: the library knows" in warning for warning in mild.warnings)
     # yield onset is that of the hot metal
     stress = SealProblem.of(hot()).materials["seat"].yield_stress
