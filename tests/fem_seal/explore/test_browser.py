@@ -52,7 +52,7 @@ SI = {
     "force": "contact_force_N",
     "line": "line_load_N_per_m",
 }
-_PATIENCE = 90.0
+_PATIENCE = 180.0
 
 
 @pytest.fixture(scope="module")
