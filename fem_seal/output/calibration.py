@@ -62,11 +62,18 @@ def write_calibration(found: Calibration, folder: Path) -> None:
     found : Calibration
     folder : Path
     """
-    predictions = [(*astuple(one)[:2], *one.prior, *one.posterior) for one in found.predictions]
+    # a conflict teaches nothing
+    taught, nothing = found.conflict is None, (math.nan,) * 3
+    predictions = [
+        (*astuple(one)[:2], *one.prior, *(one.posterior if taught else nothing)) for one in found.predictions
+    ]
     write_rows_csv(folder / "predictions.csv", PREDICTION_COLUMNS, predictions)
-    inputs = [(one.name, *one.prior, *one.posterior, one.learned) for one in found.inputs]
+    inputs = [
+        (one.name, *one.prior, *((*one.posterior, one.learned) if taught else (*nothing, math.nan)))
+        for one in found.inputs
+    ]
     write_rows_csv(folder / "inputs.csv", INPUT_COLUMNS, inputs)
-    tests = [(*astuple(one), one.narrowing) for one in found.next_tests]
+    tests = [(*astuple(one), one.narrowing) for one in found.next_tests if taught]
     write_rows_csv(folder / "next_tests.csv", TEST_COLUMNS, tests)
     if found.settled:
         _write_case(found, folder)
@@ -87,6 +94,7 @@ def summary(found: Calibration) -> dict[str, Any]:
     ----------
     found : Calibration
     """
+    taught = found.conflict is None
     return {
         "title": found.case.title,
         "readings": len(found.readings),
@@ -94,11 +102,14 @@ def summary(found: Calibration) -> dict[str, Any]:
         "conflict": None
         if found.conflict is None
         else {"factor": found.conflict.factor, "culprit": found.conflict.culprit},
-        "alternatives": dict(found.alternatives),
+        "alternatives": dict(found.alternatives) if taught else {},
         "effective_draws": found.effective_draws,
-        "learned": {one.name: one.learned for one in found.inputs},
-        "spread_of_ln_Q": {"prior": _spread(found, "prior"), "posterior": _spread(found, "posterior")},
-        "next_test": found.next_tests[0].name if found.next_tests else None,
+        "learned": {one.name: one.learned for one in found.inputs} if taught else {},
+        "spread_of_ln_Q": {
+            "prior": _spread(found, "prior"),
+            "posterior": _spread(found, "posterior") if taught else None,
+        },
+        "next_test": found.next_tests[0].name if found.next_tests and taught else None,
     }
 
 
