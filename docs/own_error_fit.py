@@ -11,13 +11,14 @@ from __future__ import annotations
 import csv
 from collections.abc import Iterator
 from functools import lru_cache
+from itertools import combinations
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 from direct_elastic_campaign import held_out
 from numpy.typing import NDArray
-from scipy.optimize import minimize
+from scipy.optimize import minimize, minimize_scalar
 
 import leak
 from leak.theory.own_error import closing, flow_error
@@ -158,6 +159,32 @@ def theory_error(
     return float(found[0]), float(found[1]), float(spread), float(closing_spread)
 
 
+def correlations(rows: list[dict[str, float]]) -> list[tuple[float, float, int]]:
+    """Decades between two pressures, correlation of a surface's standardised errors there, pairs that show it."""
+    surfaces: dict[tuple[float, ...], list[tuple[float, float]]] = {}
+    for row in rows:
+        error = flow_error(row["p_over_Eh"], row["area"], waves=row["rolloff_waves"] ** 2)
+        one = tuple(row[name] for name in ("hurst", "rolloff_waves", "cutoff_waves", "seed"))
+        away = (row["error"] - float(error.bias)) / float(error.spread)
+        surfaces.setdefault(one, []).append((row["p_over_Eh"], away))
+    pairs: dict[float, list[tuple[float, float]]] = {}
+    for errors in surfaces.values():
+        for (p, one), (other_p, other) in combinations(sorted(errors), 2):
+            pairs.setdefault(round(2.0 * np.log10(other_p / p)) / 2.0, []).append((one, other))
+    return [(d, float(np.corrcoef(np.array(both).T)[0, 1]), len(both)) for d, both in sorted(pairs.items())]
+
+
+def belong_together(rows: list[dict[str, float]]) -> float:
+    """Decades d_0 of exp(-d^2/(2 d_0^2)), least squares over the correlations at half a decade and more."""
+    d, found, count = np.array([one for one in correlations(rows) if one[0] > 0.0]).T
+    off = minimize_scalar(
+        lambda d_0: float(count @ (found - np.exp(-0.5 * (d / d_0) ** 2)) ** 2),
+        bounds=(0.1, 3.0),
+        method="bounded",
+    )
+    return float(off.x)
+
+
 def main() -> None:
     """Print the constants, and rms of the standardised error and coverage of 90 % intervals of both sets."""
     rows = low_load_rows()
@@ -171,6 +198,7 @@ def main() -> None:
     X = closing(area)
     theory = (spread**2 + (closing_spread * X) ** 2) * waves
     constants = sampling(theory, (error - bias - closing_bias * X) ** 2 * waves, np.ones_like(p), X, p)
+    print(f"BELONG_TOGETHER = {belong_together(rows):.2g}")
     print("LONG_WAVES, SUMMITS, CHANNELS =", *(f"{constant:.2g}" for constant in constants))
     for name in ("fitted", "held out"):
         part = [

@@ -14,6 +14,7 @@ from fem_seal.case.tables import CaseTables, Leak, Requirement, Uncertainty, cur
 from fem_seal.case.temperature import Temperature
 from fem_seal.case.words import problem, sentence
 from fem_seal.errors import InputError, Problem
+from fem_seal.files import UnreadableFileError, check_file
 from fem_seal.units import format_quantity as written
 from meshes import GeometryError
 from meshes.errors import mm
@@ -411,6 +412,11 @@ def problems_with_uncertainty(case: CaseTables, table: Uncertainty) -> Iterator[
         yield problem("no_uncertain_input")
     if table.hardness is not None and not case.leak.plasticity:
         yield Problem("uncertainty.hardness", "has no effect with leak.plasticity = false; remove it")
+    if table.posterior is not None:
+        try:
+            check_file(table.posterior)
+        except UnreadableFileError as error:
+            yield Problem("uncertainty.posterior", str(error), shown(table.posterior))
     if table.form is not None and case.form is None:
         yield Problem("uncertainty.form", "is about the deviations in a table [form]; add it, or remove this")
     if case.roughness is None:

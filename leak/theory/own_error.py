@@ -28,7 +28,7 @@ LONG_WAVES, SUMMITS, CHANNELS = 0.40, 0.15, 1.3
 YIELDING_SPREAD = 0.15
 # Decades of pressure over which the errors of one surface belong together: among 35 surfaces of the same rows, errors
 # half a decade apart have a correlation of 0.77, one apart 0.47, 1.5 apart 0.18 and two apart none.
-_BELONG_TOGETHER = 0.81
+BELONG_TOGETHER = 0.77
 # A_c/A0 of direct simulation, and the largest share of it that the rows fitted to reach.
 _THRESHOLD, _CLOSEST = 0.42, 0.9
 
@@ -148,7 +148,7 @@ def flow_error(
 def error_correlation(log_pressure: ArrayLike, other: ArrayLike | None = None) -> FloatArray:
     """Correlation of the error of one seal at some pressures with its error at others, exp(-d^2/(2 d_0^2)).
 
-    d is the distance in decades of the pressure, d_0 = 0.81 is found by `docs/own_error_fit.py`.
+    d is the distance in decades of the pressure, d_0 = 0.77 is found by `docs/own_error_fit.py`.
 
     Parameters
     ----------
@@ -162,9 +162,9 @@ def error_correlation(log_pressure: ArrayLike, other: ArrayLike | None = None) -
     Examples
     --------
     >>> error_correlation([6.0, 6.5, 8.0]).round(2)[0].tolist()
-    [1.0, 0.83, 0.05]
+    [1.0, 0.81, 0.03]
     """
     here = np.asarray(log_pressure, dtype=float)
     there = here if other is None else np.asarray(other, dtype=float)
-    away = (here[:, None] - there) / _BELONG_TOGETHER
+    away = (here[:, None] - there) / BELONG_TOGETHER
     return np.asarray(np.exp(-0.5 * away**2))

@@ -12,7 +12,9 @@ sys.path.insert(0, str(ROOT / "docs"))
 
 from direct_elastic_campaign import held_out
 from direct_yielding import read_von_mises
-from own_error_fit import REFERENCE, low_load_rows
+from own_error_fit import REFERENCE, belong_together, correlations, low_load_rows
+
+from leak.theory.own_error import BELONG_TOGETHER
 
 SPECTRUM = leak.PowerSpectrum.self_affine(
     rms_height=1.9e-6, hurst=0.6, q_low=1e3, q_rolloff=3.7268e4, q_high=3.14159e6
@@ -34,6 +36,16 @@ def test_intervals_hold_what_was_held_out(judging):
     assert 0.7 < np.sqrt(np.mean(standardised**2)) < 1.4
     inside = [e.factor(0.05) < np.exp(one) < e.factor(0.95) for e, one in zip(errors, found, strict=True)]
     assert 0.80 <= np.mean(inside) <= 0.97
+
+
+def test_errors_of_one_surface_belong_together_as_direct_simulations_say():
+    rows = low_load_rows()
+    assert belong_together(rows) == pytest.approx(BELONG_TOGETHER, rel=0.01)
+    for decades, correlation, pairs in correlations(rows):
+        if decades > 0.0:
+            # of that many pairs of some 35 surfaces, which are not independent
+            assert pairs >= 70
+            assert leak.error_correlation([0.0], [decades])[0, 0] == pytest.approx(correlation, abs=0.25)
 
 
 def test_quantiles_sample_the_distribution():
