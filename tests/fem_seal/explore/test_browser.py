@@ -98,6 +98,8 @@ def browser(address):
         options.add_argument(argument)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
     driver = webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
+    # a page that draws on a busy machine answers no script meanwhile
+    driver.set_script_timeout(_PATIENCE)
     driver.get(address)
     yield driver
     driver.quit()
