@@ -17,6 +17,9 @@ if TYPE_CHECKING:
 
     from leak.flow.contact_profile import ContactProfile
 
+# Pressure that is as good as none [Pa].
+_NONE = 1e-300
+
 
 @dataclass(frozen=True)
 class PressureProfile:
@@ -126,6 +129,11 @@ class PressureProfile:
         return after_largest(self.contact, self.x, self.radius, self.largest, ends, conductivity)
 
     @property
+    def touches(self) -> bool:
+        """Whether a place carries pressure."""
+        return bool(self.pressure.max() > _NONE)
+
+    @property
     def peak_pressure(self) -> float:
         """Highest nominal pressure p0 [Pa]."""
         return self.peak[1]
@@ -224,3 +232,22 @@ def tightest(profiles: Sequence[PressureProfile]) -> PressureProfile:
     profiles : sequence of PressureProfile
     """
     return max(profiles, key=lambda one: one.peak_pressure) if len(profiles) > 1 else profiles[0]
+
+
+def joined(profiles: Sequence[PressureProfile]) -> PressureProfile:
+    """All lands of a contact line as one profile.
+
+    Parameters
+    ----------
+    profiles : sequence of PressureProfile
+        From the axis outwards.
+    """
+    if len(profiles) == 1:
+        return profiles[0]
+    known = [one.largest for one in profiles if one.largest is not None]
+    x, radius, pressure, gap, weight = (
+        np.concatenate([getattr(one, name) for one in profiles])
+        for name in ("x", "radius", "pressure", "gap", "arc_weight")
+    )
+    ends = profiles[0].ends[0], profiles[-1].ends[1]
+    return PressureProfile(x, radius, pressure, gap, weight, ends, np.concatenate(known) if known else None)

@@ -19,6 +19,7 @@ from meshes.shapes.conical_seat import ConicalSeat
 from meshes.shapes.disc import Disc
 from meshes.shapes.flat_land import FlatLand
 from meshes.shapes.flat_seat import FlatSeat
+from meshes.shapes.lands import Land, Lands
 from meshes.shapes.rounded_cone import RoundedCone
 from meshes.shapes.shape import Shape, housing, plunger
 from meshes.shapes.sharp_edge import SharpEdge
@@ -37,6 +38,8 @@ __all__ = [
     "FlatLand",
     "FlatSeat",
     "GeometryError",
+    "Land",
+    "Lands",
     "MeshedBody",
     "MeshesError",
     "MeshingError",

@@ -43,6 +43,7 @@ def contradictions(case: CaseTables) -> list[Problem]:
         *_fluid(case),
         *_flow(case),
         *_direct(case),
+        *([] if geometry else _lands(case)),
         *([] if case.uncertainty is None else problems_with_uncertainty(case, case.uncertainty)),
         *_form(case),
         *_leak_rates(case),
@@ -254,6 +255,24 @@ def _load(case: CaseTables) -> Iterator[Problem]:
         yield problem("local_penetration")
     if load.target_leak_rate is not None and (missing := _missing(case)):
         yield problem("load_target_leak_rate", missing=missing, value=written("flow", load.target_leak_rate))
+
+
+def _lands(case: CaseTables) -> Iterator[Problem]:
+    """What does not go together with several lands, or only with them."""
+    count, given = len(case.contact.chambers), case.load.chamber_pressure
+    if given is not None and len(given) not in {1, count}:
+        yield problem("chamber_count", given=len(given), count=count)
+    if not count:
+        if given is not None:
+            yield problem("no_chamber")
+        return
+    if case.form is not None:
+        yield problem("lands_form")
+    if case.leak.fluid_in_gap == "local":
+        yield problem("lands_local")
+    highest = max((one for one in given or () if one is not None), default=0.0)
+    if case.load.closing == "penetration" and highest > min(case.load.fluid_pressure):
+        yield problem("chamber_lifts", value=highest / 1e5, lowest=min(case.load.fluid_pressure) / 1e5)
 
 
 def _earlier(case: CaseTables) -> Iterator[Problem]:

@@ -125,6 +125,39 @@ class OneOrMany(Quantity):
 
 
 @dataclass(frozen=True)
+class ChamberPressures(Quantity):
+    """Pressure of one chamber or of several, each a pressure, "vented" (zero) or "sealed" (None)."""
+
+    def read(self, value: object) -> tuple[float | None, ...]:  # type: ignore[override]
+        """Pressures in SI in the user's order; ValueError names the entry that is wrong."""
+        if not isinstance(value, (list, tuple)):
+            return (self._one(value),)
+        _check_count(value)
+        return tuple(
+            self._one(entry) if isinstance(entry, str) and entry in _CHAMBERS else self.read_part_of(entry, number)
+            for number, entry in enumerate(value, start=1)
+        )
+
+    def read_part_of(self, entry: object, number: int) -> float:
+        """One entry of a list."""
+        try:
+            return super().read(entry)
+        except ValueError as error:
+            raise ValueError(f'entry {number}, {shown(entry)}, {error}, "vented" or "sealed"') from None
+
+    def _one(self, value: object) -> float | None:
+        return _CHAMBERS[value] if isinstance(value, str) and value in _CHAMBERS else super().read(value)
+
+    @property
+    def _schema(self) -> dict[str, Any]:
+        one = {"type": "string", "examples": ["vented", "3 bar"]}
+        return {"anyOf": [one, {"type": "array", "items": one, "minItems": 1}]}
+
+
+_CHAMBERS: dict[str, float | None] = {"vented": 0.0, "sealed": None}
+
+
+@dataclass(frozen=True)
 class NominalSizeEntry(Quantity):
     """A nominal pipe size, "DN 25" or "NPS 1", or a length."""
 

@@ -6,7 +6,7 @@ import inspect
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, cast
 
-from pydantic import create_model
+from pydantic import Field, create_model
 
 import meshes
 from fem_seal.case.fields import Quantity, Table
@@ -160,4 +160,58 @@ ToroidalSeat = _model("ToroidalSeat", "torus", meshes.ToroidalSeat.around)
 Flat = _model("Flat", "flat", meshes.FlatSeat.on, edge=Rounding)
 FlatLand = _model("FlatLand", "flat-land", meshes.FlatLand.on, _Land, Rounding)
 SharpEdge = _model("SharpEdge", "sharp-edge", meshes.SharpEdge.around, edge=Rounding)
-SEATS = (ConicalSeat, ConicalLand, Sphere, ToroidalSeat, Flat, FlatLand, SharpEdge)
+
+
+class _OneOfLands(Table):
+    """Base of the lands of a seat."""
+
+    set_back: SmallLength | None = None
+
+    if TYPE_CHECKING:
+        shape: str
+
+    def made(self, closure: Shape) -> meshes.Land:
+        """The land with the dimensions that are given."""
+        given = {key: value for key, value in self if key not in ("shape", "set_back") and value is not None}
+        maker: Callable[..., Any] = meshes.FlatLand.on if self.shape == "flat-land" else meshes.ConicalLand.around
+        return meshes.Land(maker(closure=closure, **given), self.set_back or 0.0)
+
+
+class ConicalOfLands(_OneOfLands):
+    """One of [[seat.lands]], shape = "conical-land"."""
+
+    shape: Literal["conical-land"]
+    angle: Inclination
+    land_width: Length | None = None
+    land_radius: Length | None = None
+    edge_radius: SmallLength | None = None
+
+
+class FlatOfLands(_OneOfLands):
+    """One of [[seat.lands]], shape = "flat-land"."""
+
+    shape: Literal["flat-land"]
+    land_inner_radius: Length
+    land_outer_radius: Length
+    edge_radius: Rounding | None = None
+
+
+class Lands(Housed):
+    """[seat] shape = "lands": several lands one behind the other, with chambers between them."""
+
+    shape: Literal["lands"]
+    lands: tuple[Annotated[ConicalOfLands | FlatOfLands, Field(discriminator="shape")], ...] = Field(strict=False)
+    chamber_depth: Length | None = None
+
+    def body(self, closure: Shape) -> Shape:
+        """The seat that is meshed, with the dimensions that are left open in proportion to the closure."""
+        return meshes.Lands.around(
+            [one.made(closure) for one in self.lands],
+            closure,
+            chamber_depth=self.chamber_depth,
+            outer_radius=self.outer_radius,
+            height=self.height,
+        )
+
+
+SEATS = (ConicalSeat, ConicalLand, Sphere, ToroidalSeat, Flat, FlatLand, SharpEdge, Lands)

@@ -18,6 +18,7 @@ from fem_seal.case.drawn import ClosureProfile, SeatProfile
 from fem_seal.case.fields import (
     RATES,
     Bubbles,
+    ChamberPressures,
     LeakRate,
     NominalSizeEntry,
     NormalVolume,
@@ -67,6 +68,9 @@ class Load(Table):
     largest_earlier_force: Annotated[float, EARLIER_FORCE] | None = None
     largest_earlier_pressure: Annotated[float, FLUID_PRESSURE] | None = None
     target_leak_rate: Annotated[float, LeakRate("leak rate", "1e-30 m^3/s", "1e3 m^3/s")] | None = None
+    chamber_pressure: (
+        Annotated[tuple[float | None, ...], ChamberPressures("pressure", "0 Pa", "10 GPa")] | None
+    ) = None
 
     @model_validator(mode="after")
     def _one_pressure_under_all_forces(self) -> Load:
@@ -513,6 +517,13 @@ class CaseTables(Table):
     def file(self) -> Path | None:
         """File the case was read from, None if made in code."""
         return self._file
+
+    @property
+    def chambers(self) -> tuple[float | None, ...]:
+        """Pressure in each chamber between the lands of the seat [Pa]; None where it follows from the flow."""
+        given = self.load.chamber_pressure or (None,)
+        count = len(self.contact.chambers)
+        return given * count if len(given) == 1 else given
 
     def without_loads(self, numbers: Collection[int]) -> Self:
         """The same without some of its loads; at least one must be left."""

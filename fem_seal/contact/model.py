@@ -15,6 +15,7 @@ import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -69,6 +70,8 @@ class ContactLine:
         x between which the faces stand in front of each other [m]; None where they are not known to end.
     in_hollow : ContactGeometry or None
         The faces, where the closure lies in a hollow seat.
+    chambers : tuple of float
+        x of the chambers that part the line into lands [m], increasing.
     """
 
     x: FloatArray
@@ -81,6 +84,16 @@ class ContactLine:
     vertices: FloatArray
     reach: tuple[float | None, float | None] = (None, None)
     in_hollow: ContactGeometry | None = field(default=None, repr=False)
+    chambers: tuple[float, ...] = ()
+
+    @cached_property
+    def lands(self) -> tuple[tuple[slice, tuple[float | None, float | None]], ...]:
+        """Points of each land, from the axis outwards, and x between which its faces stand in front of each other."""
+        cuts = [0, *np.searchsorted(self.x, self.chambers).tolist(), len(self.x)]
+        ends = [self.reach[0], *self.chambers, self.reach[1]]
+        return tuple(
+            (slice(*part), reach) for part, reach in zip(pairwise(cuts), pairwise(ends), strict=True)
+        )
 
     def lift(self, separation: float) -> FloatArray | float:
         """What lifting the closure adds to the gap beyond the axial part of its way [m], shape (m,); 0 on most seats.
@@ -275,7 +288,17 @@ def condense(
     gap, bend = contact.gap(x), contact.bend(x)
     hollow = contact if contact.normal_turns and contact.closure_curvature > 0 else None
     line = ContactLine(
-        x, contact.radius(x), weight, normal, area_weight, gap, bend, vertices, contact.reach, hollow
+        x,
+        contact.radius(x),
+        weight,
+        normal,
+        area_weight,
+        gap,
+        bend,
+        vertices,
+        contact.reach,
+        hollow,
+        tuple(place for place in contact.chambers if x[0] < place < x[-1]),
     )
     return ContactModel(
         (line,),

@@ -34,6 +34,9 @@ _CORE, _EDGE = 3.0, 2.0
 
 _MOST_ELEMENTS = 1500
 
+# Places at which faces are looked at for further lands.
+_LOOKED_AT = 2001
+
 # Elements over what is pressed flat of a rounded edge, and over its whole arc.
 _PER_EDGE, _PER_ARC = 5.0, 6.0
 _AT_CORNER = 10.0
@@ -55,10 +58,14 @@ class Opening:
         Distances from first touch inwards and outwards [m], increasing.
     root_gap : ndarray, shape (2, n)
         Square root of the largest gap up to there [m^(1/2)], linear in the distance for a parabola.
+    x, gap : ndarray, shape (k,)
+        The gap over the arc length from first touch, everywhere alike [m].
     """
 
     distance: FloatArray
     root_gap: FloatArray
+    x: FloatArray
+    gap: FloatArray
 
     @classmethod
     def of(cls, contact: ContactGeometry) -> Opening:
@@ -96,12 +103,28 @@ class Opening:
         sides, root = zip(self.root_gap, self.distance, strict=True), np.sqrt(gap)
         return np.array([np.interp(root, root_gap, distance) for root_gap, distance in sides])
 
+    def further_lands(self, gap: float) -> list[tuple[float, float]]:
+        """Stretches of x beside that of first touch on which the faces are at most `gap` apart [m].
+
+        Parameters
+        ----------
+        gap : float
+            [m]
+        """
+        close = np.concatenate([[False], self.gap <= gap, [False]])
+        ends = np.flatnonzero(close[1:] != close[:-1]).reshape(-1, 2)
+        found = [(float(self.x[first]), float(self.x[last - 1])) for first, last in ends]
+        return [(start, end) for start, end in found if not start <= 0 <= end]
+
 
 # Meshes that are ready know no equality.
 @lru_cache(maxsize=32)
 def _opening(contact: ContactGeometry) -> Opening:
     sides = [Opening._side(contact, end) for end in contact.reach]
-    return Opening(*(np.stack(rows) for rows in zip(*sides, strict=True)))
+    x = np.linspace(*contact.reach, _LOOKED_AT)
+    gap = contact.gap(x)
+    distance, root_gap = (np.stack(rows) for rows in zip(*sides, strict=True))
+    return Opening(distance, root_gap, x, np.where(np.isnan(gap), np.inf, gap))
 
 
 @dataclass(frozen=True)
@@ -118,8 +141,8 @@ class ContactWidth:
         Distances from first touch, inwards and outwards, at which the pressure has fallen to 1e-7 of its peak [m].
     decay_length : float
         Of the interface law at the peak [m].
-    closed_gap : float
-        Gap of the undeformed faces beyond which the pressure is below a thousandth of its peak [m].
+    closed_gap, tail_gap : float
+        Gap of the undeformed faces beyond which the pressure is below a thousandth, and below 1e-7, of its peak [m].
     """
 
     std: float
@@ -127,6 +150,7 @@ class ContactWidth:
     reach: tuple[float, float]
     decay_length: float
     closed_gap: float
+    tail_gap: float
 
 
 def contact_widths(
@@ -149,7 +173,7 @@ def contact_widths(
         E* [Pa].
     """
     f = np.array(line_loads, dtype=float)
-    closed = flattened = 2 * f / (math.pi * effective_modulus)
+    closed = tail = flattened = 2 * f / (math.pi * effective_modulus)
     sides = opening.reach(flattened)
     a = 0.5 * (sides[0] + sides[1])
     if isinstance(law, HardContact):
@@ -163,13 +187,13 @@ def contact_widths(
             log_peak = np.log(f / (math.sqrt(2 * math.pi) * std))
         at_tail, at_closed, at_peak = law.gap(log_peak + _LOG_SHARES)
         reach = sides + opening.reach(at_tail - at_peak)
-        closed = flattened + at_closed - at_peak
+        closed, tail = flattened + at_closed - at_peak, flattened + at_tail - at_peak
         per_std = np.minimum(np.maximum(a / np.sqrt(R * decay), _PER_STD_SOFT), _PER_STD_HARD)
         std = np.minimum(std, (reach[0] + reach[1]) / math.sqrt(12))
-    columns = (std, per_std, *reach, decay, closed)
+    columns = (std, per_std, *reach, decay, closed, tail)
     return [
-        ContactWidth(one, fine, (inner, outer), length, gap)
-        for one, fine, inner, outer, length, gap in zip(*(c.tolist() for c in columns), strict=True)
+        ContactWidth(one, fine, (inner, outer), *rest)
+        for one, fine, inner, outer, *rest in zip(*(c.tolist() for c in columns), strict=True)
     ]
 
 
@@ -197,23 +221,30 @@ def element_sizes(
     InputError
         If `contact_size` cannot resolve the narrowest profile, or needs an unreasonable number of elements.
     """
-    widths = contact_widths(law, line_loads, Opening.of(contact), effective_modulus)
+    opening = Opening.of(contact)
+    widths = contact_widths(law, line_loads, opening, effective_modulus)
     std = min(w.std for w in widths)
     far_size = contact.closure.largest_radius / _PER_LARGEST_RADIUS
     size = min(min(w.std / w.per_std for w in widths), far_size)
     reach = [max(sides) for sides in zip(*(w.reach for w in widths), strict=True)]
     # Contact ends where one of the faces ends, whatever the law says.
     lower, upper = contact.reach
-    zone = (max(-reach[0], lower), min(reach[1], upper))
+    lands = opening.further_lands(max(w.tail_gap for w in widths))
+    zone = (
+        max(min(-reach[0], *(start for start, _ in lands)), lower),
+        min(max(reach[1], *(end for _, end in lands)), upper),
+    )
     spots = _edges(contact, zone, size, line_loads, widths, effective_modulus)
     # A contact that ends beyond the core, or may have peaks at edges, wants small elements there as well.
     uneven = bool(spots) or bool(np.any((contact.breaks > zone[0]) & (contact.breaks < zone[1])))
     beyond = [1 / (_EDGE * w.per_std) for w in widths if uneven or _EDGE * w.std > _CORE * std]
+    growth = min([_GROWTH_ALONG, *beyond])
+    spots += _on_further_lands(opening.further_lands(max(w.closed_gap for w in widths)), size, growth)
     sizing = Sizing(
         contact_size=size,
         core=_CORE * std,
         zone=zone,
-        growth_along=min([_GROWTH_ALONG, *beyond]),
+        growth_along=growth,
         growth_deep=_GROWTH_DEEP,
         far_size=far_size,
         spots=spots,
@@ -232,6 +263,17 @@ def element_sizes(
             f"{contact_size * 1e6:.6g} um",
         )
     return replace(sizing, contact_size=contact_size)
+
+
+def _on_further_lands(
+    lands: Sequence[tuple[float, float]], size: float, growth: float
+) -> tuple[tuple[float, float], ...]:
+    """Places on lands, so close that no element there is twice as large [m]."""
+    spots = list[tuple[float, float]]()
+    for start, end in lands:
+        count = max(1, math.ceil((end - start) * growth / size))
+        spots += [(start + (end - start) * (n + 0.5) / count, size) for n in range(count)]
+    return tuple(spots)
 
 
 def _without_stubs(sizing: Sizing, contact: ContactGeometry) -> tuple[float, float]:

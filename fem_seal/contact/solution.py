@@ -192,23 +192,24 @@ class ContactSolution:
 
     @cached_property
     def profiles(self) -> tuple[PressureProfile, ...]:
-        """Nominal pressure profile on each contact line, from the axis outwards."""
-        p = self.pressure
-        before = None if self.largest is None else remembered(p, self.largest)
-        ends = np.cumsum([len(line.x) for line in self.model.lines])
-        found = []
-        for line, part in zip(self.model.lines, map(slice, (0, *ends), ends), strict=True):
-            largest = None if before is None else before[part]
-            found.append(
-                PressureProfile(
-                    line.x, line.radius, p[part], self.gap[part], line.arc_weight, line.reach, largest
+        """Nominal pressure profile on each contact line and land, from the axis outwards."""
+        found, start = list[PressureProfile](), 0
+        for line in self.model.lines:
+            for land, reach in line.lands:
+                at = slice(start + land.start, start + land.stop)
+                p = self.pressure[at]
+                before = None if self.largest is None else remembered(p, self.largest[at])
+                found.append(
+                    PressureProfile(
+                        line.x[land], line.radius[land], p, self.gap[at], line.arc_weight[land], reach, before
+                    )
                 )
-            )
+            start += len(line.x)
         return tuple(found)
 
     @property
     def profile(self) -> PressureProfile:
-        """Nominal pressure profile on the line that is pressed hardest."""
+        """Nominal pressure profile on the line or land that is pressed hardest."""
         return tightest(self.profiles)
 
     def after(self, earlier: ContactSolution | None) -> Self:

@@ -86,6 +86,9 @@ class FlowModel:
         Of the interval that a simulation gives.
     pressure_law : PressureLaw or None
         How a liquid thickens and is compressed; None where nothing is known of it.
+    chambers : tuple of float or None
+        Pressure above the low side that each chamber between lands is held at, None where it follows from the flow
+        [Pa]; empty where it does in all of them.
     """
 
     fluid: str
@@ -99,6 +102,7 @@ class FlowModel:
     direct: DirectSettings | None = None
     end: int = 0
     pressure_law: PressureLaw | None = None
+    chambers: tuple[float | None, ...] = ()
 
     def effective_viscosity(self, fluid_pressure: float) -> float | None:
         """Of a liquid: the viscosity of one that does not thicken and leaks as much [Pa s]; None for a gas.
@@ -176,23 +180,24 @@ class FlowModel:
         """
         return self.table(surface, *range_around(log_peaks))
 
-    def permeant(self, table: Conductivity, fluid_pressure: float) -> Permeant:
-        """What flows at a pressure difference.
+    def permeant(self, table: Conductivity, high: float, low: float = 0.0) -> Permeant:
+        """What flows between two pressures.
 
         Parameters
         ----------
         table : ConductivityTable or GasConductivityTable
-        fluid_pressure : float
-            Pressure difference [Pa].
+        high, low : float
+            Above the low side of the seal [Pa].
         """
         from leak.flow.leak_rate import GasPermeant, LiquidPermeant
 
         if isinstance(table, leak.ConductivityTable):
             sigma = table.at(self.viscosity)
-            return LiquidPermeant.of(sigma, fluid_pressure, self.pressure_law, self.viscosity, self.density)
+            liquid = LiquidPermeant.of(sigma, high, self.pressure_law, self.viscosity, self.density)
+            return replace(liquid, low=low) if low else liquid
         assert self.gas is not None  # the table is one of a gas
         outlet = self.outlet_pressure
-        return GasPermeant.of(table, self.gas, outlet + fluid_pressure, outlet)
+        return GasPermeant.of(table, self.gas, outlet + high, outlet + low)
 
     def conductivity_at(self, table: Conductivity, pressure: FloatArray, fluid_pressure: float) -> FloatArray:
         """sigma_eff at contact pressures, of a gas at the mean of its pressures at both ends [m^3/(Pa s)].
@@ -242,7 +247,11 @@ class FlowModel:
         return in_profile(surface, table, profile.after_largest(table), radius)
 
     def leak_of(
-        self, table: Conductivity, surface: RoughContact, profile: PressureProfile, fluid_pressure: float
+        self,
+        table: Conductivity,
+        surface: RoughContact,
+        lands: Sequence[PressureProfile],
+        fluid_pressure: float,
     ) -> LeakResult:
         """Leak of one contact.
 
@@ -252,8 +261,9 @@ class FlowModel:
             For all pressures of the contact.
         surface : RoughContact
             Of which the table is.
-        profile : PressureProfile
-            Not after a larger load with fluid_in_gap = "local", of which the theory says nothing then.
+        lands : sequence of PressureProfile
+            One, or those of several lands in series, from the axis outwards. Not after a larger load with fluid_in_gap
+            = "local", of which the theory says nothing then.
         fluid_pressure : float
             Pressure difference [Pa].
 
@@ -262,26 +272,46 @@ class FlowModel:
         LeakResult
             A `leak.CoupledLeakResult` for fluid_in_gap = "local".
         """
-        return self.leak_by(self.in_contact(table, surface, profile), profile, fluid_pressure)
+        tables = [self.in_contact(table, surface, one) if one.touches else table for one in lands]
+        return self.leak_by(tables, lands, fluid_pressure)
 
-    def leak_by(self, table: Conductivity, profile: PressureProfile, fluid_pressure: float) -> LeakResult:
-        """`leak_of` by the table of the contact itself, see `in_contact`.
+    def leak_by(
+        self, tables: Sequence[Conductivity], lands: Sequence[PressureProfile], fluid_pressure: float
+    ) -> LeakResult:
+        """`leak_of` by the table of each land itself, see `in_contact`.
 
         Parameters
         ----------
-        table : ConductivityTable or GasConductivityTable
-        profile : PressureProfile
+        tables : sequence of ConductivityTable or GasConductivityTable
+        lands : sequence of PressureProfile
         fluid_pressure : float
             Pressure difference [Pa].
         """
-        x, pressure, side = profile.x, profile.pressure, self.pressure_side
+        ends = (fluid_pressure, 0.0) if self.pressure_side == "inner" else (0.0, fluid_pressure)
+        if len(lands) > 1:
+            from leak.flow.series import SeriesContact, in_series
+
+            given = self.chambers or (None,) * (len(lands) - 1)
+            contacts = [
+                SeriesContact(partial(self._across, table, one) if one.touches else None, len(one.x))
+                for table, one in zip(tables, lands, strict=True)
+            ]
+            return in_series(contacts, *ends, given)
+        return self._across(tables[0], lands[0], *ends)
+
+    def _across(
+        self, table: Conductivity, profile: PressureProfile, inner: float, outer: float
+    ) -> LeakResult:
+        """Leak of one land between pressures on its inner and its outer side, above the low side of the seal [Pa]."""
+        x, pressure, side = profile.x, profile.pressure, "inner" if inner > outer else "outer"
+        high, low = max(inner, outer), min(inner, outer)
         if self.fluid_in_gap == "local" and isinstance(table, leak.ConductivityTable):
-            assert profile.largest is None  # the case's own checks refuse it
+            assert profile.largest is None and low == 0.0  # the case's own checks refuse it
             return leak.coupled_leak_flow(
                 x,
                 pressure,
                 table.at(self.viscosity),
-                fluid_pressure,
+                high,
                 profile.radius,
                 pressure_side=side,
                 ends=profile.ends,
@@ -289,9 +319,10 @@ class FlowModel:
             ).with_density(self.density)
         from leak.flow.leak_rate import flow_through
 
-        permeant = self.permeant(table, fluid_pressure)
+        permeant = self.permeant(table, high, low)
         contact = profile.after_largest(table)
-        return permeant.result(*flow_through(contact, x, pressure, permeant, side)).above_outlet
+        found = permeant.result(*flow_through(contact, x, pressure, permeant, side)).above_outlet
+        return replace(found, fluid_pressure=low + found.fluid_pressure) if low and self.gas else found
 
     def bounds(
         self,
@@ -524,21 +555,22 @@ class LeakModel(ByReading):
         """Flow conductivity of the surface; None without a fluid."""
         return None if self.flow is None else self.make(self.flow, self.surface)
 
-    def leak(self, profile: PressureProfile, fluid_pressure: float) -> LeakResult | None:
+    def leak(self, lands: Sequence[PressureProfile], fluid_pressure: float) -> LeakResult | None:
         """Leak of one of the contacts; None without a fluid.
 
         Parameters
         ----------
-        profile : PressureProfile
+        lands : sequence of PressureProfile
+            See `FlowModel.leak_of`.
         fluid_pressure : float
             Pressure difference [Pa].
         """
         if self.flow is None or self.table is None:
             return None
-        return self.flow.leak_of(self.table, self.surface, profile, fluid_pressure)
+        return self.flow.leak_of(self.table, self.surface, lands, fluid_pressure)
 
     def leak_pressed_up_to(
-        self, most: float, profile: PressureProfile, fluid_pressure: float
+        self, most: float, lands: Sequence[PressureProfile], fluid_pressure: float
     ) -> LeakResult | None:
         """Leak of one of the contacts, its channels as they are, if no place were pressed harder; None without a fluid.
 
@@ -546,16 +578,23 @@ class LeakModel(ByReading):
         ----------
         most : float
             Contact pressure [Pa].
-        profile : PressureProfile
+        lands : sequence of PressureProfile
         fluid_pressure : float
             Pressure difference [Pa].
         """
         if self.flow is None or self.table is None:
             return None
-        earlier = None if profile.largest is None else np.minimum(profile.largest, most)
-        pressed = replace(profile, pressure=np.minimum(profile.pressure, most), largest=earlier)
-        table = self.flow.in_contact(self.table, self.surface, profile)
-        return self.flow.leak_by(table, pressed, fluid_pressure)
+        pressed = [
+            replace(
+                one,
+                pressure=np.minimum(one.pressure, most),
+                largest=None if one.largest is None else np.minimum(one.largest, most),
+            )
+            for one in lands
+        ]
+        flow, table, surface = self.flow, self.table, self.surface
+        tables = [flow.in_contact(table, surface, one) if one.touches else table for one in lands]
+        return flow.leak_by(tables, pressed, fluid_pressure)
 
     def at(self, fluid_pressure: float) -> ProfileLeak | None:
         """Flow at a pressure difference [Pa]; None without a fluid."""
@@ -563,7 +602,7 @@ class LeakModel(ByReading):
         if flow is None or table is None:
             return None
         return ProfileLeak(
-            lambda profile: flow.leak_of(table, self.surface, profile, fluid_pressure),
+            lambda profile: flow.leak_of(table, self.surface, (profile,), fluid_pressure),
             lambda profile, grooves: flow.bounds(table, self.surface, profile, fluid_pressure, grooves),
             lambda pressure: flow.conductivity_at(table, pressure, fluid_pressure),
         )

@@ -418,6 +418,7 @@ def flow_of(case: CaseTables) -> FlowModel | None:
         case.load.pressure_side,
         direct_settings(case),
         pressure_law=fluid.pressure_law if fluid.gas is None else None,
+        chambers=case.chambers,
     )
 
 
@@ -625,21 +626,28 @@ class SealFlow:
             return None
         return cls(problem, problem.surface, problem.flow)
 
-    def leak(self, profile: PressureProfile, fluid_pressure: float) -> LeakResult:
-        """Flow through a contact at a pressure difference [Pa]."""
-        return self.flow.leak_of(self._table(profile), self.surface, profile, fluid_pressure)
+    def leak(self, lands: Sequence[PressureProfile], fluid_pressure: float) -> LeakResult:
+        """Flow through a contact, of one land or several in series, at a pressure difference [Pa]."""
+        table = self._table(max(lands, key=lambda one: one.highest))
+        return self.flow.leak_of(table, self.surface, lands, fluid_pressure)
 
-    def as_first_loaded(self, profile: PressureProfile, largest: FloatArray) -> PressureProfile:
-        """Profile of first loading that lets as much through as a contact that was pressed harder before.
+    def as_first_loaded(
+        self, lands: Sequence[PressureProfile], largest: FloatArray
+    ) -> tuple[PressureProfile, ...]:
+        """Profiles of first loading that let as much through as a contact that was pressed harder before.
 
         Parameters
         ----------
-        profile : PressureProfile
+        lands : sequence of PressureProfile
         largest : ndarray, shape (m,)
             Largest pressure that each place has carried before [Pa].
         """
-        after = replace(profile, largest=remembered(profile.pressure, largest))
-        return as_first_loaded(self._table(after), after)
+        ends = np.cumsum([len(one.x) for one in lands])
+        after = [
+            replace(one, largest=remembered(one.pressure, largest[end - len(one.x) : end]))
+            for one, end in zip(lands, ends, strict=True)
+        ]
+        return tuple(as_first_loaded(self._table(one), one) for one in after)
 
     def leak_of(self, contact: ContactSolution, fluid_pressure: float) -> LeakResult:
         """Flow through a contact with the form error of the seal, at a pressure difference [Pa]."""
@@ -647,9 +655,9 @@ class SealFlow:
 
         formed = self.problem.around(contact)
         if formed is None:
-            return self.leak(contact.profile, fluid_pressure)
+            return self.leak(contact.profiles, fluid_pressure)
         flow = ProfileLeak(
-            lambda profile: self.leak(profile, fluid_pressure),
+            lambda profile: self.leak((profile,), fluid_pressure),
             lambda profile, grooves: self.flow.bounds(
                 self._table(profile), self.surface, profile, fluid_pressure, grooves
             ),

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem_seal.profile import PressureProfile
+from fem_seal.profile import PressureProfile, joined
 from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.findings import Finding
 from fem_seal.seal.leak_model import FlowModel, as_first_loaded
@@ -244,7 +244,7 @@ def _of_liquid(flow: FlowModel, load: LoadResult) -> tuple[float, float] | None:
     (profile, leak), viscosity = found, load.effective_viscosity or flow.viscosity
     density = leak.mass_flow / leak.leak_rate if leak.mass_flow else _DENSITY
     radius = float(profile.radius[int(profile.pressure.argmax())])
-    per_length, width = leak.leak_rate / (2 * math.pi * radius), 2.0 * profile.std
+    per_length, width = leak.leak_rate / (2 * math.pi * radius), 2.0 * min(profile.std, load.std)
     gap = (12 * viscosity * per_length * width / load.fluid_pressure) ** (1 / 3)
     reynolds = density * per_length / viscosity
     return 2 * reynolds, reynolds * gap / width
@@ -258,7 +258,7 @@ def _leak_known(load: LoadResult) -> bool:
 def _where_most_leaks(load: LoadResult) -> tuple[PressureProfile, LeakResult] | None:
     """Contact pressure at the angle with the largest leak, and the leak of a seal with this pressure all around."""
     if load.formed is None:
-        return None if load.leak is None else (load.tightest, load.leak)
+        return None if load.leak is None else (joined(load.profiles), load.leak)
     around = load.around
     if around is None or around.leak is None or around.leak_rate is None:
         return None
@@ -298,4 +298,4 @@ def _inertia_of(flow: FlowModel, load: LoadResult) -> tuple[GasInertia, float] |
     pressure = leak.fluid_pressure + flow.outlet_pressure
     ratio = heat_capacity_ratio(flow.gas.name) or 1.4
     numbers = gas_inertia(profile.radius, gap, pressure, leak.mass_flow, flow.gas, ratio)
-    return numbers, 0.5 * numbers.reynolds * float(gap.min()) / (2.0 * profile.std)
+    return numbers, 0.5 * numbers.reynolds * float(gap.min()) / (2.0 * min(profile.std, load.std))

@@ -77,6 +77,8 @@ class LiquidPermeant:
         At atmospheric pressure [Pa s]; who does not ask for a gap need not know it.
     density : float or None
         At atmospheric pressure [kg/m^3]; None where it is not known.
+    low : float
+        Pressure above atmosphere on the other side [Pa].
     """
 
     high: float
@@ -84,12 +86,12 @@ class LiquidPermeant:
     potential: FlowPotential
     viscosity: float = 1.0
     density: float | None = None
+    low: float = 0.0
 
     # least number that a profile must have
     cells = 1
     # whether the gain depends on the fluid pressure, so that both are found in turn
     sweeps = False
-    low = 0.0
     # flow over sigma, the gain and the slope of the potential
     per_potential = 1.0
 
@@ -132,7 +134,7 @@ class LiquidPermeant:
 
     def result(self, flow: float, pressure: FloatArray, peak: int, gap: float) -> LeakResult:
         """A flow, with fluid pressures [Pa], and the gap at the peak of the contact pressure, zero if sealed [m]."""
-        resistance = self.high / flow if flow > 0.0 else float("inf")
+        resistance = (self.high - self.low) / flow if flow > 0.0 else float("inf")
         return LeakResult(flow, resistance, pressure).with_density(self.density)
 
 

@@ -44,6 +44,9 @@ class LeakResult:
     knudsen_number: float | None = field(default=None, kw_only=True)
     """Of a gas: mean free path over u_eff at the peak contact pressure, infinite where sealed; None for a liquid."""
 
+    lands: tuple[LandFlow, ...] = field(default=(), kw_only=True)
+    """Of several contacts in series, from the axis outwards; empty for a single one."""
+
     def with_density(self, density: float | None) -> Self:
         """The same flow of a liquid with its mass.
 
@@ -100,7 +103,23 @@ class LeakResult:
             mass_flow=times(self.mass_flow),
             throughput=times(self.throughput),
             standard_leak_rate=times(self.standard_leak_rate),
+            lands=tuple(one._replace(leak_rate=share * one.leak_rate) for one in self.lands),
         )
+
+
+class LandFlow(NamedTuple):
+    """Flow through one of several contacts in series, between two pressures above the low side [Pa].
+
+    Examples
+    --------
+    >>> LandFlow(inner_pressure=2e5, outer_pressure=0.0, leak_rate=1e-9).leak_rate
+    1e-09
+    """
+
+    inner_pressure: float
+    outer_pressure: float
+    leak_rate: float
+    """[m^3/s], towards the lower pressure; infinite where the contact is open."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import groupby, pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -143,11 +144,27 @@ class ContactGeometry:
     def _turning(self) -> tuple[FloatArray, FloatArray] | None:
         """Arc lengths on the seat [m] and angles of the contact normal there [rad]; None if it does not turn."""
         seat, closure = self.seat_face, self.closure_face
-        first = _angles(seat, np.array([self._origin]))
         if seat.is_straight or closure.is_straight:
             return None
         s = different(np.append(seat.dense(_PER_FACE), self._origin))
-        own, turned = _angles(seat, s), np.full(len(s), first[0])
+        ends = [0.0, *(self._origin + x for x in self.chambers), seat.length]
+        lands = [s[(s >= low) & (s <= high)] for low, high in pairwise(ends)]
+        turned = np.concatenate([self._turned(land) for land in lands])
+        return None if np.ptp(turned) < 1e-12 else (np.concatenate(lands), turned)
+
+    def _turned(self, s: FloatArray) -> FloatArray:
+        """Angle of the contact normal at arc lengths of one land [rad]."""
+        seat, closure, own = self.seat_face, self.closure_face, _angles(self.seat_face, s)
+        if s[0] <= self._origin <= s[-1]:
+            origin, first = self._origin, float(_angles(seat, np.array([self._origin]))[0])
+        else:
+            # where the closure comes closest along the axis
+            above, arc = closure.hits(seat.point(s), np.broadcast_to([[0.0], [1.0]], (2, len(s))))
+            if np.isnan(above).all():
+                return np.full(len(s), float(_angles(seat, np.array([self._origin]))[0]))
+            nearest = int(np.nanargmin(above))
+            origin, first = float(s[nearest]), float(_angles(closure, arc[nearest : nearest + 1])[0])
+        turned = np.full(len(s), first)
         # A turn of the rays moves where they meet the closure by that turn of a small gap: it settles at once.
         for _ in range(_ROUNDS):
             arc = closure.hits(seat.point(s), _normals(turned))[1]
@@ -157,8 +174,8 @@ class ContactGeometry:
             # Beside the closure the normal goes on turning as it does at its end.
             steps = np.interp(s[1:], s[1:][faced], share[faced]) * np.diff(own)
             turned = np.concatenate([[0.0], np.cumsum(steps)])
-            turned += first[0] - np.interp(self._origin, s, turned)
-        return None if np.ptp(turned) < 1e-12 else (s, turned)
+            turned += first - np.interp(origin, s, turned)
+        return turned
 
     @cached_property
     def reach(self) -> tuple[float, float]:
@@ -193,6 +210,17 @@ class ContactGeometry:
         own = self.seat_face.bends - self._origin
         other = self.coordinate(*self.closure_face.point(self.closure_face.bends))
         return different(np.concatenate([own, other]))
+
+    @cached_property
+    def chambers(self) -> tuple[float, ...]:
+        """x in the middle of each chamber between two lands of the seat [m], increasing; none on most seats."""
+        face, found, place = self.seat_face, list[float](), 0.0
+        for kind, segments in groupby(face.segments, lambda one: one.name.endswith("_chamber")):
+            length = sum(one.length for one in segments)
+            if kind:
+                found.append(place + 0.5 * length - self._origin)
+            place += length
+        return tuple(found)
 
     def point(self, x: FloatArray) -> FloatArray:
         """Points (r, z) of the contact line [m], shape (2, ...) over x."""

@@ -53,27 +53,30 @@ class Outline:
     def face(self) -> Curve:
         """The surface on which contact can happen, run from smaller to larger radius.
 
-        It is made of the segments named "<body>_face".
+        It is made of the segments named "<body>_face", and "<body>_chamber" between them.
 
         Raises
         ------
         GeometryError
             If there is no such segment, or they are not one chain.
         """
-        wanted = f"{self.name}_face"
-        at = [n for n, s in enumerate(self.segments) if s.name == wanted]
+        at = self._of_face
         if not at or at != list(range(at[0], at[-1] + 1)):
             raise GeometryError(
-                f'the outline of the {self.name} needs one unbroken chain of segments "{wanted}"'
+                f'the outline of the {self.name} needs one unbroken chain of segments "{self.name}_face"'
             )
         face = Curve(self.segments[at[0] : at[-1] + 1])
         # Counter-clockwise, the lower side of the closure runs outwards and the upper side of the seat inwards.
         return face if face.segments[0].start[0] < face.segments[-1].end[0] else face.reversed
 
+    @property
+    def _of_face(self) -> list[int]:
+        names = (f"{self.name}_face", f"{self.name}_chamber")
+        return [n for n, s in enumerate(self.segments) if s.name in names]
+
     def with_face(self, pieces: tuple[Segment, ...]) -> Outline:
         """The outline with its face replaced by `pieces`, which run from smaller to larger radius."""
-        wanted = f"{self.name}_face"
-        at = [n for n, s in enumerate(self.segments) if s.name == wanted]
+        at = self._of_face
         before, after = self.segments[: at[0]], self.segments[at[-1] + 1 :]
         outwards = self.segments[at[0]].start[0] < self.segments[at[-1]].end[0]
         if not outwards:

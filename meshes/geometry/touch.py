@@ -72,10 +72,13 @@ def first_touch(closure: Curve, seat: Curve) -> Touch:
     drop = min(distance for _, distance in places)
     slack = 1e-13 * max(closure.length, seat.length)
     touching = sorted(r for r, distance in places if distance <= drop + slack)
-    middle = 0.5 * (touching[0] + touching[-1])
     # Two circles that touch at once have a gap between them; a stretch has none.
-    stretch = _distance(upper, lower, middle) <= drop + slack
-    return Touch(float(middle if stretch else touching[0]), float(drop))
+    end = touching[0]
+    for r in touching[1:]:
+        if _distance(upper, lower, 0.5 * (end + r)) > drop + slack:
+            break
+        end = r
+    return Touch(0.5 * (touching[0] + end), float(drop))
 
 
 def _distance(upper: list[_Graph], lower: list[_Graph], r: float) -> float:

@@ -12,7 +12,7 @@ from meshes.geometry.curve import Curve
 from meshes.geometry.outline import Outline
 from meshes.geometry.rounding import chain
 from meshes.geometry.segment import Point, Segment
-from meshes.geometry.touch import first_touch, with_faces
+from meshes.geometry.touch import Touch, first_touch, with_faces
 
 
 class Shape(Protocol):
@@ -216,6 +216,10 @@ class Partner:
         """Radius of first touch on a seat's face [m]."""
         return self._touch(face)[1]
 
+    def drop_on(self, face: Curve) -> float:
+        """Way of the closure along -z from where it is drawn to first touch on a seat's face [m]."""
+        return self._met(face)[1].drop
+
     def touch_on_cone(self, angle: float) -> float:
         """Radius of first touch [m] on a cone without ends, inclined by `angle` [rad] to the horizontal plane."""
         end = 2 * self.size
@@ -227,8 +231,12 @@ class Partner:
         return closure.curvature(closure.project_radius(touch))
 
     def _touch(self, face: Curve) -> tuple[Curve, float]:
+        closure, touch = self._met(face)
+        return closure, touch.radius
+
+    def _met(self, face: Curve) -> tuple[Curve, Touch]:
         closure, seat = with_faces(self.outline, Outline("seat", face.reversed.segments))
-        return closure.face, first_touch(closure.face, seat.face).radius
+        return closure.face, first_touch(closure.face, seat.face)
 
     def housing_radius(self, touch: float, face_end: float) -> float:
         """1.5 L wider than first touch: far enough to change a narrow contact's pressure by some 1e-5."""

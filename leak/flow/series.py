@@ -1,0 +1,204 @@
+"""Contacts in series, with chambers between them whose pressure follows from the flow, or is given.
+
+What enters a chamber leaves it: as much flows through the contacts on both sides of it, unless it is vented or has a
+test port.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+
+from leak.arrays import FloatArray
+from leak.errors import ProfileError
+from leak.flow.leak_result import LandFlow, LeakResult
+
+# Newton's method has arrived when flows differ by less than this share of the largest.
+_CLOSE, _MOST_STEPS = 1e-12, 60
+# Of the pressure difference: step of the difference quotient.
+_STEP = 1e-6
+
+Flow = Callable[[float, float], float]
+
+
+@dataclass(frozen=True)
+class SeriesContact:
+    """One of several contacts in series.
+
+    Parameters
+    ----------
+    leak : callable or None
+        Its leak between two different pressures on its inner and its outer side [Pa]; None where the faces do not touch
+        and nothing resists.
+    points : int
+        Number of points at which it tells the fluid pressure.
+    """
+
+    leak: Callable[[float, float], LeakResult] | None
+    points: int
+
+    def flow(self, inner: float, outer: float) -> float:
+        """Leak rate outwards [m^3/s], negative inwards."""
+        assert self.leak is not None
+        return 0.0 if inner == outer else math.copysign(self.leak(inner, outer).leak_rate, inner - outer)
+
+
+def in_series(
+    contacts: Sequence[SeriesContact], inner: float, outer: float, given: Sequence[float | None]
+) -> LeakResult:
+    """Leak of contacts in series.
+
+    Parameters
+    ----------
+    contacts : sequence of SeriesContact
+        From the axis outwards; one at least touches.
+    inner, outer : float
+        Pressures at both ends, the lower one zero [Pa].
+    given : sequence of float or None
+        Pressure in each chamber, one less than there are contacts [Pa]: zero in one that is vented, None where it
+        follows from the flow.
+
+    Returns
+    -------
+    LeakResult
+        Its leak rate is what leaves the seal: all that gets to the low side, and into chambers that are vented.
+
+    Raises
+    ------
+    ProfileError
+        If the pressures in the chambers are not found.
+
+    Examples
+    --------
+    >>> import leak
+    >>> x = np.linspace(-0.5e-3, 0.5e-3, 101)
+    >>> def land(inner, outer):
+    ...     p, side = 50e6 * np.exp(-(x / 0.2e-3) ** 2), "inner" if inner > outer else "outer"
+    ...     return leak.leak_flow(x, p, lambda p: 1e-10 / p, abs(inner - outer), 0.014, pressure_side=side)
+    >>> both = in_series([SeriesContact(land, 101)] * 2, 2e5, 0.0, [None])
+    >>> round(both.lands[0].outer_pressure), f"{both.leak_rate / land(1e5, 0.0).leak_rate:.9f}"
+    (100000, '1.000000000')
+    """
+    touching = [n for n, one in enumerate(contacts) if one.leak is not None]
+    # chambers that an open land does not part are one
+    joined = [_first(given[before:after]) for before, after in pairwise(touching)]
+    ends = inner, outer
+    for at, part in ((0, given[: touching[0]]), (1, given[touching[-1] :])):
+        if _first(part) is not None:
+            raise ProfileError(
+                f"a chamber held at {_first(part):.6g} Pa is open to the side at {ends[at]:.6g} Pa: a land does not touch"
+            )
+    found = chamber_pressures([contacts[n].flow for n in touching], inner, outer, joined)
+    pressure = [inner, *found.tolist(), outer]
+    lands, parts, results = [], [], list[LeakResult]()
+    for n, one in enumerate(contacts):
+        k = int(np.searchsorted(touching, n))
+        if one.leak is None:
+            lands.append(LandFlow(pressure[k], pressure[k], math.inf))
+            parts.append(np.full(one.points, pressure[k]))
+        elif pressure[k] == pressure[k + 1]:
+            lands.append(LandFlow(pressure[k], pressure[k + 1], 0.0))
+            parts.append(np.full(one.points, pressure[k]))
+        else:
+            result = one.leak(pressure[k], pressure[k + 1])
+            results.append(result)
+            lands.append(LandFlow(pressure[k], pressure[k + 1], result.leak_rate))
+            parts.append(result.fluid_pressure)
+    outwards = [
+        math.copysign(one.leak_rate, one.inner_pressure - one.outer_pressure) for one in (lands[n] for n in touching)
+    ]
+    # what arrives at places without pressure
+    inflow = [-outwards[0], *(before - after for before, after in pairwise(outwards)), outwards[-1]]
+    leaves = sum(max(flow, 0.0) for flow, p in zip(inflow, pressure, strict=True) if p == 0.0)
+    largest = max(results, key=lambda one: one.leak_rate).scaled(leaves)
+    drop = abs(inner - outer)
+    return replace(
+        largest,
+        resistance=drop / leaves if leaves > 0.0 else math.inf,
+        fluid_pressure=np.concatenate(parts),
+        lands=tuple(lands),
+    )
+
+
+def chamber_pressures(
+    flows: Sequence[Flow], inner: float, outer: float, given: Sequence[float | None]
+) -> FloatArray:
+    """Pressures in the chambers between contacts in series.
+
+    Parameters
+    ----------
+    flows : sequence of callable
+        Flow through each contact from a pressure on its inner to one on its outer side [Pa], from the axis outwards;
+        negative inwards, it rises with the former.
+    inner, outer : float
+        Pressures at both ends [Pa].
+    given : sequence of float or None
+        Pressure in each chamber, one less than there are contacts; None where it follows from the flow [Pa].
+
+    Returns
+    -------
+    ndarray, shape (len(flows) - 1,)
+        [Pa]. Where contacts seal, the pressure falls at those alone, evenly.
+
+    Raises
+    ------
+    ProfileError
+        If they are not found.
+
+    Examples
+    --------
+    Two resistances, of which the inner one is three times the other:
+
+    >>> resistances = [lambda a, b: (a - b) / 3e12, lambda a, b: (a - b) / 1e12]
+    >>> f"{chamber_pressures(resistances, 4e5, 0.0, [None])[0]:.6f}"
+    '100000.000000'
+    """
+    ends = [inner, *given, outer]
+    known = [n for n, one in enumerate(ends) if one is not None]
+    found: list[float] = []
+    for first, last in pairwise(known):
+        found += [*_between(flows[first:last], float(ends[first] or 0.0), float(ends[last] or 0.0)), ends[last] or 0.0]
+    return np.array(found[:-1])
+
+
+def _between(flows: Sequence[Flow], first: float, last: float) -> list[float]:
+    """Pressures between contacts in series, of which none is given."""
+    if len(flows) == 1 or first == last:
+        return [first] * (len(flows) - 1)
+    whole = np.array([one(first, last) for one in flows])
+    share = (whole == 0.0).astype(float) if (whole == 0.0).any() else 1.0 / whole
+    p = first + (last - first) * np.append(0.0, np.cumsum(share / share.sum()))
+    if (whole == 0.0).any():
+        return [float(one) for one in p[1:-1]]
+    low, high = min(first, last), max(first, last)
+    p[-1], step = last, _STEP * (high - low)
+    for _ in range(_MOST_STEPS):
+        flow = np.array([one(a, b) for one, (a, b) in zip(flows, pairwise(p.tolist()), strict=True)])
+        missing = flow[:-1] - flow[1:]
+        if np.abs(missing).max() <= _CLOSE * np.abs(flow).max():
+            break
+        slope = np.zeros((len(missing), len(missing)))
+        for n in range(len(missing)):
+            shift = -step if p[n + 1] + step > high else step
+            at = float(p[n + 1] + shift)
+            more = np.zeros(len(flow))
+            more[n] = flows[n](float(p[n]), at) - flow[n]
+            more[n + 1] = flows[n + 1](at, float(p[n + 2])) - flow[n + 1]
+            slope[:, n] = (more[:-1] - more[1:]) / shift
+        moved = p[1:-1] - np.linalg.solve(slope, missing)
+        # at most half of the way to an end
+        moved = np.where(moved < low, 0.5 * (low + p[1:-1]), np.where(moved > high, 0.5 * (high + p[1:-1]), moved))
+        if np.array_equal(moved, p[1:-1]):
+            break
+        p[1:-1] = moved
+    else:
+        raise ProfileError("the pressures in the chambers between the contacts were not found")
+    return [float(one) for one in p[1:-1]]
+
+
+def _first(given: Sequence[float | None]) -> float | None:
+    return next((one for one in given if one is not None), None)

@@ -1,0 +1,214 @@
+"""Several lands one behind the other on one seat, with chambers between them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+from meshes.errors import GeometryError, mm
+from meshes.geometry.curve import Curve
+from meshes.geometry.outline import Outline
+from meshes.geometry.rounding import rounded
+from meshes.geometry.segment import Point, Segment
+from meshes.shapes import check
+from meshes.shapes.conical_land import ConicalLand
+from meshes.shapes.flat_land import FlatLand
+from meshes.shapes.shape import Partner, Shape, housing
+
+# Depth of a chamber in units of the distance of its lands, unless given.
+_DEPTH = 0.25
+# Inclination of its walls to the line from land to land, and at most to the horizontal plane [rad].
+_WALL, _STEEPEST = math.radians(45.0), math.radians(80.0)
+# Radial distance of lands that leaves room for the roundings and the chamber.
+_ROOM = 2.5
+
+
+@dataclass(frozen=True)
+class Land:
+    """One of several lands.
+
+    Parameters
+    ----------
+    shape : ConicalLand or FlatLand
+        Its housing counts for nothing here.
+    set_back : float
+        How far the closure still has to move along the axis when it touches the foremost land [m].
+    """
+
+    shape: ConicalLand | FlatLand
+    set_back: float = 0.0
+
+    def __post_init__(self) -> None:
+        check.not_negative("seat", "set_back", self.set_back)
+
+    @property
+    def ends(self) -> tuple[Point, Point]:
+        """Edges before rounding, at a height of its own [m]."""
+        one = self.shape
+        if isinstance(one, FlatLand):
+            return (one.land_inner_radius, 0.0), (one.land_outer_radius, 0.0)
+        return (one.bore_radius, 0.0), (one.land_end, one.land_width * math.sin(one.angle))
+
+
+@dataclass(frozen=True)
+class Lands:
+    """Lands one behind the other on a cylindrical housing, from the bore outwards.
+
+    They are made to touch the closure at the same time, as lands are that are machined together with it, unless one is
+    set back. Between two of them is a chamber with walls inclined by 45 deg to the line from land to land.
+
+    Parameters
+    ----------
+    lands : tuple of Land
+        From the bore outwards, two at least.
+    closure : Shape
+        Which touches them.
+    chamber_depth : float
+        Below the line from land to land [m].
+    outer_radius : float
+        Radius of the housing [m].
+    height : float
+        From the inner edge of the first land to the bottom of the housing [m].
+
+    Raises
+    ------
+    GeometryError
+        If lands overlap, or one cannot touch the closure.
+
+    Examples
+    --------
+    >>> import meshes
+    >>> disc = meshes.Disc.of(0.03)
+    >>> inner, outer = meshes.FlatLand.on(0.020, 0.0215, disc), meshes.FlatLand.on(0.023, 0.0242, disc)
+    >>> seat = meshes.Lands.around([meshes.Land(inner), meshes.Land(outer)], disc)
+    >>> len(meshes.ContactGeometry.of(disc.outline, seat.outline).chambers)
+    1
+    """
+
+    lands: tuple[Land, ...]
+    closure: Shape
+    chamber_depth: float
+    outer_radius: float
+    height: float
+
+    def __post_init__(self) -> None:
+        check.positive("seat", chamber_depth=self.chamber_depth, height=self.height)
+        check.exceeds("seat", "outer_radius", self.outer_radius, self.land_end, "the outer edge of the lands,")
+
+    @classmethod
+    def around(
+        cls,
+        lands: Sequence[Land],
+        closure: Shape,
+        *,
+        chamber_depth: float | None = None,
+        outer_radius: float | None = None,
+        height: float | None = None,
+    ) -> Lands:
+        """Lands for a closure, with the dimensions that are not given in proportion.
+
+        Parameters
+        ----------
+        lands : sequence of Land
+        closure : Shape
+        chamber_depth : float, optional
+            A quarter of the distance of the two lands that lie closest unless given [m].
+        outer_radius, height : float, optional
+            Outer edge of the lands + 1.5 L and 1.5 L unless given [m], with L the radius of the closure.
+        """
+        if len(lands) < 2:
+            raise GeometryError(
+                f"seat lands: {len(lands)} given; at least 2 are needed, one alone is a seat of its own shape"
+            )
+        ordered = tuple(sorted(lands, key=lambda one: one.ends[0][0]))
+        distances = [after.ends[0][0] - before.ends[1][0] for before, after in pairwise(ordered)]
+        for (before, after), distance in zip(pairwise(ordered), distances, strict=True):
+            room = _ROOM * max(before.shape.edge_radius, after.shape.edge_radius)
+            if not distance > room:
+                raise GeometryError(
+                    f"seat lands: one ends at r = {mm(before.ends[1][0])}, the next begins at {mm(after.ends[0][0])}; "
+                    f"the roundings need {mm(room)} between them: change a land_width or a radius"
+                )
+        partner, end = Partner.of(closure), ordered[-1].ends[1][0]
+        depth = _DEPTH * min(distances) if chamber_depth is None else chamber_depth
+        return cls(
+            ordered,
+            closure,
+            depth,
+            partner.housing_radius(end, 1.1 * end) if outer_radius is None else outer_radius,
+            partner.housing_height if height is None else height,
+        )
+
+    @property
+    def bore_radius(self) -> float:
+        """Radius of the bore, where the first land begins [m]."""
+        return self.lands[0].ends[0][0]
+
+    @property
+    def land_end(self) -> float:
+        """Radius of the outer edge of the last land before rounding [m]."""
+        return self.lands[-1].ends[1][0]
+
+    @property
+    def edges(self) -> tuple[tuple[Point, Point], ...]:
+        """Edges of every land before rounding, where the closure touches them [m]; the first land begins at z = 0."""
+        partner = Partner.of(self.closure)
+        levels = []
+        for land in self.lands:
+            try:
+                drop = partner.drop_on(Curve((Segment(*land.ends, "seat_face"),)))
+            except GeometryError as error:
+                raise GeometryError(
+                    f"seat lands: the closure cannot touch the land from r = {mm(land.ends[0][0])} to "
+                    f"{mm(land.ends[1][0])} together with the others: {error}"
+                ) from error
+            levels.append(drop - land.set_back)
+        return tuple(
+            ((start[0], start[1] + level - levels[0]), (end[0], end[1] + level - levels[0]))
+            for (start, end), level in zip((one.ends for one in self.lands), levels, strict=True)
+        )
+
+    @property
+    def outline(self) -> Outline:
+        """Section with the lower edge of the first land before rounding at z = 0."""
+        edges, last = self.edges, self.lands[-1].shape
+        (r, z), (end_r, end_z) = edges[0][0], edges[-1][1]
+        pieces = [((r, z - self.outer_radius), "")]
+        radii = [0.0]
+        for number, ((start, end), land) in enumerate(zip(edges, self.lands, strict=True)):
+            if number:
+                pieces += [(corner, "seat_chamber") for corner in self._groove(edges[number - 1][1], start)]
+                radii += [0.0, 0.0]
+            pieces += [(start, "seat_chamber" if number else "seat_face"), (end, "seat_face")]
+            radii += [land.shape.edge_radius, land.shape.edge_radius]
+        raised = isinstance(last, FlatLand)
+        step = max(0.5 * (end_r - edges[-1][0][0]), last.edge_radius) if raised else 0.0
+        pieces.append(((end_r, end_z - self.outer_radius) if raised else (self.outer_radius, end_z), "seat_face"))
+        chain = Curve(
+            tuple(Segment(before, after, name) for (before, _), (after, name) in pairwise(pieces))
+        )
+        face = rounded(chain, lambda n: radii[n]).without_first()
+        if raised:
+            face = face.without_last()
+        face = Curve(tuple(replace(one, name=one.name or "seat_face") for one in face.segments))
+        start = face.segments[0].start
+        return housing(face, self.outer_radius, self.height + start[1], step)
+
+    def _groove(self, end: Point, start: Point) -> list[Point]:
+        """Corners of the bottom of the chamber between the end of a land and the start of the next."""
+        length, along = math.dist(end, start), math.atan2(start[1] - end[1], start[0] - end[0])
+        # a face runs outwards all the way
+        falls, rises = max(along - _WALL, -_STEEPEST), min(along + _WALL, _STEEPEST)
+        before, after = (self.chamber_depth / math.sin(abs(wall - along)) for wall in (falls, rises))
+        used = before * math.cos(falls - along) + after * math.cos(rises - along)
+        if not used < length:
+            raise GeometryError(
+                f"seat chamber_depth = {mm(self.chamber_depth)}: the walls of the chamber meet before they are so deep; "
+                f"allowed is below {mm(self.chamber_depth * length / used)} between these lands"
+            )
+        return [
+            (end[0] + before * math.cos(falls), end[1] + before * math.sin(falls)),
+            (start[0] - after * math.cos(rises), start[1] - after * math.sin(rises)),
+        ]
