@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -115,6 +116,22 @@ class Opening:
         ends = np.flatnonzero(close[1:] != close[:-1]).reshape(-1, 2)
         found = [(float(self.x[first]), float(self.x[last - 1])) for first, last in ends]
         return [(start, end) for start, end in found if not start <= 0 <= end]
+
+    def closest(self, chambers: Sequence[float], width: float) -> list[tuple[float, float]]:
+        """A stretch of each land about where the faces come closest [m]; none where there is but one land.
+
+        Parameters
+        ----------
+        chambers : sequence of float
+            x between the lands [m].
+        width : float
+            Half of each stretch [m].
+        """
+        if not chambers:
+            return []
+        cuts = [0, *np.searchsorted(self.x, chambers).tolist(), len(self.x)]
+        at = [self.x[start + int(np.argmin(self.gap[start:end]))] for start, end in pairwise(cuts)]
+        return [(float(x - width), float(x + width)) for x in at]
 
 
 # Meshes that are ready know no equality.
@@ -229,10 +246,11 @@ def element_sizes(
     reach = [max(sides) for sides in zip(*(w.reach for w in widths), strict=True)]
     # Contact ends where one of the faces ends, whatever the law says.
     lower, upper = contact.reach
-    lands = opening.further_lands(max(w.tail_gap for w in widths))
+    # a land that is set back has points too, where it comes closest
+    lands = [*opening.further_lands(max(w.tail_gap for w in widths)), *opening.closest(contact.chambers, std)]
     zone = (
-        max(min(-reach[0], *(start for start, _ in lands)), lower),
-        min(max(reach[1], *(end for _, end in lands)), upper),
+        max(min([-reach[0], *(start for start, _ in lands)]), lower),
+        min(max([reach[1], *(end for _, end in lands)]), upper),
     )
     spots = _edges(contact, zone, size, line_loads, widths, effective_modulus)
     # A contact that ends beyond the core, or may have peaks at edges, wants small elements there as well.

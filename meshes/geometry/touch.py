@@ -78,7 +78,7 @@ def first_touch(closure: Curve, seat: Curve) -> Touch:
         if _distance(upper, lower, 0.5 * (end + r)) > drop + slack:
             break
         end = r
-    return Touch(0.5 * (touching[0] + end), float(drop))
+    return Touch(float(0.5 * (touching[0] + end)), float(drop))
 
 
 def _distance(upper: list[_Graph], lower: list[_Graph], r: float) -> float:

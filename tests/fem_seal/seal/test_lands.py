@@ -1,0 +1,237 @@
+"""Several lands in series: flow resistances that add up, chambers that are sealed, vented, or have a test port."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+import fem_seal
+import leak
+from fem_seal.contact.model import ContactModel
+from fem_seal.errors import InputError
+from fem_seal.seal.evaluate import Evaluation, evaluate
+from fem_seal.seal.load_result import LoadResult
+from fem_seal.seal.problem import SealProblem
+
+STEEL = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3, "hardness": "2 GPa"}
+FLAT = {"shape": "flat-land"}
+INNER = FLAT | {"land_inner_radius": "20 mm", "land_outer_radius": "21.5 mm"}
+OUTER = FLAT | {"land_inner_radius": "23 mm", "land_outer_radius": "24.2 mm"}
+
+
+def lands_case(
+    *lands: dict[str, object], fluid: str = "water", closure: dict[str, object] | None = None, **load: object
+) -> fem_seal.Case:
+    """A disc on lands, pressed with 10 kN, 5 bar inside."""
+    return fem_seal.Case(
+        closure=closure or {"shape": "disc", "radius": "30 mm", "material": STEEL},
+        seat={"shape": "lands", "lands": list(lands), "material": STEEL},
+        roughness={
+            "spectrum": {
+                "kind": "self-affine",
+                "rms_height": "0.5 um",
+                "hurst": 0.8,
+                "q_low": "1e4 1/m",
+                "q_rolloff": "5e4 1/m",
+                "q_high": "1e6 1/m",
+            }
+        },
+        fluid={"name": fluid},
+        load={"fluid_pressure": "5 bar", "applied_force": "10 kN", "pressure_side": "inner", **load},
+    )
+
+
+@pytest.fixture(scope="module")
+def solved() -> Evaluation:
+    """Two flat lands, water inside."""
+    return evaluate(SealProblem.of(lands_case(INNER, OUTER)))
+
+
+def with_flow(load: LoadResult, **changed: object) -> LoadResult:
+    """The same contact with another flow."""
+    assert load.rough is not None and load.rough.flow is not None
+    flow = replace(load.rough.flow, **changed)
+    rough = replace(load.rough, flow=flow, make=lambda flow, surface: flow.table_around(surface, [6, 8]))
+    return replace(load, rough=rough)
+
+
+def test_lands_carry_the_force_together(solved: Evaluation) -> None:
+    (load,) = solved.loads
+    carried = [2 * np.pi * one.arc_weight @ (one.pressure * one.radius) for one in load.profiles]
+    assert sum(carried) == pytest.approx(load.contact_force, rel=1e-3)
+    assert min(carried) > 0.3 * load.contact_force
+    starts = [one.radius[one.pressure > 1e5].min() for one in load.profiles]
+    assert starts == pytest.approx([0.02, 0.023], abs=1e-4)
+
+
+def test_resistances_of_a_liquid_add_up(solved: Evaluation) -> None:
+    (load,) = (with_flow(one, pressure_law=None) for one in solved.loads)
+    assert load.rough is not None and load.rough.flow is not None and load.leak is not None
+    resistances = [
+        load.rough.flow.leak_of(load.rough.table, load.rough.surface, (one,), 5e5).resistance
+        for one in load.profiles
+    ]
+    assert load.leak.leak_rate == pytest.approx(5e5 / sum(resistances), rel=1e-8)
+    chamber = 5e5 * resistances[1] / sum(resistances)
+    assert load.leak.lands[0].outer_pressure == load.leak.lands[1].inner_pressure
+    assert load.leak.lands[0].outer_pressure == pytest.approx(chamber, rel=1e-8)
+    assert load.leak.fluid_pressure[[0, -1]] == pytest.approx([5e5, 0.0], abs=100.0)
+
+
+@pytest.mark.parametrize("outlet", [0.0, 1.01325e5])
+def test_as_much_gas_passes_both_lands(solved: Evaluation, outlet: float) -> None:
+    (load,) = solved.loads
+    load = with_flow(load, gas=leak.gas("helium"), outlet_pressure=outlet)
+    assert load.rough is not None and load.leak is not None
+    rough, high = load.rough, outlet + 5e5
+
+    def alone(number: int, p_in: float, p_out: float) -> float:
+        flow = replace(rough.flow, outlet_pressure=p_out)
+        found = flow.leak_of(rough.table, rough.surface, (load.profiles[number],), p_in - p_out)
+        return float(found.mass_flow)
+
+    chamber = brentq(
+        lambda p: alone(0, high, p) - alone(1, p, outlet), outlet + 1.0, high - 1.0, xtol=1e-3, rtol=1e-12
+    )
+    assert load.leak.mass_flow == pytest.approx(alone(0, high, chamber), rel=1e-6)
+    assert load.leak.lands[0].outer_pressure == pytest.approx(chamber - outlet, rel=1e-6)
+
+
+def test_a_liquid_that_thickens_falls_in_its_own_way(solved: Evaluation) -> None:
+    (load,) = solved.loads
+    law = leak.Barus(20e-9)
+    thick, thin = (
+        with_flow(replace(load, fluid_pressure=2e8), pressure_law=one).leak for one in (law, None)
+    )
+    assert thick is not None and thin is not None
+    # psi = (1 - exp(-alpha p))/alpha is what falls by the resistances
+    def psi(p: float) -> float:
+        return -float(np.expm1(-20e-9 * p)) / 20e-9
+
+    assert thick.leak_rate == pytest.approx(thin.leak_rate * psi(2e8) / 2e8, rel=1e-8)
+    share = thin.lands[0].outer_pressure / 2e8
+    assert psi(thick.lands[0].outer_pressure) == pytest.approx(share * psi(2e8), rel=1e-8)
+
+
+def test_a_vented_chamber_takes_all_that_passes_the_first_land(solved: Evaluation) -> None:
+    (load,) = (with_flow(one, pressure_law=None) for one in solved.loads)
+    sealed, vented = load.leak, with_flow(load, chambers=(0.0,)).leak
+    assert sealed is not None and vented is not None
+    first = sealed.lands[0]
+    resistance = (first.inner_pressure - first.outer_pressure) / first.leak_rate
+    assert vented.leak_rate == pytest.approx(5e5 / resistance, rel=1e-8)
+    assert vented.lands[1] == (0.0, 0.0, 0.0)
+
+
+def test_a_test_port_feeds_both_lands(solved: Evaluation) -> None:
+    (load,) = (with_flow(one, pressure_law=None) for one in solved.loads)
+    sealed, port = load.leak, with_flow(load, chambers=(8e5,)).leak
+    assert sealed is not None and port is not None
+    r_inner, r_outer = (
+        (one.inner_pressure - one.outer_pressure) / one.leak_rate for one in sealed.lands
+    )
+    assert port.leak_rate == pytest.approx(8e5 / r_outer, rel=1e-8)
+    assert port.lands[0].leak_rate == pytest.approx(3e5 / r_inner, rel=1e-8)
+
+
+def test_a_land_that_is_set_back_far_carries_nothing() -> None:
+    back = OUTER | {"set_back": "50 um"}
+    (load,) = evaluate(SealProblem.of(lands_case(INNER, back))).loads
+    alone = lands_case(INNER, OUTER).replace(
+        seat={"shape": "flat-land", "land_inner_radius": 0.02, "land_outer_radius": 0.0215, "material": STEEL}
+    )
+    (single,) = evaluate(SealProblem.of(alone)).loads
+    assert load.leak is not None and single.leak is not None
+    assert load.profiles[1].pressure.max() < 1e-6 * load.peak_pressure
+    # the wall of the chamber is not that of a land alone, which changes the pressure at the edge
+    assert load.leak.leak_rate == pytest.approx(single.leak.leak_rate, rel=0.03)
+
+
+def test_a_land_that_is_not_named_is_found() -> None:
+    drawn = fem_seal.Case(
+        closure={"shape": "disc", "radius": "30 mm", "material": STEEL},
+        seat={
+            "shape": "profile",
+            "material": STEEL,
+            "outline": [
+                {"to": ["20 mm", "-30 mm"]},
+                {"to": ["69 mm", "-30 mm"]},
+                {"to": ["69 mm", "-1 mm"]},
+                {"to": ["24.2 mm", "-1 mm"]},
+                {"to": ["24.2 mm", "-0.06 mm"]},
+                {"to": ["24.14 mm", "0 mm"], "centre": ["24.14 mm", "-0.06 mm"]},
+                {"to": ["23.06 mm", "0 mm"], "name": "face"},
+                {"to": ["22.6 mm", "-0.4 mm"], "name": "face"},
+                {"to": ["21.9 mm", "-0.4 mm"], "name": "face"},
+                {"to": ["21.44 mm", "0 mm"], "name": "face"},
+                {"to": ["20.06 mm", "0 mm"], "name": "face"},
+                {"to": ["20 mm", "-0.06 mm"], "centre": ["20.06 mm", "-0.06 mm"]},
+                {"to": ["20 mm", "-30 mm"], "name": "inner"},
+            ],
+        },
+        interface={"law": "exponential", "u0": "0.3 um", "p_c": "5 GPa"},
+        load={"fluid_pressure": "5 bar", "applied_force": "10 kN", "pressure_side": "inner"},
+    )
+    (load,) = evaluate(SealProblem.of(drawn)).loads
+    (profile,) = load.profiles
+    outside = profile.radius > 0.0225
+    carried = 2 * np.pi * profile.arc_weight[outside] @ (profile.pressure * profile.radius)[outside]
+    assert carried > 0.3 * load.contact_force
+
+
+def test_fluid_between_the_lands_lifts_the_closure() -> None:
+    case = lands_case(INNER, OUTER, closing="penetration")
+    (load,) = evaluate(SealProblem.of(case)).loads
+    assert load.leak is not None and load.contact.loads.gap_pressure is not None
+    radii = np.concatenate([one.radius for one in load.profiles])
+    weight = np.concatenate([one.arc_weight for one in load.profiles])
+    gap = 2 * np.pi * weight @ (radii * load.contact.loads.gap_pressure)
+    chamber = np.pi * (0.023**2 - 0.0215**2) * load.leak.lands[0].outer_pressure
+    assert gap > chamber
+    # fluid acts up to somewhere between the inner edge and the outer one
+    lift = 10e3 - load.contact_force
+    assert np.pi * 0.02**2 * 5e5 < lift < np.pi * 0.0242**2 * 5e5
+    assert 0.0215 < np.sqrt(lift / (np.pi * 5e5)) < 0.0235
+
+
+def test_conical_lands_have_normals_of_their_own() -> None:
+    ball = {"shape": "ball", "radius": "20 mm", "material": STEEL}
+    cones = [{"shape": "conical-land", "angle": one, "land_width": "1 mm"} for one in ("35 deg", "50 deg")]
+    problem = SealProblem.of(lands_case(*cones, closure=ball, applied_force="2 kN"))
+    found = evaluate(problem)
+    (load,) = found.loads
+    model: ContactModel = found.model
+    normal = model.line.normal
+    angles = []
+    for (part, _), one in zip(model.line.lands, load.profiles, strict=True):
+        at = int(np.argmax(one.pressure))
+        angles.append(float(np.degrees(np.arctan2(-normal[0, part][at], normal[1, part][at]))))
+    assert angles == pytest.approx([35, 50], abs=0.3)
+    share = [one.arc_weight @ one.pressure for one in load.profiles]
+    assert min(share) > 0.2 * sum(share)
+
+
+@pytest.mark.parametrize(
+    ("lands", "load", "key"),
+    [
+        ([INNER], {}, "seat"),
+        ([INNER, OUTER | {"land_inner_radius": "21.4 mm"}], {}, "seat"),
+        ([INNER, OUTER | {"land_inner_radius": "31 mm", "land_outer_radius": "33 mm"}], {}, "seat"),
+        ([INNER, OUTER], {"chamber_pressure": ["vented", "vented"]}, "load.chamber_pressure"),
+        ([INNER, OUTER], {"chamber_pressure": "open"}, "load.chamber_pressure"),
+        ([INNER, OUTER], {"chamber_pressure": "9 bar", "closing": "penetration"}, "load.chamber_pressure"),
+    ],
+)
+def test_what_cannot_be_says_so(lands: list[dict[str, object]], load: dict[str, object], key: str) -> None:
+    with pytest.raises(InputError) as error:
+        lands_case(*lands, **load)
+    assert error.value.problems[0].key == key
+
+
+def test_a_chamber_takes_lands() -> None:
+    case = lands_case(INNER, OUTER)
+    with pytest.raises(InputError, match="lands"):
+        case.replace(seat={"shape": "flat", "bore_radius": 0.02, "material": STEEL}, load=dict(case.load) | {"chamber_pressure": "vented"})
