@@ -134,7 +134,9 @@ class ChamberPressures(Quantity):
             return (self._one(value),)
         _check_count(value)
         return tuple(
-            self._one(entry) if isinstance(entry, str) and entry in _CHAMBERS else self.read_part_of(entry, number)
+            self._one(entry)
+            if isinstance(entry, str) and entry in _CHAMBERS
+            else self.read_part_of(entry, number)
             for number, entry in enumerate(value, start=1)
         )
 

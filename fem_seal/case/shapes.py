@@ -173,7 +173,9 @@ class _OneOfLands(Table):
     def made(self, closure: Shape) -> meshes.Land:
         """The land with the dimensions that are given."""
         given = {key: value for key, value in self if key not in ("shape", "set_back") and value is not None}
-        maker: Callable[..., Any] = meshes.FlatLand.on if self.shape == "flat-land" else meshes.ConicalLand.around
+        maker: Callable[..., Any] = (
+            meshes.FlatLand.on if self.shape == "flat-land" else meshes.ConicalLand.around
+        )
         return meshes.Land(maker(closure=closure, **given), self.set_back or 0.0)
 
 
@@ -200,7 +202,9 @@ class Lands(Housed):
     """[seat] shape = "lands": several lands one behind the other, with chambers between them."""
 
     shape: Literal["lands"]
-    lands: tuple[Annotated[ConicalOfLands | FlatOfLands, Field(discriminator="shape")], ...] = Field(strict=False)
+    lands: tuple[Annotated[ConicalOfLands | FlatOfLands, Field(discriminator="shape")], ...] = Field(
+        strict=False
+    )
     chamber_depth: Length | None = None
 
     def body(self, closure: Shape) -> Shape:

@@ -23,7 +23,6 @@ from fem_seal.loads import PressureSide, expected_force
 from fem_seal.profile import PressureProfile, joined
 from leak.numerics.roots import root_between
 
-
 Lands = Sequence[PressureProfile]
 
 

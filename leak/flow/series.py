@@ -90,7 +90,8 @@ def in_series(
     for at, part in ((0, given[: touching[0]]), (1, given[touching[-1] :])):
         if _first(part) is not None:
             raise ProfileError(
-                f"a chamber held at {_first(part):.6g} Pa is open to the side at {ends[at]:.6g} Pa: a land does not touch"
+                f"a land does not touch: the chamber that is held at {_first(part):.6g} Pa is open to the side at "
+                f"{ends[at]:.6g} Pa"
             )
     found = chamber_pressures([contacts[n].flow for n in touching], inner, outer, joined)
     pressure = [inner, *found.tolist(), outer]
@@ -109,7 +110,8 @@ def in_series(
             lands.append(LandFlow(pressure[k], pressure[k + 1], result.leak_rate))
             parts.append(result.fluid_pressure)
     outwards = [
-        math.copysign(one.leak_rate, one.inner_pressure - one.outer_pressure) for one in (lands[n] for n in touching)
+        math.copysign(one.leak_rate, one.inner_pressure - one.outer_pressure)
+        for one in (lands[n] for n in touching)
     ]
     # what arrives at places without pressure
     inflow = [-outwards[0], *(before - after for before, after in pairwise(outwards)), outwards[-1]]
@@ -161,7 +163,10 @@ def chamber_pressures(
     known = [n for n, one in enumerate(ends) if one is not None]
     found: list[float] = []
     for first, last in pairwise(known):
-        found += [*_between(flows[first:last], float(ends[first] or 0.0), float(ends[last] or 0.0)), ends[last] or 0.0]
+        found += [
+            *_between(flows[first:last], float(ends[first] or 0.0), float(ends[last] or 0.0)),
+            ends[last] or 0.0,
+        ]
     return np.array(found[:-1])
 
 
@@ -191,7 +196,9 @@ def _between(flows: Sequence[Flow], first: float, last: float) -> list[float]:
             slope[:, n] = (more[:-1] - more[1:]) / shift
         moved = p[1:-1] - np.linalg.solve(slope, missing)
         # at most half of the way to an end
-        moved = np.where(moved < low, 0.5 * (low + p[1:-1]), np.where(moved > high, 0.5 * (high + p[1:-1]), moved))
+        moved = np.where(
+            moved < low, 0.5 * (low + p[1:-1]), np.where(moved > high, 0.5 * (high + p[1:-1]), moved)
+        )
         if np.array_equal(moved, p[1:-1]):
             break
         p[1:-1] = moved

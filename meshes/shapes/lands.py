@@ -95,7 +95,9 @@ class Lands:
 
     def __post_init__(self) -> None:
         check.positive("seat", chamber_depth=self.chamber_depth, height=self.height)
-        check.exceeds("seat", "outer_radius", self.outer_radius, self.land_end, "the outer edge of the lands,")
+        check.exceeds(
+            "seat", "outer_radius", self.outer_radius, self.land_end, "the outer edge of the lands,"
+        )
 
     @classmethod
     def around(
@@ -185,10 +187,10 @@ class Lands:
             radii += [land.shape.edge_radius, land.shape.edge_radius]
         raised = isinstance(last, FlatLand)
         step = max(0.5 * (end_r - edges[-1][0][0]), last.edge_radius) if raised else 0.0
-        pieces.append(((end_r, end_z - self.outer_radius) if raised else (self.outer_radius, end_z), "seat_face"))
-        chain = Curve(
-            tuple(Segment(before, after, name) for (before, _), (after, name) in pairwise(pieces))
+        pieces.append(
+            ((end_r, end_z - self.outer_radius) if raised else (self.outer_radius, end_z), "seat_face")
         )
+        chain = Curve(tuple(Segment(before, after, name) for (before, _), (after, name) in pairwise(pieces)))
         face = rounded(chain, lambda n: radii[n]).without_first()
         if raised:
             face = face.without_last()
@@ -205,8 +207,8 @@ class Lands:
         used = before * math.cos(falls - along) + after * math.cos(rises - along)
         if not used < length:
             raise GeometryError(
-                f"seat chamber_depth = {mm(self.chamber_depth)}: the walls of the chamber meet before they are so deep; "
-                f"allowed is below {mm(self.chamber_depth * length / used)} between these lands"
+                f"seat chamber_depth = {mm(self.chamber_depth)}: the walls of the chamber meet before they are so "
+                f"deep; allowed is below {mm(self.chamber_depth * length / used)} between these lands"
             )
         return [
             (end[0] + before * math.cos(falls), end[1] + before * math.sin(falls)),

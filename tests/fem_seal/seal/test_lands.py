@@ -103,10 +103,9 @@ def test_as_much_gas_passes_both_lands(solved: Evaluation, outlet: float) -> Non
 def test_a_liquid_that_thickens_falls_in_its_own_way(solved: Evaluation) -> None:
     (load,) = solved.loads
     law = leak.Barus(20e-9)
-    thick, thin = (
-        with_flow(replace(load, fluid_pressure=2e8), pressure_law=one).leak for one in (law, None)
-    )
+    thick, thin = (with_flow(replace(load, fluid_pressure=2e8), pressure_law=one).leak for one in (law, None))
     assert thick is not None and thin is not None
+
     # psi = (1 - exp(-alpha p))/alpha is what falls by the resistances
     def psi(p: float) -> float:
         return -float(np.expm1(-20e-9 * p)) / 20e-9
@@ -130,9 +129,7 @@ def test_a_test_port_feeds_both_lands(solved: Evaluation) -> None:
     (load,) = (with_flow(one, pressure_law=None) for one in solved.loads)
     sealed, port = load.leak, with_flow(load, chambers=(8e5,)).leak
     assert sealed is not None and port is not None
-    r_inner, r_outer = (
-        (one.inner_pressure - one.outer_pressure) / one.leak_rate for one in sealed.lands
-    )
+    r_inner, r_outer = ((one.inner_pressure - one.outer_pressure) / one.leak_rate for one in sealed.lands)
     assert port.leak_rate == pytest.approx(8e5 / r_outer, rel=1e-8)
     assert port.lands[0].leak_rate == pytest.approx(3e5 / r_inner, rel=1e-8)
 
@@ -234,4 +231,7 @@ def test_what_cannot_be_says_so(lands: list[dict[str, object]], load: dict[str, 
 def test_a_chamber_takes_lands() -> None:
     case = lands_case(INNER, OUTER)
     with pytest.raises(InputError, match="lands"):
-        case.replace(seat={"shape": "flat", "bore_radius": 0.02, "material": STEEL}, load=dict(case.load) | {"chamber_pressure": "vented"})
+        case.replace(
+            seat={"shape": "flat", "bore_radius": 0.02, "material": STEEL},
+            load=dict(case.load) | {"chamber_pressure": "vented"},
+        )
