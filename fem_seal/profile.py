@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -41,6 +41,8 @@ class PressureProfile:
         x at which the faces end [m], None where that is not known: the contact does not go on beyond.
     largest : ndarray, shape (m,), optional
         Largest pressure before that the gap at each place remembers, see `remembered` [Pa]; None on first loading.
+    parts : tuple of PressureProfile, optional
+        Lands that lie in series, from the axis outwards; empty where there is but one.
 
     Examples
     --------
@@ -60,6 +62,12 @@ class PressureProfile:
     arc_weight: FloatArray
     ends: tuple[float | None, float | None] = (None, None)
     largest: FloatArray | None = None
+    parts: tuple[PressureProfile, ...] = ()
+
+    @property
+    def lands(self) -> tuple[PressureProfile, ...]:
+        """Its lands, from the axis outwards; itself where it is one."""
+        return self.parts or (self,)
 
     def moment(self, order: int, centre: float = 0.0) -> float:
         """int p (x - centre)^order dx [Pa m^(order + 1)]."""
@@ -127,6 +135,12 @@ class PressureProfile:
 
         ends = checked_ends(self.ends)
         return after_largest(self.contact, self.x, self.radius, self.largest, ends, conductivity)
+
+    def pressed_up_to(self, most: float) -> PressureProfile:
+        """The same if no place carried or had carried more than a pressure [Pa]."""
+        largest = None if self.largest is None else np.minimum(self.largest, most)
+        parts = tuple(one.pressed_up_to(most) for one in self.parts)
+        return replace(self, pressure=np.minimum(self.pressure, most), largest=largest, parts=parts)
 
     @property
     def touches(self) -> bool:
@@ -235,7 +249,7 @@ def tightest(profiles: Sequence[PressureProfile]) -> PressureProfile:
 
 
 def joined(profiles: Sequence[PressureProfile]) -> PressureProfile:
-    """All lands of a contact line as one profile.
+    """Lands of a contact line as one profile; a single one as it is.
 
     Parameters
     ----------
@@ -250,4 +264,5 @@ def joined(profiles: Sequence[PressureProfile]) -> PressureProfile:
         for name in ("x", "radius", "pressure", "gap", "arc_weight")
     )
     ends = profiles[0].ends[0], profiles[-1].ends[1]
-    return PressureProfile(x, radius, pressure, gap, weight, ends, np.concatenate(known) if known else None)
+    largest = np.concatenate(known) if known else None
+    return PressureProfile(x, radius, pressure, gap, weight, ends, largest, tuple(profiles))

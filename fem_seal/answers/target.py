@@ -50,7 +50,7 @@ def expected_contact_force(flow: SealFlow, fluid_pressure: float, target: float)
 
     def excess(log_force: float) -> float:
         profile = flow.expected_profile(math.exp(log_force))
-        return log_excess(flow.leak((profile,), fluid_pressure).leak_rate, target)
+        return log_excess(flow.leak(profile, fluid_pressure).leak_rate, target)
 
     highest = math.log(largest_force(problem))
     area = math.pi * problem.initial_contact_radius**2
@@ -64,7 +64,7 @@ def expected_contact_force(flow: SealFlow, fluid_pressure: float, target: float)
             return math.exp(root_between(excess, at, ahead, xtol=1e-3))
         bar = fluid_pressure / 1e5
         if ahead == highest:
-            least = flow.leak((flow.expected_profile(math.exp(highest)),), fluid_pressure).leak_rate
+            least = flow.leak(flow.expected_profile(math.exp(highest)), fluid_pressure).leak_rate
             force = briefly("force", largest_force(problem))
             values = {"force": force, "leaves": quantity("flow", least), "bar": bar}
             raise target_problem(problem, "too_small", target, **values)

@@ -32,7 +32,9 @@ class Piece(Table):
     to: Annotated[tuple[float, float], _PLACE]
     centre: Annotated[tuple[float, float], _PLACE] | None = None
     radius: Annotated[float, Quantity("length", "-10 m", "10 m")] | None = None
-    name: Literal["face", "inner", "outer", "top", "axis", "cavity", "wall", "bottom"] | None = None
+    name: Literal["face", "chamber", "inner", "outer", "top", "axis", "cavity", "wall", "bottom"] | None = (
+        None
+    )
 
 
 class ProfileSource(Table):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Protocol
@@ -20,10 +20,8 @@ from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError, OpenSealError
 from fem_seal.former_names import formerly
 from fem_seal.loads import PressureSide, expected_force
-from fem_seal.profile import PressureProfile, joined
+from fem_seal.profile import PressureProfile
 from leak.numerics.roots import root_between
-
-Lands = Sequence[PressureProfile]
 
 
 class FluidPath(Protocol):
@@ -39,12 +37,12 @@ class FluidPath(Protocol):
     def share(self, line: ContactLine, unknowns: FloatArray) -> FloatArray:
         """Fluid pressure over the pressure difference at the points of the line, shape (m,)."""
 
-    def found(self, lands: Lands, fluid_pressure: float) -> FloatArray:
-        """The unknowns that belong to the solid contact pressure on the lands of the line."""
+    def found(self, profile: PressureProfile, fluid_pressure: float) -> FloatArray:
+        """The unknowns that belong to a profile of the solid contact pressure."""
 
 
-def _themselves(lands: Lands) -> Lands:
-    return lands
+def _itself(profile: PressureProfile) -> PressureProfile:
+    return profile
 
 
 @dataclass(frozen=True)
@@ -54,14 +52,13 @@ class PenetratingFluid:
     Parameters
     ----------
     pressure_along : callable
-        Takes the `PressureProfile` of every land and the pressure difference [Pa] to the fluid pressure at all points
-        [Pa].
+        Takes a `PressureProfile` and the pressure difference [Pa] to the fluid pressure at its points [Pa].
     sealing_pressure : float
         Contact pressure from which on nothing flows [Pa].
     side : {"outer", "inner"}
     as_first_loaded : callable
-        Takes the profiles to those of first loading which let as much through; themselves where the contact remembers
-        no larger load.
+        Takes a profile to that of first loading which lets as much through; itself where the contact remembers no
+        larger load.
 
     Notes
     -----
@@ -71,15 +68,15 @@ class PenetratingFluid:
     Examples
     --------
     >>> import numpy as np, fem_seal
-    >>> evenly = lambda lands, drop: drop * np.linspace(0.0, 1.0, len(lands[0].x))
+    >>> evenly = lambda profile, drop: drop * np.linspace(0.0, 1.0, len(profile.x))
     >>> fem_seal.PenetratingFluid(evenly, sealing_pressure=1e9).side
     'outer'
     """
 
-    pressure_along: Callable[[Lands, float], FloatArray]
+    pressure_along: Callable[[PressureProfile, float], FloatArray]
     sealing_pressure: float
     side: PressureSide = "outer"
-    as_first_loaded: Callable[[Lands], Lands] = _themselves
+    as_first_loaded: Callable[[PressureProfile], PressureProfile] = _itself
 
     def bounds(self, line: ContactLine) -> tuple[float, float]:
         """Shares of the pressure difference."""
@@ -89,12 +86,11 @@ class PenetratingFluid:
         """The unknowns are the shares themselves."""
         return unknowns
 
-    def found(self, lands: Lands, fluid_pressure: float) -> FloatArray:
+    def found(self, profile: PressureProfile, fluid_pressure: float) -> FloatArray:
         """Fluid pressure over the pressure difference."""
-        lands = self.as_first_loaded(lands)
-        profile = lands[0]
-        if len(lands) > 1 or profile.pressure.max() < self.sealing_pressure:
-            return self.pressure_along(lands, fluid_pressure) / fluid_pressure
+        profile = self.as_first_loaded(profile)
+        if profile.parts or profile.pressure.max() < self.sealing_pressure:
+            return self.pressure_along(profile, fluid_pressure) / fluid_pressure
         inner, outer = _stretch_above(profile, self.sealing_pressure)
         # Sealed at one point alone the fall would be a step, which no point of the line feels.
         width = max(outer - inner, 1e-3 * float(np.min(np.diff(profile.x))))
@@ -134,7 +130,7 @@ class FluidAtContact:
         rising = np.clip(0.5 + (line.x - front) / width, 0.0, 1.0)
         return rising if self.side == "outer" else 1.0 - rising
 
-    def found(self, lands: Lands, fluid_pressure: float) -> FloatArray:
+    def found(self, profile: PressureProfile, fluid_pressure: float) -> FloatArray:
         """Where the contact pressure first exceeds that of the fluid, seen from the side of the fluid [m].
 
         Raises
@@ -142,7 +138,6 @@ class FluidAtContact:
         OpenSealError
             If it does so nowhere.
         """
-        profile = joined(lands)
         if profile.pressure.max() <= fluid_pressure:
             raise OpenSealError(
                 f"the contact pressure, at most {profile.pressure.max() / 1e6:.4g} MPa, is nowhere above the fluid "
@@ -250,7 +245,7 @@ def coupled_contact(
             raise OpenSealError(f"nothing is left for the solid contact at {pressure / 1e5:.6g} bar")
         loads = seal.loads(pressure, at)
         solution = solve(seal.model, seal.law, contact_force=force, loads=loads, start=solution)
-        return seal.path.found(solution.profiles, pressure)
+        return seal.path.found(solution.whole, pressure)
 
     low, high = seal.path.bounds(seal.model.line)
     try:
@@ -281,7 +276,7 @@ def dry_unknowns(
 ) -> FloatArray:
     """Unknowns of the fluid that belong to a contact which no fluid opens, under a force F_N [N]."""
     contact = solve(seal.model, seal.law, contact_force=force, loads=seal.at_rest, start=start)
-    return seal.path.found(contact.profiles, fluid_pressure)
+    return seal.path.found(contact.whole, fluid_pressure)
 
 
 # Shares of the closing force that the solid contact carries on the way to an open seal.
@@ -488,7 +483,7 @@ def _step(seal: CoupledContact, applied_force: float, share: float, before: _Ste
         unknowns = dry_unknowns(seal, force, expected, None)
     contact = coupled_contact(seal, balance, unknowns, before.contact)
     pressure = contact.loads.closure[seal.pressurised]
-    return _Step(share, pressure, contact, seal.path.found(contact.profiles, pressure))
+    return _Step(share, pressure, contact, seal.path.found(contact.whole, pressure))
 
 
 def _way_to_blow_off(seal: CoupledContact, applied_force: float) -> list[_Step]:

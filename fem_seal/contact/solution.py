@@ -16,7 +16,7 @@ from fem_seal.contact.model import ContactModel
 from fem_seal.contact.other_loads import NO_LOADS, BodyLoads
 from fem_seal.former_names import former_attribute
 from fem_seal.materials import Material
-from fem_seal.profile import PressureProfile, remembered, tightest
+from fem_seal.profile import PressureProfile, joined, remembered, tightest
 from fem_seal.units import quantity
 
 
@@ -206,6 +206,11 @@ class ContactSolution:
                 )
             start += len(line.x)
         return tuple(found)
+
+    @cached_property
+    def whole(self) -> PressureProfile:
+        """All of the contact as one profile."""
+        return joined(self.profiles)
 
     @property
     def profile(self) -> PressureProfile:

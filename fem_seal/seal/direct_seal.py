@@ -312,7 +312,7 @@ def _place(
     whole = flow.table_around(surface, peaks)
     tables = (flow.in_contact(flow.table_around(one, peaks), one, profile) for one in (surface, held))
     through, through_held = (_conductance(flow, table, profile, load.fluid_pressure) for table in tables)
-    leak = flow.leak_of(whole, surface, (profile,), load.fluid_pressure).leak_rate
+    leak = flow.leak_of(whole, surface, profile, load.fluid_pressure).leak_rate
     mean = flow.outlet_pressure + 0.5 * load.fluid_pressure
     gas = flow.gas
     flight = (

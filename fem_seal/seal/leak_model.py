@@ -250,10 +250,10 @@ class FlowModel:
         self,
         table: Conductivity,
         surface: RoughContact,
-        lands: Sequence[PressureProfile],
+        profile: PressureProfile,
         fluid_pressure: float,
     ) -> LeakResult:
-        """Leak of one contact.
+        """Leak of one contact, or of several lands in series.
 
         Parameters
         ----------
@@ -261,9 +261,8 @@ class FlowModel:
             For all pressures of the contact.
         surface : RoughContact
             Of which the table is.
-        lands : sequence of PressureProfile
-            One, or those of several lands in series, from the axis outwards. Not after a larger load with fluid_in_gap
-            = "local", of which the theory says nothing then.
+        profile : PressureProfile
+            Not after a larger load with fluid_in_gap = "local", of which the theory says nothing then.
         fluid_pressure : float
             Pressure difference [Pa].
 
@@ -272,22 +271,34 @@ class FlowModel:
         LeakResult
             A `leak.CoupledLeakResult` for fluid_in_gap = "local".
         """
-        tables = [self.in_contact(table, surface, one) if one.touches else table for one in lands]
-        return self.leak_by(tables, lands, fluid_pressure)
+        return self.leak_by(self.in_lands(table, surface, profile), profile, fluid_pressure)
+
+    def in_lands(
+        self, table: Conductivity, surface: RoughContact, profile: PressureProfile
+    ) -> list[Conductivity]:
+        """Table of each land of a contact, see `in_contact`.
+
+        Parameters
+        ----------
+        table, surface, profile
+            See `leak_of`.
+        """
+        return [self.in_contact(table, surface, one) if one.touches else table for one in profile.lands]
 
     def leak_by(
-        self, tables: Sequence[Conductivity], lands: Sequence[PressureProfile], fluid_pressure: float
+        self, tables: Sequence[Conductivity], profile: PressureProfile, fluid_pressure: float
     ) -> LeakResult:
-        """`leak_of` by the table of each land itself, see `in_contact`.
+        """`leak_of` by the table of each land itself, see `in_lands`.
 
         Parameters
         ----------
         tables : sequence of ConductivityTable or GasConductivityTable
-        lands : sequence of PressureProfile
+        profile : PressureProfile
         fluid_pressure : float
             Pressure difference [Pa].
         """
         ends = (fluid_pressure, 0.0) if self.pressure_side == "inner" else (0.0, fluid_pressure)
+        lands = profile.lands
         if len(lands) > 1:
             from leak.flow.series import SeriesContact, in_series
 
@@ -555,22 +566,21 @@ class LeakModel(ByReading):
         """Flow conductivity of the surface; None without a fluid."""
         return None if self.flow is None else self.make(self.flow, self.surface)
 
-    def leak(self, lands: Sequence[PressureProfile], fluid_pressure: float) -> LeakResult | None:
+    def leak(self, profile: PressureProfile, fluid_pressure: float) -> LeakResult | None:
         """Leak of one of the contacts; None without a fluid.
 
         Parameters
         ----------
-        lands : sequence of PressureProfile
-            See `FlowModel.leak_of`.
+        profile : PressureProfile
         fluid_pressure : float
             Pressure difference [Pa].
         """
         if self.flow is None or self.table is None:
             return None
-        return self.flow.leak_of(self.table, self.surface, lands, fluid_pressure)
+        return self.flow.leak_of(self.table, self.surface, profile, fluid_pressure)
 
     def leak_pressed_up_to(
-        self, most: float, lands: Sequence[PressureProfile], fluid_pressure: float
+        self, most: float, profile: PressureProfile, fluid_pressure: float
     ) -> LeakResult | None:
         """Leak of one of the contacts, its channels as they are, if no place were pressed harder; None without a fluid.
 
@@ -578,23 +588,14 @@ class LeakModel(ByReading):
         ----------
         most : float
             Contact pressure [Pa].
-        lands : sequence of PressureProfile
+        profile : PressureProfile
         fluid_pressure : float
             Pressure difference [Pa].
         """
         if self.flow is None or self.table is None:
             return None
-        pressed = [
-            replace(
-                one,
-                pressure=np.minimum(one.pressure, most),
-                largest=None if one.largest is None else np.minimum(one.largest, most),
-            )
-            for one in lands
-        ]
-        flow, table, surface = self.flow, self.table, self.surface
-        tables = [flow.in_contact(table, surface, one) if one.touches else table for one in lands]
-        return flow.leak_by(tables, pressed, fluid_pressure)
+        tables = self.flow.in_lands(self.table, self.surface, profile)
+        return self.flow.leak_by(tables, profile.pressed_up_to(most), fluid_pressure)
 
     def at(self, fluid_pressure: float) -> ProfileLeak | None:
         """Flow at a pressure difference [Pa]; None without a fluid."""
@@ -602,7 +603,7 @@ class LeakModel(ByReading):
         if flow is None or table is None:
             return None
         return ProfileLeak(
-            lambda profile: flow.leak_of(table, self.surface, (profile,), fluid_pressure),
+            lambda profile: flow.leak_of(table, self.surface, profile, fluid_pressure),
             lambda profile, grooves: flow.bounds(table, self.surface, profile, fluid_pressure, grooves),
             lambda pressure: flow.conductivity_at(table, pressure, fluid_pressure),
         )

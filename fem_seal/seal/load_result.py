@@ -256,7 +256,7 @@ class LoadResult(ByReading):
     @cached_property
     def leak_round(self) -> LeakResult | None:
         """The same of the round seal."""
-        return None if self.rough is None else self.rough.leak(self.profiles, self.fluid_pressure)
+        return None if self.rough is None else self.rough.leak(self.contact.whole, self.fluid_pressure)
 
     @cached_property
     def around(self) -> Circumference | None:

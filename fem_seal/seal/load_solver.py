@@ -312,7 +312,7 @@ class LoadSolver:
         if flow is None:
             return FluidAtContact(side)
         return PenetratingFluid(
-            lambda lands, pressure: flow.leak(lands, pressure).fluid_pressure,
+            lambda profile, pressure: flow.leak(profile, pressure).fluid_pressure,
             flow.flow.sealing_pressure(flow.surface),
             side,
         )

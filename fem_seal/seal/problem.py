@@ -23,7 +23,7 @@ from fem_seal.contact.sizing import Opening, contact_widths, element_sizes, for_
 from fem_seal.errors import InputError, LoadProblem
 from fem_seal.loads import PressureSide, expected_force, line_load, plastic_half_width
 from fem_seal.materials import HardeningCurve, Material, effective_modulus
-from fem_seal.profile import PressureProfile, remembered
+from fem_seal.profile import PressureProfile, joined, remembered
 from fem_seal.seal.heating import Heating, heating, warmed
 from fem_seal.seal.leak_model import MARGIN, Conductivity, FlowModel, ProfileLeak, as_first_loaded
 from meshes import ContactGeometry, SealMesh, Sizing, build_contact
@@ -626,28 +626,25 @@ class SealFlow:
             return None
         return cls(problem, problem.surface, problem.flow)
 
-    def leak(self, lands: Sequence[PressureProfile], fluid_pressure: float) -> LeakResult:
-        """Flow through a contact, of one land or several in series, at a pressure difference [Pa]."""
-        table = self._table(max(lands, key=lambda one: one.highest))
-        return self.flow.leak_of(table, self.surface, lands, fluid_pressure)
+    def leak(self, profile: PressureProfile, fluid_pressure: float) -> LeakResult:
+        """Flow through a contact at a pressure difference [Pa]."""
+        return self.flow.leak_of(self._table(profile), self.surface, profile, fluid_pressure)
 
-    def as_first_loaded(
-        self, lands: Sequence[PressureProfile], largest: FloatArray
-    ) -> tuple[PressureProfile, ...]:
-        """Profiles of first loading that let as much through as a contact that was pressed harder before.
+    def as_first_loaded(self, profile: PressureProfile, largest: FloatArray) -> PressureProfile:
+        """Profile of first loading that lets as much through as a contact that was pressed harder before.
 
         Parameters
         ----------
-        lands : sequence of PressureProfile
+        profile : PressureProfile
         largest : ndarray, shape (m,)
             Largest pressure that each place has carried before [Pa].
         """
-        ends = np.cumsum([len(one.x) for one in lands])
+        ends = np.cumsum([len(one.x) for one in profile.lands])
         after = [
             replace(one, largest=remembered(one.pressure, largest[end - len(one.x) : end]))
-            for one, end in zip(lands, ends, strict=True)
+            for one, end in zip(profile.lands, ends, strict=True)
         ]
-        return tuple(as_first_loaded(self._table(one), one) for one in after)
+        return joined([as_first_loaded(self._table(one), one) for one in after])
 
     def leak_of(self, contact: ContactSolution, fluid_pressure: float) -> LeakResult:
         """Flow through a contact with the form error of the seal, at a pressure difference [Pa]."""
@@ -655,9 +652,9 @@ class SealFlow:
 
         formed = self.problem.around(contact)
         if formed is None:
-            return self.leak(contact.profiles, fluid_pressure)
+            return self.leak(contact.whole, fluid_pressure)
         flow = ProfileLeak(
-            lambda profile: self.leak((profile,), fluid_pressure),
+            lambda profile: self.leak(profile, fluid_pressure),
             lambda profile, grooves: self.flow.bounds(
                 self._table(profile), self.surface, profile, fluid_pressure, grooves
             ),

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem_seal.profile import PressureProfile, joined
+from fem_seal.profile import PressureProfile
 from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.findings import Finding
 from fem_seal.seal.leak_model import FlowModel, as_first_loaded
@@ -258,7 +258,7 @@ def _leak_known(load: LoadResult) -> bool:
 def _where_most_leaks(load: LoadResult) -> tuple[PressureProfile, LeakResult] | None:
     """Contact pressure at the angle with the largest leak, and the leak of a seal with this pressure all around."""
     if load.formed is None:
-        return None if load.leak is None else (joined(load.profiles), load.leak)
+        return None if load.leak is None else (load.contact.whole, load.leak)
     around = load.around
     if around is None or around.leak is None or around.leak_rate is None:
         return None

@@ -19,6 +19,8 @@ from leak.flow.leak_result import LandFlow, LeakResult
 
 # Newton's method has arrived when flows differ by less than this share of the largest.
 _CLOSE, _MOST_STEPS = 1e-12, 60
+# Of the higher pressure: a step that is none.
+_ROUND_OFF = 4 * np.finfo(float).eps
 # Of the pressure difference: step of the difference quotient.
 _STEP = 1e-6
 
@@ -199,9 +201,10 @@ def _between(flows: Sequence[Flow], first: float, last: float) -> list[float]:
         moved = np.where(
             moved < low, 0.5 * (low + p[1:-1]), np.where(moved > high, 0.5 * (high + p[1:-1]), moved)
         )
-        if np.array_equal(moved, p[1:-1]):
-            break
+        arrived = np.abs(moved - p[1:-1]).max() <= _ROUND_OFF * high
         p[1:-1] = moved
+        if arrived:
+            break
     else:
         raise ProfileError("the pressures in the chambers between the contacts were not found")
     return [float(one) for one in p[1:-1]]

@@ -20,7 +20,7 @@ from meshes.geometry.touch import looks
 # Names that a piece of a profile may be given, besides those found automatically.
 PARTS = {
     "closure": ("face", "inner", "outer", "top", "axis", "cavity"),
-    "seat": ("face", "inner", "outer", "wall", "bottom"),
+    "seat": ("face", "chamber", "inner", "outer", "wall", "bottom"),
 }
 
 # A larger change of direction between two pieces [rad] is a corner and not a fillet of coarse facets.

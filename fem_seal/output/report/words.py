@@ -18,7 +18,6 @@ from fem_seal.output.case_words import earlier_load
 from fem_seal.output.columns import COLUMNS, in_words
 from fem_seal.output.prose import phrase
 from fem_seal.output.report.tables import imprint_in_words, yielding_reasons
-from fem_seal.profile import joined
 from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.findings import Level, Validity
 from fem_seal.seal.load_names import load_name, load_values
@@ -490,7 +489,7 @@ def _flow_reasons(load: LoadResult) -> Iterator[str]:
     if not math.isfinite(load.leak.leak_rate):
         yield phrase("reasons.fluid", "forced_open")
         return
-    x, share = joined(load.profiles).x, load.leak.fluid_pressure / load.fluid_pressure
+    x, share = load.contact.whole.x, load.leak.fluid_pressure / load.fluid_pressure
     rising = share if share[-1] > share[0] else 1 - share
     ends = np.interp(_MIDDLE, rising, x)
     width, middle = float(ends[1] - ends[0]), _MIDDLE[1] - _MIDDLE[0]

@@ -71,7 +71,7 @@ def test_resistances_of_a_liquid_add_up(solved: Evaluation) -> None:
     (load,) = (with_flow(one, pressure_law=None) for one in solved.loads)
     assert load.rough is not None and load.rough.flow is not None and load.leak is not None
     resistances = [
-        load.rough.flow.leak_of(load.rough.table, load.rough.surface, (one,), 5e5).resistance
+        load.rough.flow.leak_of(load.rough.table, load.rough.surface, one, 5e5).resistance
         for one in load.profiles
     ]
     assert load.leak.leak_rate == pytest.approx(5e5 / sum(resistances), rel=1e-8)
@@ -90,7 +90,7 @@ def test_as_much_gas_passes_both_lands(solved: Evaluation, outlet: float) -> Non
 
     def alone(number: int, p_in: float, p_out: float) -> float:
         flow = replace(rough.flow, outlet_pressure=p_out)
-        found = flow.leak_of(rough.table, rough.surface, (load.profiles[number],), p_in - p_out)
+        found = flow.leak_of(rough.table, rough.surface, load.profiles[number], p_in - p_out)
         return float(found.mass_flow)
 
     chamber = brentq(
