@@ -165,10 +165,9 @@ SharpEdge = _model("SharpEdge", "sharp-edge", meshes.SharpEdge.around, edge=Roun
 class _OneOfLands(Table):
     """Base of the lands of a seat."""
 
-    set_back: SmallLength | None = None
-
     if TYPE_CHECKING:
         shape: str
+        set_back: float | None
 
     def made(self, closure: Shape) -> meshes.Land:
         """The land with the dimensions that are given."""
@@ -187,6 +186,7 @@ class ConicalOfLands(_OneOfLands):
     land_width: Length | None = None
     land_radius: Length | None = None
     edge_radius: SmallLength | None = None
+    set_back: SmallLength | None = None
 
 
 class FlatOfLands(_OneOfLands):
@@ -196,6 +196,7 @@ class FlatOfLands(_OneOfLands):
     land_inner_radius: Length
     land_outer_radius: Length
     edge_radius: Rounding | None = None
+    set_back: SmallLength | None = None
 
 
 class Lands(Housed):
@@ -218,4 +219,4 @@ class Lands(Housed):
         )
 
 
-SEATS = (ConicalSeat, ConicalLand, Sphere, ToroidalSeat, Flat, FlatLand, SharpEdge, Lands)
+SEATS = (ConicalSeat, ConicalLand, Sphere, ToroidalSeat, Flat, FlatLand, SharpEdge)

@@ -301,7 +301,7 @@ if TYPE_CHECKING:
     Seat = shapes.Held
 else:
     Closure = Annotated[Union[(*shapes.CLOSURES, ClosureProfile)], Field(discriminator="shape")]
-    Seat = Annotated[Union[(*shapes.SEATS, SeatProfile)], Field(discriminator="shape")]
+    Seat = Annotated[Union[(*shapes.SEATS, shapes.Lands, SeatProfile)], Field(discriminator="shape")]
 
 
 class CaseTables(Table):

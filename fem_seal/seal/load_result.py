@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 
 from fem_seal.former_names import former_attribute
+from fem_seal.profile import joined
 from fem_seal.seal.bounds import AGREE, EXACT, Bounds
 from fem_seal.seal.findings import DIRECT_SCATTER, VALID, Finding, Level, Validity
 from fem_seal.seal.lazy import ByReading, variant
@@ -215,6 +216,11 @@ class LoadResult(ByReading):
         return self.contact.profiles
 
     @property
+    def whole(self) -> PressureProfile:
+        """All of the contact as one profile, with its lands."""
+        return joined(self.profiles)
+
+    @property
     def tightest(self) -> PressureProfile:
         """The profile on the line that is pressed hardest."""
         return self.contact.profile
@@ -256,7 +262,7 @@ class LoadResult(ByReading):
     @cached_property
     def leak_round(self) -> LeakResult | None:
         """The same of the round seal."""
-        return None if self.rough is None else self.rough.leak(self.contact.whole, self.fluid_pressure)
+        return None if self.rough is None else self.rough.leak(self.whole, self.fluid_pressure)
 
     @cached_property
     def around(self) -> Circumference | None:

@@ -613,7 +613,7 @@ def _most_leak(load: LoadResult, surface: RoughContact) -> float:
     profile = load.tightest
     ends = math.log(1e-3 * profile.peak_pressure), math.log(profile.peak_pressure)
     limit = math.exp(root_between(lambda p: float(surface.contact_area(math.exp(p))) - _DIRECT_END, *ends))
-    found = load.rough.leak_pressed_up_to(limit, load.contact.whole, load.fluid_pressure)
+    found = load.rough.leak_pressed_up_to(limit, load.whole, load.fluid_pressure)
     assert found is not None  # the load itself has one
     off = 1.0 if surface.theory == "corrected" else _FACTORS[-1][1]
     return off * found.leak_rate / leak.leak_rate

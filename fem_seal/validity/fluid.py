@@ -244,7 +244,7 @@ def _of_liquid(flow: FlowModel, load: LoadResult) -> tuple[float, float] | None:
     (profile, leak), viscosity = found, load.effective_viscosity or flow.viscosity
     density = leak.mass_flow / leak.leak_rate if leak.mass_flow else _DENSITY
     radius = float(profile.radius[int(profile.pressure.argmax())])
-    per_length, width = leak.leak_rate / (2 * math.pi * radius), 2.0 * min(profile.std, load.std)
+    per_length, width = leak.leak_rate / (2 * math.pi * radius), 2.0 * profile.std
     gap = (12 * viscosity * per_length * width / load.fluid_pressure) ** (1 / 3)
     reynolds = density * per_length / viscosity
     return 2 * reynolds, reynolds * gap / width
@@ -258,7 +258,7 @@ def _leak_known(load: LoadResult) -> bool:
 def _where_most_leaks(load: LoadResult) -> tuple[PressureProfile, LeakResult] | None:
     """Contact pressure at the angle with the largest leak, and the leak of a seal with this pressure all around."""
     if load.formed is None:
-        return None if load.leak is None else (load.contact.whole, load.leak)
+        return None if load.leak is None else (load.tightest, load.leak)
     around = load.around
     if around is None or around.leak is None or around.leak_rate is None:
         return None
@@ -292,10 +292,10 @@ def _inertia_of(flow: FlowModel, load: LoadResult) -> tuple[GasInertia, float] |
     if not leak.mass_flow or not math.isfinite(leak.mass_flow):
         return None
     assert flow.gas is not None  # of a gas
-    profile = as_first_loaded(table, here)
+    profile = as_first_loaded(table, load.whole if load.formed is None else here)
     with np.errstate(divide="ignore"):
         gap = np.asarray(table.at_log_pressure(np.log(np.maximum(profile.pressure, _NO_PRESSURE))))
     pressure = leak.fluid_pressure + flow.outlet_pressure
     ratio = heat_capacity_ratio(flow.gas.name) or 1.4
     numbers = gas_inertia(profile.radius, gap, pressure, leak.mass_flow, flow.gas, ratio)
-    return numbers, 0.5 * numbers.reynolds * float(gap.min()) / (2.0 * min(profile.std, load.std))
+    return numbers, 0.5 * numbers.reynolds * float(gap.min()) / (2.0 * here.std)

@@ -35,6 +35,13 @@ class Land:
         Its housing counts for nothing here.
     set_back : float
         How far the closure still has to move along the axis when it touches the foremost land [m].
+
+    Examples
+    --------
+    >>> import meshes
+    >>> ring = meshes.FlatLand.on(0.020, 0.0215, meshes.Disc.of(0.03))
+    >>> meshes.Land(ring, set_back=2e-6).ends[1]
+    (0.0215, 0.0)
     """
 
     shape: ConicalLand | FlatLand

@@ -30,6 +30,12 @@ SEATS = {
     "torus": {"centre_radius": "13 mm", "radius": "4 mm"},
     "flat": {"bore_radius": "8 mm"},
     "flat-land": {"land_inner_diameter": "26 mm", "land_outer_diameter": "30 mm"},
+    "lands": {
+        "lands": [
+            {"shape": "conical-land", "angle": "35 deg", "land_width": "1 mm"},
+            {"shape": "conical-land", "angle": "50 deg", "land_width": "1 mm"},
+        ]
+    },
     "sharp-edge": {"bore_radius": "10 mm", "edge_radius": "0.5 mm"},
     "profile": {
         "outline": [
@@ -46,6 +52,7 @@ SEATS = {
 PAIRS = [
     ("ball", "sphere"),
     ("ball", "sharp-edge"),
+    ("ball", "lands"),
     ("cone", "conical-land"),
     ("torus", "flat"),
     ("spherical-tip", "torus"),

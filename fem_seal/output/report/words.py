@@ -489,7 +489,7 @@ def _flow_reasons(load: LoadResult) -> Iterator[str]:
     if not math.isfinite(load.leak.leak_rate):
         yield phrase("reasons.fluid", "forced_open")
         return
-    x, share = load.contact.whole.x, load.leak.fluid_pressure / load.fluid_pressure
+    x, share = load.whole.x, load.leak.fluid_pressure / load.fluid_pressure
     rising = share if share[-1] > share[0] else 1 - share
     ends = np.interp(_MIDDLE, rising, x)
     width, middle = float(ends[1] - ends[0]), _MIDDLE[1] - _MIDDLE[0]
