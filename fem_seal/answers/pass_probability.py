@@ -3,23 +3,24 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import cached_property
+from itertools import islice
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_seal.answers.answer import Answer
 from fem_seal.answers.judgement import JudgedLoad, Limit, PassProbability
 from fem_seal.answers.leakage_class import limits
 from fem_seal.answers.posterior import Posterior
-from fem_seal.answers.response_surface import IntArray, ResponseSurface, fit
+from fem_seal.answers.response_surface import IntArray, Polynomials, ResponseSurface, fit_with_prior
 from fem_seal.answers.uncertainty import SampledSeal, UncertainScans
 from fem_seal.arrays import FloatArray
 from fem_seal.errors import ConvergenceError
 from fem_seal.sampling import sobol_points
+from fem_seal.seal.sources import Kept
 from fem_seal.validity.words import sentence
 from leak import FlowError
 
@@ -32,16 +33,58 @@ if TYPE_CHECKING:
 _SAMPLES = 4096
 # Standard error at which the runs end; as many as the last number reach it by counting alone.
 _ERROR, _MOST_RUNS = 0.02, 640
-# Lowest degree of the polynomial and runs per coefficient; share of them that must converge.
-_RUNS_PER_TERM, _FEWEST_KNOWN = 1.35, 0.7
-# Inputs up to which that degree is two; beyond it is one.
-_QUADRATIC = 12
+# Runs for each input at first, and more of them at a time; share of them that must converge.
+_FOR_EACH, _MORE, _FEWEST_KNOWN = 2, 3, 0.7
+# Runs that are chosen to tell most, of so many samples; runs that are counted at first.
+_CHOSEN, _CANDIDATES, _COUNTED = 32, 256, 64
+# Inputs up to which the polynomial is a cubic, and up to which it is a quadratic one.
+_CUBIC, _QUADRATIC = 6, 16
+# Polynomials that the runs leave possible, and samples of each, for the standard error.
+_DRAWN, _OF_DRAWN = 48, 512
+# ln of the allowed over the calculated leak rate of a case that is sealed; of one that is open with a minus.
+_FAR = 30.0
 # Of a share; a tail that is smaller is no number.
 _DIGITS = 6
 # Batches with other unknown inputs, seals of each; share of the batches in which fewer seals pass than is told.
 _BATCHES, _SEALS, _DOUBT = 512, 256, 0.05
 # Of a theory that does not know its error.
 _EXACT = FlowError(np.zeros(()), np.full((), 1e-12))
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What samples of the same inputs have in common, whatever seal they are of.
+
+    Parameters
+    ----------
+    polynomials : Polynomials
+        In the inputs.
+    terms : ndarray, shape (samples, terms)
+        Of each sample.
+    order : list of int
+        All samples, those first whose runs tell most.
+    """
+
+    polynomials: Polynomials
+    terms: FloatArray = field(repr=False)
+    order: list[int] = field(repr=False)
+
+    @classmethod
+    def of(cls, scores: FloatArray) -> Plan:
+        """That of samples with such variables, shape (samples, inputs)."""
+        return _plans.get((scores.shape, scores.tobytes()), lambda: cls._made(scores))
+
+    @classmethod
+    def _made(cls, scores: FloatArray) -> Plan:
+        inputs = scores.shape[1]
+        polynomials = Polynomials.of(scores, 3 if inputs <= _CUBIC else 2 if inputs <= _QUADRATIC else 1)
+        candidates = scores[:_CANDIDATES]
+        chosen = polynomials.telling(candidates, min(_CHOSEN, len(candidates))).tolist()
+        return cls(polynomials, polynomials(scores), list(dict.fromkeys([*chosen, *range(len(scores))])))
+
+
+# of all seals of this process
+_plans = Kept(8)
 
 
 @dataclass(frozen=True)
@@ -56,41 +99,38 @@ class QuickSamples:
         Samples whose contact and leak rate were calculated.
     runs : ndarray, shape (runs, readings and fluids times loads)
         Their leak rates at the case's own viscosity [m^3/s].
+    tried : int
+        Of the first so many samples all were tried: their runs stand for the others.
     """
 
     sampled: SampledSeal
     known: IntArray
     runs: FloatArray = field(repr=False)
+    tried: int = 0
 
     @cached_property
-    def smooth(self) -> NDArray[np.bool_]:
-        """Whether a polynomial gives the samples, as no run is sealed or open, shape as a row of `runs`."""
-        smooth = np.all((self.runs > 0) & np.isfinite(self.runs), axis=0)
-        return np.asarray(smooth & bool(self.sampled.calculated))
+    def plan(self) -> Plan:
+        """What it has in common with other seals."""
+        return Plan.of(self.sampled.scores)
 
-    @cached_property
-    def surface(self) -> ResponseSurface:
-        """Polynomial of ln Q, of those that are smooth."""
-        ln_rates, scores = np.log(np.where(self.smooth, self.runs, 1.0)), self.sampled.scores
-        return fit(scores[self.known], ln_rates, scores, _RUNS_PER_TERM, _lowest_degree(scores.shape[1]))
+    def smooth(self, columns: Sequence[int] | slice) -> bool:
+        """Whether no run is sealed or open."""
+        runs = self.runs[:, columns]
+        return bool(np.all((runs > 0) & np.isfinite(runs)))
 
-    def ln_rates(self, column: int, of: SampledSeal | None = None) -> FloatArray:
-        """ln Q by the polynomial, shape (samples,), of other samples of the same inputs if there are any."""
-        sampled = of or self.sampled
-        if sampled.calculated:
-            return self.surface(sampled.scores)[:, column] - np.log(sampled.viscosity)
-        with np.errstate(divide="ignore"):
-            return np.asarray(np.log(self.runs[0, column]) - np.log(sampled.viscosity))
+    def surface(self, columns: Sequence[int], ln_most: FloatArray) -> ResponseSurface:
+        """Polynomials of ln of what is allowed over what leaks.
 
-    def without_each(self, column: int) -> FloatArray:
-        """ln Q by the polynomials through all runs but one, shape (samples, runs)."""
-        known = self.surface.without_each(self.sampled.scores, column)
-        return known - np.log(self.sampled.viscosity)[:, None]
-
-    def of_runs(self, column: int) -> FloatArray:
-        """ln Q of the runs themselves, shape (runs,)."""
-        with np.errstate(divide="ignore"):
-            return np.asarray(np.log(self.runs[:, column] / self.sampled.viscosity[self.known]))
+        Parameters
+        ----------
+        columns : sequence of int
+            Of `runs`.
+        ln_most : ndarray, shape (columns,)
+            ln of what is allowed by each limit [m^3/s].
+        """
+        ln_ratio = _ln_ratio(ln_most, self.runs[:, columns])
+        inputs = self.sampled.scores[self.known]
+        return fit_with_prior(self.plan.polynomials, inputs, np.clip(ln_ratio, -_FAR, _FAR))
 
     def column(self, reading: int, number: int, *, in_test: bool) -> int:
         """Of a reading at a load, of the case's fluid or of the gas of the test."""
@@ -105,9 +145,10 @@ def pass_probabilities(
 
     A seal's leak rate is a sample of what its inputs leave open times the theory's own error, whose distribution is
     integrated in closed form. The inputs are scrambled Sobol points, the same ones for each design with the same
-    uncertain inputs. For the first of them the whole chain is calculated; a quadratic polynomial of ln Q gives the
-    others. There are more runs until the standard error is 0.02 at most; where some are sealed or open, they are
-    counted themselves. Of the readings of yielding asperities the one that passes less often counts.
+    uncertain inputs. For those of them that tell most the whole chain is calculated; the likeliest cubic polynomial of
+    ln Q gives the others, see `fit_with_prior`. There are more runs until the standard error is 0.02 at most; where
+    some are sealed or open, the first samples are counted themselves. Of the readings of yielding asperities the one
+    that passes less often counts.
 
     Parameters
     ----------
@@ -124,7 +165,7 @@ def pass_probabilities(
     Notes
     -----
     The standard error adds the squares of two: of a count, sqrt((s+1) (f+1)/((n+2)^2 (n+3))) for s of n samples that
-    pass and f that fail (a bound for Sobol points), and of the polynomial, by leaving out each of its runs (jackknife).
+    pass and f that fail (a bound for Sobol points), and of the polynomials that its runs leave possible.
     What the calculation may be off by (`LoadResult.leak_validity`) has no distribution and is not in it.
 
     Where inputs vary from part to part, the share of a batch is itself not known: its distribution is that over the
@@ -132,7 +173,7 @@ def pass_probabilities(
 
     References
     ----------
-    B. Efron, C. Stein, Ann. Stat. 9, 586 (1981): variance by leaving out each run.
+    K. Chaloner, I. Verdinelli, Stat. Sci. 10, 273 (1995): runs that tell most of coefficients with a prior.
     """
     case, settings = seal.case, seal.case.sampled
     required = case.requirement
@@ -144,11 +185,6 @@ def pass_probabilities(
         part = seal.with_loads([seal.loads[n] for n in judged])
         found |= dict(zip(judged, _found(part, settings, judged, progress), strict=True))
     return [found.get(n) for n in range(len(seal.loads))]
-
-
-def _lowest_degree(inputs: int) -> int:
-    """Of the polynomial in so many inputs."""
-    return 2 if inputs <= _QUADRATIC else 1
 
 
 def _why_none(case: Case, load: LoadResult) -> str:
@@ -173,25 +209,32 @@ def _found(
         many = settings.model_copy(update={"samples": max(settings.samples, _SAMPLES)})
         sampled = replace(SampledSeal.of(seal, many), lenient=True, numbers=numbers)
     if not sampled.calculated:
-        every = np.arange(len(sampled.uniform))
-        return _of_loads(seal.case, QuickSamples(sampled, every, np.tile(sampled.of_case, (len(every), 1))))
-    inputs, degree = sampled.scores.shape[1], _lowest_degree(sampled.scores.shape[1])
-    fewest = goal = math.ceil(_RUNS_PER_TERM * math.comb(inputs + degree, degree)) + 1
-    most = min(_MOST_RUNS, len(sampled.uniform))
-    rates = np.empty((0, sampled.kinds * len(seal.loads)))
+        twice = QuickSamples(sampled, np.array([0, 0]), np.tile(sampled.of_case, (2, 1)))
+        return _of_loads(seal.case, twice)
+    order: Iterable[int] = Plan.of(sampled.scores).order
+    most, rates = min(_MOST_RUNS, len(sampled.uniform)), dict[int, FloatArray]()
+    goal = min(_FOR_EACH * sampled.scores.shape[1] + 2, most)
     while True:
+        new = list(islice((number for number in order if number not in rates), goal - len(rates)))
         progress(f"probability to pass: samples {len(rates) + 1} to {goal}")
-        rates = np.concatenate([rates, sampled.leak_rates(range(len(rates), goal))])
-        known = np.flatnonzero(~np.isnan(rates).any(axis=1))
+        rates.update(zip(new, sampled.leak_rates(new), strict=True))
+        known = [number for number, row in rates.items() if not np.isnan(row).any()]
         if len(known) < _FEWEST_KNOWN * goal:
             raise ConvergenceError(
                 f"pass probability: {goal - len(known)} of {goal} samples did not converge"
             )
-        if len(known) >= fewest:
-            found = _of_loads(seal.case, QuickSamples(sampled, known, rates[known]))
+        tried = next(number for number in range(len(rates) + 1) if number not in rates)
+        runs = np.array([rates[number] for number in known])
+        quick = QuickSamples(sampled, np.array(known), runs, tried)
+        if len(known) > sampled.scores.shape[1] + 1:
+            found = _of_loads(seal.case, quick)
             if goal >= most or all(one.error <= _ERROR for one in found):
                 return found
-        goal = min(2 * goal, most)
+        if quick.smooth(slice(None)):
+            goal = min(goal + _MORE if goal < _CHOSEN else 2 * goal, most)
+        else:
+            # those that tell most do not stand for all
+            order, goal = range(len(sampled.uniform)), min(max(2 * goal, _COUNTED), most)
 
 
 def _of_loads(case: Case, quick: QuickSamples) -> list[PassProbability]:
@@ -211,33 +254,48 @@ def _of_load(case: Case, load: LoadResult, number: int, quick: QuickSamples) -> 
         own = Posterior.read(settings.posterior).error_at(peak, settings.seed)[0, samples]
         return FlowError(error.bias + error.spread * own, _EXACT.spread)
 
-    read = []
+    ln_most, read = _ln_most(allowed), []
     for reading in range(quick.sampled.readings):
         columns = [quick.column(reading, number, in_test=_tested_with_gas(case, one)) for one in allowed]
-        smooth = bool(quick.smooth[columns].all())
-        ln_ratio = _ln_ratio(allowed, columns, quick.ln_rates if smooth else quick.of_runs)
-        own = error_of(every if smooth else quick.known)
-        share = float(own.share_below(np.exp(ln_ratio)).mean())
-        off = _error_of_count(share, len(ln_ratio)) if quick.sampled.inputs else 0.0
-        if smooth:
-            each = replace(own, bias=own.bias[:, None]) if tested else own
-            without = each.share_below(np.exp(_ln_ratio(allowed, columns, quick.without_each)))
-            off = math.hypot(off, _jackknife(without.mean(axis=0)))
-        known = smooth or not quick.sampled.calculated
-        # what a leak test has left belongs together, and is that of one seal
-        batch = _batch(case, allowed, columns, quick, error) if known and not tested else math.nan
+        batch = math.nan
+        if quick.smooth(columns) or not quick.sampled.calculated:
+            surface = quick.surface(columns, ln_most)
+            share, off = _by_polynomial(quick, surface, error_of(every))
+            # what a leak test has left belongs together, and is that of one seal
+            batch = math.nan if tested else _batch(case, quick, surface, error)
+        else:
+            share, off = _by_count(quick, columns, ln_most, error_of)
         read.append(PassProbability(round(share, _DIGITS), off, batch))
     return min(read, key=lambda one: one.share)
 
 
-def _jackknife(without: FloatArray) -> float:
-    """Standard error of a number from what it is without each of the runs."""
-    return math.sqrt((len(without) - 1) * float(without.var()))
+def _by_polynomial(quick: QuickSamples, surface: ResponseSurface, own: FlowError) -> tuple[float, float]:
+    """Share of the samples that pass, and its standard error."""
+    terms, ln_viscosity, few = quick.plan.terms, np.log(quick.sampled.viscosity), slice(_OF_DRAWN)
+    ln_ratio = (terms @ surface.coefficients).min(axis=1) + ln_viscosity
+    share = float(own.share_below(np.exp(ln_ratio)).mean())
+    possible = np.tensordot(terms[few], surface.drawn(_DRAWN), 1).min(axis=1) + ln_viscosity[few, None]
+    each = replace(own, bias=own.bias[few, None]) if own.bias.ndim else own
+    by_polynomial = float(each.share_below(np.exp(possible)).mean(axis=0).std())
+    by_count = _error_of_count(share, len(terms)) if quick.sampled.inputs else 0.0
+    return share, math.hypot(by_count, by_polynomial)
 
 
-def _batch(
-    case: Case, allowed: Sequence[Limit], columns: Sequence[int], quick: QuickSamples, error: FlowError
-) -> float:
+def _by_count(
+    quick: QuickSamples,
+    columns: Sequence[int],
+    ln_most: FloatArray,
+    error_of: Callable[[IntArray], FlowError],
+) -> tuple[float, float]:
+    """The same of the runs alone, as far as they stand for all samples."""
+    runs = np.flatnonzero(quick.known < quick.tried)
+    known, rates = quick.known[runs], quick.runs[runs][:, columns]
+    ln_ratio = _ln_ratio(ln_most, rates / quick.sampled.viscosity[known, None]).min(axis=1)
+    share = float(error_of(known).share_below(np.exp(ln_ratio)).mean()) if len(known) else 0.5
+    return share, _error_of_count(share, len(known))
+
+
+def _batch(case: Case, quick: QuickSamples, surface: ResponseSurface, error: FlowError) -> float:
     """Share of a batch that passes for certain but for `_DOUBT`; NaN where no input varies from part to part.
 
     Each of many batches has unknown inputs of its own; its seals differ in the others. Of the theory's own error each
@@ -255,7 +313,7 @@ def _batch(
     seals = sobol_points(_SEALS, len(of_parts), settings.seed + 1)
     uniform = np.where(of_parts, seals, batches[:, None, :-1]).reshape(-1, len(of_parts))
     many = replace(sampled, uniform=uniform)
-    ln_ratio = _ln_ratio(allowed, columns, partial(quick.ln_rates, of=many)).reshape(_BATCHES, _SEALS)
+    ln_ratio = (surface(many.scores).min(axis=1) + np.log(many.viscosity)).reshape(_BATCHES, _SEALS)
     of_seals = np.sqrt(np.maximum(error.parts.get("few waves", 0.0), _EXACT.spread**2))
     of_batch = np.sqrt(np.maximum(error.spread**2 - of_seals**2, 0.0))
     own = FlowError(error.bias + of_batch * ndtri(batches[:, -1:]), of_seals)
@@ -273,19 +331,18 @@ def _tested_with_gas(case: Case, limit: Limit) -> bool:
     return bool(limit.test_fluid) and case.fluid is not None and case.fluid.gas is not None
 
 
-def _ln_ratio(
-    allowed: Sequence[Limit], columns: Sequence[int], ln_rates: Callable[[int], FloatArray]
-) -> FloatArray:
-    """ln of the allowed over the calculated leak rate, of several limits the least."""
-    ratios = []
-    for limit, column in zip(allowed, columns, strict=True):
-        # a liquid leaks so many times as much in the test; a gas has a column of its own, and its ratio is a range
-        more = limit.ratio[1] if limit.ratio[0] == limit.ratio[1] else 1.0
-        most = math.log(limit.leak_rate / more) if limit.leak_rate else -math.inf
-        rates = ln_rates(column)
-        with np.errstate(invalid="ignore"):
-            ratios.append(np.where(rates == -math.inf, math.inf, most - rates))
-    return np.minimum.reduce(ratios)
+def _ln_most(allowed: Sequence[Limit]) -> FloatArray:
+    """ln of what each limit allows, shape (limits,) [m^3/s]."""
+    # a liquid leaks so many times as much in the test; a gas has a column of its own, and its ratio is a range
+    more = [one.ratio[1] if one.ratio[0] == one.ratio[1] else 1.0 for one in allowed]
+    with np.errstate(divide="ignore"):
+        return np.log([one.leak_rate for one in allowed]) - np.log(more)
+
+
+def _ln_ratio(ln_most: FloatArray, rates: FloatArray) -> FloatArray:
+    """ln of what each limit allows over what leaks, shape (samples, limits)."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(rates == 0.0, math.inf, ln_most - np.log(rates))
 
 
 PASS_PROBABILITY = Answer[Sequence[PassProbability | None]](

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial, reduce
 from operator import add
@@ -28,13 +28,14 @@ from fem_seal.case.roughness import (
 )
 from fem_seal.case.tables import Uncertainty
 from fem_seal.contact.laws import HardContact, Law, ScaledLaw
+from fem_seal.contact.solution import ContactSettings
 from fem_seal.errors import ConvergenceError, InputError
 from fem_seal.processes import fork_map
 from fem_seal.sampling import UncertainInput, sobol_points
 from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.leak_model import Conductivity, FlowModel, log_peaks, range_around
 from fem_seal.seal.load_result import LoadResult, SolvedSeal, leak_rates
-from fem_seal.seal.load_solver import LoadSolver, linearised_again, path_again, solved_again
+from fem_seal.seal.load_solver import LoadSolver, linearised_again, path_again, solved_again, solved_with
 from fem_seal.seal.problem import SealProblem, condensed, interface_law
 from fem_seal.seal.sources import Kept
 
@@ -66,7 +67,12 @@ _NEARLY_SEALED = 0.95
 
 
 # Surfaces of samples that are kept for the next seal.
-_KEPT = 64
+_KEPT = 256
+# Residual of the contacts of samples, and so the relative error of their pressures.
+_OF_SAMPLES = ContactSettings(1e-4, 1e-4)
+# The tables of samples are close at halves of the case's highest pressure, down to so many halves above its lowest one,
+# as there peaks are, and below this share of the sealing pressure.
+_BELOW_PEAKS, _BELOW_SEALING = 19, 0.9
 # Factors of the theory's own error for each sample, and the most of both together.
 _FACTORS, _MOST_FOUND = 32, 2**18
 
@@ -631,44 +637,101 @@ class SampledSeal:
 
     def leak_rates(self, samples: Sequence[int]) -> FloatArray:
         """Leak rates at the case's own viscosity, calculated, shape (samples, readings times loads) [m^3/s]."""
-        # the first makes the tables that all share, if they do not have their own
-        shared = 0 if self.exact else 1
-        first = [self._leak_rates(number) for number in samples[:shared]]
-        return np.array(first + fork_map(self._leak_rates, samples[shared:]))
+        result = self.result
+        if self.exact or result.problem.curves or result.problem.form is not None:
+            # the first makes the tables that all share, if they do not have their own
+            shared = 0 if self.exact else 1
+            first = [self._leak_rates(number) for number in samples[:shared]]
+            return np.array(first + fork_map(self._leak_rates, samples[shared:]))
+        found = self._all_known(samples)
+        moved = [n for n, one in enumerate(found) if self._moves(one)]
+        others = [(stiffer(result.model, found[n].stiffness), found[n].law) for n in moved]
+        contacts = dict(
+            zip(moved, solved_with(result.contact, others, result.earlier, _OF_SAMPLES), strict=True)
+        )
+        return np.array([self._rates_at(one, contacts.get(n)) for n, one in enumerate(found)])
 
     def _leak_rates(self, sample: int) -> list[float]:
-        factors = self._values_of(UncertainInput, sample)
-        surface = self._surface(sample, factors)
+        return self._rates_at(self._sample(sample))
+
+    def _rates_at(
+        self, sample: _Sample, contacts: Sequence[ContactSolution] | ConvergenceError | None = None
+    ) -> list[float]:
+        """Leak rates of a sample, on its contacts if they are known."""
         try:
-            return self._rates(surface, self._loads(surface, factors))
+            return self._rates(sample, self._loads(sample, contacts))
         except ConvergenceError:
             if self.lenient or (self.whole_paths and not self._bulk):
                 return [math.nan] * (self.kinds * len(self.result.loads))
             raise
+
+    def _all_known(self, samples: Sequence[int]) -> list[_Sample]:
+        """Samples with their laws and tables, those that no seal has had yet made side by side."""
+        new = [number for number in samples if _kept.known(self._name(number)) is None]
+        if new:
+            # the first makes the tables that all share
+            made = [self._with_tables(new[0]), *fork_map(self._with_tables, new[1:])]
+            for number, one in zip(new, made, strict=True):
+                _kept.put(self._name(number), one)
+        return list(map(self._sample, samples))
+
+    def _with_tables(self, number: int) -> _Known:
+        sample = self._sample(number)
+        for one in (sample.surface, *map(sample.surface.reading, self.others)):
+            self._table(sample.known, self.flows[0], one, [-math.inf])
+        return sample.known
+
+    def _sample(self, number: int) -> _Sample:
+        factors = self._values_of(UncertainInput, number)
+        known = _kept.get(self._name(number), lambda: self._made(number, factors))
+        return _Sample(factors, known, known.law or self._law(known.surface))
+
+    def _name(self, number: int) -> Hashable:
+        """Of what a sample has in common with that of another seal."""
+        result, flow = self.result, self.flows[0]
+        assert result.case.roughness is not None  # of the checks
+        values = tuple((one.name, *self.values[one.name][number].tolist()) for one in self.calculated)
+        roughness = result.surface, result.case.roughness.model_dump_json(), result.problem.interface
+        return *roughness, flow.gas is not None, flow.conductivity, self._within, values
 
     def _values_of(self, kind: type[UncertainInput | UncertainFinish], sample: int) -> dict[str, float]:
         """Values of the inputs of one kind."""
         inputs = [one for one in self.calculated if isinstance(one, kind)]
         return {one.name: float(self.values[one.name][sample, 0]) for one in inputs}
 
-    def _rates(self, surface: RoughContact, loads: Sequence[LoadResult]) -> list[float]:
+    def _rates(self, sample: _Sample, loads: Sequence[LoadResult]) -> list[float]:
         """Leak rates in each reading at each load."""
-        read, (flow, *_) = (surface, *map(surface.reading, self.others)), self.flows
+        read, (flow, *_) = (sample.surface, *map(sample.surface.reading, self.others)), self.flows
         by_reading = (
             # with the range of the case itself, as long as it will do, the table's own error is that of all samples
             leak_rates(one, self.flows, loads, alike=self.result.loads)
             if self.exact or flow.simulated is not None
-            else leak_rates(one, self.flows, loads, table=self._table)
+            else leak_rates(one, self.flows, loads, table=partial(self._table, sample.known))
             for one in read
         )
         return [rate for of_fluid in zip(*by_reading, strict=True) for rates in of_fluid for rate in rates]
 
-    def _table(self, flow: FlowModel, surface: RoughContact, log_peaks: Sequence[float]) -> Conductivity:
-        """Conductivity from the table of the case."""
-        highest = 10.0 ** np.array(log_peaks)
+    def _table(
+        self, known: _Known, flow: FlowModel, surface: RoughContact, log_peaks: Sequence[float]
+    ) -> Conductivity:
+        """Conductivity from the table of the case; up to some levels it is that of the sample in all seals."""
+        highest, sealing = 10.0 ** np.array(log_peaks), flow.sealing_pressure(surface)
         if flow.fluid_in_gap == "local":  # which opens what would be sealed without it
-            highest = np.minimum(highest, _NEARLY_SEALED * flow.sealing_pressure(surface))
-        return self._nearby[surface.yielding].table(surface, highest)
+            highest = np.minimum(highest, _NEARLY_SEALED * sealing)
+        low, high = self._within
+        levels = high * 0.5 ** np.arange(math.log2(high / low) - _BELOW_PEAKS)
+        levels = levels[levels < _BELOW_SEALING * sealing]
+        nearby = self._nearby[surface.yielding]
+        if highest.max() > levels.max(initial=0.0):
+            return nearby.table(surface, highest)
+        if surface.yielding not in known.tables:
+            known.tables[surface.yielding] = nearby.table(surface, levels)
+        return known.tables[surface.yielding]
+
+    @cached_property
+    def _within(self) -> tuple[float, float]:
+        """Range of pressures over which the case has its tables [Pa]."""
+        return range_around(log_peaks([one for load in self.result.loads for one in load.contacts]))
 
     @cached_property
     def _nearby(self) -> dict[str, NearbyTables]:
@@ -678,20 +741,14 @@ class SampledSeal:
         surface, flow = self.result.surface, self.result.problem.flow
         assert surface is not None and flow is not None  # of the checks
         # the case has its tables already
-        within = range_around(log_peaks([one for load in self.result.loads for one in load.contacts]))
-        return {
-            one.yielding: NearbyTables(one, flow.gas is not None, flow.conductivity, within)
-            for one in (surface, *map(surface.reading, self.others))
-        }
+        of_gas, method, within = flow.gas is not None, flow.conductivity, self._within
 
-    def _surface(self, sample: int, factors: dict[str, float]) -> RoughContact:
-        """The surface of a sample, the same object for all seals with this finish: it keeps what it has worked out."""
-        assert self.result.case.roughness is not None  # of the checks
-        values = (tuple(self.values[one.name][sample].tolist()) for one in self.calculated)
-        name = self.result.surface, self.result.case.roughness.model_dump_json(), self.inputs, tuple(values)
-        return _surfaces.get(name, lambda: self._made(sample, factors))
+        def made(one: RoughContact) -> NearbyTables:
+            return _kept.get((one, of_gas, method, within), lambda: NearbyTables(one, of_gas, method, within))
 
-    def _made(self, sample: int, factors: dict[str, float]) -> RoughContact:
+        return {one.yielding: made(one) for one in (surface, *map(surface.reading, self.others))}
+
+    def _made(self, sample: int, factors: dict[str, float]) -> _Known:
         assert self.result.surface is not None
         means = {
             one.name: one.spectrum(self.values[one.name][sample])
@@ -705,23 +762,34 @@ class SampledSeal:
                 mean = means[one.key] if one.key in means else roughness.parts[one.key].build()
                 means[one.key] = one.spectrum(mean, float(self.values[one.name][sample, 0]))
         shares = self._values_of(UncertainFinish, sample)
-        return changed_surface(self.result.case, self.result.surface, factors, means, shares)
-
-    def _loads(self, surface: RoughContact, factors: dict[str, float]) -> Sequence[LoadResult]:
-        """Every load; those of the case itself where its law and its bodies have not changed."""
-        result = self.result
+        surface = changed_surface(self.result.case, self.result.surface, factors, means, shares)
         law = self._law(surface)
-        stiffness, problem = factors.get("youngs_modulus", 1.0), result.problem
+        own = law is not self.result.problem.law and not isinstance(law, ScaledLaw)
+        return _Known(surface, law if own else None)
+
+    def _moves(self, sample: _Sample) -> bool:
+        """Whether the law of a sample or its bodies are not those of the case."""
+        return sample.stiffness != 1 or sample.law is not self.result.problem.law
+
+    def _loads(
+        self, sample: _Sample, contacts: Sequence[ContactSolution] | ConvergenceError | None
+    ) -> Sequence[LoadResult]:
+        """Every load; those of the case itself where its law and its bodies have not changed."""
+        result, law, factors = self.result, sample.law, sample.factors
+        problem = result.problem
         if problem.form is not None and "form" in factors:
             problem = replace(problem, form=problem.form.scaled(factors["form"]))
-        if stiffness == 1 and law is problem.law:
+        if not self._moves(sample):
             if problem.form is result.problem.form:
                 return result.loads
             return [
                 replace(load, formed=problem.around(load.contact, near=load.formed)) for load in result.loads
             ]
         try:
-            contacts = self._contacts(problem, surface, law, stiffness)
+            if contacts is None:
+                contacts = self._contacts(problem, sample.surface, law, sample.stiffness)
+            if isinstance(contacts, ConvergenceError):
+                raise contacts
             return [
                 LoadResult(*load.point, contact, formed=problem.around(contact, law, load.formed))
                 for load, contact in zip(result.loads, contacts, strict=True)
@@ -761,8 +829,44 @@ class SampledSeal:
         return contacts if self.numbers is None else [contacts[number] for number in self.numbers]
 
 
+@dataclass(frozen=True)
+class _Known:
+    """What a sample has in common with the same one of another seal: whatever follows from its surface alone.
+
+    Parameters
+    ----------
+    surface : RoughContact
+    law : Law or None
+        None where it is that of the case, or one of that shape.
+    tables : dict
+        Conductivity in each reading that was asked for.
+    """
+
+    surface: RoughContact
+    law: Law | None
+    tables: dict[str, Conductivity] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class _Sample:
+    """A sample of a seal."""
+
+    factors: dict[str, float]
+    known: _Known
+    law: Law
+
+    @property
+    def surface(self) -> RoughContact:
+        return self.known.surface
+
+    @property
+    def stiffness(self) -> float:
+        """Factor of both Young's moduli."""
+        return self.factors.get("youngs_modulus", 1.0)
+
+
 # of all seals of this process
-_surfaces = Kept(_KEPT)
+_kept = Kept(_KEPT)
 
 
 def stiffer_bodies(materials: Mapping[str, Material], factor: float) -> dict[str, Material]:

@@ -77,6 +77,41 @@ class ScaledLaw:
         return self.height * self.law.decay_length(log_pressure - self.log_pressure)
 
 
+@dataclass(frozen=True)
+class LawOfEach:
+    """Several laws of any shape, the n-th for the n-th row of an array of pressures.
+
+    Parameters
+    ----------
+    laws : sequence of InterfaceLaw
+    """
+
+    laws: Sequence[InterfaceLaw]
+
+    def rows(self, chosen: NDArray[np.bool_]) -> LawOfEach:
+        """Some of them."""
+        return LawOfEach([self.laws[number] for number in chosen.nonzero()[0].tolist()])
+
+    def gap(self, log_pressure: FloatArray) -> FloatArray:
+        """Mean separation u [m] at ln(p/Pa)."""
+        return np.stack([law.gap(row) for law, row in zip(self.laws, log_pressure, strict=True)])
+
+    def decay_length(self, log_pressure: FloatArray) -> FloatArray:
+        """-du/d ln p [m], positive."""
+        return np.stack([law.decay_length(row) for law, row in zip(self.laws, log_pressure, strict=True)])
+
+
+def law_of_rows(laws: Sequence[InterfaceLaw]) -> ScaledLaw | LawOfEach:
+    """Several laws, each for a row of an array of pressures; those of one shape are quicker.
+
+    Parameters
+    ----------
+    laws : sequence of InterfaceLaw
+    """
+    alike = all(shape_of(law) is shape_of(laws[0]) for law in laws)
+    return ScaledLaw.of(laws).rows(slice(None)) if alike else LawOfEach(laws)
+
+
 def shape_of(law: InterfaceLaw) -> InterfaceLaw:
     """The law of which a law is a scaled one; itself if it is none."""
     return law.law if isinstance(law, ScaledLaw) else law

@@ -12,7 +12,7 @@ from scipy.linalg.lapack import dpotrf, dpotrs
 
 from fem_seal.arrays import FloatArray
 from fem_seal.contact.hard import solve_hard
-from fem_seal.contact.laws import HardContact, Law, ScaledLaw, shape_of
+from fem_seal.contact.laws import HardContact, Law, LawOfEach, ScaledLaw, law_of_rows
 from fem_seal.contact.model import ContactModel
 from fem_seal.contact.other_loads import NO_LOADS, BodyLoads
 from fem_seal.contact.solution import DEFAULT_SETTINGS, ContactSettings, ContactSolution
@@ -123,7 +123,7 @@ class ContactProblem:
 
 @single_threaded
 def solve_many(pressings: Sequence[ContactProblem]) -> list[ContactSolution | ConvergenceError]:
-    """`solve` of several: the same to the last digit, in less time where bodies and the shape of the law are the same.
+    """`solve` of several: the same to the last digit, in less time where bodies are the same, and laws of one shape.
 
     Parameters
     ----------
@@ -136,8 +136,8 @@ def solve_many(pressings: Sequence[ContactProblem]) -> list[ContactSolution | Co
     """
     alike: dict[Hashable, list[int]] = {}
     for number, one in enumerate(pressings):
-        law = None if isinstance(one.law, HardContact) else shape_of(one.law)
-        kind = number if law is None else (id(one.model), id(law), one.settings, one.start is None)
+        hard = isinstance(one.law, HardContact)
+        kind = number if hard else (id(one.model), one.settings, one.start is None)
         alike.setdefault(kind, []).append(number)
     found: dict[int, ContactSolution | ConvergenceError] = {}
     for numbers in alike.values():
@@ -146,7 +146,7 @@ def solve_many(pressings: Sequence[ContactProblem]) -> list[ContactSolution | Co
 
 
 def _solve_alike(pressings: Sequence[ContactProblem]) -> list[ContactSolution | ConvergenceError]:
-    """Of one model; if they are several of laws of one shape, with equal settings, and all with a start or none."""
+    """Of one model; if they are several with equal settings, and all with a start or none."""
     first = pressings[0]
     if isinstance(first.law, HardContact):
         try:
@@ -210,8 +210,8 @@ class _Rows:
     Parameters
     ----------
     model : ContactModel
-    law : ScaledLaw
-        Of each a row
+    law : ScaledLaw or LawOfEach
+        Of each a row.
     force : ndarray, shape (rows,)
         F_N [N].
     gap0 : ndarray, shape (rows, m)
@@ -219,7 +219,7 @@ class _Rows:
     """
 
     model: ContactModel
-    law: ScaledLaw
+    law: ScaledLaw | LawOfEach
     force: FloatArray
     gap0: FloatArray
 
@@ -228,9 +228,7 @@ class _Rows:
         model = pressings[0].model
         return cls(
             model,
-            ScaledLaw.of([one.law for one in pressings if not isinstance(one.law, HardContact)]).rows(
-                slice(None)
-            ),
+            law_of_rows([one.law for one in pressings if not isinstance(one.law, HardContact)]),
             np.array([one.contact_force for one in pressings]),
             np.stack([model.line.initial_gap + (one.loads or NO_LOADS).opening(model) for one in pressings]),
         )

@@ -18,7 +18,7 @@ PASSING = frozenset({"pass_probability", "pass_probability_error", "batch_share_
 # A sample of uncertain inputs [s]; forces that are tried for a target, and runs for a verdict.
 _SAMPLE, _FORCES, _RUNS = 0.02, 12, 6
 # Samples that are calculated for that share, of five inputs.
-_FOR_SHARE = 30
+_FOR_SHARE = 15
 
 
 def is_target(column: str) -> bool:

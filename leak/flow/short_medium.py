@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -136,6 +136,7 @@ def short_medium(
     area, wave = _contact_area(surface, log_p), surface.wavelength_along_flow
     endless, asked = surface.percolation_threshold, table.asked(log_p)
 
+    @cache
     def found(log_n: float) -> ShortMedium:
         opened = _with_threshold(table, endless, -math.expm1(-log_n))
         with np.errstate(divide="ignore"):

@@ -15,6 +15,7 @@ import fem_seal
 from fem_seal.answers import pass_probability as module
 from fem_seal.answers.judgement import PassProbability
 from fem_seal.answers.pass_probability import pass_probabilities
+from fem_seal.answers.response_surface import Polynomials, fit_with_prior
 from fem_seal.answers.uncertainty import SampledSeal, uncertain_inputs
 from fem_seal.output.answers.verdict import verdict_facts, verdict_lines, verdict_numbers
 from fem_seal.output.tables import leak_table
@@ -145,6 +146,64 @@ def test_a_finish_is_known_within_its_standard_error():
         replace(seal, case=required(seal, rate).case.replace({"uncertainty": {"seed": 9}}))
     )
     assert abs(other.share - found.share) < 3 * math.hypot(found.error, other.error)
+
+
+@pytest.mark.parametrize("share", [0.1, 0.5, 0.95])
+def test_complete_runs_of_a_finish_find_the_same_share_within_its_standard_error(share):
+    wanted = one(roughness=FINISH, seat=cone(HARD), leak={"theory": "corrected"})
+    seal, every = seal_of(wanted), 64
+    samples = replace(SampledSeal.of(seal, wanted.sampled), exact=True)
+    rates = samples.leak_rates(range(every))[:, 0]
+    # from one table for all seals of this finish, on contacts of looser tolerance
+    few = replace(samples, exact=False).leak_rates(range(8))[:, 0]
+    assert few == pytest.approx(rates[:8], rel=0.01)
+    limit = float(np.quantile(rates, share))
+    found, error = passing(seal, limit), seal.loads[0].flow_error
+    counted = float(error.share_below(limit / rates).mean())
+    both = math.hypot(found.error, math.sqrt(counted * (1 - counted) / every))
+    assert found.error <= 0.02 and abs(found.share - counted) < 3 * both
+
+
+def test_seals_with_one_finish_share_laws_and_tables_of_their_samples(monkeypatch):
+    made = []
+    monkeypatch.setattr(
+        SampledSeal, "_made", lambda self, n, f, of=SampledSeal._made: made.append(n) or of(self, n, f)
+    )
+    monkeypatch.setattr(
+        "fem_seal.answers.uncertainty.fork_map", lambda function, items: list(map(function, items))
+    )
+    rates = []
+    for angle in ("44 deg", "46 deg"):
+        table = {**cone(HARD), "angle": angle}
+        wanted = one(roughness={**FINISH, "closure": {"Ra": "0.11 um", "process": "lapped"}}, seat=table)
+        seal = seal_of(wanted)
+        rates.append(SampledSeal.of(seal, wanted.sampled).leak_rates([0, 5, 9])[:, 0])
+    assert made == [0, 5, 9] and (rates[0] != rates[1]).all()
+
+
+def test_a_polynomial_with_a_prior_knows_its_error_and_which_runs_tell_most():
+    points = sobol_points(1024, 4, seed=3)
+    inputs = ndtri(points)
+    polynomials = Polynomials.of(inputs, 3)
+    assert (polynomials(inputs).T @ polynomials(inputs) / 1024).diagonal() == pytest.approx(1.0, abs=0.35)
+    chosen = polynomials.telling(inputs[:256], 24)
+    assert len(set(chosen.tolist())) == 24
+    rng, off = np.random.default_rng(5), []
+    for _ in range(20):
+        coefficients = rng.standard_normal(len(polynomials.exponents)) * np.minimum(polynomials.prior, 10.0)
+
+        def model(z, coefficients=coefficients):
+            return (polynomials(z) @ coefficients)[:, None]
+
+        surface = fit_with_prior(polynomials, inputs[chosen], model(inputs[chosen]))
+        spread = surface.drawn(200)[1:, 0].std(axis=1)
+        off.append((surface.coefficients[1:, 0] - coefficients[1:]) / spread)
+    assert 0.5 < np.sqrt(np.mean(np.square(off))) < 1.3
+    # nearly exact of a plane with enough runs
+    plane = fit_with_prior(
+        polynomials, inputs[chosen], inputs[chosen] @ np.array([[1.0], [2.0], [-1.0], [0.5]])
+    )
+    assert np.abs(plane(inputs) - inputs @ np.array([[1.0], [2.0], [-1.0], [0.5]])).max() < 0.2
 
 
 def test_sealed_samples_pass_and_open_ones_fail(monkeypatch):

@@ -15,7 +15,7 @@ from fem_seal.contact.newton import ContactProblem, solve, solve_many
 from fem_seal.errors import ConvergenceError
 from fem_seal.seal.evaluate import Batch
 from fem_seal.studies.time_limit import Block, Watch
-from leak import PowerSpectrum, RoughContact
+from leak import ExponentialLaw, PowerSpectrum, RoughContact
 
 STEEL = fem_seal.Material("steel", 210e9, 0.3)
 SPECTRUM = PowerSpectrum.self_affine(rms_height=1e-6, hurst=0.8, q_low=1e4, q_rolloff=5e4, q_high=1e6)
@@ -38,7 +38,12 @@ def laws():
     return [ScaledLaw(shape, height, math.log(1.1 * height)) for height in (0.1, 0.5, 1.0, 1.7, 3.0)]
 
 
-def test_contacts_that_are_solved_together_are_those_of_each_alone(model, laws):
+@pytest.mark.parametrize("shapes", [1, 3])
+def test_contacts_that_are_solved_together_are_those_of_each_alone(model, laws, shapes):
+    if shapes > 1:
+        other = PowerSpectrum.self_affine(rms_height=1e-6, hurst=0.6, q_low=1e4, q_rolloff=2e4, q_high=1e6)
+        rougher = RoughContact(other, effective_modulus=115e9).interface_law()
+        laws = [*laws, rougher, ScaledLaw(rougher, 0.5, 0.1), ExponentialLaw(p_c=5e9, u0=0.76e-6)]
     pressings = [
         ContactProblem(model, law, force)
         for force in (200.0, 1257.0, 5e3)
