@@ -127,7 +127,17 @@ def _show(result: StudyResult, quiet: bool, json: bool) -> None:
     _show_best(result.designs)
     counts = result.counts
     say(f"{counts['done']} designs done, {counts['failed']} failed, {counts['open']} open")
+    _show_remarks(result.designs)
     say(f"Results in {result.folder}: study.sqlite, report.html")
+
+
+def _show_remarks(designs: Designs) -> None:
+    """How many designs pass often enough, and whether a better one may lie outside of the ranges."""
+    from fem_seal.studies.display import Display
+    from fem_seal.studies.page import at_edge, passing_words
+
+    for told in filter(None, (passing_words(designs), at_edge(Display(designs)))):
+        say(told)
 
 
 def _show_best(designs: Designs) -> None:

@@ -26,6 +26,11 @@ if TYPE_CHECKING:
 
 LEAK_RATE = "leak_rate_m3_per_s"
 PASSES = "pass_probability"
+# Shares of seals, and the probability to pass that is asked for where no constraint says another one.
+SHARES = (PASSES, "pass_probability_error", "batch_share_p05")
+CONFIDENT = 0.95
+# Part of a range that counts as its edge.
+_EDGE = 0.01
 # What a design leaks at most.
 _UPPER_ENDS = (LEAK_RATE, *map(leak_rate_column, (*FURTHER, OWN)), "leak_rate_high_m3_per_s")
 _QUANTILES = (0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99)
@@ -69,6 +74,34 @@ class Designs:
         """What the requirement of the base case allows to leak [m^3/s]; None if that is not one number."""
         varied = any(name.startswith("requirement.") for name in self.parameters)
         return None if varied else self.about["seal"].get("limit_m3_per_s")
+
+    @property
+    def confidence(self) -> float:
+        """Probability to pass that a constraint asks for, or that is usual."""
+        return CONFIDENT if self.asked_confidence is None else self.asked_confidence
+
+    @property
+    def asked_confidence(self) -> float | None:
+        """Probability to pass that a constraint asks for; None where none does."""
+        for text in self.about["constraints"].values():
+            first, second = Constraint(text).sides
+            for one, other in ((first, second), (second, first)):
+                if one.what == PASSES and not other.names:
+                    return other.number({})
+        return None
+
+    @property
+    def at_edge(self) -> list[str]:
+        """Numeric parameters at an end of whose range the best design by the only goal is."""
+        best = self.best(1) if len(self.about["goals"]) == 1 else []
+        ranges = {one["name"]: one["bounds"] for one in self.about["parameters"] if one["numeric"]}
+        return [
+            name
+            for name, (low, high) in ranges.items()
+            if best
+            and high > low
+            and not _EDGE < (self.done[name][best[0]] - low) / (high - low) < 1.0 - _EDGE
+        ]
 
     @cached_property
     def feasible(self) -> pd.DataFrame:

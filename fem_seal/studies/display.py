@@ -15,7 +15,7 @@ from fem_seal.arrays import FloatArray
 from fem_seal.files import own_tables
 from fem_seal.output.columns import COLUMNS
 from fem_seal.seal.findings import Level
-from fem_seal.studies.designs_table import Designs
+from fem_seal.studies.designs_table import SHARES, Designs
 from fem_seal.units import Unit, kind_of, number, unit_for
 
 if TYPE_CHECKING:
@@ -80,6 +80,8 @@ class Display:
 
     def texts(self, rows: pd.Index, name: str) -> list[str]:
         """A column of some designs as it is written."""
+        if name in SHARES:
+            return list(map(share_text, self.numbers(name).loc[rows].tolist()))
         return [short(value) if self._numeric(name) else value for value in self.values(rows, name)]
 
     def levels(self, name: str) -> list[str]:
@@ -228,6 +230,24 @@ def short(value: float | None, digits: int = 4) -> str:
     if "." in mantissa:
         mantissa = mantissa.rstrip("0").rstrip(".")
     return mantissa + times + power
+
+
+def share_text(share: float) -> str:
+    """A share in percent, of which none is told as certain and none as impossible; "–" for none.
+
+    Parameters
+    ----------
+    share : float
+        0 to 1.
+
+    Examples
+    --------
+    >>> share_text(0.9483), share_text(2.9e-170)
+    ('94.8 %', '< 0.1 %')
+    """
+    if not math.isfinite(share):
+        return "–"
+    return "< 0.1 %" if share < 0.001 else "> 99.9 %" if share > 0.999 else f"{100.0 * share:.1f} %"
 
 
 def spans_a_decade(values: FloatArray) -> bool:

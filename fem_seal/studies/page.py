@@ -30,7 +30,7 @@ from fem_seal.studies.designs_table import (
     quantiles,
     sensitivities,
 )
-from fem_seal.studies.display import LOOKS, Display, short
+from fem_seal.studies.display import LOOKS, Display, share_text, short
 from fem_seal.studies.store import FILE, open_to_read
 from fem_seal.units import leak_rate_text
 from fem_seal.version import __version__
@@ -147,7 +147,8 @@ def sections(designs: Designs) -> Iterator[Section]:
     parallel = words.parallel(part, missing)
     yield from _plotted("Pareto front", words.pareto(), plots.pareto_plot(display))
     yield from _plotted("Search", words.search(designs), plots.search_plot(display))
-    yield from _plotted("Map", words.crosses(designs), plots.map_plot(display))
+    line = share_text(designs.confidence) if PASSES in designs.done else ""
+    yield from _plotted("Map", words.crosses(designs, line), plots.map_plot(display))
     yield from _plotted(
         "Responses over parameters", part + words.hollow(designs), plots.response_plot(display)
     )
@@ -196,14 +197,14 @@ def _best(display: Display) -> Iterator[Section]:
     titles = list(map(display.title, designs.about["goals"]))
     yield Section(
         "Best designs",
-        _words().best(designs, titles, bool(numbers)),
+        _words().best(designs, titles, bool(numbers), at_edge(display)),
         columns=("design", *columns),
         rows=tuple(zip(map(str, numbers), *columns.values(), strict=True)),
     )
 
 
-# Confidence that is asked for, and designs in the table of how likely each passes.
-_CONFIDENT, _MOST_ROWS = 0.95, 500
+# Designs in the table of how likely each passes.
+_MOST_ROWS = 500
 
 
 def _passing(display: Display) -> Iterator[Section]:
@@ -212,16 +213,31 @@ def _passing(display: Display) -> Iterator[Section]:
     if PASSES not in designs.done:
         return
     likely = designs.done[PASSES].sort_values(ascending=False, kind="stable")
-    limit, unknown = designs.limit, int(likely.isna().sum())
-    allowed = f"leak less than {leak_rate_text(limit)}" if limit else "keep the requirement"
     numbers = likely.index[:_MOST_ROWS].tolist()
     columns = display.told(numbers)
     yield Section(
         "Designs that pass",
-        _words().passing(int((likely >= _CONFIDENT).sum()), len(likely), allowed, unknown, len(numbers)),
+        _words().passing(passing_words(designs), len(likely), len(numbers)),
         columns=("design", *columns),
         rows=tuple(zip(map(str, numbers), *columns.values(), strict=True)),
     )
+
+
+def passing_words(designs: Designs) -> str:
+    """How many designs pass often enough, or how often the best one does, as a sentence; empty where nobody asks."""
+    if PASSES not in designs.done or designs.done.empty:
+        return ""
+    likely, limit = designs.done[PASSES], designs.limit
+    allowed = f" less than {leak_rate_text(limit)}" if limit else ""
+    count, unknown = int((likely >= designs.confidence).sum()), int(likely.isna().sum())
+    best = share_text(float(likely.max()))
+    confidence = f"{100.0 * designs.confidence:g} %"
+    return str(_words().passed(count, len(likely), allowed, confidence, unknown, best))
+
+
+def at_edge(display: Display) -> str:
+    """Which ranges end where the best design is, as a sentence; empty where none does."""
+    return str(_words().at_edge(list(map(display.title, display.designs.at_edge))))
 
 
 def outside_left_out(designs: Designs) -> str:

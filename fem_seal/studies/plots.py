@@ -17,7 +17,14 @@ from fem_seal.files import own_tables
 from fem_seal.output.notebook import table_html
 from fem_seal.output.pictures.style import style
 from fem_seal.seal.readings import WORDS
-from fem_seal.studies.designs_table import LEAK_RATE, Designs, Sensitivity, other_leak_rates, pareto_front
+from fem_seal.studies.designs_table import (
+    LEAK_RATE,
+    PASSES,
+    Designs,
+    Sensitivity,
+    other_leak_rates,
+    pareto_front,
+)
 from fem_seal.studies.display import BLUE, FEW, GREY, LOOKS, RED, Display, short, spans_a_decade
 
 if TYPE_CHECKING:
@@ -26,6 +33,7 @@ if TYPE_CHECKING:
 
 # More points than these make a page slow and its plots a blot; a regular part of the designs is drawn then.
 MOST_POINTS = 5000
+_LINE = {"color": RED, "dash": "dash", "width": 1.5}
 # Part of the colours that stands for designs that do not count.
 _GREY_SHARE = 0.08
 
@@ -57,11 +65,14 @@ def _points(display: Display, rows: pd.Index, x: str, y: str, names: Iterable[st
 
 
 def _lines(display: Display, x: str = "", y: str = "") -> list[dict[str, Any]]:
-    """Lines at what the requirement allows to leak, across a plot with these columns on its axes."""
-    limit, line = display.designs.limit, {"color": RED, "dash": "dash", "width": 1.5}
+    """Lines at what may leak, and at how often the requirement is to be kept, across a plot of these columns."""
     found = []
     for side, across, name in (("x", "y", x), ("y", "x", y)):
-        if limit is not None and name.startswith("leak_rate") and name.endswith("_m3_per_s"):
+        of_leak = name.startswith("leak_rate") and name.endswith("_m3_per_s")
+        limit = (
+            display.designs.limit if of_leak else display.designs.asked_confidence if name == PASSES else None
+        )
+        if limit is not None:
             at = float(display.shown(name, limit))
             place = {
                 f"{across}ref": "paper",
@@ -70,7 +81,7 @@ def _lines(display: Display, x: str = "", y: str = "") -> list[dict[str, Any]]:
                 f"{side}0": at,
                 f"{side}1": at,
             }
-            found.append({"type": "line", "line": line, **place})
+            found.append({"type": "line", "line": _LINE, **place})
     return found
 
 
@@ -133,7 +144,8 @@ def map_plot(display: Display) -> Figure | None:
     if designs.kind != "grid" or len(designs.parameters) != 2 or len(names) != 2:
         return None
     output = _preferred(designs.outputs)
-    table = designs.done.drop_duplicates(names).pivot(index=names[1], columns=names[0], values=output)
+    grid = designs.done.drop_duplicates(names)
+    table = grid.pivot(index=names[1], columns=names[0], values=output)
     if min(table.shape) < 2 or table.size > 200_000 or not np.isfinite(table.to_numpy(dtype=float)).any():
         return None
     values = display.shown(output, table)
@@ -154,13 +166,22 @@ def map_plot(display: Display) -> Figure | None:
         colorbar=bar,
         contours=steps,
     )
-    allowed = []
-    for one in _lines(display, y=output):
-        at = math.log10(one["y0"]) if logarithmic else one["y0"]
-        level = {"start": at, "end": at, "size": 1.0, "coloring": "none"}
-        allowed.append(
-            {**contour, "contours": level, "line": one["line"], "showscale": False, "showlegend": False}
-        )
+    # a usual surface within the limit says little where it is known how often all of them keep it
+    likely = PASSES in designs.done
+    of_line = grid.pivot(index=names[1], columns=names[0], values=PASSES).to_numpy() if likely else shown
+    levels = [one["y0"] for one in _lines(display, y=output)]
+    levels = [designs.confidence] if likely else [math.log10(one) if logarithmic else one for one in levels]
+    allowed = [
+        {
+            **contour,
+            "z": _nulls(of_line),
+            "contours": {"start": at, "end": at, "size": 1.0, "coloring": "none"},
+            "line": _LINE,
+            "showscale": False,
+            "showlegend": False,
+        }
+        for at in levels
+    ]
     crosses = [
         _trace("crosses", **_points(display, rows, names[0], names[1], [*names, output]), name=name)
         for name, rows, look in _groups(designs, designs.done.index)

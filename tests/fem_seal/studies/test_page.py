@@ -513,7 +513,7 @@ def test_designs_that_pass_stand_on_the_first_screen_and_the_limit_in_the_plots(
     designs = made([ANGLE], columns, seal=seal)
     first = next(sections(designs))
     assert first.heading == "Designs that pass" and [row[0] for row in first.rows] == ["0", "1", "2"]
-    assert "1 of 3 designs leak less than" in first.note and "of 1 it is not known" in first.note
+    assert "1 of 3 designs leaks less than" in first.note and "of 1 it is not known" in first.note
     display = Display(designs)
     figure = plots.response_plot(display)
     (line,) = figure.layout.shapes
@@ -542,3 +542,63 @@ def test_designs_that_pass_stand_on_the_first_screen_and_the_limit_in_the_plots(
     )
     map_of = plots.map_plot(Display(two))
     assert map_of.data[1].contours.start == map_of.data[1].contours.end
+
+
+def likely_designs(shares, **about):
+    """Two forces at three angles, with how likely each passes."""
+    columns = {
+        "seat.angle": np.repeat(ANGLE["levels"], 2),
+        "load.applied_force": [0.0, 100.0] * 3,
+        LEAK_RATE: np.geomspace(1, 100, 6) * ML,
+        "pass_probability": shares,
+    }
+    return made([ANGLE, parameter("load.applied_force", "N", [0.0, 100.0])], columns, **about)
+
+
+def test_the_map_has_its_line_where_enough_designs_pass():
+    shares = [0.2, 0.8, 0.5, 0.9, 0.7, 0.99]
+    for text, level in (("pass_probability >= 0.9", 0.9), ("0.8 <= pass_probability", 0.8)):
+        designs = likely_designs(shares, constraints={"safe": text})
+        line = plots.map_plot(Display(designs)).data[1]
+        assert (line.contours.start, line.contours.end) == (level, level)
+        # forces in the rows, angles in the columns
+        assert np.array(line.z).tolist() == [shares[::2], shares[1::2]]
+        assert (
+            f"Designs on the red line pass with a probability of {100 * level:.1f} %."
+            in headings(designs)["Map"].note
+        )
+    assert likely_designs(shares).confidence == 0.95
+
+
+def test_tiny_shares_are_written_as_such_and_no_design_that_passes_is_said(capsys):
+    from fem_seal.cli.study import _show_remarks
+
+    designs = likely_designs(
+        [2.9e-170, 0.25, 0.1, 0.31, 0.2, 0.9], constraints={"safe": "pass_probability >= 0.95"}
+    )
+    section = headings(designs)["Designs that pass"]
+    assert section.note.startswith(
+        "No design passes with a probability of 95 % or more; the best reaches 90.0 %."
+    )
+    cells = [row[section.columns.index("probability to pass")] for row in section.rows]
+    assert cells == ["90.0 %", "31.0 %", "25.0 %", "20.0 %", "10.0 %", "< 0.1 %"]
+    _show_remarks(designs)
+    assert (
+        "No design passes with a probability of 95 % or more; the best reaches 90.0 %."
+        in capsys.readouterr().out
+    )
+
+
+def test_a_best_design_at_the_edge_of_a_range_is_told(capsys):
+    from fem_seal.cli.study import _show_remarks
+
+    designs = likely_designs([0.5] * 6, goals={LEAK_RATE: LEAK_RATE})
+    assert designs.at_edge == ["seat.angle", "load.applied_force"]
+    told = "The best design is at the edge of your range of seat angle and of applied force: try beyond."
+    assert headings(designs)["Best designs"].note.endswith(told)
+    _show_remarks(designs)
+    assert told in capsys.readouterr().out
+    # in the middle of one of them; two goals have many best designs
+    inside = likely_designs([0.5, 0.5, 0.9, 0.9, 0.5, 0.5], goals={"pass_probability": "-(pass_probability)"})
+    assert inside.at_edge == ["load.applied_force"]
+    assert likely_designs([0.5] * 6, goals={LEAK_RATE: LEAK_RATE, "seat.angle": "seat.angle"}).at_edge == []
