@@ -18,22 +18,43 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_seal.answers.measurements import instruments
+from fem_seal.answers.accuracy import ACCURACY
+from fem_seal.answers.answer import Inquiry, answered
+from fem_seal.answers.judgement import JudgedLoad, PassProbability
+from fem_seal.answers.leakage_class import limits
+from fem_seal.answers.measurements import (
+    EVEN,
+    LEAK_TEST,
+    TRUTHS,
+    Draws,
+    error_root,
+    instruments,
+    variables,
+    weighted_quantiles,
+)
+from fem_seal.answers.opening import OPENING
+from fem_seal.answers.pass_probability import why_none
 from fem_seal.answers.posterior import Posterior, columns_of
 from fem_seal.answers.response_surface import IntArray, fit
-from fem_seal.answers.uncertainty import AnyInput, leak_interval, uncertain_inputs
+from fem_seal.answers.solution import SealSolution
+from fem_seal.answers.uncertainty import AnyInput, drawn_values, leak_interval, uncertain_inputs
+from fem_seal.answers.verdict import VERDICT, Judgements, seal_judgement, with_judgements
 from fem_seal.arrays import FloatArray
 from fem_seal.case.case import Case
+from fem_seal.case.finish import HEIGHTS
 from fem_seal.case.measured import MeasuredLeak, with_fluid
+from fem_seal.case.roughness import UncertainFinish
 from fem_seal.case.tables import Uncertainty, curves
 from fem_seal.case.words import problem
 from fem_seal.errors import InputError, SealError
 from fem_seal.sampling import sobol_points
-from fem_seal.seal.evaluate import evaluate
+from fem_seal.seal.bounds import Bounds
+from fem_seal.seal.evaluate import SILENT, evaluate
 from fem_seal.seal.heating import warmed
+from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.load_solver import Clock, Progress
 from fem_seal.seal.problem import SealProblem
-from leak import error_correlation
+from fem_seal.validity.checks import validity_of
 
 _DRAWS = 2**15
 # Draws that keep the posterior: as many as a run has samples in its finest intervals.
@@ -45,8 +66,13 @@ _CONFLICT = 0.02
 _SIMULATED = 4000
 # ln of a factor that is none.
 _AS_MUCH = 0.4
-# Of an expected width: truths that it is the mean of, and draws that show each.
-_TRUTHS, _SHOWN = 64, 4096
+# Draws of the posterior that say what a next test is expected to leave.
+_SHOWN = 4096
+# Of values that a finish leaves open.
+_UNITS = {
+    **dict.fromkeys(HEIGHTS, "m"),
+    **{"q_rolloff": "1/m", "q_high": "1/m", "hurst": "-", "lay": "-", "rms_height": "factor"},
+}
 _SHARES = (0.05, 0.5, 0.95)
 # What a reading below the instrument's limit and a sealed draw count as.
 _NO_LEAK = -1e3
@@ -73,12 +99,15 @@ class LearnedInput:
     name : str
         Key, or "theory" of the theory's own error.
     prior, posterior : tuple of float
-        5, 50 and 95 % of the draws stay below: of a factor, or of a value that a finish leaves open.
+        5, 50 and 95 % of the draws stay below: of a factor, or of a value that a finish leaves open [SI].
+    unit : str
+        "factor", or the SI unit of a value, "-" of one without.
     """
 
     name: str
     prior: Percentiles
     posterior: Percentiles
+    unit: str = "factor"
 
     @property
     def learned(self) -> float:
@@ -144,8 +173,8 @@ class Calibration:
     ----------
     case : Case
     readings : tuple of MeasuredLeak
-    expected : tuple of Percentiles
-        Of each reading before the test [m^3/s].
+    expected, explained : tuple of Percentiles
+        Leak rate of each reading's load before and after the test [m^3/s].
     predictions : tuple of Prediction
         Of each load of the case.
     inputs : tuple of LearnedInput
@@ -160,6 +189,9 @@ class Calibration:
         Draws that the posterior is worth.
     posterior : Posterior
         As many draws of it as a case samples.
+    judged : SealSolution or None
+        The loads of the case with the interval that the test has left and their verdicts; None without a requirement,
+        and where the calibration is not settled.
 
     Examples
     --------
@@ -171,6 +203,7 @@ class Calibration:
     case: Case
     readings: tuple[MeasuredLeak, ...]
     expected: tuple[Percentiles, ...]
+    explained: tuple[Percentiles, ...]
     predictions: tuple[Prediction, ...]
     inputs: tuple[LearnedInput, ...]
     p_value: float
@@ -179,6 +212,7 @@ class Calibration:
     next_tests: tuple[NextTest, ...]
     effective_draws: float
     posterior: Posterior = field(repr=False)
+    judged: SealSolution | None = field(default=None, repr=False)
 
     @property
     def settled(self) -> bool:
@@ -187,44 +221,6 @@ class Calibration:
 
 
 # -------------------------------------------------------------------- draws and their leak rates
-
-
-@dataclass(frozen=True)
-class _Draws:
-    """Draws of the prior.
-
-    Parameters
-    ----------
-    inputs : tuple
-    uniform : ndarray, shape (n, dimensions)
-    """
-
-    inputs: tuple[AnyInput, ...]
-    uniform: FloatArray
-
-    @classmethod
-    def of(cls, case: Case, settings: Uncertainty | None) -> _Draws:
-        inputs = () if settings is None else uncertain_inputs(case, settings)
-        dimensions = sum(one.dimensions for one in inputs)
-        seed = 1 if settings is None else settings.seed
-        return cls(inputs, sobol_points(_DRAWS, max(dimensions, 1), seed))
-
-    def columns(self) -> Iterator[tuple[AnyInput, slice]]:
-        """Each input with its columns of `uniform`."""
-        first = 0
-        for one in self.inputs:
-            yield one, slice(first, first + one.dimensions)
-            first += one.dimensions
-
-    def values(self) -> dict[str, FloatArray]:
-        """Of each input, as `LeakInterval.values` has them."""
-        return {one.name: one.shown(one.values(self.uniform[:, of])) for one, of in self.columns()}
-
-
-def _variables(values: Mapping[str, FloatArray], names: Sequence[str]) -> FloatArray:
-    """Variables of a polynomial from the values of inputs, shape (n, d)."""
-    parts = [np.log(v)[:, None] if v.ndim == 1 else v[:, :-1] for v in (values[name] for name in names)]
-    return np.concatenate(parts, axis=1)
 
 
 @dataclass(frozen=True)
@@ -253,8 +249,10 @@ class _Group:
     slack: float
 
 
-def _group(case: Case, settings: Uncertainty | None, draws: _Draws, progress: Progress) -> _Group:
-    """Leak rates of all draws at the loads of a case.
+def _group(
+    case: Case, settings: Uncertainty | None, values: Mapping[str, FloatArray], progress: Progress
+) -> _Group:
+    """Leak rates of all draws, with these values of the inputs, at the loads of a case.
 
     Raises
     ------
@@ -273,9 +271,10 @@ def _group(case: Case, settings: Uncertainty | None, draws: _Draws, progress: Pr
             raise InputError(problem("calibrate_open"))
         known = (sampled > 0.0).all(axis=(0, 1))
         flat = _logarithm(sampled).reshape(-1, sampled.shape[2])
-        own_values = _variables(found.values, found.inputs)
-        surface = fit(own_values[known], flat[:, known].T, own_values)
-        log_rate = surface(_variables(draws.values(), found.inputs)).T.reshape(*own.shape, _DRAWS)
+        of_samples = np.concatenate(variables(found.values), axis=1)
+        of_draws = np.concatenate(variables({name: values[name] for name in found.values}), axis=1)
+        surface = fit(of_samples[known], flat[:, known].T, of_samples)
+        log_rate = surface(of_draws).T.reshape(*own.shape, _DRAWS)
         slack = max(float(surface.error.max()), found.error or 0.0)
     errors = [load.flow_error for load in seal.loads]
     bias, spread = (
@@ -320,11 +319,8 @@ class _Joint:
             np.concatenate([getattr(one, name) for one in groups]) for name in ("log_peak", "bias", "spread")
         )
         log_rate = np.concatenate([one.log_rate for one in groups], axis=1)
-        # the same contact may stand there twice
-        values, vectors = np.linalg.eigh(error_correlation(peaks))
-        root = vectors * np.sqrt(np.maximum(values, 0.0))
         normal = np.random.default_rng(seed).standard_normal((log_rate.shape[0] * _DRAWS, peaks.size))
-        error = normal @ root.T
+        error = normal @ error_root(peaks).T
         factor = bias + spread * error
         y = log_rate.transpose(0, 2, 1).reshape(-1, peaks.size) + factor
         return cls(y, error, factor, peaks, max(one.slack for one in groups))
@@ -372,14 +368,9 @@ def weights_of(log_likelihood: FloatArray) -> FloatArray:
     return np.asarray(weights / weights.sum())
 
 
-def weighted_quantiles(
-    values: FloatArray, weights: FloatArray, shares: Sequence[float] = _SHARES
-) -> Percentiles:
-    """Values that these shares of the weight stay below."""
-    order = np.argsort(values)
-    passed = np.cumsum(weights[order])
-    found = np.interp(np.array(shares) * passed[-1], passed - 0.5 * weights[order], values[order])
-    return tuple(found.tolist())
+def percentiles(values: FloatArray, weights: FloatArray, shares: Percentiles = _SHARES) -> Percentiles:
+    """Values that 5, 50 and 95 % of the weight stay below, or three other shares; shapes (n,)."""
+    return tuple(weighted_quantiles(values, weights, shares).tolist())
 
 
 def data_p_value(y: FloatArray, data: Data, seed: int) -> float:
@@ -465,8 +456,13 @@ def calibrate(
     """
     if case.roughness is None or case.fluid is None or case.leak.conductivity == "direct":
         raise InputError(problem("calibrate_without_leak"))
+    if case.uncertainty is not None and case.uncertainty.posterior is not None:
+        raise InputError(problem("calibrate_again"))
     settings, seed = case.sampled, 1 if case.sampled is None else case.sampled.seed
-    draws = _Draws.of(case, settings)
+    inputs = () if settings is None else uncertain_inputs(case, settings)
+    uniform = sobol_points(_DRAWS, max(sum(one.dimensions for one in inputs), 1), seed)
+    drawn = drawn_values(inputs, uniform)
+    values = {one.name: one.shown(drawn[one.name]) for one in inputs}
     own = case.replace({"requirement": None, "load.target_leak_rate": None})
     tests = _load_tests(own)
     progress("leak rates of the case's own loads")
@@ -477,7 +473,7 @@ def calibrate(
         *(readings[n].case.load.points[0] for n in alike),
         *(point for _, point in tests),
     ]
-    groups = [_group(_with_points(own, points), settings, draws, progress)]
+    groups = [_group(_with_points(own, points), settings, values, progress)]
     if groups[0].points[: len(own.load.points)] != list(own.load.points):
         raise InputError(problem("calibrate_load"))
     place: dict[int, int] = {}
@@ -488,16 +484,16 @@ def calibrate(
     for numbers, measured in _by_fluid_and_memory(readings, without=alike):
         progress(f"leak rates of {len(numbers)} readings")
         place |= {n: sum(len(one.points) for one in groups) + k for k, n in enumerate(numbers)}
-        groups.append(_group(measured, _settings_for(measured, case, settings), draws, progress))
+        groups.append(_group(measured, _settings_for(measured, case, settings), values, progress))
         if len(groups[-1].points) != len(numbers):
             raise InputError(problem("calibrate_reading", line=readings[numbers[0]].line))
     first = sum(len(one.points) for one in groups)
-    others: list[tuple[str, Case]] = []
+    others: list[NextTest] = []
     for name, other in _other_tests(own):
         with suppress(SealError):
             progress(f"leak rates of a next test: {name}")
-            groups.append(_group(other, _settings_for(other, case, settings), draws, progress))
-            others.append((name, other))
+            groups.append(_group(other, _settings_for(other, case, settings), values, progress))
+            others.append(NextTest(name, _fluid(other), *other.load.points[-1], _earlier(other)))
     joint = _Joint.of(groups, seed)
     places = [place[n] for n in range(len(readings))]
     y = joint.y[:, places]
@@ -512,37 +508,79 @@ def calibrate(
         for name, point in tests
         if point in groups[0].points
     ]
-    candidates += [
-        (
-            NextTest(name, _fluid(other), *other.load.points[-1], _earlier(other)),
-            joint.y[kept, first + n],
-        )
-        for n, (name, other) in enumerate(others)
-    ]
-    values = draws.values()
+    candidates += [(test, joint.y[kept, first + n]) for n, test in enumerate(others)]
     copies = len(joint.y) // _DRAWS
     every = {name: np.tile(one, copies) for name, one in values.items() if one.ndim == 1}
     even = np.full(len(weights), 1.0 / len(weights))
     theory = {"theory": np.exp(joint.factor[:, last])} if np.ptp(joint.factor[:, last]) > 0.0 else {}
+    units = {one.name: _UNITS[one.name] for one in inputs if isinstance(one, UncertainFinish)}
+    effective = float(1.0 / (weights**2).sum())
+    settled = conflict is None and effective >= _FEWEST
     return Calibration(
         case,
         tuple(readings),
-        tuple(_exp(weighted_quantiles(one, even)) for one in y.T),
+        tuple(_exp(percentiles(one, even)) for one in y.T),
+        tuple(_exp(percentiles(one, weights)) for one in y.T),
         tuple(
-            Prediction(*point, *(_exp(weighted_quantiles(joint.y[:, n], one)) for one in (even, weights)))
+            Prediction(*point, *(_exp(percentiles(joint.y[:, n], one)) for one in (even, weights)))
             for n, point in enumerate(own.load.points)
         ),
         tuple(
-            LearnedInput(name, *(weighted_quantiles(one, w) for w in (even, weights)))
+            LearnedInput(name, percentiles(one, even), percentiles(one, weights), units.get(name, "factor"))
             for name, one in {**every, **theory}.items()
         ),
         p_value,
         conflict,
-        _alternatives(own, readings, data, y, settings, draws, progress),
-        _next_tests(candidates, joint.y[kept, last], every, kept),
-        float(1.0 / (weights**2).sum()),
-        _posterior(draws, joint, weights, [*range(last + 1), *places], seed),
+        _alternatives(own, readings, data, y, settings, values, progress),
+        _next_tests(
+            candidates, joint.y[kept, last], {name: np.log(one[kept]) for name, one in every.items()}
+        ),
+        effective,
+        _posterior(inputs, uniform, joint, weights, [*range(last + 1), *places], seed),
+        _judged(case, joint.y[:, : last + 1], weights, progress) if settled and case.requirement else None,
     )
+
+
+def _judged(case: Case, y: FloatArray, weights: FloatArray, progress: Progress) -> SealSolution:
+    """The loads of a case with the interval that a test has left of each, and what is said of its requirement."""
+    progress("verdict after the test")
+    case = warmed(case)
+    found = evaluate(SealProblem.of(case))
+    seal = answered(found.seal(case), Inquiry(found.solver, SILENT), [ACCURACY, OPENING])
+    outside, loads = 0.5 - 0.5 * (case.sampled or Uncertainty()).confidence, []
+    shares = outside, 0.5, 1.0 - outside
+    for load, own in zip(seal.loads, y.T, strict=True):
+        low, middle, high = _exp(percentiles(own, weights, shares))
+        assert load.leak is not None and load.in_test.leak is not None  # of draws
+        more = load.in_test.leak.leak_rate / load.leak.leak_rate if load.leak.leak_rate > 0.0 else 1.0
+        left = load.with_values(
+            validity=validity_of(found, load),
+            sampled=Bounds(low, high),
+            sampled_in_test=Bounds(more * low, more * high),
+            leak_rate_p50=middle,
+            tested=True,
+        )
+        loads.append(JudgedLoad.of(left, passing=_passing(case, left, own, weights)))
+    judged = with_judgements(case, loads)
+    verdict = Judgements(
+        seal_judgement(case, judged, seal.missing, seal.problem.hardness),
+        tuple(one.judgement for one in judged),
+    )
+    return SealSolution(**vars(seal.with_loads(judged)), answers={VERDICT.name: verdict})
+
+
+def _passing(case: Case, load: LoadResult, y: FloatArray, weights: FloatArray) -> PassProbability | None:
+    """Weight of the draws of a load that keep the requirement; None where nothing is required of it."""
+    if case.requirement is None or not case.requirement.judges(load.fluid_pressure):
+        return None
+    if why := why_none(case, load):
+        return PassProbability(why_none=why)
+    most = min(
+        math.log(one.leak_rate / one.ratio[1]) if one.leak_rate else 0.5 * _NO_LEAK
+        for one in limits(case, load.fluid_pressure, load)
+    )
+    share = min(float(weights[y <= most].sum()), 1.0)
+    return PassProbability(share, math.sqrt(share * (1.0 - share) * float((weights**2).sum())))
 
 
 def _exp(logarithms: Percentiles) -> Percentiles:
@@ -608,17 +646,22 @@ def _resampled(weights: FloatArray, count: int, seed: int) -> IntArray:
 
 
 def _posterior(
-    draws: _Draws, joint: _Joint, weights: FloatArray, loads: Sequence[int], seed: int
+    inputs: Sequence[AnyInput],
+    uniform: FloatArray,
+    joint: _Joint,
+    weights: FloatArray,
+    loads: Sequence[int],
+    seed: int,
 ) -> Posterior:
     """Draws of the posterior, with the theory's error at the peak pressures of some loads."""
     kept = _resampled(weights, _KEPT, seed)
-    names = [name for one in draws.inputs for name in columns_of(one.name, one.dimensions)]
-    uniform = dict(zip(names, draws.uniform[kept % _DRAWS].T, strict=False))
+    names = [name for one in inputs for name in columns_of(one.name, one.dimensions)]
+    drawn = dict(zip(names, uniform[kept % _DRAWS].T, strict=False))
     if not np.ptp(joint.factor) > 0.0:
-        return Posterior(uniform, error=np.empty((_KEPT, 0)))
+        return Posterior(drawn, error=np.empty((_KEPT, 0)))
     _, different = np.unique(joint.log_peak[loads].round(2), return_index=True)
     chosen = np.array(loads)[different]
-    return Posterior(uniform, joint.log_peak[chosen], joint.error[np.ix_(kept, chosen)])
+    return Posterior(drawn, joint.log_peak[chosen], joint.error[np.ix_(kept, chosen)])
 
 
 # -------------------------------------------------------------------- other theories, histories and tests
@@ -630,11 +673,15 @@ def _alternatives(
     data: Data,
     y: FloatArray,
     settings: Uncertainty | None,
-    draws: _Draws,
+    values: Mapping[str, FloatArray],
     progress: Progress,
 ) -> dict[str, float]:
     """Probability of each theory and history that can be compared, all alike before."""
-    evidence: dict[str, float] = {case.leak.theory: _log_mean(data.log_likelihood(y))}
+    from scipy.special import logsumexp
+
+    evidence: dict[str, float] = {
+        case.leak.theory: float(logsumexp(data.log_likelihood(y))) - math.log(len(y))
+    }
     others: list[tuple[str, dict[str, Any]]] = [
         (theory, {"leak.theory": theory}) for theory in SealProblem.of(warmed(case)).other_theories
     ]
@@ -648,20 +695,14 @@ def _alternatives(
             groups, order = [], []
             for numbers, measured in _by_fluid_and_memory(changed):
                 progress(f"leak rates of the readings: {name}")
-                groups.append(_group(measured, _settings_for(measured, case, settings), draws, progress))
+                groups.append(_group(measured, _settings_for(measured, case, settings), values, progress))
                 order += numbers
             joint = _Joint.of(groups, 1)
-            evidence[name] = _log_mean(
-                Data.of(readings, joint.slack).log_likelihood(joint.y[:, np.argsort(order)])
-            )
+            found = Data.of(readings, joint.slack).log_likelihood(joint.y[:, np.argsort(order)])
+            evidence[name] = float(logsumexp(found)) - math.log(len(found))
     most = max(evidence.values())
     shares = {name: math.exp(one - most) for name, one in evidence.items()}
     return {name: one / sum(shares.values()) for name, one in shares.items()}
-
-
-def _log_mean(values: FloatArray) -> float:
-    most = float(values.max())
-    return most + math.log(float(np.exp(values - most).mean()))
 
 
 def _load_tests(case: Case) -> list[tuple[str, tuple[float, float]]]:
@@ -687,56 +728,22 @@ def _other_tests(case: Case) -> Iterator[tuple[str, Case]]:
 
 
 def _next_tests(
-    candidates: Sequence[tuple[NextTest, FloatArray]],
-    target: FloatArray,
-    values: Mapping[str, FloatArray],
-    kept: IntArray,
+    candidates: Sequence[tuple[NextTest, FloatArray]], target: FloatArray, values: Mapping[str, FloatArray]
 ) -> tuple[NextTest, ...]:
     """Tests in the order of what they are expected to say, from draws of the posterior."""
-    now = _width(target, np.full(target.size, 1.0 / target.size))
-    known = instruments()
-    shown = [(test, y, known["leak_test"]["accuracies"]["leak_rate"]) for test, y in candidates]
+    log_rate = np.array([[target, *(y for _, y in candidates)]])
+    noise = np.random.default_rng(1).standard_normal((TRUTHS, len(values) + 1))
+    draws = Draws(_SHARES[2] - _SHARES[0], values, log_rate, np.zeros(target.size), noise)
+    known, own, alone = instruments(), draws.log_rate[:, 0], Bounds(1.0, 1.0)
+    (accuracy,) = known[LEAK_TEST]["accuracies"].values()
+    shown = [(test, draws.shown_by_test(at, accuracy, alone)) for at, (test, _) in enumerate(candidates, 1)]
     if "hardness" in values:
-        shown.append(
-            (
-                NextTest("hardness"),
-                np.log(values["hardness"][kept]),
-                known["hardness_test"]["accuracies"]["hardness"],
-            )
-        )
+        shown.append((NextTest("hardness"), draws.shown(known["hardness_test"]["accuracies"])))
+    now = draws.width(own, EVEN)
+    after = ((test, draws.width(own, weights)) for test, weights in shown)
     found = [
-        replace(test, width=now, expected=expected_width(y, target, spread)) for test, y, spread in shown
+        replace(test, width=math.exp(min(now, 700.0)), expected=math.exp(min(left, 700.0)))
+        for test, left in after
+        if now is not None and left is not None
     ]
     return tuple(sorted(found, key=lambda one: one.expected))
-
-
-def _width(y: FloatArray, weights: FloatArray) -> float:
-    low, _, high = weighted_quantiles(y, weights)
-    return math.exp(min(high - low, 700.0))
-
-
-def expected_width(shown: FloatArray, target: FloatArray, spread: float) -> float:
-    """95 over 5 % of a leak rate that is expected once something else is measured.
-
-    Parameters
-    ----------
-    shown : ndarray, shape (n,)
-        Logarithm of what is measured, of draws that are alike likely.
-    target : ndarray, shape (n,)
-        ln of the leak rate.
-    spread : float
-        Standard deviation of the measured logarithm.
-
-    Examples
-    --------
-    >>> y = np.linspace(-1.0, 1.0, 4001)
-    >>> 1.0 < expected_width(y, y, 0.01) < 1.05, f"{expected_width(0.0 * y, y, 0.01) / np.exp(1.8):.2f}"
-    (True, '1.00')
-    """
-    random = np.random.default_rng(1)
-    truths = random.choice(shown.size, min(_TRUTHS, shown.size), replace=False)
-    widths = []
-    for truth in truths.tolist():
-        seen = shown[truth] + spread * random.standard_normal()
-        widths.append(math.log(_width(target, weights_of(-0.5 * ((shown - seen) / spread) ** 2))))
-    return math.exp(float(np.mean(widths)))

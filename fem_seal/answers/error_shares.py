@@ -73,7 +73,8 @@ class ErrorShares:
     ----------
     of_width : mapping
         By source, the largest first: uncertain inputs by their keys, "gap law", "few waves" and "yielding" of what
-        direct simulation finds, "readings", and "accuracy: " with what else the calculation may be off by [-].
+        direct simulation finds, "left by test" of all inputs after a leak test, "readings", and "accuracy: " with what
+        else the calculation may be off by [-].
     factor : float
         Upper over lower end of the interval.
     left : mapping
@@ -91,7 +92,7 @@ class ErrorShares:
     measurements: Sequence[Measurement] = ()
 
 
-_TOGETHER = "inputs together"
+_TOGETHER, _BY_TEST = "inputs together", "left by test"
 # Of the range of a finish.
 _PLACES = 200
 
@@ -267,6 +268,9 @@ def error_shares(
     together = max(whole - sum(widths.values()), 0.0)
     variances = {} if load.flow_error is None else {k: float(v) for k, v in load.flow_error.parts.items()}
     if interval is not None and load.sampled is not None:
+        if interval.error_scores is not None:
+            scatter = float(interval.error_scores[number].var())
+            variances = {name: scatter * variance for name, variance in variances.items()}
         variances |= _of_inputs(interval, number)
     if not variances and load.leak_range is not None:
         variances = {"readings": 1.0}
@@ -296,6 +300,8 @@ def _of_inputs(interval: LeakInterval, number: int) -> dict[str, float]:
     variance = float(np.log(known).var()) if known.size else 0.0
     shares = dict(zip(interval.inputs, np.nan_to_num(interval.shares[number]).tolist(), strict=True))
     rest = max(1.0 - sum(shares.values()), 0.0)
+    if interval.error_scores is not None:
+        return {_BY_TEST: variance}
     return {name: share * variance for name, share in shares.items()} | {_TOGETHER: rest * variance}
 
 

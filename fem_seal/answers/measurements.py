@@ -8,7 +8,7 @@ solved: a polynomial through the samples gives the leak rates of many more.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -27,7 +27,7 @@ from leak.surfaces.random import height_scatter
 
 LEAK_TEST, LINE_SCAN = "leak_test", "line_scan"
 # Draws from the polynomial, how many of them are truths, and the samples that it goes through.
-_DRAWS, _TRUTHS, _FITTED = 8192, 32, 512
+_DRAWS, TRUTHS, _FITTED = 8192, 32, 512
 # Error of a left-out sample over the scatter above which the polynomial says nothing, and the smallest scatter of ln Q.
 _ROUGH, _SMALLEST = 0.3, 1e-6
 # A measurement that leaves fewer draws, counted by their weights, cannot be told.
@@ -148,8 +148,7 @@ class Draws:
         with np.errstate(divide="ignore"):
             log_rate = np.log([interval.leak_rate, *interval.others.values()])
         known = np.isfinite(log_rate).all(axis=(0, 2))
-        # of the weights of scans, whose sum is one, the last says nothing
-        columns = [np.log(one)[:, None] if one.ndim == 1 else one[:, :-1] for one in interval.values.values()]
+        columns = variables(interval.values)
         if not columns or not known.any():
             return None
         inputs = np.concatenate(columns, axis=1)
@@ -160,7 +159,7 @@ class Draws:
         count = len(columns)
         if interval.error_scores is None:
             loads = len(interval.leak_rate)
-            root = _root(np.zeros(loads) if log_peaks is None else log_peaks)
+            root = error_root(np.zeros(loads) if log_peaks is None else log_peaks)[:, -_PARTS:]
             doubt, *places = sobol_points(_DRAWS, 2 * count + 2 + root.shape[1], interval.seed).T
             scores = root @ ndtri(places[2 * count + 1 :])
             # independent inputs: each with its own distribution
@@ -182,7 +181,7 @@ class Draws:
             name: one[:, 0] if interval.values[name].ndim == 1 else _effect(one, mean)
             for name, one in zip(interval.values, drawn, strict=True)
         }
-        noise = ndtri(np.array(places[count : 2 * count + 1]).T[:_TRUTHS])
+        noise = ndtri(np.array(places[count : 2 * count + 1]).T[:TRUTHS])
         return cls(interval.confidence, values, found, doubt, noise)
 
     def shown(self, accuracy: Mapping[str, float], truth: Mapping[str, float] | None = None) -> FloatArray:
@@ -198,7 +197,7 @@ class Draws:
         total = np.zeros((1, 1))
         for (name, one), noise in zip(self.values.items(), self.noise.T, strict=False):
             if name in accuracy:
-                shows = np.array([truth[name]]) if truth else one[:_TRUTHS] + accuracy[name] * noise
+                shows = np.array([truth[name]]) if truth else one[:TRUTHS] + accuracy[name] * noise
                 total = total - 0.5 * ((one - shows[:, None]) / accuracy[name]) ** 2
         return total
 
@@ -213,7 +212,7 @@ class Draws:
             Factors by which the leak rate may be off there.
         """
         rates = self.doubted(at, doubt)
-        turn = np.arange(_TRUTHS)
+        turn = np.arange(TRUTHS)
         shows = rates[turn % len(rates), turn] + accuracy * self.noise[:, -1]
         return np.asarray(-0.5 * ((rates[:, None] - shows[:, None]) / accuracy) ** 2)
 
@@ -231,14 +230,12 @@ class Draws:
         log_weights : ndarray, shape (truths, draws), or that for each reading
         """
         shares = 0.5 - 0.5 * self.confidence, 0.5 + 0.5 * self.confidence
-        every = np.broadcast_to(log_weights, (len(log_rate), *log_weights.shape[-2:]))
-        found = []
-        for rates, own in zip(log_rate, every, strict=True):
-            order = np.argsort(rates)
-            weights = np.exp(own - own.max(axis=1, keepdims=True))
-            below = np.cumsum(np.broadcast_to(weights, (len(weights), len(rates)))[:, order], axis=1)
-            found.append([rates[order[(below < share * below[:, -1:]).sum(axis=1)]] for share in shares])
-        low, high = np.swapaxes(found, 0, 1)
+        every = np.broadcast_to(log_weights, (len(log_rate), log_weights.shape[-2], log_rate.shape[1]))
+        found = [
+            [weighted_quantiles(rates, np.exp(one - one.max()), shares) for one in own]
+            for rates, own in zip(log_rate, every, strict=True)
+        ]
+        low, high = np.moveaxis(np.array(found), -1, 0)
         return low.min(axis=0), high.max(axis=0)
 
     def width(self, log_rate: FloatArray, log_weights: FloatArray) -> float | None:
@@ -251,10 +248,40 @@ class Draws:
         return float((high - low).mean())
 
 
-def _root(log_peaks: FloatArray) -> FloatArray:
-    """What makes independent normal numbers to errors of all loads, shape (loads, numbers); their largest parts."""
+def weighted_quantiles(values: FloatArray, weights: FloatArray, shares: Sequence[float]) -> FloatArray:
+    """Values that shares of the weight stay below.
+
+    Parameters
+    ----------
+    values, weights : ndarray, shape (n,)
+    shares : sequence of float
+    """
+    order = np.argsort(values)
+    passed = np.cumsum(weights[order])
+    return np.interp(np.array(shares) * passed[-1], passed - 0.5 * weights[order], values[order])
+
+
+def variables(values: Mapping[str, FloatArray]) -> list[FloatArray]:
+    """Variables of a polynomial for each input, shape (n, d): ln of a value, all weights of scans but the last.
+
+    Parameters
+    ----------
+    values : mapping of ndarray
+        See `LeakInterval`.
+    """
+    return [np.log(one)[:, None] if one.ndim == 1 else one[:, :-1] for one in values.values()]
+
+
+def error_root(log_peaks: FloatArray) -> FloatArray:
+    """What makes independent normal numbers to the theory's errors at all loads, shape (loads, loads); large ones last.
+
+    Parameters
+    ----------
+    log_peaks : ndarray, shape (loads,)
+        See `leak.error_correlation`.
+    """
     values, vectors = np.linalg.eigh(error_correlation(log_peaks))
-    return np.asarray((vectors * np.sqrt(np.maximum(values, 0.0)))[:, -_PARTS:])
+    return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)))
 
 
 def _effect(columns: FloatArray, response: FloatArray) -> FloatArray:

@@ -178,7 +178,7 @@ def pass_probabilities(
     case, settings = seal.case, seal.case.sampled
     required = case.requirement
     asked = [n for n, load in enumerate(seal.loads) if required and required.judges(load.fluid_pressure)]
-    none = {n: why for n in asked if (why := _why_none(case, seal.loads[n]))}
+    none = {n: why for n in asked if (why := why_none(case, seal.loads[n]))}
     judged = [n for n in asked if n not in none]
     found: dict[int, PassProbability] = {n: PassProbability(why_none=why) for n, why in none.items()}
     if judged:
@@ -187,8 +187,15 @@ def pass_probabilities(
     return [found.get(n) for n in range(len(seal.loads))]
 
 
-def _why_none(case: Case, load: LoadResult) -> str:
-    """Why there is no share; empty where there is one."""
+def why_none(case: Case, load: LoadResult) -> str:
+    """Why there is no share; empty where there is one.
+
+    Parameters
+    ----------
+    case : Case
+    load : LoadResult
+        With its validity.
+    """
     if load.leak is None:
         return sentence("pass_probability", "no_leak_rate")
     if load.validity.outside:

@@ -337,9 +337,9 @@ class _ChangedSeal:
         if roughness is None or len(roughness.finishes) < len(roughness.parts):
             return {}
         if roughness.height is not None:
-            return {f"roughness.{roughness.height}": getattr(roughness, roughness.height)}
+            return {f"roughness.{roughness.height}": roughness.finish.value}
         return {
-            f"roughness.{face}.{one.height}": getattr(one, one.height)
+            f"roughness.{face}.{one.height}": one.finish.value
             for face, one in roughness.finishes.items()
             if one.height is not None
         }

@@ -145,8 +145,8 @@ class LeakInterval:
 
     @cached_property
     def median(self) -> FloatArray:
-        """Leak rate that half of the samples exceed, shape (loads,) [m^3/s]."""
-        return _quantile(0.5, self.leak_rate)
+        """Leak rate that half of the samples exceed, with the theory's own error, shape (loads,) [m^3/s]."""
+        return _quantile(0.5, self._found[0])
 
     @cached_property
     def high(self) -> FloatArray:
@@ -186,8 +186,12 @@ class LeakInterval:
         number : int
         """
         tested = None if self.in_test is None else self.in_test.ends(number)
-        left_by_test = self.error_scores is not None
-        return load.with_values(sampled=self.ends(number), sampled_in_test=tested, tested=left_by_test)
+        return load.with_values(
+            sampled=self.ends(number),
+            sampled_in_test=tested,
+            leak_rate_p50=float(self.median[number]),
+            tested=self.error_scores is not None,
+        )
 
 
 def leak_interval(
@@ -607,11 +611,7 @@ class SampledSeal:
     @cached_property
     def values(self) -> dict[str, FloatArray]:
         """Factors (samples, 1) or weights (samples, scans) of each input."""
-        values, column = {}, 0
-        for one in self.inputs:
-            values[one.name] = one.values(self.uniform[:, column : column + one.dimensions])
-            column += one.dimensions
-        return values
+        return drawn_values(self.inputs, self.uniform)
 
     @cached_property
     def viscosity(self) -> FloatArray:
@@ -977,6 +977,21 @@ def uncertain_inputs(case: Case, settings: Uncertainty) -> tuple[AnyInput, ...]:
     finishes = uncertain_finishes(case.roughness, known=settings.spreads)
     heights = uncertain_heights(case.roughness, between_scans=settings.spectrum is not None)
     return (*inputs, *finishes, *heights)
+
+
+def drawn_values(inputs: Sequence[AnyInput], uniform: FloatArray) -> dict[str, FloatArray]:
+    """Values of each input from numbers between 0 and 1, see the inputs.
+
+    Parameters
+    ----------
+    inputs : sequence
+    uniform : ndarray, shape (n, dimensions of all)
+    """
+    ends = np.cumsum([one.dimensions for one in inputs], dtype=int)
+    return {
+        one.name: one.values(uniform[:, end - one.dimensions : end])
+        for one, end in zip(inputs, ends, strict=True)
+    }
 
 
 def changed_surface(

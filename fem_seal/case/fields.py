@@ -124,6 +124,29 @@ class OneOrMany(Quantity):
         return {"anyOf": [self.one._schema, _list_of(self.one)]}
 
 
+class OneOrRange(OneOrMany):
+    """A quantity, or a range between two, "0.2 um to 0.4 um" or a list of both; a float or both ends, in SI."""
+
+    def read(self, value: object) -> float | tuple[float, ...]:  # type: ignore[override]
+        """Value, or lower and upper end, in SI; ValueError names what is wrong."""
+        match = _RANGE.fullmatch(short_text(value, self.dimension)) if isinstance(value, str) else None
+        written = [f"{match[1]} {match[2] or match[4]}", f"{match[3]} {match[4]}"] if match else value
+        ends = super().read(written)
+        if isinstance(ends, tuple) and isinstance(written, (list, tuple)):
+            low, high = ends if len(ends) == 2 else (1.0, 0.0)
+            if not low < high <= _WIDEST * low:
+                texts = [shown(one) for one in written]
+                raise wrong(
+                    "wide_range" if low < high else "no_range", ends=" to ".join(texts), widest=_WIDEST
+                )
+        return ends
+
+
+# "0.2 um to 0.4 um" and "0.2 to 0.4 um"; largest over smallest value.
+_RANGE = re.compile(rf"\s*({NUMBER})\s*(\S*)\s+to\s+({NUMBER})\s*([^\s\d.]\S*)\s*")
+_WIDEST = 20.0
+
+
 @dataclass(frozen=True)
 class ChamberPressures(Quantity):
     """Pressure of one chamber or of several, each a pressure, "vented" (zero) or "sealed" (None)."""

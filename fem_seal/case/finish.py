@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping
 from functools import cache, lru_cache
@@ -9,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import BeforeValidator, model_validator
 
-from fem_seal.case.fields import Number, Quantity, Table
+from fem_seal.case.fields import Number, OneOrRange, Quantity, Table
 from fem_seal.case.words import sentence, wrong
 from fem_seal.files import own_tables
 
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from leak import Finish, FinishedSurface, PowerSpectrum
 
 Wavenumber = Annotated[float, Quantity("wavenumber", "1 1/m", "1e12 1/m")]
-Height = Annotated[float, Quantity("length", "1 nm", "200 um")]
+Height = Annotated[float | tuple[float, float], OneOrRange("length", "1 nm", "200 um")]
 Cutoff = Annotated[float, Quantity("length", "0.1 um", "100 mm")]
 
 # A value this far outside of the usual range of its process is remarked on.
@@ -40,7 +41,7 @@ ProcessName = Literal[
 _LONGEST = 100
 _WRITTEN = re.compile(
     r"^\s*(?P<before>[A-Za-z][A-Za-z _-]*?)??[\s,]*\b(?P<height>R[aqz])\s*=?\s*(?P<number>[-+0-9.eE]+)\s*"
-    r"(?P<unit>[^\s,]+)?[\s,]*(?P<after>[A-Za-z][A-Za-z _-]*)?\s*$"
+    r"(?P<range>(?:[^\s,]+\s+)?to\s+[-+0-9.eE]+)?\s*(?P<unit>[^\s,]+)?[\s,]*(?P<after>[A-Za-z][A-Za-z _-]*)?\s*$"
 )
 
 
@@ -63,7 +64,7 @@ def read_finish(text: str) -> dict[str, Any]:
     Parameters
     ----------
     text : str
-        Such as "lapped Ra 0.2 um".
+        Such as "lapped Ra 0.2 um" or "Ra 0.2 to 0.4 um".
 
     Raises
     ------
@@ -81,7 +82,7 @@ def read_finish(text: str) -> dict[str, Any]:
     process = (found["before"] or found["after"] or "").strip()
     return {
         "kind": "finish",
-        found["height"]: f"{found['number']} {found['unit']}",
+        found["height"]: " ".join(filter(None, found.group("number", "range", "unit"))),
         **({"process": process} if process else {}),
     }
 
@@ -129,7 +130,9 @@ class FinishKeys(Table):
 
         height = self.height
         assert height is not None
-        value = getattr(self, height)
+        ends = getattr(self, height)
+        low, high = ends if isinstance(ends, tuple) else (ends, ends)
+        value = low if low == high else math.sqrt(low * high)
         implied = implied_filter(height, value)
         band = ProfileFilter(
             implied.lambda_c if self.lambda_c is None else self.lambda_c,
@@ -146,6 +149,7 @@ class FinishKeys(Table):
             self.q_high,
             self.lay_aspect,
             self.lay,
+            high / value,
         )
 
     @property

@@ -140,8 +140,10 @@ def _name_and_unit(header: str) -> tuple[str, str]:
 def _reading(case: Case, line: int, entries: Mapping[str, tuple[str, str]]) -> MeasuredLeak:
     """A row of the table, by its columns: text and unit of the header."""
     changes: dict[str, Any] = {"requirement": None, "load.target_leak_rate": None}
+    less = entries["leak_rate"][0].startswith("<")
     for name, key in _KEYS.items():
         text, unit = entries.get(name, ("", ""))
+        text = text.removeprefix("<").strip() if name == "leak_rate" else text
         if text:
             changes[key] = (
                 text if any(one.isalpha() for one in text.lower().replace("e", "")) else f"{text} {unit}"
@@ -165,12 +167,15 @@ def _reading(case: Case, line: int, entries: Mapping[str, tuple[str, str]]) -> M
         ) from None
     rate = found.load.target_leak_rate
     assert rate is not None
-    below = _ANSWERS.get(entries.get("below", ("", ""))[0].lower())
+    said = entries.get("below", ("", ""))[0]
+    below = _ANSWERS.get(said.lower())
     if below is None:
-        raise InputError(problem("measured_below", line=line, value=entries["below"][0]))
+        raise InputError(problem("measured_below", line=line, value=said))
+    if less and said and not below:
+        raise InputError(problem("measured_twice", line=line, value=said))
     # a load alone is no search for the force of a target
     return MeasuredLeak(
-        line, found.replace({"load.target_leak_rate": None}), rate, _uncertainty(line, entries), below
+        line, found.replace({"load.target_leak_rate": None}), rate, _uncertainty(line, entries), below or less
     )
 
 

@@ -591,7 +591,7 @@ class UncertainFinish:
     Parameters
     ----------
     name : str
-        "hurst", "q_rolloff", "q_high", "rms_height" or "lay".
+        "Ra", "Rq" or "Rz" of a range, "hurst", "q_rolloff", "q_high", "rms_height" or "lay".
     spreads : tuple of Spread
         Its range on each face.
     """

@@ -13,7 +13,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 from fem_seal.case.drawing_words import same_entry
+from fem_seal.case.fields import OneOrRange
 from fem_seal.case.paths import entry_at, entry_paths, with_open_materials
+from fem_seal.case.roughness import read_roughness
 from fem_seal.errors import InputError, Problem
 from fem_seal.files import own_tables
 from fem_seal.units import DIMENSIONS, parse_quantity, unit_for
@@ -50,8 +52,6 @@ class Factor:
         Of the quantity, see `fem_seal.units.DIMENSIONS`.
     note : str
         What else is to be known.
-    words : str
-        What stands in the case around the value, which is "{}" there.
     """
 
     key: str
@@ -62,7 +62,6 @@ class Factor:
     given: str
     dimension: str
     note: str = ""
-    words: str = "{}"
 
     @property
     def place(self) -> int:
@@ -177,7 +176,7 @@ class Factors:
                     # what is required at a load is required where it goes
                     found["requirement.fluid_pressure"] = _at_loads(case, required, moved)
             else:
-                found |= dict.fromkeys(one.paths, one.words.format(text))
+                found |= dict.fromkeys(one.paths, text)
         fluid = design.get("fluid", self.fluids[0] if self.fluids else "")
         if self.fluids and fluid != self.fluids[0]:
             found |= _other_fluid(case, fluid)
@@ -241,24 +240,19 @@ def _of_loads(
 
 
 # What the height of a face is called in its table, the first that is there.
-_WORDS = re.compile(r"\b(Ra|Rq|Rz)\s*=?\s*([0-9.eE+-]+\s*[^\W\d]+)")
+_HEIGHT = OneOrRange("length", "0 m", "1 m")
 _HEIGHTS = ("Ra", "Rq", "Rz", "rms_height")
 
 
 def _finishes(case: Case) -> Found:
     if case.roughness is None:
         return ["The case has no [roughness]: there is no leak rate, and no finish to choose."]
-    written = case.written.get("roughness", {})
+    # a finish in words is a table like others
+    written: Any = read_roughness(case.written["roughness"])
     faces = {"": written} if any(key in written for key in _HEIGHTS) else {}
     names = {"spectrum": "both faces"} | {one: one for one in ("seat", "closure", "along", "across")}
     faces |= {key: written[key] for key in names if isinstance(written.get(key), Mapping)}
     found: list[Factor | str] = []
-    for key, words in written.items():
-        # a finish in words, "lapped Ra 0.2 um"
-        match = _WORDS.search(words) if key in names and isinstance(words, str) else None
-        if match is not None:
-            around = words[: match.start(2)] + "{}" + words[match.end(2) :]
-            found.append(_finish(key, f"{match[1]}, {names[key]}", f"roughness.{key}", match[2], around))
     for key, table in faces.items():
         which = next((name for name in _HEIGHTS if name in table), None)
         if which is None:
@@ -272,9 +266,13 @@ def _finishes(case: Case) -> Found:
     return found
 
 
-def _finish(key: str, label: str, path: str, written: object, words: str = "{}") -> Factor:
+def _finish(key: str, label: str, path: str, written: object) -> Factor:
+    ends = _HEIGHT.read(written) if isinstance(written, (str, list)) else _number("length", written)
+    if isinstance(ends, tuple):
+        # the usual surface
+        written = f"{1e6 * math.sqrt(ends[0] * ends[1]):.3g} um"
     value = _number("length", written)
-    return _factor(f"finish_{key}", label, "surface", (path,), "length", value, written, words=words)
+    return _factor(f"finish_{key}", label, "surface", (path,), "length", value, written)
 
 
 def _hardness(case: Case) -> Found:
@@ -364,7 +362,6 @@ def _factor(
     text: object = None,
     values: list[float] | None = None,
     note: str = "",
-    words: str = "{}",
 ) -> Factor:
     """A factor whose stops have three significant digits, but for its own value, which is as the case has it."""
     values = _geometric(value, _WIDE) if values is None else values
@@ -378,7 +375,7 @@ def _factor(
     texts = {number: shown for number, shown in texts.items() if abs(number - own) > 1e-6 * abs(own or 1.0)}
     texts[own] = re.sub(r"\.0 ", " ", given)
     stops = tuple(texts[number] for number in sorted(texts))
-    return Factor(key, label, group, paths, stops, texts[own], dimension, note, words)
+    return Factor(key, label, group, paths, stops, texts[own], dimension, note)
 
 
 def _unit(dimension: str, value: float, text: object) -> tuple[str, float]:

@@ -10,9 +10,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fem_seal.answers.calibration import Prediction
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.case.case_file import case_text
 from fem_seal.files import as_json, write_text
+from fem_seal.output.answers.error_shares import input_name
+from fem_seal.output.answers.verdict import verdict_lines, verdict_numbers
 from fem_seal.output.pictures.style import (
     BLUE,
     GREY,
@@ -38,7 +41,7 @@ PREDICTION_COLUMNS = (
     "applied_force_N",
     *(f"{when}leak_rate_{share}_m3_per_s" for when in ("prior_", "") for share in ("p05", "p50", "p95")),
 )
-INPUT_COLUMNS = ("input", "prior_p05", "prior_p50", "prior_p95", "p05", "p50", "p95", "learned")
+INPUT_COLUMNS = ("input", "prior_p05", "prior_p50", "prior_p95", "p05", "p50", "p95", "learned", "unit")
 TEST_COLUMNS = (
     "test",
     "fluid",
@@ -69,7 +72,7 @@ def write_calibration(found: Calibration, folder: Path) -> None:
     ]
     write_rows_csv(folder / "predictions.csv", PREDICTION_COLUMNS, predictions)
     inputs = [
-        (one.name, *one.prior, *((*one.posterior, one.learned) if taught else (*nothing, math.nan)))
+        (one.name, *one.prior, *((*one.posterior, one.learned) if taught else (*nothing, math.nan)), one.unit)
         for one in found.inputs
     ]
     write_rows_csv(folder / "inputs.csv", INPUT_COLUMNS, inputs)
@@ -109,6 +112,7 @@ def summary(found: Calibration) -> dict[str, Any]:
             "prior": _spread(found, "prior"),
             "posterior": _spread(found, "posterior") if taught else None,
         },
+        "requirement": None if found.judged is None else verdict_numbers(found.judged),
         "next_test": found.next_tests[0].name if found.next_tests and taught else None,
     }
 
@@ -138,12 +142,23 @@ def lines(found: Calibration) -> Iterator[str]:
         "calibration.sentences",
         "prediction",
         load=format_quantity("fluid pressure", last.fluid_pressure),
+        middle=_median(found, last),
         now=_range(found, last.posterior),
         before=_range(found, last.prior),
     )
+    if found.judged is not None:
+        yield from verdict_lines(found.judged)
+    if last.prior[0] > 0.0 and last.posterior[0] > 0.0:
+        before, after = (three[2] / three[0] for three in (last.prior, last.posterior))
+        which, ratio = "narrower" if after < before else "wider", last.posterior[1] / last.prior[1]
+        yield phrase("calibration.sentences", which, ratio=ratio, before=before, after=after)
     told, silent = ([one for one in found.inputs if (one.learned >= _LEARNED) is it] for it in (True, False))
     if told:
-        yield phrase("calibration.sentences", "learned", inputs=", ".join(map(_told, told)))
+        spoken = (
+            phrase("calibration.sentences", "input", name=input_name(one.name), learned=one.learned)
+            for one in told
+        )
+        yield phrase("calibration.sentences", "learned", inputs=", ".join(spoken))
     if silent:
         yield phrase(
             "calibration.sentences", "silent", inputs=", ".join(input_name(one.name) for one in silent)
@@ -156,19 +171,20 @@ def lines(found: Calibration) -> Iterator[str]:
         names = {"best": _alternative(best), "second": _alternative(second)}
         yield phrase("calibration.sentences", which, ratio=ratio, **names)
     if found.next_tests:
-        best_test = found.next_tests[0]
-        yield phrase(
-            "calibration.sentences",
-            "next",
-            test=test_in_words(best_test),
-            narrowing=max(best_test.narrowing, 0.0),
-        )
+        first = found.next_tests[0]
+        narrowing = max(first.narrowing, 0.0)
+        yield phrase("calibration.sentences", "next", test=test_in_words(first), narrowing=narrowing)
     if not found.settled:
         yield phrase("calibration.sentences", "thin", draws=found.effective_draws)
 
 
 def _range(found: Calibration, rates: Percentiles) -> str:
     return leak_range_text((rates[0], rates[2]), volume=volume_of(found.case))
+
+
+def _median(found: Calibration, one: Prediction) -> str:
+    _, middle, _ = one.posterior
+    return leak_range_text(middle, 2, beside=one.posterior, volume=volume_of(found.case))
 
 
 def files_line(found: Calibration, folder: Path) -> str:
@@ -181,28 +197,6 @@ def files_line(found: Calibration, folder: Path) -> str:
     """
     what = "files" if found.settled else "no_case"
     return phrase("calibration.sentences", what, folder=folder, case=folder / CASE)
-
-
-def _told(one: LearnedInput) -> str:
-    return phrase(
-        "calibration.sentences",
-        "input",
-        name=input_name(one.name),
-        learned=one.learned,
-        middle=one.posterior[1],
-    )
-
-
-def input_name(name: str) -> str:
-    """An uncertain input in words.
-
-    Parameters
-    ----------
-    name : str
-    """
-    from fem_seal.output.prose import prose
-
-    return str(prose()["calibration"]["names"].get(name, name))
 
 
 def _alternative(name: str) -> str:
@@ -239,7 +233,7 @@ def prediction_rows(found: Calibration) -> list[list[str]]:
             format_quantity("force", one.applied_force),
             _range(found, one.prior),
             _range(found, one.posterior) if found.conflict is None else "–",
-            quantity("flow", one.posterior[1], 2) if found.conflict is None else "–",
+            _median(found, one) if found.conflict is None else "–",
         ]
         for one in found.predictions
     ]
@@ -269,27 +263,15 @@ def report(found: Calibration) -> str:
         ]
         for one, expected in zip(found.readings, found.expected, strict=True)
     ]
-    inputs = [
+    tests = [
         [
-            input_name(one.name),
-            *(number(x, 3) for x in (*one.prior, *one.posterior)),
-            percent(max(one.learned, 0.0)),
+            test_in_words(one),
+            *(number(x, 3) for x in (one.width, one.expected)),
+            percent(max(one.narrowing, 0.0)),
         ]
-        for one in found.inputs
+        for one in found.next_tests
+        if found.conflict is None
     ]
-    tests = (
-        []
-        if found.conflict is not None
-        else [
-            [
-                test_in_words(one),
-                number(one.width, 3),
-                number(one.expected, 3),
-                percent(max(one.narrowing, 0.0)),
-            ]
-            for one in found.next_tests
-        ]
-    )
     return template("calibration.html.j2").render(
         title=found.case.title or "fem-seal",
         version=__version__,
@@ -298,41 +280,67 @@ def report(found: Calibration) -> str:
         predictions=prediction_rows(found),
         prediction_headings=PREDICTION_HEADINGS,
         readings=readings,
-        inputs=inputs,
+        inputs=list(map(_input_row, found.inputs)),
         tests=tests,
         farther=percent(found.p_value),
         conflict=found.conflict is not None,
     )
 
 
-def calibration_picture(found: Calibration) -> Picture:
-    """Leak rates over the fluid pressure: expected before and after the test, and measured.
+def _input_row(one: LearnedInput) -> list[str]:
+    """Cells of the table of inputs; of a wavenumber its wavelength."""
+    values: list[tuple[float, ...]] = [one.prior, one.posterior]
+    unit = one.unit
+    if unit == "1/m":
+        # the short waves have the large wavenumbers
+        values, unit = [tuple(2.0 * math.pi / x for x in reversed(three)) for three in values], "m"
+    if unit == "m":
+        shown = unit_for("length", values[0][1])
+        values, unit = [tuple(shown.of(x) for x in three) for three in values], shown.name
+    texts = [number(x, 3) for three in values for x in three]
+    return [f"{input_name(one.name)} [{unit}]", *texts, percent(max(one.learned, 0.0))]
 
-    Parameters
-    ----------
-    found : Calibration
+
+def calibration_picture(found: Calibration) -> Picture:
+    """Leak rates over the fluid pressure: bands of what is expected before and after the test, and the readings.
+
+    Loads and readings with the same fluid, force and memory share a band; one that is alone has a bar.
     """
     figure, (axes,) = panels(1, height=3.8)
-    rates = [one.leak_rate for one in found.readings] + [one.posterior[1] for one in found.predictions]
+    rates = [one.leak_rate for one in found.readings] + [one.prior[1] for one in found.predictions]
     unit, pressure = (
         unit_for("flow", float(np.median(rates))),
         unit_for("fluid pressure", max(p.fluid_pressure for p in found.predictions)),
     )
-    shown = sorted(found.predictions, key=lambda one: (one.fluid_pressure, one.applied_force))
-    p = np.array([one.fluid_pressure for one in shown]) / pressure.size
-    # beside each other
-    apart = 0.006 * max(p.max(), max(one.fluid_pressure for one in found.readings) / pressure.size)
-    for which, colour, name, away in (
-        ("prior", GREY, "before the test", -apart),
-        ("posterior", BLUE, "after it", apart),
-    ):
-        low, middle, high = (np.array([getattr(one, which) for one in shown]) / unit.size).T
-        bars = np.array([middle - low, high - middle])
-        axes.errorbar(p + away, middle, bars, fmt="o", color=colour, capsize=4, ms=4, label=name)
-    x = [one.fluid_pressure / pressure.size for one in found.readings]
-    y = np.array([one.leak_rate for one in found.readings]) / unit.size
-    bars = y * np.array([one.uncertainty for one in found.readings])
-    axes.errorbar(x, y, bars, fmt="D", color=ORANGE, capsize=3, ms=5, label="measured")
+    groups: dict[Any, dict[float, Any]] = {}
+    loads = [(found.case, one.applied_force, one) for one in found.predictions]
+    readings = [
+        (one.case, one.applied_force, Prediction(*one.case.load.points[0], before, after))
+        for one, before, after in zip(found.readings, found.expected, found.explained, strict=True)
+    ]
+    for case, force, one in (*loads, *readings):
+        assert case.fluid is not None
+        key = case.fluid.name, format_quantity("force", force), case.load.earlier
+        groups.setdefault(key, {})[one.fluid_pressure / pressure.size] = one
+    known = (("prior", GREY, "before the test"), ("posterior", BLUE, "after it"))
+    for which, colour, name in known if found.conflict is None else known[:1]:
+        for (fluid, force, _), group in groups.items():
+            p = np.array(sorted(group))
+            low, middle, high = (np.array([getattr(group[x], which) for x in p]) / unit.size).T
+            told = f"{name}, {fluid}, {force}" if len(groups) > 1 else name
+            if len(p) > 1:
+                axes.fill_between(p, low, high, color=colour, alpha=0.25, linewidth=0, label=told)
+                axes.plot(p, middle, color=colour)
+            else:
+                bars = np.array([middle - low, high - middle])
+                axes.errorbar(p, middle, bars, fmt="o", color=colour, capsize=4, ms=4, label=told)
+    for below, marker, name in ((False, "D", "measured"), (True, "_", "measured: less than this")):
+        some = [one for one in found.readings if one.below is below]
+        if some:
+            x = [one.fluid_pressure / pressure.size for one in some]
+            y = np.array([one.leak_rate for one in some]) / unit.size
+            bars = 0.35 * y if below else y * np.array([one.uncertainty for one in some])
+            axes.errorbar(x, y, bars, fmt=marker, color=ORANGE, capsize=3, ms=5, uplims=below, label=name)
     axes.legend(loc="best")
     logarithmic(axes, "y")
     label(axes, "Leak rate", f"fluid pressure  [{pressure.name}]", f"leak rate  [{unit.name}]")

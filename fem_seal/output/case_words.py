@@ -233,6 +233,10 @@ def _rows(table: FinishTable, whose: str) -> list[tuple[str, str]]:
         whose=whose,
         finish=finish,
         face=face,
+        value=written(spreads[finish.parameter][::2], "given length")
+        + f" (usual: {quantity('length', finish.value)})"
+        if finish.parameter in spreads
+        else format_quantity("length", finish.value),
         others=", ".join(f"{name} {quantity('length', face.expected.value(name))}" for name in others),
         hurst=_known(spreads, "hurst"),
         rolloff=2.0 * math.pi / face.q_rolloff,

@@ -74,6 +74,9 @@ class LoadResult(ByReading):
         none is sampled.
     sampled_in_test : Bounds or None
         The same with the gas of the standards' tests, see `in_test` [m^3/s].
+    leak_rate_p50 : float or None
+        Median of the samples in the case's own reading, with the theory's own error [m^3/s]; None where none is
+        sampled.
     tested : bool
         Whether the samples are those that a leak test has left; the inputs as given are then none of them.
     by_theory : mapping or None
@@ -94,6 +97,7 @@ class LoadResult(ByReading):
     mesh_error: DiscretisationError | None = None
     sampled: Bounds | None = None
     sampled_in_test: Bounds | None = None
+    leak_rate_p50: float | None = None
     tested: bool = False
     by_theory: Mapping[str, LoadResult] | None = None
 
@@ -356,6 +360,7 @@ class LoadResult(ByReading):
             return self
         return found.with_values(
             sampled=self.sampled_in_test,
+            leak_rate_p50=None,
             tested=self.tested,
             validity=self.validity,
             mesh_error=self.mesh_error,

@@ -11,7 +11,9 @@ if TYPE_CHECKING:
     from fem_seal.case.case import Case
 
 # What takes the interval of the leak rate, and with it what the calculation may be off by.
-INTERVAL = frozenset({"leak_rate_low_m3_per_s", "leak_rate_high_m3_per_s", "margin"})
+INTERVAL = frozenset(
+    {"leak_rate_low_m3_per_s", "leak_rate_p50_m3_per_s", "leak_rate_high_m3_per_s", "margin"}
+)
 FORCE_FOR_VERDICT = "force_for_verdict_N"
 # What takes the share of the samples that keep the requirement.
 PASSING = frozenset({"pass_probability", "pass_probability_error", "batch_share_p05"})

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
@@ -140,7 +141,11 @@ def read_goals(study: StudyPlan, read: StudyTables) -> dict[str, Expression]:
     if len(wanted) > 2:
         raise InputError.at(wanted[2][0], "is a third goal; allowed are one or two")
     goals: dict[str, Expression] = {}
-    for key, text, large in wanted:
+    settings = study.case.uncertainty
+    for key, given, large in wanted:
+        # of seals that show the readings of a leak test the inputs as given are none
+        tested = settings is not None and settings.posterior is not None
+        text = re.sub(rf"\b{_LEAK_RATE}\b", _MEDIAN, given) if tested else given
         formula = _formula(Expression, key, text, study.derived, study)
         if text in goals:
             raise InputError.at(key, "is a goal already; remove one of them", shown(text))
@@ -155,6 +160,7 @@ _VERDICT, _MARGIN = "verdict", "margin"
 # Columns that one reading leaves empty, and those that uncertain inputs fill all the same.
 _OF_YIELDING = (*_BESIDE, leak_rate_column(OWN), *map(force_column, FURTHER))
 _SAMPLED = ("leak_rate_low_m3_per_s", "leak_rate_high_m3_per_s")
+_MEDIAN = "leak_rate_p50_m3_per_s"
 
 
 def _missing_for_readings(study: StudyPlan) -> str:
@@ -230,6 +236,8 @@ def _check_possible(key: str, name: str, study: StudyPlan) -> None:
         if getattr(study.case, table) is None:
             raise InputError.at(key, f"{name} needs a table [{table}] in the base case")
     missing = _missing_for_readings(study)
+    if name == _MEDIAN and study.case.sampled is None:
+        raise InputError.at(key, f"{name} needs a table [uncertainty] in the base case")
     told = name in _SAMPLED and (study.case.sampled is not None or study.case.leak.theory == "corrected")
     if name in (*_OF_YIELDING, *_SAMPLED) and missing and not told:
         also = ', leak.theory = "corrected" or a table [uncertainty]' if name in _SAMPLED else ""

@@ -157,13 +157,15 @@ class Finish:
     ----------
     parameter : "Ra", "Rq" or "Rz"
     value : float
-        [m]
+        Of a range its geometric mean [m].
     process : Process
     filter : ProfileFilter, optional
         With which the value is measured; what the value implies unless given (`implied_filter`).
     hurst, q_low, q_rolloff, q_high, aspect : float, optional
         What is known better than from the process [-], [1/m].
     lay : Lay, optional
+    tolerance : float
+        Largest value of a range over `value`, and `value` over the smallest [-]; 1 of a single value.
 
     Examples
     --------
@@ -183,6 +185,7 @@ class Finish:
     q_high: float | None = None
     aspect: float | None = None
     lay: Lay | None = None
+    tolerance: float = 1.0
 
     def __post_init__(self) -> None:
         positive(SpectrumError, self.parameter, self.value, "m")
@@ -194,8 +197,14 @@ class Finish:
 
     @property
     def spreads(self) -> dict[str, Spread]:
-        """What the drawing leaves open, by name: hurst, q_rolloff, q_high, height and lay, with its range."""
+        """What the drawing leaves open, by name, with its range.
+
+        Of a range of Ra, Rq or Rz the value, under the name of the parameter, whose logarithm is as likely everywhere;
+        hurst, q_rolloff, q_high, rms_height (see `_height`) and lay.
+        """
         found = {}
+        if self.tolerance > 1.0:
+            found[str(self.parameter)] = self._values
         if self.hurst is None:
             found["hurst"] = self.process.hurst
         if self.q_rolloff is None:
@@ -206,6 +215,10 @@ class Finish:
         if self.aspect is None and self.process.aspect.high > 1.0:
             found["lay"] = self.process.aspect
         return found
+
+    @property
+    def _values(self) -> Spread:
+        return Spread(self.value / self.tolerance, self.value, self.value * self.tolerance)
 
     @property
     def _height(self) -> Spread:
@@ -241,6 +254,10 @@ class Finish:
             Factors on "hurst", "q_rolloff" and "q_high", kept where a spectrum can have them.
         """
         shares, factors = shares or {}, factors or {}
+        if self.tolerance > 1.0 and self.parameter in shares:
+            value = float(self._values.at(shares[self.parameter]))
+            # measured with one filter, whatever the value
+            return replace(self, value=value, tolerance=1.0, filter=self.band).surface(shares, factors)
         known = {
             "hurst": self.hurst,
             "q_rolloff": None if self.q_rolloff is None else 2.0 * math.pi / self.q_rolloff,

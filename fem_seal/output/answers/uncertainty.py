@@ -12,11 +12,30 @@ from fem_seal.output.answers.error_shares import input_name
 from fem_seal.output.prose import phrase
 from fem_seal.output.shown import ReadableTable, Shown
 from fem_seal.seal.load_names import load_name
-from fem_seal.units import format_digits, percent, unit_for
+from fem_seal.seal.load_result import LoadResult, rate_of
+from fem_seal.units import LIQUID, LeakVolume, format_digits, leak_range_text, percent, unit_for
 
 if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
     from fem_seal.answers.uncertainty import LeakInterval
+
+
+def told_after_test(load: LoadResult, volume: LeakVolume = LIQUID, interval: str = "") -> str:
+    """What leaks after a leak test: median and interval, "2.4 ml/min (2.1 to 2.7 ml/min)".
+
+    Parameters
+    ----------
+    load : LoadResult
+        With samples.
+    volume : LeakVolume
+    interval : str, optional
+        Of the leak rate in words.
+    """
+    ends = rate_of(load)
+    middle = load.leak_rate_p50 or 0.0
+    beside = ends if isinstance(ends, tuple) else (ends,)
+    text = leak_range_text(middle, min(load.leak_digits, 2), beside=beside, volume=volume)
+    return f"{text} ({interval or leak_range_text(ends, load.leak_digits, volume=volume)})"
 
 
 def interval_table(result: SealSolution) -> ReadableTable:
@@ -27,20 +46,27 @@ def interval_table(result: SealSolution) -> ReadableTable:
     ends = [one or (math.nan, math.nan) for one in result.leak_ranges]
     volume = volume_of(result.case)
     unit = volume.named(unit_for("flow", max(high for _, high in ends)))
-    span = percent(interval.confidence)
+    span, tested = percent(interval.confidence), interval.error_scores is not None
+    names, of_inputs = interval.inputs, interval.shares
+    if tested:
+        # the inputs depend on each other
+        names = ("left by test",)
+        of_inputs = np.array([[one.of_width.get(*names, math.nan)] for one in result.error_shares])
     headings = (
         "load",
         f"leak rate [{unit.name}]",
         f"{span}: from [{unit.name}]",
         f"to [{unit.name}]",
-        *(f"{input_name(name)} [%]" for name in interval.inputs),
+        *([f"median [{unit.name}]"] if tested else []),
+        *(f"{input_name(name)} [%]" for name in names),
     )
     rows = []
-    for load, both, shares in zip(result.loads, ends, interval.shares, strict=True):
+    for load, both, shares in zip(result.loads, ends, of_inputs, strict=True):
+        middle = [(load.leak_rate_p50 or 0.0, 2)] if tested else []
         rates = [(load.leak.leak_rate, 3)] if load.leak else []
         cells = [
             format_digits(unit.of(volume.measurable(rate)), min(load.leak_digits, digits))
-            for rate, digits in (*rates, *((end, 2) for end in both))
+            for rate, digits in (*rates, *((end, 2) for end in both), *middle)
         ]
         cells += ["–" if np.isnan(share) else f"{100 * share:.0f}" for share in shares]
         rows.append((load_name(load, result.loads), *cells))
@@ -54,18 +80,18 @@ def interval_note(result: SealSolution) -> str:
         return ""
     given_as = {} if settings is None else settings.spreads
     spreads = {name: f" ±{percent(one.relative)} ({one.distribution})" for name, one in given_as.items()}
-    sealed = float(interval.sealed.max())
+    sealed, tested = float(interval.sealed.max()), interval.error_scores is not None
     return phrase(
         "notes.interval",
-        "samples",
+        "tested" if tested else "samples",
         "polynomial" if interval.runs < interval.samples else "",
         "checked" if interval.error is not None else "",
-        "finish" if roughness is not None and roughness.finishes else "",
+        "finish" if roughness is not None and roughness.finishes and not tested else "",
         "sealed" if sealed > 0 else "",
-        "shares",
-        "shares_both" if result.highest.yields else "",
+        "shares_tested" if tested else "shares",
+        "shares_both" if result.highest.yields and not tested else "",
         "held",
-        "" if result.highest.flow_error is None else "own",
+        "" if result.highest.flow_error is None or tested else "own",
         interval=interval,
         inputs=", ".join(input_name(name) + spreads.get(name, "") for name in interval.inputs),
         sealed=sealed,

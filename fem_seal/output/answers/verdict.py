@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from fem_seal.answers.judgement import Limit, SealJudgement, Utilisation, VerdictReason
 from fem_seal.answers.leakage_class import OF_LEAK_RATE, limits, next_class, nominal_size, volume_of
 from fem_seal.case.fields import Bubbles, NormalVolume, Throughput
+from fem_seal.output.answers.uncertainty import told_after_test
 from fem_seal.output.prose import phrase
 from fem_seal.output.shown import Shown
 from fem_seal.seal.findings import YIELD_STRESS, Level
@@ -74,6 +75,8 @@ def verdict_sentences(result: SealSolution) -> list[str]:
         return []
     place = _place(result, found)
     doubted = found.worst.verdict != "inconclusive" and _doubt(result, found)
+    if found.number is not None and result.loads[found.number].tested:
+        place = f"{place} after the leak test"
     at = f"{place}, with doubt" if doubted else place
     first, likely = (
         _verdict(found, at, _digits(result, found), volume_of(result.case)),
@@ -186,6 +189,9 @@ def _further_sentences(result: SealSolution, found: SealJudgement) -> Iterator[s
         )
     if reason := _doubt(result, found):
         yield phrase("verdict.sentences", "doubtful", reason=reason)
+    load = None if found.number is None else result.loads[found.number]
+    if load is not None and load.tested and found.worst.why not in _WITHOUT_RATES:
+        yield phrase("verdict.sentences", "tested", rate=told_after_test(load, volume))
     yield from _to_measure(result, found)
     yield from _other_theory(result, found)
     count = len(found.judged) + found.left_out
@@ -336,7 +342,7 @@ def _pass_sentence(result: SealSolution) -> str:
     found = load.passing
     return phrase(
         "verdict.passes",
-        "none" if found.why_none else "share",
+        "none" if found.why_none else "tested" if load.tested else "share",
         "" if math.isnan(found.batch_low) else "batch",
         load=load_name(load, result.loads),
         share=_in_percent(found.share),

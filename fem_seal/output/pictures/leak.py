@@ -17,6 +17,7 @@ from fem_seal.output.pictures.contact import all_profiles
 from fem_seal.output.pictures.style import (
     BLUE,
     GREEN,
+    GREY,
     INK,
     ORANGE,
     Picture,
@@ -60,8 +61,14 @@ def leak_picture(result: SealSolution) -> Picture | None:
     elastic = leak_rates([load.reading(Reading.ELASTIC) for load in loads])
     plastic = result.surface is not None and result.surface.hardness is not None
     two = any(load.yields for load in loads)
-    yielded = f"{WORDS[OWN].curve if two else 'asperities yield'} (result)"
-    series = [(yielded if plastic else "elastic asperities (result)", rates, BLUE, 2.2)]
+    yielded = (WORDS[OWN].curve if two else "asperities yield") if plastic else "elastic asperities"
+    series = [(f"{yielded} (result)", rates, BLUE, 2.2)]
+    if loads[0].tested:
+        medians = np.array([load.leak_rate_p50 or 0.0 for load in loads])
+        series = [
+            ("median after the leak test", medians, BLUE, 2.2),
+            (f"{yielded} (before it)", rates, GREY, 1.5),
+        ]
     others = [
         (WORDS[one], leak_rates([load.reading(one) for load in loads])) for one in (FURTHER if two else ())
     ]

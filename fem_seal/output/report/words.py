@@ -14,6 +14,7 @@ from fem_seal.answers.solution import SealSolution
 from fem_seal.contact.solution import PlasticZone, yielding_of
 from fem_seal.output.answers.target import TARGET_FORCE, opening_reasons, opens_at, valve_facts
 from fem_seal.output.answers.theories import corrected_beside
+from fem_seal.output.answers.uncertainty import told_after_test
 from fem_seal.output.case_words import earlier_load
 from fem_seal.output.columns import COLUMNS, in_words
 from fem_seal.output.prose import phrase
@@ -124,7 +125,8 @@ def _leak_facts(case: Case, load: JudgedLoad) -> Iterator[Fact]:
         readings_in_words(load, volume),
         *([] if sampled else accuracy_in_words(load)),
     ]
-    name = phrase("readings.fact", ("finish" if has_finish(case) else "inputs") if sampled else "only")
+    which = "tested" if load.tested else "finish" if has_finish(case) else "inputs"
+    name = phrase("readings.fact", which if sampled else "only")
     text = leak_range_text(rate, load.leak_digits, claimed=not load.validity.outside, volume=volume)
     yield Fact(name, text, "; ".join(filter(None, remarks)))
     if load.leak.leak_rate > 0:
@@ -247,13 +249,15 @@ def _interval_fact(result: SealSolution, load: LoadResult) -> Fact:
     volume = volume_of(result.case)
     remarks = [
         state_in_words(volume),
-        phrase("facts.remark", "finish" if has_finish(result.case) else "inputs")
+        phrase("facts.remark", "tested" if load.tested else "finish" if has_finish(result.case) else "inputs")
         + (", in both readings of asperities that yield" if load.yields else ""),
         *accuracy_in_words(load),
     ]
+    outside = load.validity.outside
+    text = leak_range_text(rate_of(load), load.leak_digits, claimed=not outside, volume=volume)
     return Fact(
         f"{percent(result.uncertainty.confidence)} interval of the leak rate",
-        leak_range_text(rate_of(load), load.leak_digits, claimed=not load.validity.outside, volume=volume),
+        told_after_test(load, volume) if load.tested and not outside else text,
         "; ".join(filter(None, remarks)),
     )
 
@@ -348,6 +352,8 @@ def _leak_sentence(result: SealSolution) -> str:
             if load.validity.outside
             else "nothing"
             if rate in (0, (0, 0))
+            else told_after_test(load, volume)
+            if load.tested
             else leak_range_text(rate, load.leak_digits, beside=ends, volume=volume)
         )
         + f" at {load_values(load, loads)}"
@@ -357,7 +363,8 @@ def _leak_sentence(result: SealSolution) -> str:
     # the longest remark on the interval covers all rates in the sentence
     held = max((held_in_words(result.case, load) for load in shown if not load.validity.outside), key=len)
     state = f" ({state_in_words(volume)})" if volume.state else ""
-    return " ".join([f"The seal leaks {' and '.join(leaks)}{then}{state}.", *held])
+    who = phrase("notes.headline", "tested" if highest.tested else "leaks")
+    return " ".join([f"{who} {' and '.join(leaks)}{then}{state}.", *held])
 
 
 def has_finish(case: Case) -> bool:
@@ -628,8 +635,11 @@ def leakage_lines(case: Case, load: LoadResult, loads: Sequence[LoadResult]) -> 
     why = ", because the leak rate is outside the theory" if found.outside else ""
     tested = "" if found.outside else judged_as(case, load)
     classes, volume = classes_in_words(leakage_classes(case, load)), volume_of(case)
+    at, told = load_values(load, loads), leakage_text(load, volume)
+    if load.tested and not found.outside:
+        at, told = f"{at} after the leak test", told_after_test(load, volume, told)
     return [
-        f"Leak rate at {load_values(load, loads)}: {leakage_text(load, volume)}{doubt}",
+        f"Leak rate at {at}: {told}{doubt}",
         *(f"  {one}" for one in held_in_words(case, load)),
         *([f"  {_as_given(case, load)}"] if load.sampled is not None else []),
         f"Leakage class for {nominal_size(case)}: {classes}{why}",
@@ -641,4 +651,5 @@ def _as_given(case: Case, load: LoadResult) -> str:
     """The leak rate with the inputs as given, in both readings of yielding asperities."""
     # in the unit of the line above
     rate = leakage_text(load, volume_of(case), usual_rate_of(load)).split(" = ")[0]
-    return phrase("readings.as_given", "finish" if has_finish(case) else "inputs", rate=rate)
+    which = ("tested_" if load.tested else "") + ("finish" if has_finish(case) else "inputs")
+    return phrase("readings.as_given", which, rate=rate)

@@ -13,20 +13,33 @@ from places import EXAMPLES
 import fem_seal
 from fem_seal.answers.calibration import (
     Data,
+    LearnedInput,
     _conflict,
-    _Draws,
     _group,
     _Joint,
+    _passing,
     calibrate,
     data_p_value,
-    expected_width,
-    weighted_quantiles,
+    percentiles,
     weights_of,
 )
+from fem_seal.answers.measurements import TRUTHS, Draws, weighted_quantiles
 from fem_seal.answers.posterior import Posterior
+from fem_seal.answers.uncertainty import drawn_values, uncertain_inputs
 from fem_seal.case.measured import measured_in, read_measured
 from fem_seal.cli.app import main
-from fem_seal.output.calibration import lines, write_calibration
+from fem_seal.output import calibration as module
+from fem_seal.output.answers.error_shares import input_name
+from fem_seal.output.answers.uncertainty import interval_note, interval_table
+from fem_seal.output.answers.verdict import verdict_sentences
+from fem_seal.output.calibration import _input_row, lines, write_calibration
+from fem_seal.output.pictures.leak import leak_picture
+from fem_seal.output.pictures.style import style
+from fem_seal.output.report.words import facts, headline, leakage_lines
+from fem_seal.sampling import sobol_points
+from fem_seal.seal.bounds import Bounds
+from fem_seal.studies.responses import evaluate_design
+from fem_seal.units import leak_range_text
 from leak import error_correlation
 
 HEADER = "fluid_pressure [bar], leak_rate [ml/min], uncertainty [%], below\n"
@@ -68,24 +81,24 @@ def test_the_linear_gaussian_case_is_that_of_its_closed_form():
     A, noise = slopes[:2], np.diag(data.spread**2)
     gain = A.T @ np.linalg.inv(A @ A.T + noise)
     mean, covariance = gain @ data.y, np.eye(2) - gain @ A
-    low, middle, high = weighted_quantiles(y[:, 2], weights)
+    low, middle, high = percentiles(y[:, 2], weights)
     expected = float(slopes[2] @ mean), 1.645 * math.sqrt(float(slopes[2] @ covariance @ slopes[2]))
     assert middle == pytest.approx(expected[0], abs=0.01 * expected[1])
     assert 0.5 * (high - low) == pytest.approx(expected[1], rel=0.01)
     for n in range(2):
-        low, _, high = weighted_quantiles(x[:, n], weights)
+        low, _, high = percentiles(x[:, n], weights)
         assert 0.5 * (high - low) == pytest.approx(1.645 * math.sqrt(covariance[n, n]), rel=0.01)
 
 
 def check_coverage(y, seed):
     """200 truths of the prior, the first two loads measured to 10 %, the third predicted."""
-    before = weighted_quantiles(y[:, 2], np.full(len(y), 1.0 / len(y)))
+    before = percentiles(y[:, 2], np.full(len(y), 1.0 / len(y)))
     random = np.random.default_rng(seed)
     held, shares = 0, []
     for truth in random.choice(len(y), 200, replace=False):
         seen = y[truth, :2] + 0.1 * random.standard_normal(2)
         data = Data(seen, np.full(2, 0.1), np.zeros(2, dtype=bool))
-        low, _, high = weighted_quantiles(y[:, 2], weights_of(data.log_likelihood(y[:, :2])))
+        low, _, high = percentiles(y[:, 2], weights_of(data.log_likelihood(y[:, :2])))
         held += low <= y[truth, 2] <= high
         shares.append((high - low) / (before[2] - before[0]))
     assert 170 <= held <= 190
@@ -107,7 +120,7 @@ def test_intervals_of_synthetic_tests_hold_the_truth_as_often_as_they_say():
 def test_a_leak_of_ten_times_the_end_of_the_prior_is_a_conflict_and_data_of_the_prior_are_none():
     _, _, y = linear()
     spread, below = np.full(2, 0.1), np.zeros(2, dtype=bool)
-    end = np.array([weighted_quantiles(one, np.full(len(y), 1.0 / len(y)))[2] for one in y[:, :2].T])
+    end = np.array([percentiles(one, np.full(len(y), 1.0 / len(y)))[2] for one in y[:, :2].T])
     assert data_p_value(y[:, :2], Data(end + math.log(10.0), spread, below), 1) < 0.02
     random = np.random.default_rng(3)
     found = [
@@ -148,10 +161,12 @@ def test_a_path_that_no_force_closes_is_told_from_a_factor():
 
 def test_the_expected_width_is_that_of_the_closed_form():
     _, slopes, y = linear(4096)
-    found = expected_width(y[:, 0], y[:, 2], 0.2)
+    noise = np.random.default_rng(1).standard_normal((TRUTHS, 1))
+    draws = Draws(0.9, {}, y.T[None], np.zeros(len(y)), noise)
+    found = draws.width(draws.log_rate[:, 2], draws.shown_by_test(0, 0.2, Bounds(1.0, 1.0)))
     a, b = slopes[0], slopes[2]
     left = b @ b - (a @ b) ** 2 / (a @ a + 0.2**2)
-    assert math.log(found) == pytest.approx(3.29 * math.sqrt(left), rel=0.05)
+    assert found == pytest.approx(3.29 * math.sqrt(left), rel=0.05)
 
 
 def test_draws_go_through_their_file(tmp_path):
@@ -260,8 +275,10 @@ def test_intervals_of_a_real_seal_hold_the_truth_as_often_as_they_say():
     """200 seals of the prior of a case, with the theory's error, readings at 5 and 10 bar, 20 bar predicted."""
     case = seal(load__fluid_pressure=["5 bar", "10 bar", "20 bar"])
     case = case.replace({"uncertainty": {"viscosity": {"relative": 0.05}, "q_high": {"relative": 0.3}}})
-    draws = _Draws.of(case, case.uncertainty)
-    joint = _Joint.of([_group(case, case.uncertainty, draws, lambda text: None)], seed=3)
+    inputs = uncertain_inputs(case, case.uncertainty)
+    drawn = drawn_values(inputs, sobol_points(2**15, len(inputs), 1))
+    values = {one.name: one.shown(drawn[one.name]) for one in inputs}
+    joint = _Joint.of([_group(case, case.uncertainty, values, lambda text: None)], seed=3)
     check_coverage(joint.y, seed=11)
 
 
@@ -293,3 +310,154 @@ def test_without_a_leak_rate_nothing_is_calibrated(tmp_path):
     case = seal(fluid=None, uncertainty=None, load__target_leak_rate=None)
     with pytest.raises(fem_seal.InputError, match=r"needs \[roughness\], \[fluid\]"):
         calibrate(case, ())
+
+
+# -------------------------------------------------------------------- after the test
+
+
+@pytest.fixture(scope="module")
+def after(tmp_path_factory):
+    """A calibration of a seal that is rougher than given, with a requirement that its true leak rate just meets."""
+    rougher = seal(load__fluid_pressure=["5 bar", "10 bar", "15 bar", "20 bar"], uncertainty=None)
+    rougher = rougher.replace({"roughness.spectrum.rms_height": "2.2 um"})
+    *shown, truth = [load.leak.leak_rate for load in fem_seal.run(rougher).loads]
+    rows = [f"{p}, {q * 6e7:.4g}, 5, no" for p, q in zip((5, 10, 15), shown, strict=True)]
+    case = seal(requirement={"leak_rate": f"{1.02 * truth!r} m^3/s", "fluid_pressure": "20 bar"})
+    folder = tmp_path_factory.mktemp("after")
+    found = calibrate(case, read_measured(case, table(folder, *rows, "10, <40, , ")))
+    write_calibration(found, folder)
+    return found, folder, fem_seal.run(folder / "calibrated.toml")
+
+
+def test_the_median_after_the_test_leads(after):
+    found, _, run = after
+    load, told = run.highest, leakage_lines(run.case, run.highest, run.loads)
+    assert load.leak_rate_p50 == pytest.approx(found.predictions[-1].posterior[1], rel=0.03)
+    assert load.leak_rate_p50 == pytest.approx(run.uncertainty.median[-1])
+    assert run.table["leak_rate_p50_m3_per_s"].tolist() == pytest.approx(run.uncertainty.median.tolist())
+    # the calculated one keeps its meaning, and lies below all that the test has left
+    assert run.table["leak_rate_m3_per_s"].iloc[-1] == load.leak.leak_rate < run.uncertainty.low[-1]
+    middle = leak_range_text(load.leak_rate_p50, 2, beside=load.leak_interval)
+    assert told[0].startswith(f"Leak rate at 20 bar after the leak test: {middle} (")
+    assert "As calculated before the test, with the inputs as they are given, it was" in "".join(told)
+    assert headline(run).startswith("After the leak test the seal leaks ")
+    assert f"{middle} ({leak_range_text(load.leak_interval, 2)}) at 20 bar" in headline(run)
+    assert next(fact.value for fact in facts(run)).startswith(f"{middle} (")
+    first, share, *more = verdict_sentences(run)
+    assert first.startswith("Inconclusive at 20 bar after the leak test: ")
+    assert "of seals that show the readings of the leak test" in share
+    assert f"Median and interval there: {middle} (" in more[0]
+
+
+def test_calibrate_gives_the_verdict_that_the_calibrated_case_gives(after):
+    found, folder, run = after
+    assert found.judged.verdict == run.verdict == "inconclusive"
+    assert found.judged.margin == pytest.approx(run.margin, rel=0.03)
+    assert found.judged.highest.passing.share == pytest.approx(run.highest.passing.share, abs=0.06)
+    told = json.loads((folder / "summary.json").read_text("utf-8"))["requirement"]
+    assert (told["verdict"], told["fluid_pressure_Pa"]) == ("inconclusive", 2e6)
+    assert told["pass_probability"] == found.judged.highest.passing.share
+    # by hand: the share of the draws in the table that keep the limit
+    sure = [
+        one for one in lines(found) if one.startswith("Verdict: Inconclusive at 20 bar after the leak test")
+    ]
+    assert len(sure) == 1 and "Verdict: Inconclusive" in (folder / "report.html").read_text("utf-8")
+    easy = found.case.replace({"requirement.leak_rate": 2.0 * found.predictions[-1].posterior[2]})
+    assert _passing(easy, found.judged.highest, *normal_draws(found)).share == pytest.approx(1.0)
+    assert (
+        _passing(found.case.replace({"requirement": None}), found.judged.highest, *normal_draws(found))
+        is None
+    )
+
+
+def normal_draws(found):
+    low, middle, high = np.log(found.predictions[-1].posterior)
+    y = middle + (high - low) / 3.29 * np.random.default_rng(1).standard_normal(4000)
+    return y, np.full(4000, 1.0 / 4000)
+
+
+def test_shares_after_a_test_are_what_it_has_left_open(after):
+    _, _, run = after
+    shares = run.error_shares[-1].of_width
+    assert not {"inputs together", "hardness", "rms_height"} & set(shares)
+    assert shares["left by test"] > 0.0
+    assert input_name("left by test") == "what the leak test has left open"
+    headings, rows = interval_table(run).headings, interval_table(run).rows
+    assert headings[-2].startswith("median [")
+    assert headings[-1] == "what the leak test has left open [%]"
+    assert len(rows[-1]) == len(headings)
+    assert float(rows[-1][-1]) == pytest.approx(100.0 * shares["left by test"], abs=0.5)
+    assert "no input has a share of its own" in interval_note(run)
+    assert "interactions" not in interval_note(run)
+    assert b"median after the leak test" in leak_picture(run).svg
+
+
+def test_goals_of_a_study_over_the_calibrated_case_use_the_median(after):
+    _, folder, run = after
+    study = fem_seal.Study(
+        fem_seal.load_case(folder / "calibrated.toml"),
+        responses=["leak_rate_m3_per_s"],
+        parameters={"load.fluid_pressure": ["20 bar"], "load.applied_force": ["1 kN", "1.2 kN"]},
+        report={"goals": {"leak_rate_m3_per_s": "min"}},
+    )
+    assert list(study.goals) == ["leak_rate_p50_m3_per_s"]
+    values = evaluate_design(study.case_of([2e6, 1000.0]), ["leak_rate_p50_m3_per_s"]).values
+    assert values["leak_rate_p50_m3_per_s"] == pytest.approx(run.highest.leak_rate_p50, rel=0.01)
+    plain = fem_seal.Study(
+        seal(),
+        responses=["leak_rate_m3_per_s"],
+        parameters={"load.fluid_pressure": ["20 bar"]},
+        report={"goals": {"leak_rate_m3_per_s": "min"}},
+    )
+    assert list(plain.goals) == ["leak_rate_m3_per_s"]
+
+
+def test_lines_and_table_say_how_the_seat_differs(after):
+    found, folder, _ = after
+    last = found.predictions[-1]
+    (direction,) = (one for one in lines(found) if one.startswith("The seat leaks "))
+    assert f"{last.posterior[1] / last.prior[1]:.2f} times what was expected" in direction
+    assert "its interval narrowed from a factor of" in direction
+    units = pd.read_csv(folder / "inputs.csv", index_col="input").unit
+    assert units.to_dict() == {"hardness": "factor", "rms_height": "factor", "theory": "factor"}
+    # of a finish values have units, and waves are told by their length
+    row = _input_row(LearnedInput("q_rolloff", (1e5, 3e5, 6e5), (2e5, 3e5, 4e5), "1/m"))
+    assert row == ["roll-off [µm]", "10.5", "20.9", "62.8", "15.7", "20.9", "31.4", "61 %"]
+    assert _input_row(LearnedInput("Ra", (2e-7, 3e-7, 4e-7), (2e-7, 3e-7, 4e-7), "m"))[:3] == [
+        "Ra in its range [µm]",
+        "0.200",
+        "0.300",
+    ]
+
+
+def test_the_picture_has_bands_through_the_readings_and_an_arrow_at_a_limit(after, monkeypatch):
+    found, _, _ = after
+    drawn = {}
+    monkeypatch.setattr(module, "captioned", lambda figure, *_: drawn.update(axes=figure.axes[0]))
+    with style():
+        module.calibration_picture(found)
+    before, posterior = (one.get_paths()[0].vertices for one in drawn["axes"].collections[:2])
+    assert sorted(set(before[:, 0])) == pytest.approx([5.0, 10.0, 15.0, 20.0])
+    assert np.ptp(np.log(posterior[posterior[:, 0] == 20.0, 1])) < np.ptp(
+        np.log(before[before[:, 0] == 20.0, 1])
+    )
+    names = drawn["axes"].get_legend_handles_labels()[1]
+    assert {"before the test", "after it", "measured", "measured: less than this"} == set(names)
+
+
+@pytest.mark.parametrize(("cell", "below"), [("<0.3", ""), ("< 0.3", "yes"), ("0.3", "yes")])
+def test_less_than_a_limit_is_written_in_either_way(tmp_path, cell, below):
+    (one,) = read_measured(seal(), table(tmp_path, f"5, {cell}, 10, {below}"))
+    assert one.below
+    assert one.leak_rate == pytest.approx(0.3e-6 / 60.0)
+
+
+def test_less_than_a_limit_that_is_none_is_an_error(tmp_path):
+    with pytest.raises(fem_seal.InputError, match=r'line 2, column below = "no".*less does'):
+        read_measured(seal(), table(tmp_path, "5, <0.3, 10, no"))
+
+
+def test_a_calibrated_case_is_not_calibrated_again(after):
+    found, folder, _ = after
+    with pytest.raises(fem_seal.InputError, match=r"uncertainty.posterior.*both tests in one table"):
+        calibrate(fem_seal.load_case(folder / "calibrated.toml"), found.readings)

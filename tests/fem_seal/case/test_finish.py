@@ -10,9 +10,13 @@ from places import EXAMPLES
 
 import fem_seal
 from fem_seal.answers.profile_leak import ImportedProfile, leak_of_profiles
+from fem_seal.answers.uncertainty import SampledSeal, leak_interval
 from fem_seal.case.finish import ProcessName, read_finish
+from fem_seal.case.tables import Uncertainty
 from fem_seal.output.case_words import finish_numbers, finish_rows
 from fem_seal.output.report.words import facts, headline, leakage_lines
+from fem_seal.sampling import sobol_points
+from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.problem import SealProblem
 from fem_seal.units import leak_range_text
 from leak import Reading
@@ -271,3 +275,84 @@ def test_a_finish_whose_usual_surface_is_sealed_has_an_interval_all_the_same(bas
     assert load.leak.leak_rate == 0.0
     low, high = result.leak_ranges[0]
     assert low == 0.0 < high
+
+
+# -------------------------------------------------------------------- a range of the value
+
+RANGE = {"Ra": "0.2 um to 0.4 um", "process": "lapped"}
+
+
+def test_a_range_is_read_in_words_as_a_key_and_as_a_list(base):
+    words = base.replace_written({"roughness": "lapped Ra 0.2 to 0.4 um"})
+    key = base.replace_written({"roughness": RANGE})
+    in_code = base.replace({"roughness.Ra": (0.2e-6, 0.4e-6), "roughness.process": "lapped"})
+    assert words.roughness.parts == key.roughness.parts == in_code.roughness.parts
+    assert key.roughness.Ra == (0.2e-6, 0.4e-6)
+    assert read_finish("Rz 1.6um to 3.2um") == {"kind": "finish", "Rz": "1.6 um to 3.2 um"}
+    # the usual surface has the geometric mean, and is that of this value alone
+    usual = base.replace_written({"roughness": LAPPED}).replace({"roughness.Ra": np.sqrt(0.08) * 1e-6})
+    assert height(key) == pytest.approx(height(usual), rel=1e-12)
+    assert finish_rows(key)[0][1] == "lapped, Ra 0.2 µm to 0.4 µm (usual: 0.283 µm)"
+    # a study sets single values
+    assert key.replace_written({"roughness.Ra": "0.3 um"}).roughness.Ra == 0.3e-6
+
+
+@pytest.mark.parametrize(
+    ("value", "says"),
+    [
+        (
+            "0.4 um to 0.2 um",
+            r'no range from a value to a larger one \("0.4 um" to "0.2 um"\); write it as "0.2 um to',
+        ),
+        ("0.2 um to 0.2 um", "no range from a value to a larger one.*or write one value"),
+        ("0.2 um to 40 um", r'spans more than a factor of 20 \("0.2 um" to "40 um"\); check the units'),
+        ("0.2 to 0.4", "write a length with its unit"),
+        ("0.2 um to 0.4 bar", 'entry 2, "0.4 bar", unit "bar" does not fit'),
+        (["0.2 um", "0.3 um", "0.4 um"], 'is no range.*write it as "0.2 um to 0.4 um"'),
+    ],
+)
+def test_a_range_that_is_none_is_named_with_its_key_and_a_remedy(base, value, says):
+    with pytest.raises(fem_seal.InputError, match=rf"roughness.seat.Ra.*{says}"):
+        base.replace_written({"roughness": {"seat": {"Ra": value}}})
+
+
+def test_sampled_heights_have_the_quantiles_of_their_closed_form(base):
+    """ln Ra is even between both ends; the ratio Rq/Ra of real surfaces stands on top."""
+    case = base.replace_written({"roughness": {"seat": RANGE}})
+    finish = case.roughness.seat.finish
+    sampled = (np.arange(400) + 0.5) / 400
+    heights = [case.roughness.combined(shares={"Ra": one})[0].rms_height for one in sampled]
+    shares = np.array([0.05, 0.25, 0.5, 0.75, 0.95])
+    ratio = height(case) / np.sqrt(0.08)
+    assert np.quantile(heights, shares) == pytest.approx(ratio * 0.2 * 2.0**shares, rel=1e-3)
+    # both together: the closed form of the even one, integrated over the other
+    ratios = finish.spreads["rms_height"]
+    places = sobol_points(2**11, 2, 1)
+    both = [
+        case.roughness.combined(shares={"Ra": a, "rms_height": b})[0].rms_height for a, b in places.tolist()
+    ]
+    x = np.quantile(both, shares) / ratio
+    below = np.log(x[:, None] / (0.2 * ratios.at(sampled))) / np.log(2.0)
+    assert np.clip(below, 0.0, 1.0).mean(axis=1) == pytest.approx(shares, abs=2e-3)
+
+
+def test_samples_at_both_ends_are_those_of_the_single_values_and_bracket_the_interval(base):
+    seals = {}
+    for name, entries in {"range": RANGE, "low": LAPPED, "high": {**LAPPED, "Ra": "0.4 um"}}.items():
+        case = base.replace_written({"roughness": {"seat": entries}})
+        seals[name] = evaluate(SealProblem.of(case)).seal(case)
+    found = {name: leak_interval(seal) for name, seal in seals.items()}
+    assert found["range"].inputs == ("Ra", *found["low"].inputs)
+    for end in ("low", "median", "high"):
+        low, between, high = (getattr(found[name], end)[0] for name in ("low", "range", "high"))
+        assert low < between < high
+    narrow, wide = (np.log(found[name].high[0] / found[name].low[0]) for name in ("low", "range"))
+    assert wide > narrow
+    assert 0.02 < found["range"].shares[0, 0] < 0.9
+    others = np.array([[0.3, 0.6, 0.4, 0.7]])
+    for place, name in ((0.0, "low"), (1.0, "high")):
+        one = SampledSeal.of(seals[name], Uncertainty())
+        at_end = SampledSeal.of(seals["range"], Uncertainty())
+        told = replace(one, uniform=others, exact=True).leak_rates([0])
+        uniform = np.column_stack([[place], others])
+        assert replace(at_end, uniform=uniform, exact=True).leak_rates([0]) == pytest.approx(told, rel=2e-3)

@@ -18,6 +18,7 @@ import fem_seal
 from fem_seal.case.case import input_tables, load_case
 from fem_seal.case.case_file import case_text, free_name, write_case
 from fem_seal.errors import InputError
+from fem_seal.explore.factors import factors_of
 from fem_seal.explore.figures import leak_figure
 from fem_seal.explore.live import Missing, OwnTable, Session, conductivity
 from fem_seal.explore.screen import SHOWN, Screen, Shown, numbers_of, validity_words
@@ -216,6 +217,23 @@ def test_sensitivities_follow_the_complete_run(session, run):
     assert len(set(told)) == 1 and len(told) >= len(found.sensitivities)
     said = complete_screen(design, found).sensitivities
     assert any(one.startswith("halving the roughness heights cuts the leak by ") for one in said)
+
+
+@pytest.mark.parametrize(
+    ("roughness", "path", "given"),
+    [
+        ("lapped Ra 0.2 to 0.4 um", "roughness.Ra", "0.283 um"),
+        ({"seat": "lapped Ra 0.2 um"}, "roughness.seat.Ra", "0.2 um"),
+        ({"seat": {"Rz": "1 um to 2 um"}}, "roughness.seat.Rz", "1.41 um"),
+    ],
+)
+def test_a_finish_in_words_or_with_a_range_has_a_slider_from_its_usual_value(roughness, path, given):
+    case = case_with(roughness=roughness)
+    one = next(one for one in factors_of(case).sliders if one.key.startswith("finish_"))
+    assert (one.paths, one.given) == ((path,), given)
+    # not moved it leaves the case as it is, moved it is one value
+    assert factors_of(case).changes(case, {one.key: given}) == {}
+    assert case.replace_written({path: one.stops[0]}).roughness.parts["seat"].finish.tolerance == 1.0
 
 
 def test_the_interval_of_a_finish_is_that_of_a_run_in_the_end(tmp_path):

@@ -27,7 +27,7 @@ from fem_seal.units import format_quantity, leak_rate_text, number, percent, qua
 LEAK_HEADER = (
     "fluid_pressure_Pa,contact_force_N,line_load_N_per_m,peak_pressure_Pa,contact_radius_m,fwhm_m,std_m,"
     "leak_rate_m3_per_s,leak_rate_elastic_m3_per_s,critical_separation_m,critical_separation_elastic_m,"
-    "max_von_mises_Pa,leak_rate_low_m3_per_s,leak_rate_high_m3_per_s,"
+    "max_von_mises_Pa,leak_rate_low_m3_per_s,leak_rate_high_m3_per_s,leak_rate_p50_m3_per_s,"
     "leak_rate_kg_per_s,leak_rate_Pa_m3_per_s,leak_rate_standard_m3_per_s,knudsen_number,"
     "lift_off_x_m,blow_off_pressure_Pa,applied_force_N,effective_seal_radius_m,force_for_target_leak_N,"
     "max_accumulated_plastic_strain,load_steps,opening_margin_N,opening_margin_Pa,opening_margin,"
