@@ -651,5 +651,5 @@ def _as_given(case: Case, load: LoadResult) -> str:
     """The leak rate with the inputs as given, in both readings of yielding asperities."""
     # in the unit of the line above
     rate = leakage_text(load, volume_of(case), usual_rate_of(load)).split(" = ")[0]
-    which = ("tested_" if load.tested else "") + ("finish" if has_finish(case) else "inputs")
-    return phrase("readings.as_given", which, rate=rate)
+    finish, inputs = ("tested_finish", "tested_inputs") if load.tested else ("finish", "inputs")
+    return phrase("readings.as_given", finish if has_finish(case) else inputs, rate=rate)

@@ -89,6 +89,7 @@ def test_what_was_not_calculated_is_not_a_number(tmp_path):
         "critical_separation_elastic_m",
         "leak_rate_low_m3_per_s",
         "leak_rate_high_m3_per_s",
+        "leak_rate_p50_m3_per_s",
         "leak_rate_kg_per_s",
         "leak_rate_Pa_m3_per_s",
         "leak_rate_standard_m3_per_s",
