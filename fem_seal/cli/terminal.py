@@ -205,8 +205,7 @@ def show_leak_table(
     from fem_seal.output.report.words import volume_notes
     from fem_seal.seal.findings import Level
 
-    # the median of samples stands beside the leak rate where a test has replaced it
-    twice = own_theory(loads) | (set() if any(load.tested for load in loads) else {"leak_rate_p50_m3_per_s"})
+    twice = own_theory(loads)
     columns = [
         column
         for column in LEAK_ON_TERMINAL
