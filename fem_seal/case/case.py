@@ -21,6 +21,7 @@ from fem_seal.case.messages import choices, problems, tables_of
 from fem_seal.case.roughness import roughness_like
 from fem_seal.case.tables import CaseTables
 from fem_seal.case.temperature import with_film_temperature
+from fem_seal.case.words import problem
 from fem_seal.errors import InputError, LoadProblem, NoLoadLeftError, Problem
 from fem_seal.files import read_toml
 from fem_seal.former_names import in_present_entries
@@ -71,9 +72,16 @@ class Case(CaseTables):
                 for name in ("load", "requirement")
                 if name in known and is_said_of_one_side(tables[name])
             }
+        bolted = tables.get("bolts")
+        if before.get("bolts") is not bolted:
+            # the bolts close in place of its applied force
+            known.discard("load")
         written, wrong = _in_keys({name: table for name, table in tables.items() if name not in known})
         written, without = as_differences(written, tables.get("fluid"))
         wrong += without
+        given = tables.get("load")
+        if bolted is not None and isinstance(given, Mapping) and given.get("applied_force") is not None:
+            wrong.append(problem("bolts_and_force"))
         if "fluid" in written:
             written["fluid"] = with_film_temperature(written["fluid"], tables.get("temperature"))
         try:
@@ -84,6 +92,9 @@ class Case(CaseTables):
             raise InputError(*wrong)
         if like is not None and ({"closure", "seat"} <= known or self._of_the_shape_of(like)):
             self._take_bodies(like)
+        if self.bolts is not None:
+            # set during construction, before the model is shared
+            object.__setattr__(self, "load", self.bolts.closes(self.load))
         told, not_told = self.of_this_gas()
         if not_told:
             raise InputError(*not_told)

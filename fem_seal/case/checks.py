@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Iterator
 
+from fem_seal.case.bolts import problems_of_bolts
 from fem_seal.case.fields import OF_GASES, OF_LIQUIDS, RATES, shown
 from fem_seal.case.load_limits import problem_of_earlier_load, problems_of_all_loads
 from fem_seal.case.material_library import suggestion
@@ -38,6 +39,7 @@ def contradictions(case: CaseTables) -> list[Problem]:
         *([] if geometry or load else problems_of_all_loads(case)),
         *(earlier := list(_earlier(case))),
         *_history(case),
+        *([] if case.bolts is None else problems_of_bolts(case, case.bolts)),
         *([] if geometry or load or earlier else filter(None, [problem_of_earlier_load(case)])),
         *([] if geometry or case.temperature is None else _temperature(case, case.temperature)),
         *_fluid(case),
@@ -302,6 +304,8 @@ def _history(case: CaseTables) -> Iterator[Problem]:
     if load.earlier is not None:
         key = load.earlier_key
         before, instead = key, f"remove {key}"
+    elif case.bolts is not None and case.roughness is not None and case.leak.plasticity:
+        before, instead = "[bolts]", "set leak.plasticity = false"
     elif (
         len(load.fluid_pressure) > 1 and curves(case) and case.roughness is not None and case.leak.plasticity
     ):

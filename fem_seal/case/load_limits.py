@@ -82,6 +82,9 @@ def _open(case: CaseTables, fluid_pressure: float, applied_force: float) -> Load
     holds = applied_force > 0 or not lifts if penetrates else _force(case, fluid_pressure, applied_force) > 0
     if holds:
         return None
+    if case.bolts is not None:
+        force, held = briefly("force", needed), briefly("force", applied_force)
+        return load_problem("bolts_open", pressure=fluid_pressure / 1e5, radius=mm(r0), force=force, applied=held)
     return load_problem(
         "lifted" if penetrates else "open",
         pressure=fluid_pressure / 1e5,

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, Union
 from pydantic import Field, PrivateAttr, create_model, model_validator
 
 from fem_seal.case import shapes
+from fem_seal.case.bolts import BoltsTable
 from fem_seal.case.drawn import ClosureProfile, SeatProfile
 from fem_seal.case.fields import (
     RATES,
@@ -315,6 +316,7 @@ class CaseTables(Table):
     fluid: Fluid | None = None
     temperature: Temperature | None = None
     load: Load
+    bolts: BoltsTable | None = None
     leak: Leak = Leak()
     requirement: Requirement | None = None
     direct: Direct | None = None

@@ -22,6 +22,7 @@ from fem_seal.bodies.constrained_body import ConstrainedBody, LoadName
 from fem_seal.bodies.dissected_body import DissectedBody
 from fem_seal.bodies.elasticity import at_quadrature_points
 from fem_seal.bodies.elastoplastic import BodyState, ElastoplasticBody, StressUpdate
+from fem_seal.bolts import Bolts, held_force
 from fem_seal.contact.laws import Law
 from fem_seal.contact.model import ContactModel, line_compliance
 from fem_seal.contact.newton import solve
@@ -29,6 +30,24 @@ from fem_seal.contact.other_loads import NO_LOADS, BodyLoads
 from fem_seal.contact.penetration import CoupledContact, FluidPath, solve_penetration
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError
+
+
+@dataclass(frozen=True)
+class HeldByBolts:
+    """Bolts that were tightened at the last load of a path without them, and give the force of those after it.
+
+    Parameters
+    ----------
+    bolts : Bolts
+    preload : float
+        Of all of them [N].
+    end_force : float
+        Force of the load less that of the bolts: of a fluid that acts on the sealed area [N].
+    """
+
+    bolts: Bolts
+    preload: float
+    end_force: float
 
 
 @dataclass(frozen=True)
@@ -49,6 +68,8 @@ class PathLoad:
     remembers : callable, optional
         Takes the largest pressure that each place has carried [Pa], shape (m,), to the path of a fluid between surfaces
         that remember it; without it they remember nothing.
+    held : HeldByBolts, optional
+        Bolts whose force stands in place of `force`, which is then the first guess.
     """
 
     force: float
@@ -56,6 +77,7 @@ class PathLoad:
     path: FluidPath | None = field(default=None, repr=False, kw_only=True)
     fluid_pressure: float = field(default=0.0, kw_only=True)
     remembers: Callable[[FloatArray], FluidPath] | None = field(default=None, repr=False, kw_only=True)
+    held: HeldByBolts | None = field(default=None, repr=False, kw_only=True)
 
     def __str__(self) -> str:
         fluid = "" if self.path is None else f" at {self.fluid_pressure / 1e5:.6g} bar"
@@ -107,6 +129,35 @@ class PathLoad:
         if self.remembers is None or not contacts:
             return self
         return replace(self, path=self.remembers(np.max([one.pressure for one in contacts], axis=0)))
+
+    def balanced(self, here: Equilibrium, law: Law, tightened: float) -> PathLoad:
+        """The load with the force of its bolts, where the bodies answer as they do when linearised here.
+
+        Parameters
+        ----------
+        here : Equilibrium
+        law : InterfaceLaw or HardContact
+        tightened : float
+            Approach at which the bolts were tightened [m].
+
+        Raises
+        ------
+        OpenSealError
+            If a fluid lifts the closure off.
+        ConvergenceError
+        """
+        held, linear, contact = self.held, here.linear, here.contact
+        assert held is not None and linear is not None and contact is not None  # of all who ask
+
+        def approach(force: float) -> float:
+            nonlocal contact
+            contact = replace(self, force=force + held.end_force).contact(linear, law, contact)
+            if contact is None:
+                raise ConvergenceError(f"bolts with {force:.6g} N leave nothing to the contact")
+            return contact.approach
+
+        force = held_force(held.bolts, held.preload, approach, tightened)
+        return replace(self, force=force + held.end_force)
 
     def rest(self, further: BodyLoads) -> PathLoad:
         """The same way of loading with nothing that presses, where these loads act."""

@@ -314,8 +314,11 @@ def _pressed(asked: Mapping[int, Mapping[int, ContactProblem]], batch: Batch) ->
 
 def _solved_part(problem: SealProblem, solved: SolvedLoads) -> SealProblem:
     """The problem of the loads that have a contact."""
+    loads = problem.loads if problem.loads.bolts is None else problem.loads.found(solved.points)
     if solved.failures:
-        problem = replace(problem, loads=problem.loads.without(solved.failures))
+        loads = loads.without(solved.failures)
+    if loads is not problem.loads:
+        problem = replace(problem, loads=loads)
     return replace(problem, form=solved.formed[0].form) if solved.formed else problem
 
 

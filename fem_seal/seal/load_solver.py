@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem_seal.bolts import held_force
 from fem_seal.contact.load_path import (
     ElastoplasticContact,
     LoadPath,
@@ -33,7 +34,7 @@ from fem_seal.contact.penetration import (
     solve_at_contact_force,
     solve_penetration,
 )
-from fem_seal.contact.plastic_step import PathLoad, PlasticSettings
+from fem_seal.contact.plastic_step import HeldByBolts, PathLoad, PlasticSettings
 from fem_seal.contact.sizing import solve_fitted
 from fem_seal.contact.solution import DEFAULT_SETTINGS, ContactSettings, ContactSolution
 from fem_seal.errors import (
@@ -46,12 +47,13 @@ from fem_seal.errors import (
     error_text,
 )
 from fem_seal.loads import blow_off_of_sealed_area, contact_force
-from fem_seal.seal.problem import SealFlow, SealProblem, condensed, sizing
+from fem_seal.seal.problem import Loads, SealFlow, SealProblem, condensed, sizing
 from fem_seal.units import briefly
 from meshes import Sizing, build_contact
 
 if TYPE_CHECKING:
     from fem_seal.arrays import FloatArray
+    from fem_seal.bolts import Bolts
     from fem_seal.contact.laws import Law
     from fem_seal.contact.model import ContactModel
     from fem_seal.seal.circumference import Circumference
@@ -135,7 +137,7 @@ class LoadSolver:
 
     def pressings(self, settings: ContactSettings = DEFAULT_SETTINGS) -> dict[int, ContactProblem]:
         """What is to be pressed of each load, where each is a question of its own: no path, no way of the fluid."""
-        if self.yields or not self._on_sealed_area:
+        if self.yields or not self._on_sealed_area or self.problem.loads.bolts is not None:
             return {}
         at_rest = self.problem.at_rest(self.model)
         forces = [applied + self._closes(pressure) for pressure, applied in self.problem.loads.points]
@@ -153,6 +155,32 @@ class LoadSolver:
         if isinstance(pressed, Exception):
             raise pressed
         return pressed.after(self.earlier)
+
+    def held_by_bolts(self, number: int, bolts: Bolts) -> tuple[tuple[float, float], ContactSolution]:
+        """Fluid pressure [Pa] and force of the bolts [N] under one of the problem's loads, and its contact.
+
+        Parameters
+        ----------
+        number : int
+        bolts : Bolts
+
+        Raises
+        ------
+        InputError
+            If the load leaves the seal open.
+        ConvergenceError
+        """
+        pressure, preload = self.problem.loads.points[number]
+        tightened = self.solve(0.0, preload)
+        contact = tightened
+
+        def approach(force: float) -> float:
+            nonlocal contact
+            contact = self.solve(pressure, force, contact)
+            return contact.approach
+
+        force = held_force(bolts, preload, approach, tightened.approach)
+        return (pressure, force), self.solve(pressure, force, contact)
 
     @cached_property
     def earlier(self) -> ContactSolution | None:
@@ -194,15 +222,31 @@ class LoadSolver:
         )
         return InputError(problem, file=self.problem.file)
 
-    def on_path(self, fluid_pressure: float, applied_force: float) -> PathLoad:
-        """A load of the problem as one on the path of bodies that yield, by its way of closing."""
+    def on_path(self, fluid_pressure: float, applied_force: float, bolts: Bolts | None = None) -> PathLoad:
+        """A load of the problem as one on the path of bodies that yield, by its way of closing.
+
+        With bolts the applied force is their preload.
+        """
         at_rest = self.problem.at_rest(self.model)
+        end_force = self._closes(fluid_pressure) if self._on_sealed_area else 0.0
+        held = None if bolts is None else HeldByBolts(bolts, applied_force, end_force)
         if self._on_sealed_area:
-            return PathLoad(applied_force + self._closes(fluid_pressure), at_rest)
+            return PathLoad(applied_force + end_force, at_rest, held=held)
         remembers = self._path_after if self.asperities_remember else None
         return PathLoad(
-            applied_force, at_rest, path=self._path, fluid_pressure=fluid_pressure, remembers=remembers
+            applied_force,
+            at_rest,
+            path=self._path,
+            fluid_pressure=fluid_pressure,
+            remembers=remembers,
+            held=held,
         )
+
+    def point_of(self, fluid_pressure: float, contact: ContactSolution) -> tuple[float, float]:
+        """A fluid pressure [Pa], and the applied force of a contact under it [N]."""
+        if self._on_sealed_area:
+            return fluid_pressure, contact.contact_force - self._closes(fluid_pressure)
+        return fluid_pressure, contact.applied_force
 
     def at_contact_force(
         self,
@@ -349,6 +393,8 @@ class SolvedLoads:
         Each contact around the axis; empty for a round seal.
     earlier : ContactSolution or None
         Under the largest load before them; None where none is known.
+    points : mapping
+        Fluid pressure [Pa] and force [N] of loads by their numbers, where bolts give the force.
     """
 
     contacts: Sequence[ContactSolution]
@@ -357,6 +403,7 @@ class SolvedLoads:
     not_unloaded: ConvergenceError | None = None
     formed: Sequence[Circumference] = ()
     earlier: ContactSolution | None = None
+    points: Mapping[int, tuple[float, float]] = field(default_factory=dict)
 
     @property
     def around(self) -> Sequence[Circumference | None]:
@@ -398,9 +445,13 @@ def solve_loads(
     # the number of waves that hurts most is one for all loads, that of the highest fluid pressure
     order = sorted(range(len(points)), key=lambda number: points[number], reverse=True)
     found: dict[int, tuple[ContactSolution, Circumference | None]] = {}
+    bolts, held = problem.loads.bolts, dict[int, tuple[float, float]]()
     for number in order:
         try:
-            contact = solver.solve_pressed(number, (pressed or {}).get(number))
+            if bolts is None:
+                contact = solver.solve_pressed(number, (pressed or {}).get(number))
+            else:
+                held[number], contact = solver.held_by_bolts(number, bolts)
             around = problem.around(contact)
         except _NO_SOLUTION as error:
             failures[number] = error
@@ -411,7 +462,8 @@ def solve_loads(
     contacts = [found[number][0] for number in sorted(found)]
     formed = [around for number in sorted(found) if (around := found[number][1]) is not None]
     earlier = solver.earlier if contacts else None
-    return SolvedLoads(contacts, failures=dict(sorted(failures.items())), formed=formed, earlier=earlier)
+    failures = dict(sorted(failures.items()))
+    return SolvedLoads(contacts, failures=failures, formed=formed, earlier=earlier, points=held)
 
 
 def _solved_path(solver: LoadSolver, progress: Progress | None) -> SolvedLoads:
@@ -426,8 +478,13 @@ def _solved_path(solver: LoadSolver, progress: Progress | None) -> SolvedLoads:
     if path.stopped is not None:
         failures.update(dict.fromkeys(unsolved, path.stopped))
     not_unloaded = None if unsolved or path.unloaded is not None else path.stopped
+    held = {}
+    if solver.problem.loads.bolts is not None:
+        solved = zip(closed, path.contacts, strict=False)
+        held = {number: solver.point_of(points[number][0], contact) for number, contact in solved}
+    failures = dict(sorted(failures.items()))
     return SolvedLoads(
-        path.contacts, path.unloaded, dict(sorted(failures.items())), not_unloaded, earlier=earlier
+        path.contacts, path.unloaded, failures, not_unloaded, earlier=earlier, points=held
     )
 
 
@@ -489,11 +546,15 @@ def _path(
 ) -> tuple[LoadPath, ElastoplasticContact | None]:
     """Fluid pressures [Pa] and applied forces [N] one after the other; the largest load before them is the first.
 
-    It is returned beside the path. Where asperities yield each contact remembers all those before it.
+    It is returned beside the path: of several times that bolts were tightened the largest. Where asperities yield each
+    contact remembers all those before it.
     """
     problem, settings = solver.problem, PlasticSettings()
-    first = () if problem.loads.earlier is None else (problem.loads.earlier,)
-    loads = [solver.on_path(*point) for point in (*first, *points)]
+    way = list(_way(problem.loads, points))
+    before = [place for place, (number, _) in enumerate(way) if number is None]
+    loads = [
+        solver.on_path(*point, bolts=None if number is None else problem.loads.bolts) for number, point in way
+    ]
     if steps is not None:
         settings = replace(settings, steps=steps)
     at_rest = problem.at_rest(solver.model)
@@ -506,7 +567,7 @@ def _path(
             settings=settings,
             partial=True,
             unload=unload,
-            progress=None if progress is None else _now_and_then(progress, len(first), len(points)),
+            progress=None if progress is None else _now_and_then(progress, way, len(points)),
         )
     except ConvergenceError as error:
         if not isinstance(error.partial, LoadPath):
@@ -515,23 +576,43 @@ def _path(
     if solver.asperities_remember:
         # each with the largest pressures before it
         path = replace(path, contacts=tuple(accumulate(path.contacts, lambda before, one: one.after(before))))
-    if not first:
+    if not before:
         return path, None
     if 0 in path.opened:
-        raise solver.open_on_path(first[0], path.opened[0])
+        raise solver.open_on_path(way[0][1], path.opened[0])
     if not path.contacts:
         return replace(path, stopped=ConvergenceError(f"the largest earlier load: {path.stopped}")), None
-    earlier, *contacts = path.contacts
-    opened = {number - 1: one for number, one in path.opened.items()}
-    return replace(path, contacts=tuple(contacts), opened=opened), earlier
+    closed = [number for place, (number, _) in enumerate(way) if place not in path.opened]
+    found = list(zip(closed, path.contacts, strict=False))
+    contacts = tuple(contact for number, contact in found if number is not None)
+    earlier = max((contact for number, contact in found if number is None), key=lambda one: one.contact_force)
+    opened = {number: one for place, one in path.opened.items() if (number := way[place][0]) is not None}
+    return replace(path, contacts=contacts, opened=opened), earlier
+
+
+def _way(
+    loads: Loads, points: Sequence[tuple[float, float]]
+) -> Iterator[tuple[int | None, tuple[float, float]]]:
+    """Points with their numbers, after what comes before them: the largest load, or each preload of bolts."""
+    if loads.earlier is not None:
+        yield None, loads.earlier
+    own = loads.tightened if tuple(points) == loads.points[: len(points)] else ()
+    preload = None
+    for number, point in enumerate(points):
+        if own and own[number] != preload:
+            preload = own[number]
+            yield None, (0.0, preload)
+        yield number, point
 
 
 # So often it is said how far a path is [s].
 _TOLD_EVERY = 5.0
 
 
-def _now_and_then(progress: Progress, before: int, count: int) -> Callable[[PlaceOnPath], None]:
-    """Tells how far a path of `count` loads is, after those before them."""
+def _now_and_then(
+    progress: Progress, way: Sequence[tuple[int | None, tuple[float, float]]], count: int
+) -> Callable[[PlaceOnPath], None]:
+    """Tells how far a path of `count` loads is, with those before them."""
     last = time.monotonic()
 
     def tell(place: PlaceOnPath) -> None:
@@ -539,8 +620,8 @@ def _now_and_then(progress: Progress, before: int, count: int) -> Callable[[Plac
         if time.monotonic() - last < _TOLD_EVERY:
             return
         last = time.monotonic()
-        number = place.number - before
-        what = "the largest earlier load" if number < 0 else f"load {number + 1} of {count}"
+        number = way[place.number][0] if place.number < len(way) else count
+        what = "the largest earlier load" if number is None else f"load {number + 1} of {count}"
         what = "unloading" if number == count else what
         progress(
             f"{what}: {100 * place.way:.3g} % of the way after {place.steps} load steps, now in steps of "

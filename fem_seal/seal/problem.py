@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from fem_seal.bodies.supports import Supports
+from fem_seal.case.bolts import bolts_of
 from fem_seal.case.checks import touched_beside
 from fem_seal.case.load_limits import refused_loads
 from fem_seal.contact.laws import HardContact, Law
@@ -31,6 +32,7 @@ from meshes import ContactGeometry, SealMesh, Sizing, build_contact
 if TYPE_CHECKING:
     from fem_seal.arrays import FloatArray
     from fem_seal.bodies.constrained_body import LoadName
+    from fem_seal.bolts import Bolts
     from fem_seal.case.tables import CaseTables, Direct, Interface
     from fem_seal.contact.model import ContactModel
     from fem_seal.contact.other_loads import BodyLoads
@@ -105,6 +107,10 @@ class Loads:
     earlier : tuple or None
         Fluid pressure [Pa] and force of spring or actuator [N] of the largest load before all of them; None if none is
         known.
+    bolts : Bolts or None
+        Whose force under each load is to be found; None without bolts, and once it stands in the points.
+    tightened : tuple of float
+        Preload of bolts for each load [N], where each load has its own; the bodies go through it before the fluid acts.
     """
 
     points: tuple[tuple[float, float], ...]
@@ -113,18 +119,25 @@ class Loads:
     target_leak_rate: float | None = None
     refused: Mapping[int, LoadProblem] = field(default_factory=dict)
     earlier: tuple[float, float] | None = None
+    bolts: Bolts | None = None
+    tightened: tuple[float, ...] = ()
 
     @classmethod
     def of(cls, case: CaseTables) -> Loads:
         """Those of a case."""
-        load = case.load
+        load, bolts, earlier = case.load, bolts_of(case), case.load.earlier
+        preloads = () if bolts is None else tuple(force for _, force in load.points)
+        if len(set(preloads)) == 1:
+            earlier, preloads = (0.0, preloads[0]), ()
         return cls(
             load.points,
             load.pressure_side,
             load.closing,
             load.target_leak_rate,
             refused_loads(case),
-            load.earlier,
+            earlier,
+            bolts,
+            preloads,
         )
 
     @property
@@ -142,7 +155,20 @@ class Loads:
         """
         kept = [number for number in range(len(self.points)) if number not in numbers]
         refused = {new: self.refused[old] for new, old in enumerate(kept) if old in self.refused}
-        return replace(self, points=tuple(self.points[number] for number in kept), refused=refused)
+        points = tuple(self.points[number] for number in kept)
+        tightened = tuple(self.tightened[number] for number in kept) if self.tightened else ()
+        return replace(self, points=points, refused=refused, tightened=tightened)
+
+    def found(self, points: Mapping[int, tuple[float, float]]) -> Loads:
+        """The same with the forces that bolts have under some of them.
+
+        Parameters
+        ----------
+        points : mapping
+            Fluid pressure [Pa] and force [N] by the number of the load.
+        """
+        each = tuple(points.get(number, point) for number, point in enumerate(self.points))
+        return replace(self, points=each, bolts=None)
 
 
 _FREE = Supports()
@@ -513,6 +539,7 @@ def sizing(problem: SealProblem, forces: Sequence[float] | None = None) -> Sizin
     forces = [*(expected_forces(problem) if forces is None else forces)]
     if problem.loads.earlier is not None:
         forces.append(_expected_force(problem, *problem.loads.earlier))
+    forces += problem.loads.tightened
     line_loads = [line_load(force, contact.initial_contact_radius, contact.angle) for force in forces]
     try:
         found = element_sizes(problem.law, line_loads, contact, problem.effective_modulus, size)

@@ -1,0 +1,248 @@
+"""Bolts that close a seal: their preload from a torque, their stiffness, and their force under a fluid pressure.
+
+Bolts are springs. Tightened without fluid they carry the preload F0 at the approach a0 of the bodies; when a fluid
+pressure moves the closure to the approach a, they carry
+
+    F = F0 + k (a0 - a) + dF,    k = 1/(L/(n E A) + 1/k_flange),
+
+with n bolts of modulus E, stress area A and clamped length L, in series with the stiffness k_flange of parts that are
+not among the bodies, and dF by the different expansion of bolts and clamped parts.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from types import MappingProxyType
+
+from fem_seal.errors import ConvergenceError
+
+# ISO 898-1, nominal stress area of coarse threads [mm2], by nominal diameter [mm]: table of EN ISO 898-1 as printed by
+# usefastener.com, opened. Above M39, where ISO 898-1 ends, its formula with the pitches of ISO 261, from memory.
+_AREAS: dict[int, float] = {
+    **{3: 5.03, 4: 8.78, 5: 14.2, 6: 20.1, 7: 28.9, 8: 36.6, 10: 58.0, 12: 84.3, 14: 115.0, 16: 157.0},
+    **{18: 192.0, 20: 245.0, 22: 303.0, 24: 353.0, 27: 459.0, 30: 561.0, 33: 694.0, 36: 817.0, 39: 976.0},
+    **{42: 1121.0, 45: 1306.0, 48: 1473.0, 52: 1758.0, 56: 2030.0, 60: 2362.0, 64: 2676.0},
+}
+STRESS_AREAS = MappingProxyType({f"M{size}": 1e-6 * area for size, area in _AREAS.items()})
+"""Stress area of metric coarse threads by their size [m^2]."""
+
+
+def nominal_diameter(size: str) -> float | None:
+    """Nominal diameter of a metric thread, "M12" or "M12x1.25" [m]; None if the text is none.
+
+    Parameters
+    ----------
+    size : str
+
+    Examples
+    --------
+    >>> nominal_diameter("M12"), nominal_diameter("1/2-13 UNC")
+    (0.012, None)
+    """
+    found = re.fullmatch(r"\s*M\s*(\d{1,3})\s*(x\s*\d+(\.\d+)?)?\s*", size, flags=re.IGNORECASE)
+    return 1e-3 * float(found[1]) if found and float(found[1]) > 0 else None
+
+
+def preload_of_torque(torque: float, nut_factor: float, diameter: float) -> float:
+    """Preload F = T/(K d) of one bolt [N].
+
+    Parameters
+    ----------
+    torque : float
+        T [N m].
+    nut_factor : float
+        K [-].
+    diameter : float
+        Nominal diameter d of the thread [m].
+
+    References
+    ----------
+    Budynas and Nisbett, Shigley's Mechanical Engineering Design, section 8-8, T = K F d (from memory; the formula as
+    in mechconcepts.tech/bolt-torque-calculation, opened).
+
+    Examples
+    --------
+    >>> round(preload_of_torque(82.0, 0.2, 0.012))
+    34167
+    """
+    return torque / (nut_factor * diameter)
+
+
+@dataclass(frozen=True)
+class Bolts:
+    """All bolts of a joint.
+
+    Parameters
+    ----------
+    number : int
+    stress_area : float
+        Of one bolt [m^2].
+    stiffness : float
+        k of all bolts together, with what is in series [N/m].
+    preload : tuple of float
+        F0 of all bolts together, for each load [N].
+    thermal_force : float
+        Change of their force by heat while the approach stays [N].
+    torque_factor : float or None
+        K d, torque of one bolt over its preload [m]; None where it is not known.
+    scatter : float
+        By which the preload may be off, relative.
+    """
+
+    number: int
+    stress_area: float
+    stiffness: float
+    preload: tuple[float, ...]
+    thermal_force: float = 0.0
+    torque_factor: float | None = None
+    scatter: float = 0.0
+
+    def force(self, preload: float, closer: float) -> float:
+        """Force of all bolts [N]; bolts do not push.
+
+        Parameters
+        ----------
+        preload : float
+            F0 [N].
+        closer : float
+            a - a0, how far the closure has come nearer to the seat since the bolts were tightened [m].
+
+        Examples
+        --------
+        >>> Bolts(4, 84.3e-6, 1e8, (40e3,)).force(40e3, -1e-5)
+        41000.0
+        """
+        return max(preload + self.thermal_force - self.stiffness * closer, 0.0)
+
+    def stress(self, force: float) -> float:
+        """Stress on the stress area of each bolt under a force of all [Pa].
+
+        Parameters
+        ----------
+        force : float
+            [N]
+        """
+        return force / (self.number * self.stress_area)
+
+    def torque(self, preload: float) -> float | None:
+        """Torque of each bolt for a preload of all [N m]; None where the nut factor is not known.
+
+        Parameters
+        ----------
+        preload : float
+            [N]
+        """
+        return None if self.torque_factor is None else self.torque_factor * preload / self.number
+
+
+def held_force(bolts: Bolts, preload: float, approach: Callable[[float], float], tightened: float) -> float:
+    """Force of all bolts where they and the contact hold each other [N].
+
+    The root F of F = F0 + k (a0 - a(F)) + dF.
+
+    Parameters
+    ----------
+    bolts : Bolts
+    preload : float
+        F0 [N].
+    approach : callable
+        Approach a [m] under an applied force [N], at the fluid pressure of the load; rises with the force.
+    tightened : float
+        Approach a0 under the preload, without fluid [m].
+
+    Raises
+    ------
+    ConvergenceError
+
+    Examples
+    --------
+    Bolts of 1e8 N/m on a contact of 3e8 N/m, of which a fluid takes 10 kN away:
+
+    >>> round(held_force(Bolts(4, 84.3e-6, 1e8, (40e3,)), 40e3, lambda F: (F - 10e3) / 3e8, 40e3 / 3e8), 3)
+    42500.0
+    """
+    steep = 1.0 + bolts.stiffness * max(tightened, 0.0) / preload
+    return _root(lambda force: force - bolts.force(preload, approach(force) - tightened), preload, steep)
+
+
+def preload_for(bolts: Bolts, force: float, approach: Callable[[float], float], at_load: float) -> float:
+    """Preload of all bolts with which they carry a force under a load [N], the inverse of `held_force`.
+
+    Parameters
+    ----------
+    bolts : Bolts
+    force : float
+        F at the load [N].
+    approach : callable
+        Approach a0 [m] under a preload [N], without fluid; rises with it.
+    at_load : float
+        Approach a at the load [m].
+
+    Raises
+    ------
+    ConvergenceError
+
+    Examples
+    --------
+    >>> bolts = Bolts(4, 84.3e-6, 1e8, (40e3,))
+    >>> round(preload_for(bolts, 42.5e3, lambda F: F / 3e8, 32.5e3 / 3e8), 3)
+    40000.0
+    """
+
+    def excess(preload: float) -> float:
+        return preload + bolts.thermal_force - bolts.stiffness * (at_load - approach(preload)) - force
+
+    return _root(excess, force, 1.0 + bolts.stiffness * max(at_load, 0.0) / force)
+
+
+# Accuracy of a force, of the one that is given.
+_ACCURACY = 1e-9
+_MOST_STEPS = 60
+
+
+def _root(excess: Callable[[float], float], start: float, steep: float) -> float:
+    """Root of a function that rises with a slope of one at least, by secants; the first step with a slope `steep`.
+
+    A value e at F leaves the root between F - e and F; a secant that leads out of what is left is a halving.
+    """
+    low, high = -math.inf, math.inf
+    at, slope, before = start, steep, None
+    for _ in range(_MOST_STEPS):
+        value = excess(at)
+        low, high = (max(low, at - value), min(high, at)) if value > 0.0 else (max(low, at), min(high, at - value))
+        if before is not None and at != before[0]:
+            slope = max((value - before[1]) / (at - before[0]), 1.0)
+        step = -value / slope
+        if abs(step) <= _ACCURACY * abs(start):
+            return at + step
+        before = at, value
+        at = at + step if low <= at + step <= high else 0.5 * (low + high)
+    raise ConvergenceError("the force of the bolts does not converge")
+
+
+def stiffness_of(
+    number: int, modulus: float, stress_area: float, length: float, in_series: float = math.inf
+) -> float:
+    """Stiffness k of all bolts in series with other parts [N/m].
+
+    Parameters
+    ----------
+    number : int
+    modulus : float
+        E [Pa].
+    stress_area : float
+        A of one bolt [m^2].
+    length : float
+        Clamped length L [m].
+    in_series : float
+        Stiffness of parts that are not among the bodies; infinite where they are rigid [N/m].
+
+    Examples
+    --------
+    >>> round(stiffness_of(4, 210e9, 84.3e-6, 0.04) / 1e6)
+    1770
+    """
+    return 1.0 / (length / (number * modulus * stress_area) + 1.0 / in_series)
