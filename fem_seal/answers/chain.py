@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 
 from fem_seal.answers.accuracy import ACCURACY
 from fem_seal.answers.answer import NOTHING_ELSE, Answer, Inquiry, Wanted, answered
+from fem_seal.answers.bolts import BOLTS
 from fem_seal.answers.error_shares import ERROR_SHARES
 from fem_seal.answers.findings import FINDINGS
 from fem_seal.answers.form import FORM
@@ -42,6 +43,7 @@ ANSWERS: tuple[Answer[Any], ...] = (
     ACCURACY,
     OPENING,
     TARGET,
+    BOLTS,
     FORM,
     PARTICLES,
     THEORIES,

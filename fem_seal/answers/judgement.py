@@ -5,10 +5,14 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import TYPE_CHECKING
 
 from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.findings import VALID, Validity
 from fem_seal.seal.load_result import LoadResult
+
+if TYPE_CHECKING:
+    from fem_seal.answers.bolts import BoltState
 
 
 class Verdict(StrEnum):
@@ -292,11 +296,14 @@ class JudgedLoad(LoadResult):
         The force at which the verdict passes; None if not asked.
     passing : PassProbability or None
         How likely it keeps that; None where nothing is asked.
+    bolts : BoltState or None
+        What each bolt carries; None without bolts.
     """
 
     judgement: Judgement | None = None
     verdict_force: VerdictForce | None = None
     passing: PassProbability | None = None
+    bolts: BoltState | None = None
 
     @classmethod
     def of(cls, load: LoadResult, **known: object) -> JudgedLoad:

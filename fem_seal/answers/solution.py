@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Self
 
 from fem_seal.answers.accuracy import ACCURACY, Comparison
+from fem_seal.answers.bolts import BOLTS
 from fem_seal.answers.error_shares import ERROR_SHARES
 from fem_seal.answers.form import FORM
 from fem_seal.answers.judgement import JudgedLoad, Judgement, SealJudgement, Verdict
@@ -32,6 +33,7 @@ class SealSolution(SolvedSeal):
     timings: dict[str, float] = field(default_factory=dict)
 
     accuracy = ACCURACY
+    bolts = BOLTS
     form = FORM
     particles = PARTICLES
     interface_variants = INTERFACE_VARIANTS

@@ -8,14 +8,16 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 
 from fem_seal.answers.answer import Answer, Inquiry
+from fem_seal.case.bolts import bolts_of
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import InputError
 from fem_seal.loads import contact_force
 from fem_seal.seal.findings import Finding, Level, Validity
+from fem_seal.seal.heating import warmed
 from fem_seal.seal.leak_model import LeakModel
 from fem_seal.seal.load_result import LoadResult, SolvedSeal
 from fem_seal.seal.load_solver import LoadSolver
-from fem_seal.seal.problem import SealFlow, SealProblem, largest_force
+from fem_seal.seal.problem import SealFlow, SealProblem, expected_forces, largest_force
 from fem_seal.seal.readings import WORDS
 from fem_seal.units import briefly, format_quantity, quantity
 from fem_seal.validity.checks import target_cautions, target_validity
@@ -81,7 +83,8 @@ def target_remarks(problem: SealProblem) -> tuple[str, ...]:
     problem : SealProblem
     """
     flow, target = SealFlow.of(problem), problem.loads.target_leak_rate
-    if flow is None or target is None:
+    if flow is None or target is None or problem.curves:
+        # of bodies that yield the closed form is too rough to say so
         return ()
     remarks = []
     for pressure in dict.fromkeys(problem.loads.fluid_pressure):
@@ -163,17 +166,34 @@ def contacts_at_target(
         flow = replace(flow, surface=flow.surface.reading(reading))
     # up and down again, or under several forces, a pressure may come more than once
     pressures = dict.fromkeys(problem.loads.fluid_pressure)
-    expected = {pressure: expected_contact_force(flow, pressure, target) for pressure in pressures}
+    expected = {pressure: _first_guess(flow, pressure, target) for pressure in pressures}
     found: dict[float, LoadResult] = {}
 
     def solve(solver: LoadSolver) -> Sequence[ContactSolution]:
         for pressure, force in expected.items():
             found[pressure] = _on_model(solver, flow, pressure, force, target)
         before = () if solver.earlier is None else (solver.earlier,)
-        return [*(contact for one in found.values() for contact in one.contacts), *before]
+        contacts = [contact for one in found.values() for contact in one.contacts]
+        tight = [one.earlier for one in contacts if problem.loads.bolts is not None and one.earlier is not None]
+        return [*contacts, *tight, *before]
 
-    LoadSolver.fitted(problem, [share * force for force in expected.values() for share in _MARGIN], solve)
+    forces = [*expected.values()]
+    if problem.loads.bolts is not None:
+        # before the fluid acts they are as large as the preload
+        r0, side = problem.initial_contact_radius, problem.loads.pressure_side
+        forces += [force - contact_force(r0, pressure, 0.0, side) for pressure, force in expected.items()]
+    LoadSolver.fitted(problem, [share * force for force in forces if force > 0 for share in _MARGIN], solve)
     return [found[pressure] for pressure in problem.loads.fluid_pressure]
+
+
+def _first_guess(flow: SealFlow, fluid_pressure: float, target: float) -> float:
+    """Force F_N from which the target is looked for [N]: the expected one, or for bodies that yield that of the loads."""
+    try:
+        return expected_contact_force(flow, fluid_pressure, target)
+    except InputError:
+        if not flow.problem.curves:
+            raise
+        return min(max(expected_forces(flow.problem)), largest_force(flow.problem))
 
 
 @dataclass(frozen=True)
@@ -184,6 +204,8 @@ class TargetForces:
     ----------
     force : sequence of float or None
         See `LoadResult.force_for_target` [N].
+    contact_force, preload : sequence of float or None
+        See `LoadResult.contact_force_for_target` and `preload_for_target` [N].
     validity : sequence of Validity or None
         Of the reading of the loads themselves.
     remarks : tuple of Finding
@@ -192,6 +214,8 @@ class TargetForces:
     """
 
     force: Sequence[float | None]
+    contact_force: Sequence[float | None]
+    preload: Sequence[float | None]
     validity: Sequence[Validity | None]
     remarks: tuple[Finding, ...] = ()
     others: Mapping[Reading, Sequence[float | None]] = field(default_factory=dict)
@@ -201,7 +225,7 @@ def _compute(seal: SolvedSeal, ask: Inquiry) -> TargetForces:
     none = [None] * len(seal.loads)
 
     def compute(what: str, reading: Reading | None = None) -> TargetForces:
-        return ask.steps.compute(what, partial(_forces, seal, reading), TargetForces(none, none))
+        return ask.steps.compute(what, partial(_forces, seal, reading), TargetForces(none, none, none, none))
 
     with ask.clock.step("questions", ""):
         own = compute(TARGET.what)
@@ -218,13 +242,22 @@ def _compute(seal: SolvedSeal, ask: Inquiry) -> TargetForces:
 def _forces(seal: SolvedSeal, reading: Reading | None) -> TargetForces:
     """Forces in a reading of yielding asperities; how good they are is looked at in that of the problem alone."""
     problem, none = seal.problem, [None] * len(seal.loads)
+    bolts = bolts_of(warmed(seal.case))
+    if bolts is not None:
+        # each force is looked for with its own preload before it
+        problem = replace(problem, loads=replace(problem.loads, earlier=None, tightened=(), bolts=bolts))
     try:
         found = contacts_at_target(problem, reading=reading)
     except InputError as error:
         when = "" if reading is None else f"{WORDS[reading].condition}: "
         texts = [f"{when}{one}" for one in error.problems]
-        return TargetForces(none, none, tuple(Finding("target", Level.DOUBTFUL, one, one) for one in texts))
-    forces = TargetForces([one.applied_force for one in found], none)
+        return TargetForces(none, none, none, none, tuple(Finding("target", Level.DOUBTFUL, one, one) for one in texts))
+    forces = TargetForces(
+        [one.applied_force for one in found],
+        [one.contact_force for one in found],
+        [one.preload_for_target for one in found],
+        none,
+    )
     if reading is not None:
         return forces
     validity = [target_validity(problem, one) for one in found]
@@ -234,7 +267,12 @@ def _forces(seal: SolvedSeal, reading: Reading | None) -> TargetForces:
 def _of_load(load: LoadResult, number: int, found: TargetForces | None) -> LoadResult:
     if found is None:
         return load
-    known = load.with_values(force_for_target=found.force[number], target_validity=found.validity[number])
+    known = load.with_values(
+        force_for_target=found.force[number],
+        contact_force_for_target=found.contact_force[number],
+        preload_for_target=found.preload[number],
+        target_validity=found.validity[number],
+    )
     return known.with_readings(
         {
             reading: load.reading(reading).with_values(force_for_target=forces[number])
@@ -278,7 +316,12 @@ def _on_model(
         excess(root)
     contact, applied_force = known[root]
     load = LoadResult(fluid_pressure, applied_force, contact, formed=solver.problem.around(contact))
-    return load.with_values(rough=LeakModel.of(flow.surface, flow.flow, load.contacts))
+    loads, preload = solver.problem.loads, None
+    if loads.bolts is not None:
+        r0 = solver.problem.initial_contact_radius
+        preload = max(math.exp(root) - contact_force(r0, fluid_pressure, 0.0, loads.pressure_side), 0.0)
+    rough = LeakModel.of(flow.surface, flow.flow, load.contacts)
+    return load.with_values(rough=rough, preload_for_target=preload)
 
 
 def _root_near(excess: Callable[[float], float], expected: float, highest: float = math.inf) -> float | None:

@@ -521,7 +521,8 @@ def _alone(seal: SolvedSeal, progress: Progress, fluid_pressure: float, applied_
 
 def _applies(seal: SolvedSeal, wanted: Wanted) -> bool:
     asked = wanted.verdict_force is not False and seal.case.load.target_leak_rate is not None
-    return asked and seal.problem.leaks
+    # with bolts the force is none that somebody applies
+    return asked and seal.case.bolts is None and seal.problem.leaks
 
 
 VERDICT_FORCE = Answer[Sequence[VerdictForce]](

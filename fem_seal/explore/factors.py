@@ -212,6 +212,8 @@ def _pressure(case: Case) -> Found:
 
 
 def _force(case: Case) -> Found:
+    if case.bolts is not None:
+        return ["The bolts give the force of the case: it is not offered as a slider."]
     forces = [force for _, force in case.load.points]
     largest = max(forces)
     if largest != min(forces) and min(forces) <= 0:

@@ -168,6 +168,20 @@ def _interval_end(load: LoadResult, which: int) -> float | None:
     return ends[which] if ends is not None and load.has_interval else None
 
 
+def _per_length(load: LoadResult, value: float | None) -> float | None:
+    """A number per length of the circle of first touch."""
+    return None if value is None else value / (2.0 * math.pi * load.contact.model.initial_contact_radius)
+
+
+def _of_bolt(name: str) -> Callable[[LoadResult], float | None]:
+    return lambda load: getattr(load.bolts, name, None) if isinstance(load, JudgedLoad) else None
+
+
+def _preload_end(load: LoadResult, which: int) -> float | None:
+    """Leak rate at the end of the preload where it is least (0) or largest (-1) [m^3/s]."""
+    return None if load.at_preload_ends is None else load.at_preload_ends[which]
+
+
 def _of_scratches(load: LoadResult, which: int) -> float | None:
     around = load.around
     return None if around is None or around.scratches is None else around.scratches[which]
@@ -207,6 +221,19 @@ _OF: dict[str, Callable[[LoadResult], float | None]] = {
     "leak_rate_round_m3_per_s": lambda load: None if load.formed is None else _rate(load.leak_round),
     "leak_rate_scratches_low_m3_per_s": lambda load: _of_scratches(load, 0),
     "leak_rate_scratches_high_m3_per_s": lambda load: _of_scratches(load, 1),
+    "line_load_for_target_N_per_m": lambda load: _per_length(load, load.contact_force_for_target),
+    "leak_rate_per_length_m2_per_s": lambda load: _per_length(load, _rate(load.leak)),
+    "leak_rate_per_length_kg_per_m_s": lambda load: _per_length(load, getattr(load.leak, "mass_flow", None)),
+    "leak_rate_per_length_Pa_m2_per_s": lambda load: _per_length(load, getattr(load.leak, "throughput", None)),
+    "bolt_preload_N": _of_bolt("preload"),
+    "bolt_torque_N_m": _of_bolt("torque"),
+    "bolt_force_N": _of_bolt("force"),
+    "bolt_stress_Pa": _of_bolt("stress"),
+    "leak_rate_least_preload_m3_per_s": lambda load: _preload_end(load, -1),
+    "leak_rate_largest_preload_m3_per_s": lambda load: _preload_end(load, 0),
+    "bolt_preload_for_target_N": _of_bolt("preload_for_target"),
+    "bolt_torque_for_target_N_m": _of_bolt("torque_for_target"),
+    "bolt_stress_for_target_Pa": _of_bolt("stress_for_target"),
     "force_for_verdict_N": _of_judged("force_for_verdict"),
     "margin": _of_judged("margin"),
     "pass_probability": _of_judged("pass_probability"),

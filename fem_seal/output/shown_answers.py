@@ -1,6 +1,7 @@
 """Contributions of all answers to files, report and terminal."""
 
 from fem_seal.output.answers import (
+    bolts,
     error_shares,
     form,
     particles,
@@ -14,5 +15,5 @@ from fem_seal.output.answers import (
 from fem_seal.output.shown import Shown
 
 # In the order on the terminal.
-_ANSWERS = target, form, particles, theories, variants, uncertainty, error_shares, verdict, sensitivities
+_ANSWERS = target, bolts, form, particles, theories, variants, uncertainty, error_shares, verdict, sensitivities
 SHOWN: tuple[Shown, ...] = tuple(one.SHOWN for one in _ANSWERS)

@@ -61,6 +61,10 @@ class LoadResult(ByReading):
         Fluid pressure that lifts the closure off at this applied force [Pa], infinite if none does; None if not asked.
     force_for_target : float or None
         Smallest applied force for which the leak rate stays below the target [N]; None if not asked or not found.
+    contact_force_for_target : float or None
+        Contact force F_N with it [N].
+    preload_for_target : float or None
+        Preload of all bolts with it [N]; None without bolts.
     validity : Validity
         How far the numbers can be trusted, and why no further; see guide/validity in the manual.
     target_validity : Validity or None
@@ -81,6 +85,8 @@ class LoadResult(ByReading):
         Whether the samples are those that a leak test has left; the inputs as given are then none of them.
     by_theory : mapping or None
         The load by theories of the rough contact that it is not calculated with; None where nobody asked.
+    at_preload_ends : Bounds or None
+        Leak rate with the least and the largest preload of its bolts [m^3/s]; None where the preload is taken as given.
     """
 
     fluid_pressure: float
@@ -91,6 +97,8 @@ class LoadResult(ByReading):
     effective_radius: float | None = None
     blow_off_pressure: float | None = None
     force_for_target: float | None = None
+    contact_force_for_target: float | None = None
+    preload_for_target: float | None = None
     validity: Validity = VALID
     target_validity: Validity | None = None
     opening: OpeningMargin | None = None
@@ -100,6 +108,7 @@ class LoadResult(ByReading):
     leak_rate_p50: float | None = None
     tested: bool = False
     by_theory: Mapping[str, LoadResult] | None = None
+    at_preload_ends: Bounds | None = None
 
     def __repr__(self) -> str:
         pressure = format_quantity("fluid pressure", self.fluid_pressure)
@@ -283,7 +292,14 @@ class LoadResult(ByReading):
         rough = None if self.rough is None else self.rough.reading(reading)
         if rough is self.rough:
             return self
-        return replace(self, rough=rough, force_for_target=None, target_validity=None)
+        return replace(
+            self,
+            rough=rough,
+            force_for_target=None,
+            contact_force_for_target=None,
+            preload_for_target=None,
+            target_validity=None,
+        )
 
     @property
     def readings(self) -> Mapping[Reading, Self]:
@@ -336,20 +352,21 @@ class LoadResult(ByReading):
         """Ends of the leak rate, wherever they are told or judged [m^3/s]; None without a leak rate.
 
         They hold all readings of yielding asperities or what a simulation leaves open, the samples of uncertain
-        inputs, and what the calculation may be off by (`leak_validity`).
+        inputs, the preload of bolts, and what the calculation may be off by (`leak_validity`).
         """
         if self.leak is None:
             return None
         known = [self.leak.leak_rate, *(self.leak_range or ()), *(self.sampled or ())]
         if self.tested and self.sampled is not None:
             known = [*self.sampled]
+        known += self.at_preload_ends or ()
         return Bounds.of(known).widened(self.leak_validity.leak_factor)
 
     @property
     def has_interval(self) -> bool:
         """Whether the ends of `leak_interval` are told as two numbers, or made of what could be two."""
         ends = self.leak_interval
-        made = self.leak_range is not None or self.sampled is not None
+        made = any(one is not None for one in (self.leak_range, self.sampled, self.at_preload_ends))
         return ends is not None and (made or ends.apart)
 
     @property
@@ -358,7 +375,12 @@ class LoadResult(ByReading):
         found = self._in_test
         if found is self:
             return self
+        own, other, ends = self.leak, found.leak, self.at_preload_ends
+        if own is not None and other is not None and ends is not None and own.leak_rate > 0.0:
+            # let through as much more of it as at the preload that is meant
+            ends = Bounds.of(one * other.leak_rate / own.leak_rate for one in ends)
         return found.with_values(
+            at_preload_ends=ends,
             sampled=self.sampled_in_test,
             leak_rate_p50=None,
             tested=self.tested,

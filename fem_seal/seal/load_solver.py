@@ -261,22 +261,41 @@ class LoadSolver:
         alone. With the fluid between the surfaces F_N is then what is left of the applied force by the circle of first
         touch, near to what they carry. `progress` is told now and then how far their path is.
 
+        With bolts F_N is what the fluid would leave of their preload if they were infinitely soft: the contact is the
+        one under the force that they have, after it has carried the preload.
+
         Raises
         ------
         InputError
             If bodies that yield are open there.
         ConvergenceError
         """
+        preload = contact_force - self._closes(fluid_pressure)
+        if self.problem.loads.bolts is not None and preload > 0.0:
+            return self._tightened(fluid_pressure, preload, progress)
         if self.yields:
-            applied = contact_force - self._closes(fluid_pressure)
-            return _end_of_path(self, [(fluid_pressure, applied)], progress=progress), applied
+            return _end_of_path(self, [(fluid_pressure, preload)], progress=progress), preload
         if self._on_sealed_area:
-            contact = self._sealed_area(contact_force, start).after(self.earlier)
-            return contact, contact_force - self._closes(fluid_pressure)
+            return self._sealed_area(contact_force, start).after(self.earlier), preload
         contact = solve_at_contact_force(
             self.seal, contact_force=contact_force, fluid_pressure=fluid_pressure, start=start
         ).after(self.earlier)
         return contact, contact.applied_force
+
+    def _tightened(
+        self, fluid_pressure: float, preload: float, progress: Progress | None
+    ) -> tuple[ContactSolution, float]:
+        """Contact at a fluid pressure [Pa] after a preload of all bolts [N], and their force [N]."""
+        loads = self.problem.loads
+        point, tight = (fluid_pressure, preload), (0.0, preload)
+        own = replace(loads, points=(point,), refused={}, earlier=tight, tightened=())
+        solver = replace(self, problem=replace(self.problem, loads=own))
+        if not self.yields:
+            assert loads.bolts is not None  # of all who ask
+            (_, force), contact = solver.held_by_bolts(0, loads.bolts)
+            return contact, force
+        end = _end_of_path(solver, [point], progress=progress)
+        return end, self.point_of(fluid_pressure, end)[1]
 
     def blow_off_pressure(self, applied_force: float, contact: ContactSolution | None = None) -> float:
         """Fluid pressure at which the fluid lifts the closure off [Pa], infinite if it does not.

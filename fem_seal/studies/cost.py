@@ -25,7 +25,12 @@ _FOR_SHARE = 15
 
 def is_target(column: str) -> bool:
     """Whether a column takes the search for the force with which a target leak rate is kept."""
-    return column.startswith("force_for_target")
+    return "_for_target" in column
+
+
+def is_of_bolts(column: str) -> bool:
+    """Whether a column takes the state of the bolts."""
+    return column.startswith("bolt_") or "_preload_" in column or column in INTERVAL
 
 
 def design_seconds(case: Case, columns: Collection[str]) -> float:

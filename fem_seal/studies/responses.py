@@ -15,6 +15,7 @@ import scipy.interpolate  # noqa: F401
 
 from fem_seal.answers.accuracy import ACCURACY
 from fem_seal.answers.answer import Answer, Inquiry, Wanted, answered
+from fem_seal.answers.bolts import BOLTS
 from fem_seal.answers.chain import solve
 from fem_seal.answers.findings import FINDINGS
 from fem_seal.answers.judgement import JudgedLoad, Verdict
@@ -33,7 +34,7 @@ from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.problem import SealProblem
 from fem_seal.seal.readings import FURTHER, leak_rate_column
 from fem_seal.seal.sources import EXACT, Shared, Source, family_or_own_table
-from fem_seal.studies.cost import FORCE_FOR_VERDICT, INTERVAL, PASSING, is_target
+from fem_seal.studies.cost import FORCE_FOR_VERDICT, INTERVAL, PASSING, is_of_bolts, is_target
 from fem_seal.validity.checks import validity_of
 from leak.theory.plasticity import READINGS
 
@@ -147,6 +148,8 @@ def _with_answers(found: Evaluation, case: Case, columns: Sequence[str]) -> Load
     answers: list[Answer[Any]] = [OPENING]
     if any(map(is_target, columns)):
         answers.append(TARGET)
+    if any(map(is_of_bolts, columns)):
+        answers.append(BOLTS)
     if not _THEORIES.isdisjoint(columns):
         answers.append(THEORIES)
     if found.seal_mesh is not None and not INTERVAL.isdisjoint(columns):

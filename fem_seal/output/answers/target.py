@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.answers.solution import SealSolution
+from fem_seal.case.fields import Throughput
 from fem_seal.output.answers.verdict import force_to_pass, verdict_force_sentences
 from fem_seal.output.columns import SHOWN_COLUMNS
 from fem_seal.output.prose import other_reading, phrase
@@ -45,7 +46,7 @@ def valve_facts(result: SealSolution, load: JudgedLoad) -> Iterator[tuple[str, s
         yield (
             TARGET_FORCE,
             range_text(low, high),
-            phrase("facts.remark", both, target=_target(result, target)),
+            phrase("facts.remark", both, target=target_text(result, target)),
         )
     if found := load.verdict_force:
         none = "none" if found.looked_for else "not calculated"
@@ -72,13 +73,18 @@ def _target_reasons(result: SealSolution, load: LoadResult) -> Iterator[str]:
     target, force = result.case.load.target_leak_rate, load.force_for_target
     if target is None or force is None:
         return
-    acting = load.applied_force
+    acting, contact = load.applied_force, load.contact_force_for_target
+    bolted = load.preload_for_target is not None
+    r0 = load.contact.model.initial_contact_radius
     sentence = phrase(
         "reasons.target",
-        "force",
-        ("more" if force > acting else "less") if acting else "none",
+        "bolted" if bolted else "force",
+        "" if bolted else ("more" if force > acting else "less") if acting else "none",
         "fluid" if force < 0 else "",
-        target=_target(result, target),
+        "" if contact is None else "line",
+        contact=contact,
+        line_load=None if contact is None else 1e-3 * contact / (2 * math.pi * r0),
+        target=target_text(result, target),
         force=_target_force(load, force),
         difference=abs(force - acting),
         digits=load.digits_of("force_for_target"),
@@ -97,7 +103,17 @@ def _other_forces(load: LoadResult) -> dict[Reading, float]:
     return {reading: force for reading, force in found.items() if force is not None}
 
 
-def _target(result: SealSolution, leak_rate: float) -> str:
+def target_text(result: SealSolution, leak_rate: float) -> str:
+    """The target leak rate as it was written, of a gas with its state.
+
+    Parameters
+    ----------
+    result : SealSolution
+    leak_rate : float
+        [m^3/s]
+    """
+    if isinstance(leak_rate, Throughput):
+        return format_quantity("throughput", leak_rate.pressure_volume)
     state = volume_of(result.case).state
     return f"{format_quantity('flow', leak_rate)} at {state}" if state else format_quantity("flow", leak_rate)
 

@@ -289,6 +289,8 @@ def remembered(result: SealSolution) -> list[str]:
     earlier = earlier_load(result.case.load)
     remembers = any(load.remembers for load in result.loads)
     if not earlier:
+        if result.bolts is not None and result.problem.loads.earlier is not None:
+            return [phrase("notes.headline", "tightened")] if remembers else []
         return [phrase("notes.headline", "path")] if remembers else []
     return [
         phrase("notes.headline", "remembers" if remembers or result.unloaded else "forgets", earlier=earlier)

@@ -1,0 +1,144 @@
+"""What the bolts of a seal carry under each load, and the torque that keeps the leak rate below a target."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from fem_seal.answers.answer import Answer, Inquiry
+from fem_seal.bolts import Bolts
+from fem_seal.case.bolts import bolts_of
+from fem_seal.errors import ConvergenceError
+from fem_seal.seal.bounds import Bounds
+from fem_seal.seal.heating import warmed
+from fem_seal.seal.leak_model import LeakModel
+from fem_seal.seal.load_result import LoadResult, SolvedSeal
+from fem_seal.seal.load_solver import LoadSolver, solve_loads
+
+
+@dataclass(frozen=True)
+class BoltState:
+    """Bolts under one load; all numbers are of one bolt.
+
+    Parameters
+    ----------
+    preload, force : float
+        Tightened without fluid, and under the load [N].
+    stress : float
+        Of the larger of both on the stress area [Pa].
+    utilisation : float or None
+        This stress over the yield stress; None where that is not known.
+    torque : float or None
+        With which the preload is reached [N m]; None where it is not known.
+    preload_for_target, torque_for_target, stress_for_target : float or None
+        The smallest preload with which the leak rate stays below the target [N], its torque [N m], and the stress under
+        the larger of preload and load [Pa]; None if not asked or not found.
+    """
+
+    preload: float
+    force: float
+    stress: float
+    utilisation: float | None = None
+    torque: float | None = None
+    preload_for_target: float | None = None
+    torque_for_target: float | None = None
+    stress_for_target: float | None = None
+
+
+@dataclass(frozen=True)
+class BoltAnswers:
+    """Bolts of a seal under its loads.
+
+    Parameters
+    ----------
+    bolts : Bolts
+    loads : tuple of BoltState
+        One for each load.
+    leak_rates : tuple of Bounds or None
+        Leak rate of each load at the ends of the preload's scatter [m^3/s]; None without scatter.
+    """
+
+    bolts: Bolts
+    loads: tuple[BoltState, ...]
+    leak_rates: tuple[Bounds | None, ...]
+
+
+def _compute(seal: SolvedSeal, ask: Inquiry) -> BoltAnswers:
+    bolts = bolts_of(warmed(seal.case))
+    assert bolts is not None  # of `applies`
+    material = None if seal.case.bolts is None else seal.case.bolts.material
+    strength = None if material is None else material.yield_stress
+    states = tuple(
+        _state(bolts, preload, load, strength) for preload, load in zip(bolts.preload, seal.loads, strict=True)
+    )
+    nothing = (None,) * len(states)
+    ends = nothing if bolts.scatter == 0.0 else ask.steps.compute(
+        "leak rate at the ends of the preload", lambda: _leak_at_ends(seal, ask, bolts), nothing
+    )
+    return BoltAnswers(bolts, states, tuple(ends))
+
+
+def _state(bolts: Bolts, preload: float, load: LoadResult, strength: float | None) -> BoltState:
+    number, target, applied = bolts.number, load.preload_for_target, load.force_for_target
+    stress, known = bolts.stress(max(preload, load.applied_force)), target is not None and applied is not None
+    torques = [None if one is None else bolts.torque(one) for one in (preload, target)]
+    return BoltState(
+        preload / number,
+        load.applied_force / number,
+        stress,
+        None if strength is None else stress / strength,
+        torques[0],
+        None if target is None else target / number,
+        torques[1],
+        bolts.stress(max(target, applied)) if known else None,  # type: ignore[type-var]
+    )
+
+
+def _leak_at_ends(seal: SolvedSeal, ask: Inquiry, bolts: Bolts) -> Sequence[Bounds | None]:
+    """Leak rate of each load with all bolts at the least and at the largest preload."""
+    rates = [_leak_rates(seal, ask, bolts, 1.0 + end * bolts.scatter) for end in (-1.0, 1.0)]
+    return [None if math.isnan(low + high) else Bounds.of((low, high)) for low, high in zip(*rates, strict=True)]
+
+
+def _leak_rates(seal: SolvedSeal, ask: Inquiry, bolts: Bolts, factor: float) -> list[float]:
+    """Leak rate of each load with another preload, infinite where it opens the seal [m^3/s]; NaN where not found."""
+    problem, loads = seal.problem, seal.problem.loads
+    preloads = [factor * one for one in bolts.preload]
+    loads = replace(
+        loads,
+        points=tuple(zip(loads.fluid_pressure, preloads, strict=True)),
+        earlier=None if loads.earlier is None else (0.0, preloads[0]),
+        bolts=replace(bolts, preload=tuple(preloads)),
+        tightened=tuple(factor * one for one in loads.tightened),
+    )
+    solved = solve_loads(LoadSolver(replace(problem, loads=loads), seal.model), ask.clock.progress)
+    numbers = [number for number in range(len(preloads)) if number not in solved.failures]
+    found = [
+        LoadResult(*solved.points[number], contact, formed=formed)
+        for number, contact, formed in zip(numbers, solved.contacts, solved.around, strict=True)
+    ]
+    rough = LeakModel.of(problem.surface, problem.flow, [one for load in found for one in load.contacts])
+    leaks = [load.with_values(rough=rough).leak for load in found]
+    rates = {number: math.nan if leak is None else leak.leak_rate for number, leak in zip(numbers, leaks, strict=True)}
+    for number, error in solved.failures.items():
+        # what does not converge says nothing; all else leaves the seal open
+        rates[number] = math.nan if isinstance(error, ConvergenceError) else math.inf
+    return [rates[number] for number in sorted(rates)]
+
+
+def _of_load(load: LoadResult, number: int, found: BoltAnswers | None) -> LoadResult:
+    if found is None:
+        return load
+    return load.with_values(bolts=found.loads[number], at_preload_ends=found.leak_rates[number])
+
+
+BOLTS = Answer[BoltAnswers | None](
+    "bolts",
+    "force of the bolts",
+    _compute,
+    None,
+    lambda seal, wanted: seal.case.bolts is not None,
+    _of_load,
+    doing="bolts",
+)

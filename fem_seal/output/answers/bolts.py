@@ -1,0 +1,93 @@
+"""What the bolts of a seal carry: facts on the terminal, section and table of the report."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import asdict, replace
+from typing import TYPE_CHECKING, Any
+
+from fem_seal.answers.leakage_class import volume_of
+from fem_seal.output.answers.target import target_text
+from fem_seal.output.columns import SHOWN_COLUMNS
+from fem_seal.output.prose import phrase
+from fem_seal.output.shown import ReadableTable, Section, Shown, columns_table, filled_column, worded_section
+from fem_seal.seal.load_names import load_name
+
+if TYPE_CHECKING:
+    from fem_seal.answers.solution import SealSolution
+
+
+def bolts_in_words(result: SealSolution) -> list[str]:
+    """The bolts at the load with the highest fluid pressure; empty without bolts.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    return [] if result.bolts is None or result.highest.bolts is None else list(_sentences(result))
+
+
+def _sentences(result: SealSolution) -> Iterator[str]:
+    load, found = result.highest, result.bolts
+    state, at = load.bolts, load_name(load, result.loads)
+    assert found is not None and state is not None  # of all who ask
+    yield phrase(
+        "bolts.state",
+        "preload",
+        "torque" if state.torque is not None else "",
+        "force",
+        "heat" if found.bolts.thermal_force else "",
+        "stress",
+        "" if state.utilisation is None else "yields" if state.utilisation > 1.0 else "strength",
+        load=at,
+        bolts=found.bolts,
+        state=state,
+        heat=found.bolts.thermal_force / found.bolts.number,
+    )
+    if load.at_preload_ends is not None:
+        kind = "scatter" if load.at_preload_ends[1] < float("inf") else "scatter_opens"
+        volume = volume_of(result.case).state
+        gas = f" (gas at {volume})" if volume else ""
+        yield phrase("bolts.leak", kind, load=at, share=found.bolts.scatter, ends=load.at_preload_ends, gas=gas)
+    yield from _target(result)
+
+
+def _target(result: SealSolution) -> Iterator[str]:
+    load, target = result.highest, result.case.load.target_leak_rate
+    state, force = load.bolts, load.contact_force_for_target
+    if target is None or force is None or state is None or state.preload_for_target is None:
+        return
+    yield phrase(
+        "bolts.target",
+        "preload",
+        "torque" if state.torque_for_target is not None else "",
+        "stress" if state.stress_for_target is not None else "",
+        target=target_text(result, target),
+        load=load_name(load, result.loads),
+        state=state,
+    )
+
+
+def bolt_table(result: SealSolution) -> ReadableTable:
+    """Bolts at each load; no rows without them."""
+    if result.bolts is None:
+        return ReadableTable((), ())
+    return columns_table([filled_column(name, result) for name in SHOWN_COLUMNS["bolts"]])
+
+
+def _numbers(result: SealSolution) -> dict[str, Any] | None:
+    found = result.bolts
+    if found is None:
+        return None
+    return {**asdict(replace(found.bolts, preload=())), "loads": [asdict(one) for one in found.loads]}
+
+
+def _section(result: SealSolution) -> Section | None:
+    return worded_section("bolts", bolts_in_words(result), bolt_table(result))
+
+
+SHOWN = Shown(
+    summary=lambda result: {} if result.bolts is None else {"bolts": _numbers(result)},
+    section=_section,
+    lines=bolts_in_words,
+)
