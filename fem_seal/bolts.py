@@ -212,7 +212,9 @@ def _root(excess: Callable[[float], float], start: float, steep: float) -> float
     at, slope, before = start, steep, None
     for _ in range(_MOST_STEPS):
         value = excess(at)
-        low, high = (max(low, at - value), min(high, at)) if value > 0.0 else (max(low, at), min(high, at - value))
+        low, high = (
+            (max(low, at - value), min(high, at)) if value > 0.0 else (max(low, at), min(high, at - value))
+        )
         if before is not None and at != before[0]:
             slope = max((value - before[1]) / (at - before[0]), 1.0)
         step = -value / slope

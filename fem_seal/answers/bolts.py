@@ -70,11 +70,16 @@ def _compute(seal: SolvedSeal, ask: Inquiry) -> BoltAnswers:
     material = None if seal.case.bolts is None else seal.case.bolts.material
     strength = None if material is None else material.yield_stress
     states = tuple(
-        _state(bolts, preload, load, strength) for preload, load in zip(bolts.preload, seal.loads, strict=True)
+        _state(bolts, preload, load, strength)
+        for preload, load in zip(bolts.preload, seal.loads, strict=True)
     )
     nothing = (None,) * len(states)
-    ends = nothing if bolts.scatter == 0.0 else ask.steps.compute(
-        "leak rate at the ends of the preload", lambda: _leak_at_ends(seal, ask, bolts), nothing
+    ends = (
+        nothing
+        if bolts.scatter == 0.0
+        else ask.steps.compute(
+            "leak rate at the ends of the preload", lambda: _leak_at_ends(seal, ask, bolts), nothing
+        )
     )
     return BoltAnswers(bolts, states, tuple(ends))
 
@@ -98,7 +103,9 @@ def _state(bolts: Bolts, preload: float, load: LoadResult, strength: float | Non
 def _leak_at_ends(seal: SolvedSeal, ask: Inquiry, bolts: Bolts) -> Sequence[Bounds | None]:
     """Leak rate of each load with all bolts at the least and at the largest preload."""
     rates = [_leak_rates(seal, ask, bolts, 1.0 + end * bolts.scatter) for end in (-1.0, 1.0)]
-    return [None if math.isnan(low + high) else Bounds.of((low, high)) for low, high in zip(*rates, strict=True)]
+    return [
+        None if math.isnan(low + high) else Bounds.of((low, high)) for low, high in zip(*rates, strict=True)
+    ]
 
 
 def _leak_rates(seal: SolvedSeal, ask: Inquiry, bolts: Bolts, factor: float) -> list[float]:
@@ -120,7 +127,10 @@ def _leak_rates(seal: SolvedSeal, ask: Inquiry, bolts: Bolts, factor: float) -> 
     ]
     rough = LeakModel.of(problem.surface, problem.flow, [one for load in found for one in load.contacts])
     leaks = [load.with_values(rough=rough).leak for load in found]
-    rates = {number: math.nan if leak is None else leak.leak_rate for number, leak in zip(numbers, leaks, strict=True)}
+    rates = {
+        number: math.nan if leak is None else leak.leak_rate
+        for number, leak in zip(numbers, leaks, strict=True)
+    }
     for number, error in solved.failures.items():
         # what does not converge says nothing; all else leaves the seal open
         rates[number] = math.nan if isinstance(error, ConvergenceError) else math.inf

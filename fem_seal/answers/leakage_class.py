@@ -10,6 +10,7 @@ from fem_seal.answers.judgement import Limit
 from fem_seal.case.fields import Bubbles
 from fem_seal.seal.leak_model import ROOM_TEMPERATURE, TEST_GASES, TEST_TEMPERATURES, gas_of_test
 from fem_seal.units import LIQUID, LeakVolume, quantity
+from leak.standards import STANDARD_PRESSURE
 
 if TYPE_CHECKING:
     from fem_seal.case.case import Case
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
     from leak import LeakageClass
 
 
+# Standards whose limits are per length of the seal.
+PER_LENGTH = frozenset({"VDI 2440", "EN 13555", "ISO 15848-1"})
 # What the standards test with: liquids no thicker than water.
 _TEST_LIQUID = "water"
 
@@ -186,12 +189,14 @@ def next_class(case: Case, load: LoadResult) -> NextClass | None:
     """
     from leak import leakage_limits
 
-    if load.leak is None or load.validity.outside:
+    if load.leak is None or load.leak_interval is None or load.validity.outside:
         return None
-    _, high = in_the_test(case, load)
-    gas = load.leak.throughput is not None
-    limits = leakage_limits(nominal_size(case).size, gas=gas, bubble_volume=_bubble_volume(case))
-    missed = [one for one in limits if one.standard == limits[0].standard and 0 < one.leak_rate < high]
+    size, gas = nominal_size(case).size, load.leak.throughput is not None
+    per_length = _per_length(case) if is_flange(case) else {}
+    high = load.leak_interval[1] if per_length else in_the_test(case, load)[1]
+    limits = leakage_limits(size, gas=gas, bubble_volume=_bubble_volume(case), **per_length)
+    first = "EN 13555" if per_length else limits[0].standard
+    missed = [one for one in limits if one.standard == first and 0 < one.leak_rate < high]
     if not missed or math.isinf(high):
         return None
     closest = max(missed, key=lambda one: one.leak_rate)
@@ -213,9 +218,13 @@ def leakage_classes(case: Case, load: LoadResult) -> tuple[LeakageClass, ...]:
     load : LoadResult
     """
     from leak import leakage_class
+    from leak.standards import class_per_length
 
-    if load.leak is None or load.validity.outside:
+    if load.leak is None or load.leak_interval is None or load.validity.outside:
         return ()
+    if is_flange(case):
+        ends = load.leak_interval
+        return class_per_length(ends[0], **_per_length(case), highest=ends[1])
     size = nominal_size(case)
     low, high = in_the_test(case, load)
     return leakage_class(
@@ -227,6 +236,49 @@ def leakage_classes(case: Case, load: LoadResult) -> tuple[LeakageClass, ...]:
         bubble_volume=_bubble_volume(case),
         highest=high,
     )
+
+
+def is_flange(case: Case) -> bool:
+    """Whether a seal is judged per length as a flange joint: bolts close it, and gas leaks.
+
+    Parameters
+    ----------
+    case : Case
+    """
+    return case.bolts is not None and case.fluid is not None and case.fluid.gas is not None
+
+
+def class_size(case: Case, *, per_length: bool | None = None) -> tuple[str, str]:
+    """What the classes of a case refer to, in short and in words: its nominal size, or the length of its seal.
+
+    Parameters
+    ----------
+    case : Case
+    per_length : bool, optional
+        Whether they are classes per length; those of a flange joint are unless given.
+    """
+    if is_flange(case) if per_length is None else per_length:
+        length = f"{quantity('length', seal_length(case))} of seal"
+        return length, length
+    size = nominal_size(case)
+    return f"DN {1e3 * size.size:.4g}", str(size)
+
+
+def seal_length(case: Case) -> float:
+    """Circumference of the circle of first touch, to which leak rates per length refer [m].
+
+    Parameters
+    ----------
+    case : Case
+    """
+    return 2.0 * math.pi * case.initial_contact_radius
+
+
+def _per_length(case: Case) -> dict[str, float]:
+    """Length and density of the classes per length."""
+    gas = None if case.fluid is None else case.fluid.gas
+    found = {"seal_length": seal_length(case)}
+    return found if gas is None else {**found, "density": gas.density(STANDARD_PRESSURE)}
 
 
 def _bubble_volume(case: Case) -> float | None:
@@ -278,10 +330,14 @@ def _of_class(
         seat_diameter=size.diameter,
         rated_capacity=required.rated_capacity,
         bubble_volume=required.bubble_volume,
+        **_per_length(case),
     )
     found = [one.leak_rate for one in known if (one.standard, one.name) == wanted]
     name = " ".join(wanted)
     test_fluid, ratio = test_of(fluid, fluid_pressure, load)
+    if wanted[0] in PER_LENGTH:
+        # with helium, which the fluid of the case is if it is so tested
+        test_fluid, ratio = "", (1.0, 1.0)
     if not found:
         # class VI of FCI 70-2 ends at a diameter
         return Limit(name, math.nan, 0.0, test_fluid, ratio)

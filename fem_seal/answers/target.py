@@ -174,7 +174,9 @@ def contacts_at_target(
             found[pressure] = _on_model(solver, flow, pressure, force, target)
         before = () if solver.earlier is None else (solver.earlier,)
         contacts = [contact for one in found.values() for contact in one.contacts]
-        tight = [one.earlier for one in contacts if problem.loads.bolts is not None and one.earlier is not None]
+        tight = [
+            one.earlier for one in contacts if problem.loads.bolts is not None and one.earlier is not None
+        ]
         return [*contacts, *tight, *before]
 
     forces = [*expected.values()]
@@ -187,7 +189,7 @@ def contacts_at_target(
 
 
 def _first_guess(flow: SealFlow, fluid_pressure: float, target: float) -> float:
-    """Force F_N from which the target is looked for [N]: the expected one, or for bodies that yield that of the loads."""
+    """Force F_N from which the target is looked for [N]: the expected one; of bodies that yield also that of the loads."""
     try:
         return expected_contact_force(flow, fluid_pressure, target)
     except InputError:
@@ -251,7 +253,9 @@ def _forces(seal: SolvedSeal, reading: Reading | None) -> TargetForces:
     except InputError as error:
         when = "" if reading is None else f"{WORDS[reading].condition}: "
         texts = [f"{when}{one}" for one in error.problems]
-        return TargetForces(none, none, none, none, tuple(Finding("target", Level.DOUBTFUL, one, one) for one in texts))
+        return TargetForces(
+            none, none, none, none, tuple(Finding("target", Level.DOUBTFUL, one, one) for one in texts)
+        )
     forces = TargetForces(
         [one.applied_force for one in found],
         [one.contact_force for one in found],

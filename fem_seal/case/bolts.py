@@ -39,9 +39,7 @@ class BoltsTable(Table):
     torque_scatter: Annotated[float, Number(0, 0.9)] = 0.0
     stiffness: Annotated[float, Quantity("stiffness", "1 N/m", "1e15 N/m")] | None = None
     temperature: Kelvin | None = None
-    thermal_expansion: (
-        Annotated[float, Quantity("thermal expansion", "-1e-4 1/K", "1e-3 1/K")] | None
-    ) = None
+    thermal_expansion: Annotated[float, Quantity("thermal expansion", "-1e-4 1/K", "1e-3 1/K")] | None = None
 
     @model_validator(mode="after")
     def _consistent(self) -> BoltsTable:

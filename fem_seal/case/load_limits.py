@@ -84,7 +84,9 @@ def _open(case: CaseTables, fluid_pressure: float, applied_force: float) -> Load
         return None
     if case.bolts is not None:
         force, held = briefly("force", needed), briefly("force", applied_force)
-        return load_problem("bolts_open", pressure=fluid_pressure / 1e5, radius=mm(r0), force=force, applied=held)
+        return load_problem(
+            "bolts_open", pressure=fluid_pressure / 1e5, radius=mm(r0), force=force, applied=held
+        )
     return load_problem(
         "lifted" if penetrates else "open",
         pressure=fluid_pressure / 1e5,

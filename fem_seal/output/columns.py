@@ -224,7 +224,9 @@ _OF: dict[str, Callable[[LoadResult], float | None]] = {
     "line_load_for_target_N_per_m": lambda load: _per_length(load, load.contact_force_for_target),
     "leak_rate_per_length_m2_per_s": lambda load: _per_length(load, _rate(load.leak)),
     "leak_rate_per_length_kg_per_m_s": lambda load: _per_length(load, getattr(load.leak, "mass_flow", None)),
-    "leak_rate_per_length_Pa_m2_per_s": lambda load: _per_length(load, getattr(load.leak, "throughput", None)),
+    "leak_rate_per_length_Pa_m2_per_s": lambda load: _per_length(
+        load, getattr(load.leak, "throughput", None)
+    ),
     "bolt_preload_N": _of_bolt("preload"),
     "bolt_torque_N_m": _of_bolt("torque"),
     "bolt_force_N": _of_bolt("force"),

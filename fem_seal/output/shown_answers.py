@@ -15,5 +15,16 @@ from fem_seal.output.answers import (
 from fem_seal.output.shown import Shown
 
 # In the order on the terminal.
-_ANSWERS = target, bolts, form, particles, theories, variants, uncertainty, error_shares, verdict, sensitivities
+_ANSWERS = (
+    target,
+    bolts,
+    form,
+    particles,
+    theories,
+    variants,
+    uncertainty,
+    error_shares,
+    verdict,
+    sensitivities,
+)
 SHOWN: tuple[Shown, ...] = tuple(one.SHOWN for one in _ANSWERS)

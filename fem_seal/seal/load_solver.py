@@ -502,9 +502,7 @@ def _solved_path(solver: LoadSolver, progress: Progress | None) -> SolvedLoads:
         solved = zip(closed, path.contacts, strict=False)
         held = {number: solver.point_of(points[number][0], contact) for number, contact in solved}
     failures = dict(sorted(failures.items()))
-    return SolvedLoads(
-        path.contacts, path.unloaded, failures, not_unloaded, earlier=earlier, points=held
-    )
+    return SolvedLoads(path.contacts, path.unloaded, failures, not_unloaded, earlier=earlier, points=held)
 
 
 def _problem(error: Exception) -> LoadProblem:

@@ -48,7 +48,9 @@ def _sentences(result: SealSolution) -> Iterator[str]:
         kind = "scatter" if load.at_preload_ends[1] < float("inf") else "scatter_opens"
         volume = volume_of(result.case).state
         gas = f" (gas at {volume})" if volume else ""
-        yield phrase("bolts.leak", kind, load=at, share=found.bolts.scatter, ends=load.at_preload_ends, gas=gas)
+        yield phrase(
+            "bolts.leak", kind, load=at, share=found.bolts.scatter, ends=load.at_preload_ends, gas=gas
+        )
     yield from _target(result)
 
 

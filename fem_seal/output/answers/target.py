@@ -15,7 +15,7 @@ from fem_seal.output.columns import SHOWN_COLUMNS
 from fem_seal.output.prose import other_reading, phrase
 from fem_seal.output.shown import ReadableTable, Shown, columns_table, filled_column
 from fem_seal.seal.load_result import LoadResult
-from fem_seal.units import format_digits, format_quantity, quantity, range_text, unit_for
+from fem_seal.units import format_digits, format_quantity, number, quantity, range_text, unit_for
 
 if TYPE_CHECKING:
     from fem_seal.answers.judgement import JudgedLoad
@@ -113,7 +113,8 @@ def target_text(result: SealSolution, leak_rate: float) -> str:
         [m^3/s]
     """
     if isinstance(leak_rate, Throughput):
-        return format_quantity("throughput", leak_rate.pressure_volume)
+        unit = unit_for("throughput", leak_rate.pressure_volume)
+        return f"{number(unit.of(leak_rate.pressure_volume))} {unit.name}"
     state = volume_of(result.case).state
     return f"{format_quantity('flow', leak_rate)} at {state}" if state else format_quantity("flow", leak_rate)
 

@@ -8,7 +8,14 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from fem_seal.answers.judgement import Limit, SealJudgement, Utilisation, VerdictReason
-from fem_seal.answers.leakage_class import OF_LEAK_RATE, limits, next_class, nominal_size, volume_of
+from fem_seal.answers.leakage_class import (
+    OF_LEAK_RATE,
+    PER_LENGTH,
+    class_size,
+    limits,
+    next_class,
+    volume_of,
+)
 from fem_seal.case.fields import Bubbles, NormalVolume, Throughput
 from fem_seal.output.answers.uncertainty import told_after_test
 from fem_seal.output.prose import phrase
@@ -467,7 +474,8 @@ def requirement_lines(case: Case) -> list[str]:
         lines.append(phrase("verdict.check", "volume", state=fluid.volume.state))
     for limit in limits(case, case.load.fluid_pressure[0]):
         if limit.name != OF_LEAK_RATE:
-            lines.append(phrase("verdict.check", "size", size=nominal_size(case)))
+            per_length = limit.name.startswith(tuple(PER_LENGTH))
+            lines.append(phrase("verdict.check", "size", size=class_size(case, per_length=per_length)[1]))
         if limit.bubble_volume is not None:
             lines.append(phrase("verdict.check", "bubble", volume=_bubble(limit.bubble_volume)))
         if limit.test_fluid:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem_seal.answers.leakage_class import leakage_classes, nominal_size, test_of, volume_of
+from fem_seal.answers.leakage_class import class_size, is_flange, leakage_classes, test_of, volume_of
 from fem_seal.answers.solution import SealSolution
 from fem_seal.contact.solution import PlasticZone, yielding_of
 from fem_seal.output.answers.target import TARGET_FORCE, opening_reasons, opens_at, valve_facts
@@ -235,12 +235,12 @@ def readings_in_words(load: LoadResult, volume: LeakVolume = LIQUID) -> str:
 
 def _class_fact(case: Case, load: LoadResult) -> Fact:
     """The best class, or that none can be claimed."""
-    size, classes = nominal_size(case), leakage_classes(case, load)
-    name = f"Leakage class, DN {1e3 * size.size:.4g}"
+    (short, size), classes = class_size(case), leakage_classes(case, load)
+    name = f"Leakage class, {short}"
     if not classes:
         return Fact(name, "not claimed", "leak rate outside the theory")
     best = next((one for one in classes if one.name), classes[0])
-    remarks = (classes_in_words(classes), str(size), judged_as(case, load))
+    remarks = (classes_in_words(classes), size, judged_as(case, load))
     return Fact(name, str(best), "; ".join(filter(None, remarks)))
 
 
@@ -616,6 +616,8 @@ def judged_as(case: Case, load: LoadResult) -> str:
     load : LoadResult
     """
     assert case.fluid is not None
+    if is_flange(case):
+        return ""
     fluid, ratio = test_of(case.fluid, load.fluid_pressure, load)
     return phrase("readings.classes", "test_fluid", fluid=fluid, ratio=tuple(sorted(ratio))) if fluid else ""
 
@@ -644,7 +646,7 @@ def leakage_lines(case: Case, load: LoadResult, loads: Sequence[LoadResult]) -> 
         f"Leak rate at {at}: {told}{doubt}",
         *(f"  {one}" for one in held_in_words(case, load)),
         *([f"  {_as_given(case, load)}"] if load.sampled is not None else []),
-        f"Leakage class for {nominal_size(case)}: {classes}{why}",
+        f"Leakage class for {class_size(case)[1]}: {classes}{why}",
         *([f"  {tested[0].upper()}{tested[1:]}"] if tested else []),
     ]
 
