@@ -82,8 +82,6 @@ class Bolts:
         Of one bolt [m^2].
     stiffness : float
         k of all bolts together, with what is in series [N/m].
-    preload : tuple of float
-        F0 of all bolts together, for each load [N].
     thermal_force : float
         Change of their force by heat while the approach stays [N].
     torque_factor : float or None
@@ -95,7 +93,6 @@ class Bolts:
     number: int
     stress_area: float
     stiffness: float
-    preload: tuple[float, ...]
     thermal_force: float = 0.0
     torque_factor: float | None = None
     scatter: float = 0.0
@@ -112,7 +109,7 @@ class Bolts:
 
         Examples
         --------
-        >>> Bolts(4, 84.3e-6, 1e8, (40e3,)).force(40e3, -1e-5)
+        >>> Bolts(4, 84.3e-6, 1e8).force(40e3, -1e-5)
         41000.0
         """
         return max(preload + self.thermal_force - self.stiffness * closer, 0.0)
@@ -161,7 +158,7 @@ def held_force(bolts: Bolts, preload: float, approach: Callable[[float], float],
     --------
     Bolts of 1e8 N/m on a contact of 3e8 N/m, of which a fluid takes 10 kN away:
 
-    >>> round(held_force(Bolts(4, 84.3e-6, 1e8, (40e3,)), 40e3, lambda F: (F - 10e3) / 3e8, 40e3 / 3e8), 3)
+    >>> round(held_force(Bolts(4, 84.3e-6, 1e8), 40e3, lambda F: (F - 10e3) / 3e8, 40e3 / 3e8), 3)
     42500.0
     """
     steep = 1.0 + bolts.stiffness * max(tightened, 0.0) / preload
@@ -187,7 +184,7 @@ def preload_for(bolts: Bolts, force: float, approach: Callable[[float], float], 
 
     Examples
     --------
-    >>> bolts = Bolts(4, 84.3e-6, 1e8, (40e3,))
+    >>> bolts = Bolts(4, 84.3e-6, 1e8)
     >>> round(preload_for(bolts, 42.5e3, lambda F: F / 3e8, 32.5e3 / 3e8), 3)
     40000.0
     """

@@ -8,10 +8,9 @@ from dataclasses import dataclass, replace
 
 from fem_seal.answers.answer import Answer, Inquiry
 from fem_seal.bolts import Bolts
-from fem_seal.case.bolts import bolts_of
 from fem_seal.errors import ConvergenceError
+from fem_seal.loads import expected_force
 from fem_seal.seal.bounds import Bounds
-from fem_seal.seal.heating import warmed
 from fem_seal.seal.leak_model import LeakModel
 from fem_seal.seal.load_result import LoadResult, SolvedSeal
 from fem_seal.seal.load_solver import LoadSolver, solve_loads
@@ -65,13 +64,12 @@ class BoltAnswers:
 
 
 def _compute(seal: SolvedSeal, ask: Inquiry) -> BoltAnswers:
-    bolts = bolts_of(warmed(seal.case))
+    bolts, preloads = seal.problem.bolts, [force for _, force in seal.case.load.points]
     assert bolts is not None  # of `applies`
     material = None if seal.case.bolts is None else seal.case.bolts.material
     strength = None if material is None else material.yield_stress
     states = tuple(
-        _state(bolts, preload, load, strength)
-        for preload, load in zip(bolts.preload, seal.loads, strict=True)
+        _state(bolts, preload, load, strength) for preload, load in zip(preloads, seal.loads, strict=True)
     )
     nothing = (None,) * len(states)
     ends = (
@@ -86,7 +84,7 @@ def _compute(seal: SolvedSeal, ask: Inquiry) -> BoltAnswers:
 
 def _state(bolts: Bolts, preload: float, load: LoadResult, strength: float | None) -> BoltState:
     number, target, applied = bolts.number, load.preload_for_target, load.force_for_target
-    stress, known = bolts.stress(max(preload, load.applied_force)), target is not None and applied is not None
+    stress = bolts.stress(max(preload, load.applied_force))
     torques = [None if one is None else bolts.torque(one) for one in (preload, target)]
     return BoltState(
         preload / number,
@@ -96,7 +94,7 @@ def _state(bolts: Bolts, preload: float, load: LoadResult, strength: float | Non
         torques[0],
         None if target is None else target / number,
         torques[1],
-        bolts.stress(max(target, applied)) if known else None,  # type: ignore[type-var]
+        None if target is None or applied is None else bolts.stress(max(target, applied)),
     )
 
 
@@ -111,29 +109,38 @@ def _leak_at_ends(seal: SolvedSeal, ask: Inquiry, bolts: Bolts) -> Sequence[Boun
 def _leak_rates(seal: SolvedSeal, ask: Inquiry, bolts: Bolts, factor: float) -> list[float]:
     """Leak rate of each load with another preload, infinite where it opens the seal [m^3/s]; NaN where not found."""
     problem, loads = seal.problem, seal.problem.loads
-    preloads = [factor * one for one in bolts.preload]
+    preloads = [factor * one for _, one in seal.case.load.points]
     loads = replace(
         loads,
         points=tuple(zip(loads.fluid_pressure, preloads, strict=True)),
         earlier=None if loads.earlier is None else (0.0, preloads[0]),
-        bolts=replace(bolts, preload=tuple(preloads)),
+        bolts=bolts,
         tightened=tuple(factor * one for one in loads.tightened),
     )
-    solved = solve_loads(LoadSolver(replace(problem, loads=loads), seal.model), ask.clock.progress)
-    numbers = [number for number in range(len(preloads)) if number not in solved.failures]
+    r0, side = problem.initial_contact_radius, loads.pressure_side
+    opened = [
+        number
+        for number, point in enumerate(loads.points)
+        if not expected_force(r0, *point, side, loads.closing) > 0
+    ]
+    if len(opened) == len(preloads):
+        return [math.inf] * len(preloads)
+    left = [number for number in range(len(preloads)) if number not in opened]
+    solver = LoadSolver(replace(problem, loads=loads.without(opened)), seal.model)
+    solved = solve_loads(solver, ask.clock.progress)
+    numbers = [n for n in range(len(left)) if n not in solved.failures]
     found = [
         LoadResult(*solved.points[number], contact, formed=formed)
         for number, contact, formed in zip(numbers, solved.contacts, solved.around, strict=True)
     ]
     rough = LeakModel.of(problem.surface, problem.flow, [one for load in found for one in load.contacts])
     leaks = [load.with_values(rough=rough).leak for load in found]
-    rates = {
-        number: math.nan if leak is None else leak.leak_rate
-        for number, leak in zip(numbers, leaks, strict=True)
-    }
-    for number, error in solved.failures.items():
+    rates = dict.fromkeys(opened, math.inf)
+    for n, leak in zip(numbers, leaks, strict=True):
+        rates[left[n]] = math.nan if leak is None else leak.leak_rate
+    for n, error in solved.failures.items():
         # what does not converge says nothing; all else leaves the seal open
-        rates[number] = math.nan if isinstance(error, ConvergenceError) else math.inf
+        rates[left[n]] = math.nan if isinstance(error, ConvergenceError) else math.inf
     return [rates[number] for number in sorted(rates)]
 
 
@@ -148,7 +155,7 @@ BOLTS = Answer[BoltAnswers | None](
     "force of the bolts",
     _compute,
     None,
-    lambda seal, wanted: seal.case.bolts is not None,
+    lambda seal, wanted: seal.problem.bolts is not None,
     _of_load,
     doing="bolts",
 )

@@ -8,12 +8,10 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 
 from fem_seal.answers.answer import Answer, Inquiry
-from fem_seal.case.bolts import bolts_of
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import InputError
 from fem_seal.loads import contact_force
 from fem_seal.seal.findings import Finding, Level, Validity
-from fem_seal.seal.heating import warmed
 from fem_seal.seal.leak_model import LeakModel
 from fem_seal.seal.load_result import LoadResult, SolvedSeal
 from fem_seal.seal.load_solver import LoadSolver
@@ -189,7 +187,7 @@ def contacts_at_target(
 
 
 def _first_guess(flow: SealFlow, fluid_pressure: float, target: float) -> float:
-    """Force F_N from which the target is looked for [N]: the expected one; of bodies that yield also that of the loads."""
+    """Force F_N from which the target is looked for [N]: the expected one, or that of the loads."""
     try:
         return expected_contact_force(flow, fluid_pressure, target)
     except InputError:
@@ -244,10 +242,10 @@ def _compute(seal: SolvedSeal, ask: Inquiry) -> TargetForces:
 def _forces(seal: SolvedSeal, reading: Reading | None) -> TargetForces:
     """Forces in a reading of yielding asperities; how good they are is looked at in that of the problem alone."""
     problem, none = seal.problem, [None] * len(seal.loads)
-    bolts = bolts_of(warmed(seal.case))
-    if bolts is not None:
+    if problem.bolts is not None:
         # each force is looked for with its own preload before it
-        problem = replace(problem, loads=replace(problem.loads, earlier=None, tightened=(), bolts=bolts))
+        loads = replace(problem.loads, earlier=None, tightened=(), bolts=problem.bolts)
+        problem = replace(problem, loads=loads)
     try:
         found = contacts_at_target(problem, reading=reading)
     except InputError as error:

@@ -21,6 +21,7 @@ from fem_seal.case.messages import choices, problems, tables_of
 from fem_seal.case.roughness import roughness_like
 from fem_seal.case.tables import CaseTables
 from fem_seal.case.temperature import with_film_temperature
+from fem_seal.case.tightening import closed_by
 from fem_seal.case.words import problem
 from fem_seal.errors import InputError, LoadProblem, NoLoadLeftError, Problem
 from fem_seal.files import read_toml
@@ -94,7 +95,7 @@ class Case(CaseTables):
             self._take_bodies(like)
         if self.bolts is not None:
             # set during construction, before the model is shared
-            object.__setattr__(self, "load", self.bolts.closes(self.load))
+            object.__setattr__(self, "load", closed_by(self.load, self.bolts))
         told, not_told = self.of_this_gas()
         if not_told:
             raise InputError(*not_told)

@@ -6,13 +6,13 @@ import math
 import re
 from collections.abc import Iterator
 
-from fem_seal.case.bolts import problems_of_bolts
 from fem_seal.case.fields import OF_GASES, OF_LIQUIDS, RATES, shown
 from fem_seal.case.load_limits import problem_of_earlier_load, problems_of_all_loads
 from fem_seal.case.material_library import suggestion
 from fem_seal.case.roughness import SHAPE, SelfAffine, scan_spectra, self_affine_part, uncertain_heights
 from fem_seal.case.tables import CaseTables, Leak, Requirement, Uncertainty, curves
 from fem_seal.case.temperature import Temperature
+from fem_seal.case.tightening import problems_of_bolts
 from fem_seal.case.words import problem, sentence
 from fem_seal.errors import InputError, Problem
 from fem_seal.files import UnreadableFileError, check_file

@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from fem_seal.bodies.supports import Supports
-from fem_seal.case.bolts import bolts_of
 from fem_seal.case.checks import touched_beside
 from fem_seal.case.load_limits import refused_loads
+from fem_seal.case.tightening import bolts_of
 from fem_seal.contact.laws import HardContact, Law
 from fem_seal.contact.sizing import Opening, contact_widths, element_sizes, for_yielding, rounded
 from fem_seal.errors import InputError, LoadProblem
@@ -125,7 +125,7 @@ class Loads:
     @classmethod
     def of(cls, case: CaseTables) -> Loads:
         """Those of a case."""
-        load, bolts, earlier = case.load, bolts_of(case), case.load.earlier
+        load, earlier, bolts = case.load, case.load.earlier, bolts_of(case)
         preloads = () if bolts is None else tuple(force for _, force in load.points)
         if len(set(preloads)) == 1:
             earlier, preloads = (0.0, preloads[0]), ()
@@ -225,6 +225,8 @@ class SealProblem:
     larger_housing : callable
         Gives the contact in a seat twice as wide and high, None if the seat has no such lengths; may raise
         GeometryError. Not made before it is asked for, because it takes as long as the contact itself.
+    bolts : Bolts or None
+        That close the seal; None where a force is applied.
     file : Path or None
         That errors name.
     """
@@ -250,6 +252,7 @@ class SealProblem:
     usual_only: bool = False
     cutoff: float | None = None
     larger_housing: Callable[[], ContactGeometry | None] = _no_larger_housing
+    bolts: Bolts | None = None
     file: Path | None = None
     given_law: Law | None = None
 
@@ -288,6 +291,7 @@ class SealProblem:
             usual_only=of_finish and case.fluid is not None and case.sampled is None,
             cutoff=case.roughness.cutoff if case.roughness else None,
             larger_housing=partial(_larger_housing, case),
+            bolts=bolts_of(case),
             file=case.file,
         )
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from fem_seal.answers.leakage_class import volume_of
@@ -81,7 +81,7 @@ def _numbers(result: SealSolution) -> dict[str, Any] | None:
     found = result.bolts
     if found is None:
         return None
-    return {**asdict(replace(found.bolts, preload=())), "loads": [asdict(one) for one in found.loads]}
+    return {**asdict(found.bolts), "loads": [asdict(one) for one in found.loads]}
 
 
 def _section(result: SealSolution) -> Section | None:

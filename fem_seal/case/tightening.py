@@ -1,0 +1,103 @@
+"""From the table [bolts] of a case to the load that the bolts give, and to bolts as springs."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+from fem_seal.bolts import Bolts, stiffness_of
+from fem_seal.case.bolts import BoltsTable
+from fem_seal.case.tables import CaseTables, Load
+from fem_seal.case.words import problem
+from fem_seal.errors import InputError, Problem
+from fem_seal.materials import ROOM_TEMPERATURE
+from fem_seal.units import briefly
+
+
+def closed_by(load: Load, table: BoltsTable) -> Load:
+    """A table [load] whose applied forces are the preloads of bolts.
+
+    Parameters
+    ----------
+    load : Load
+    table : BoltsTable
+
+    Raises
+    ------
+    InputError
+        If there are neither as many preloads as fluid pressures nor one of them.
+    """
+    forces, pressures = table.preloads, load.fluid_pressure
+    if len(forces) == 1:
+        return load.model_copy(update={"applied_force": forces[0]})
+    if len(pressures) == 1:
+        pressures = pressures * len(forces)
+    if len(pressures) != len(forces):
+        key = "torque" if table.preload is None else "preload"
+        raise InputError(problem("bolts_count", key=key, forces=len(forces), pressures=len(pressures)))
+    return load.model_copy(update={"applied_force": forces, "fluid_pressure": pressures})
+
+
+def bolts_of(case: CaseTables) -> Bolts | None:
+    """Bolts of a case as springs; None where it has none.
+
+    The clamped parts are as warm as the closure and of its material.
+
+    Parameters
+    ----------
+    case : CaseTables
+        Whose tables fit together; where temperatures are calculated they are counted once they are known.
+
+    Raises
+    ------
+    InputError
+        If an expansion is not known, or a table of a material does not reach to the temperature.
+    """
+    table = case.bolts
+    if table is None:
+        return None
+    heat, warm, material = case.temperature, case.body_temperatures, table.material
+    at, longer = ROOM_TEMPERATURE, 0.0
+    if heat is not None and (table.temperature is not None or warm):
+        at = table.temperature or sum(warm.values()) / len(warm)
+        clamped = case.closure.material.thermal_strain(warm.get("closure", heat.reference), heat.reference)
+        if table.thermal_expansion is not None:
+            own = table.thermal_expansion * (at - heat.reference)
+        elif material is not None:
+            own = material.thermal_strain(at, heat.reference)
+        else:
+            raise InputError(problem("bolts_expansion"))
+        longer = (clamped - own) * table.length
+    modulus = table.youngs_modulus
+    if modulus is None:
+        assert material is not None  # of the validation
+        modulus = material.at(at).youngs_modulus
+    stiffness = stiffness_of(table.number, modulus, table.area, table.length, table.stiffness or math.inf)
+    return Bolts(
+        table.number, table.area, stiffness, stiffness * longer, table.torque_factor, table.torque_scatter
+    )
+
+
+def problems_of_bolts(case: CaseTables, table: BoltsTable) -> list[Problem]:
+    """What in [bolts] does not fit the other tables.
+
+    Parameters
+    ----------
+    case : CaseTables
+    table : BoltsTable
+        The case's own.
+    """
+    found = list[Problem]()
+    if case.temperature is None and table.temperature is not None:
+        found.append(problem("bolts_temperature"))
+    if case.load.earlier is not None:
+        found.append(problem("bolts_earlier", key=case.load.earlier_key))
+    try:
+        bolts = bolts_of(case)
+    except InputError as error:
+        return found + [replace(one, key=f"bolts.{one.key.removeprefix('bolts.')}") for one in error.problems]
+    least = min(force for _, force in case.load.points)
+    if bolts is not None and not least + bolts.thermal_force > 0:
+        lost = briefly("force", -bolts.thermal_force)
+        found.append(problem("bolts_loose", lost=lost, preload=briefly("force", least)))
+    return found
