@@ -590,7 +590,8 @@ def _exp(logarithms: Percentiles) -> Percentiles:
 
 def _with_points(case: Case, points: Sequence[tuple[float, float]]) -> Case:
     pressures, forces = zip(*points, strict=True)
-    return case.replace({"load.fluid_pressure": list(pressures), "load.applied_force": list(forces)})
+    given = {"load.fluid_pressure": list(pressures), "load.applied_force": list(forces)}
+    return case.replace({**given, "bolts": None})
 
 
 def _alike(case: Case, other: Case) -> bool:

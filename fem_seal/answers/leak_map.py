@@ -247,7 +247,8 @@ def _with_loads(case: Case, points: Sequence[tuple[float, float]]) -> Case:
         # what a table does not show
         "target_leak_rate": None,
     }
-    others = {"requirement": None} if getattr(case, "requirement", None) is not None else {}
+    # the forces of a table are those that are applied, whatever gives them
+    others = dict.fromkeys(one for one in ("requirement", "bolts") if getattr(case, one) is not None)
     return case.replace({"leak.variants": False}, load=grid, **others)
 
 

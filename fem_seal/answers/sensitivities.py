@@ -246,9 +246,9 @@ class _ChangedSeal:
             before = points[highest : highest + 1]
         pressure, force = points[self.number]
         points = (*before, (pressure, force + more_force))
-        return replace(
-            problem, loads=replace(problem.loads, points=points, refused={}, target_leak_rate=None)
-        )
+        # bolts keep the force that they have at this load
+        kept = {"refused": {}, "target_leak_rate": None, "bolts": None, "tightened": ()}
+        return replace(problem, loads=replace(problem.loads, points=points, **kept))
 
     def _rates(self, problem: SealProblem) -> Rates:
         """Leak rate in each reading of yielding asperities, or the only one [m^3/s]; none without a contact."""

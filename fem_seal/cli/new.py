@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 
     from fem_seal.case.new_case import Question
 
-NAMES = "ball-valve, check-valve, relief-valve, needle, flat-seat or knife-edge"
-CLASSES = "ISO 5208 A, AA, B, C, CC, D, E, EE, F, G; FCI 70-2 II, III, IV, V, VI; API 598"
+NAMES = "ball-valve, check-valve, relief-valve, needle, flat-seat, knife-edge or flange"
+CLASSES = "ISO 5208 A, AA, B, C, CC, D, E, EE, F, G; FCI 70-2 II, III, IV, V, VI; API 598; EN 13555 L0.01, L0.1, L1.0; VDI 2440"
 
 
 def new(
@@ -34,6 +34,7 @@ def new(
     fluid: Annotated[str | None, option("new", "fluid")] = None,
     pressure: Annotated[str | None, option("new", "pressure")] = None,
     applied_force: Annotated[str | None, option("new", "applied_force")] = None,
+    torque: Annotated[str | None, option("new", "torque")] = None,
     axial_force: Annotated[str | None, option("new", "axial_force")] = None,
     leak_rate: Annotated[str | None, option("new", "leak_rate")] = None,
     leakage_class: Annotated[str | None, option("new", "class", classes=CLASSES)] = None,
@@ -66,6 +67,7 @@ def new(
         "fluid": fluid,
         "pressure": pressure,
         "applied-force": applied_force,
+        "torque": torque,
         "leak-rate": leak_rate,
         "class": leakage_class,
     }

@@ -613,7 +613,8 @@ def _way(
     """Points with their numbers, after what comes before them: the largest load, or each preload of bolts."""
     if loads.earlier is not None:
         yield None, loads.earlier
-    own = loads.tightened if tuple(points) == loads.points[: len(points)] else ()
+    known = tuple(points) == loads.points[: len(points)] and len(loads.tightened) >= len(points)
+    own = loads.tightened if known else ()
     preload = None
     for number, point in enumerate(points):
         if own and own[number] != preload:
