@@ -65,6 +65,7 @@ GROUPS = {
         "relief_valve",
         "relief_valve_350_bar",
         "helium",
+        "bolted_ring",
         "hot_valve",
         "diesel_1800_bar",
         "particles",

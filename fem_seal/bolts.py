@@ -136,7 +136,7 @@ class Bolts:
 
 
 def held_force(bolts: Bolts, preload: float, approach: Callable[[float], float], tightened: float) -> float:
-    """Force of all bolts where they and the contact hold each other [N].
+    """Force of all bolts where they and the contact hold each other [N]; zero where they are loose.
 
     The root F of F = F0 + k (a0 - a(F)) + dF.
 
@@ -162,7 +162,11 @@ def held_force(bolts: Bolts, preload: float, approach: Callable[[float], float],
     42500.0
     """
     steep = 1.0 + bolts.stiffness * max(tightened, 0.0) / preload
-    return _root(lambda force: force - bolts.force(preload, approach(force) - tightened), preload, steep)
+    given = preload + bolts.thermal_force
+    force = _root(
+        lambda force: force - given + bolts.stiffness * (approach(force) - tightened), preload, steep
+    )
+    return max(force, 0.0)
 
 
 def preload_for(bolts: Bolts, force: float, approach: Callable[[float], float], at_load: float) -> float:

@@ -7,7 +7,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import leak
-from leak.standards import BUBBLE_VOLUME, DROP_VOLUME, STANDARDS, read_nominal_size, visible_leak_rate
+from leak.standards import (
+    BUBBLE_VOLUME,
+    DROP_VOLUME,
+    STANDARDS,
+    class_per_length,
+    read_nominal_size,
+    standard_named,
+    visible_leak_rate,
+)
 
 
 def limits(nominal_size: float, **options) -> dict[tuple[str, str], float]:
@@ -45,7 +53,7 @@ def test_a_bubble_of_iso_5208(name, per_second):
 
 
 def test_bubbles_are_those_of_the_standard_or_those_that_are_given():
-    assert [round(one.bubble_volume * 1e6, 3) for one in STANDARDS.values()] == [0.065, 0.01, 0.15]
+    assert [round(one.bubble_volume * 1e6, 3) for one in STANDARDS.values()] == [0.065, 0.01] + 4 * [0.15]
     # one bubble in 15 s
     assert visible_leak_rate(gas=True) * 15e6 == pytest.approx(0.06545, rel=1e-4)
     assert visible_leak_rate(gas=True, bubble_volume=0.15e-6) * 15e6 == pytest.approx(0.15)
@@ -199,7 +207,7 @@ def test_nominal_size_of_a_bore():
 
 
 def test_every_standard_names_its_source():
-    names = {one.standard for one in leak.leakage_limits(0.1, gas=True)}
+    names = {one.standard for one in leak.leakage_limits(0.1, gas=True, seal_length=0.1, density=0.17)}
     assert names == set(STANDARDS)
     assert all("secondary" in one.source and one.revision for one in STANDARDS.values())
 
@@ -214,3 +222,27 @@ def test_wrong_input(change):
         leak.leakage_limits(**given)
     with pytest.raises(leak.FluidError, match="leak_rate"):
         leak.leakage_class(-1.0, 0.025, gas=False)
+
+
+def test_classes_per_length_are_rates_times_the_length():
+    """1e-4 mbar l/(s m) is 1e-5 Pa m^3/(s m); 1.78e-6 mbar l/s per mm of diameter is 1e-4 mg/(s m) of helium at 0 degC."""
+    length, density = 0.25, 0.1785
+    limits = leak.leakage_limits(0.1, gas=True, seal_length=length, density=density)
+    found = {(one.standard, one.name): one.leak_rate for one in limits}
+    assert found["VDI 2440", "TA Luft"] * 101325 == pytest.approx(1e-5 * length)
+    for name, rate in (("L1.0", 1.0), ("L0.1", 0.1), ("L0.01", 0.01)):
+        assert found["EN 13555", name] * density == pytest.approx(1e-6 * rate * length)
+    assert found["ISO 15848-1", "BH"] * density == pytest.approx(1e-10 * length, rel=0.01)
+    assert [name for standard, name in found if standard == "ISO 15848-1"] == ["AH", "BH", "CH"]
+    liquid = leak.leakage_limits(0.1, gas=False, seal_length=length, density=density)
+    assert not {one.standard for one in liquid} & {"VDI 2440", "EN 13555", "ISO 15848-1"}
+
+
+def test_the_class_of_a_flange():
+    (german, european) = class_per_length(2e-12, 0.1, density=0.17)
+    assert (german.name, european.name) == ("TA Luft", "L0.01")
+    (german, european) = class_per_length(2e-12, 0.1, density=0.17, highest=1e-7)
+    assert (german.at_best, german.name, european.name) == ("TA Luft", None, "L1.0")
+    assert standard_named("DIN EN 13555") == standard_named("EN 1591-1:2013") == "EN 13555"
+    with pytest.raises(leak.FluidError, match="seal_length"):
+        class_per_length(1e-9, 0.0)

@@ -35,6 +35,10 @@ LEAK_HEADER = (
     "leak_rate_scratches_low_m3_per_s,leak_rate_scratches_high_m3_per_s,"
     "leak_rate_conserved_m3_per_s,leak_rate_capped_m3_per_s,force_for_target_leak_capped_N,force_for_verdict_N,"
     "contact_temperature_K,effective_viscosity_Pa_s,margin,pass_probability,pass_probability_error,batch_share_p05,"
+    "contact_force_for_target_N,line_load_for_target_N_per_m,leak_rate_per_length_m2_per_s,"
+    "leak_rate_per_length_kg_per_m_s,leak_rate_per_length_Pa_m2_per_s,bolt_preload_N,bolt_torque_N_m,"
+    "bolt_force_N,bolt_stress_Pa,leak_rate_least_preload_m3_per_s,leak_rate_largest_preload_m3_per_s,"
+    "bolt_preload_for_target_N,bolt_torque_for_target_N_m,bolt_stress_for_target_Pa,"
     "leak_rate_paper_m3_per_s,leak_rate_corrected_m3_per_s,verdict,validity,validity_reasons"
 )
 PROFILE_HEADER = (
@@ -118,13 +122,27 @@ def test_what_was_not_calculated_is_not_a_number(tmp_path):
         "pass_probability",
         "pass_probability_error",
         "batch_share_p05",
+        "contact_force_for_target_N",
+        "line_load_for_target_N_per_m",
+        "leak_rate_per_length_m2_per_s",
+        "leak_rate_per_length_kg_per_m_s",
+        "leak_rate_per_length_Pa_m2_per_s",
+        "bolt_preload_N",
+        "bolt_torque_N_m",
+        "bolt_force_N",
+        "bolt_stress_Pa",
+        "leak_rate_least_preload_m3_per_s",
+        "leak_rate_largest_preload_m3_per_s",
+        "bolt_preload_for_target_N",
+        "bolt_torque_for_target_N_m",
+        "bolt_stress_for_target_Pa",
         "leak_rate_paper_m3_per_s",
         "leak_rate_corrected_m3_per_s",
     ]
     assert table[missing].isna().all().all()
     assert table.drop(columns=[*missing, "verdict", "validity_reasons"]).notna().all().all()
-    numbers = np.loadtxt(tmp_path / "leak.csv", delimiter=",", skiprows=1, usecols=range(45))
-    assert numbers.shape == (2, 45)
+    numbers = np.loadtxt(tmp_path / "leak.csv", delimiter=",", skiprows=1, usecols=range(59))
+    assert numbers.shape == (2, 59)
 
 
 def test_profile_csv_gives_the_line_load_back(tmp_path):
