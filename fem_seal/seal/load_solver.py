@@ -584,7 +584,9 @@ def _path(
             settings=settings,
             partial=True,
             unload=unload,
-            progress=None if progress is None else _now_and_then(progress, way, len(points)),
+            progress=None
+            if progress is None
+            else _now_and_then(progress, way, _before(problem), len(points)),
         )
     except ConvergenceError as error:
         if not isinstance(error.partial, LoadPath):
@@ -598,7 +600,7 @@ def _path(
     if 0 in path.opened:
         raise solver.open_on_path(way[0][1], path.opened[0])
     if not path.contacts:
-        return replace(path, stopped=ConvergenceError(f"the largest earlier load: {path.stopped}")), None
+        return replace(path, stopped=ConvergenceError(f"{_before(problem)}: {path.stopped}")), None
     closed = [number for place, (number, _) in enumerate(way) if place not in path.opened]
     found = list(zip(closed, path.contacts, strict=False))
     contacts = tuple(contact for number, contact in found if number is not None)
@@ -627,8 +629,13 @@ def _way(
 _TOLD_EVERY = 5.0
 
 
+def _before(problem: SealProblem) -> str:
+    """What comes before the loads of a problem, in words."""
+    return "the largest earlier load" if problem.bolts is None else "tightening the bolts"
+
+
 def _now_and_then(
-    progress: Progress, way: Sequence[tuple[int | None, tuple[float, float]]], count: int
+    progress: Progress, way: Sequence[tuple[int | None, tuple[float, float]]], before: str, count: int
 ) -> Callable[[PlaceOnPath], None]:
     """Tells how far a path of `count` loads is, with those before them."""
     last = time.monotonic()
@@ -639,7 +646,7 @@ def _now_and_then(
             return
         last = time.monotonic()
         number = way[place.number][0] if place.number < len(way) else count
-        what = "the largest earlier load" if number is None else f"load {number + 1} of {count}"
+        what = before if number is None else f"load {number + 1} of {count}"
         what = "unloading" if number == count else what
         progress(
             f"{what}: {100 * place.way:.3g} % of the way after {place.steps} load steps, now in steps of "

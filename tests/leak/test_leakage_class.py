@@ -225,7 +225,7 @@ def test_wrong_input(change):
 
 
 def test_classes_per_length_are_rates_times_the_length():
-    """1e-4 mbar l/(s m) is 1e-5 Pa m^3/(s m); 1.78e-6 mbar l/s per mm of diameter is 1e-4 mg/(s m) of helium at 0 degC."""
+    """1e-4 mbar l/(s m) is 1e-5 Pa m^3/(s m); 1.78e-6 mbar l/s per mm of diameter, 1e-4 mg/(s m) at 0 degC."""
     length, density = 0.25, 0.1785
     limits = leak.leakage_limits(0.1, gas=True, seal_length=length, density=density)
     found = {(one.standard, one.name): one.leak_rate for one in limits}

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from fem_seal.answers.leakage_class import volume_of
+from fem_seal.answers.leakage_class import is_flange, seal_length, volume_of
 from fem_seal.output.answers.target import target_text
 from fem_seal.output.columns import SHOWN_COLUMNS
 from fem_seal.output.prose import phrase
@@ -51,6 +51,12 @@ def _sentences(result: SealSolution) -> Iterator[str]:
         yield phrase(
             "bolts.leak", kind, load=at, share=found.bolts.scatter, ends=load.at_preload_ends, gas=gas
         )
+    if is_flange(result.case) and load.leak_interval is not None:
+        assert load.leak is not None and load.leak.mass_flow is not None  # of a gas
+        density = load.leak.mass_flow / load.leak.leak_rate if load.leak.leak_rate > 0 else 0.0
+        ends = tuple(density * one / seal_length(result.case) for one in load.leak_interval)
+        if density > 0:
+            yield phrase("bolts.leak", "per_length", load=at, ends=ends)
     yield from _target(result)
 
 

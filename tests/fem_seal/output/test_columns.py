@@ -36,6 +36,10 @@ SI = {
     "mass flow": "kg/s",
     "viscosity": "Pa s",
     "temperature": "K",
+    "torque": "N m",
+    "flow per length": "m^2/s",
+    "mass flow per length": "kg/(m s)",
+    "throughput per length": "Pa m^2/s",
     "": "",
 }
 
@@ -63,7 +67,13 @@ def test_the_terminal_shows_each_column_in_a_unit_of_its_kind(shown):
         written = unit.name.replace("³", "^3")
         assert parse_quantity(f"1 {written}", known[kind]) == pytest.approx(unit.size, rel=1e-12)
     else:
-        others = (("N/m", "kN/m", 1e3), ("Pa m^3/s", "mbar l/s", 0.1), ("", "", 1.0))
+        others = (
+            ("N/m", "N/mm", 1e3),
+            ("N m", "N m", 1.0),
+            ("N/m", "kN/m", 1e3),
+            ("Pa m^3/s", "mbar l/s", 0.1),
+            ("", "", 1.0),
+        )
         assert (kind, unit.name, unit.size) in others
 
 
