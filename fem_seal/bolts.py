@@ -97,23 +97,6 @@ class Bolts:
     torque_factor: float | None = None
     scatter: float = 0.0
 
-    def force(self, preload: float, closer: float) -> float:
-        """Force of all bolts [N]; bolts do not push.
-
-        Parameters
-        ----------
-        preload : float
-            F0 [N].
-        closer : float
-            a - a0, how far the closure has come nearer to the seat since the bolts were tightened [m].
-
-        Examples
-        --------
-        >>> Bolts(4, 84.3e-6, 1e8).force(40e3, -1e-5)
-        41000.0
-        """
-        return max(preload + self.thermal_force - self.stiffness * closer, 0.0)
-
     def stress(self, force: float) -> float:
         """Stress on the stress area of each bolt under a force of all [Pa].
 
@@ -167,36 +150,6 @@ def held_force(bolts: Bolts, preload: float, approach: Callable[[float], float],
         lambda force: force - given + bolts.stiffness * (approach(force) - tightened), preload, steep
     )
     return max(force, 0.0)
-
-
-def preload_for(bolts: Bolts, force: float, approach: Callable[[float], float], at_load: float) -> float:
-    """Preload of all bolts with which they carry a force under a load [N], the inverse of `held_force`.
-
-    Parameters
-    ----------
-    bolts : Bolts
-    force : float
-        F at the load [N].
-    approach : callable
-        Approach a0 [m] under a preload [N], without fluid; rises with it.
-    at_load : float
-        Approach a at the load [m].
-
-    Raises
-    ------
-    ConvergenceError
-
-    Examples
-    --------
-    >>> bolts = Bolts(4, 84.3e-6, 1e8)
-    >>> round(preload_for(bolts, 42.5e3, lambda F: F / 3e8, 32.5e3 / 3e8), 3)
-    40000.0
-    """
-
-    def excess(preload: float) -> float:
-        return preload + bolts.thermal_force - bolts.stiffness * (at_load - approach(preload)) - force
-
-    return _root(excess, force, 1.0 + bolts.stiffness * max(at_load, 0.0) / force)
 
 
 # Accuracy of a force, of the one that is given.

@@ -247,8 +247,8 @@ class _ChangedSeal:
         pressure, force = points[self.number]
         points = (*before, (pressure, force + more_force))
         # bolts keep the force that they have at this load
-        kept = {"refused": {}, "target_leak_rate": None, "bolts": None, "tightened": ()}
-        return replace(problem, loads=replace(problem.loads, points=points, **kept))
+        loads = replace(problem.loads, points=points, refused={}, target_leak_rate=None)
+        return replace(problem, loads=replace(loads, bolts=None, tightened=()))
 
     def _rates(self, problem: SealProblem) -> Rates:
         """Leak rate in each reading of yielding asperities, or the only one [m^3/s]; none without a contact."""
