@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from fem_seal.answers.answer import Answer, Inquiry
+from fem_seal.answers.judgement import BoltState, JudgedLoad
 from fem_seal.bolts import Bolts
 from fem_seal.errors import ConvergenceError
 from fem_seal.loads import expected_force
@@ -14,35 +15,6 @@ from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.leak_model import LeakModel
 from fem_seal.seal.load_result import LoadResult, SolvedSeal
 from fem_seal.seal.load_solver import LoadSolver, solve_loads
-
-
-@dataclass(frozen=True)
-class BoltState:
-    """Bolts under one load; all numbers are of one bolt.
-
-    Parameters
-    ----------
-    preload, force : float
-        Tightened without fluid, and under the load [N].
-    stress : float
-        Of the larger of both on the stress area [Pa].
-    utilisation : float or None
-        This stress over the yield stress; None where that is not known.
-    torque : float or None
-        With which the preload is reached [N m]; None where it is not known.
-    preload_for_target, torque_for_target, stress_for_target : float or None
-        The smallest preload with which the leak rate stays below the target [N], its torque [N m], and the stress under
-        the larger of preload and load [Pa]; None if not asked or not found.
-    """
-
-    preload: float
-    force: float
-    stress: float
-    utilisation: float | None = None
-    torque: float | None = None
-    preload_for_target: float | None = None
-    torque_for_target: float | None = None
-    stress_for_target: float | None = None
 
 
 @dataclass(frozen=True)
@@ -147,7 +119,8 @@ def _leak_rates(seal: SolvedSeal, ask: Inquiry, bolts: Bolts, factor: float) -> 
 def _of_load(load: LoadResult, number: int, found: BoltAnswers | None) -> LoadResult:
     if found is None:
         return load
-    return load.with_values(bolts=found.loads[number], at_preload_ends=found.leak_rates[number])
+    ends = found.leak_rates[number]
+    return JudgedLoad.of(load, bolts=found.loads[number], at_preload_ends=ends)
 
 
 BOLTS = Answer[BoltAnswers | None](

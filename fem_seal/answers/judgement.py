@@ -5,14 +5,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import TYPE_CHECKING
 
 from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.findings import VALID, Validity
 from fem_seal.seal.load_result import LoadResult
-
-if TYPE_CHECKING:
-    from fem_seal.answers.bolts import BoltState
 
 
 class Verdict(StrEnum):
@@ -282,6 +278,35 @@ class PassProbability:
     error: float = math.nan
     batch_low: float = math.nan
     why_none: str = ""
+
+
+@dataclass(frozen=True)
+class BoltState:
+    """Bolts under one load; all numbers are of one bolt.
+
+    Parameters
+    ----------
+    preload, force : float
+        Tightened without fluid, and under the load [N].
+    stress : float
+        Of the larger of both on the stress area [Pa].
+    utilisation : float or None
+        This stress over the yield stress; None where that is not known.
+    torque : float or None
+        With which the preload is reached [N m]; None where it is not known.
+    preload_for_target, torque_for_target, stress_for_target : float or None
+        The smallest preload with which the leak rate stays below the target [N], its torque [N m], and the stress under
+        the larger of preload and load [Pa]; None if not asked or not found.
+    """
+
+    preload: float
+    force: float
+    stress: float
+    utilisation: float | None = None
+    torque: float | None = None
+    preload_for_target: float | None = None
+    torque_for_target: float | None = None
+    stress_for_target: float | None = None
 
 
 @dataclass(frozen=True, eq=False, repr=False)
