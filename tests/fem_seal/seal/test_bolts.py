@@ -16,6 +16,7 @@ from fem_seal.output.answers.bolts import bolt_table, bolts_in_words
 from fem_seal.output.files import summary
 from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.problem import SealProblem
+from fem_seal.studies.study import Study
 
 INNER = {"fluid_pressure": "10 bar", "pressure_side": "inner"}
 # 8 kN in all
@@ -304,6 +305,17 @@ def test_the_least_preload_may_open_the_seal():
     seal = case(load={"fluid_pressure": "10 bar", "pressure_side": "inner"}, bolts=bolts)
     (load,) = fem_seal.run(seal).loads
     assert load.at_preload_ends[1] == math.inf and load.leak_interval[1] == math.inf
+
+
+def test_a_study_has_columns_of_the_bolts():
+    study = Study(
+        smooth(),
+        parameters={"bolts.preload": ["2 kN", "3 kN"]},
+        responses=("bolt_force_N", "applied_force_N"),
+    )
+    table = study.run(workers=0).table
+    assert (table.bolt_force_N > [2e3, 3e3]).all()
+    np.testing.assert_allclose(4 * table.bolt_force_N, table.applied_force_N, rtol=1e-12)
 
 
 # ---------------------------------------------------------------- the table
