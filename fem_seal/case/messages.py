@@ -244,6 +244,9 @@ def _places(case: type[BaseModel]) -> Mapping[str, tuple[str, Sequence[_Place]]]
     """Every key of every table as it is written, and where it is known."""
     found: dict[str, tuple[str, list[_Place]]] = {}
     for place in _all_tables(_Place("", "", case)):
+        if place.path == "bolts.material":
+            # what is said of a material is meant of the bodies
+            continue
         for key in _keys(place.table):
             found.setdefault(_plain_word(key), (key, []))[1].append(place)
     return found
