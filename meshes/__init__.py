@@ -17,8 +17,10 @@ from meshes.shapes.ball import Ball
 from meshes.shapes.conical_land import ConicalLand
 from meshes.shapes.conical_seat import ConicalSeat
 from meshes.shapes.disc import Disc
+from meshes.shapes.flange_face import FlangeFace
 from meshes.shapes.flat_land import FlatLand
 from meshes.shapes.flat_seat import FlatSeat
+from meshes.shapes.gaskets import DeltaRing, DoubleConeRing, LensRing, SolidRing
 from meshes.shapes.lands import Land, Lands
 from meshes.shapes.rounded_cone import RoundedCone
 from meshes.shapes.shape import Shape, housing, plunger
@@ -34,12 +36,16 @@ __all__ = [
     "ConicalSeat",
     "ContactGeometry",
     "Curve",
+    "DeltaRing",
     "Disc",
+    "DoubleConeRing",
+    "FlangeFace",
     "FlatLand",
     "FlatSeat",
     "GeometryError",
     "Land",
     "Lands",
+    "LensRing",
     "MeshedBody",
     "MeshesError",
     "MeshingError",
@@ -52,6 +58,7 @@ __all__ = [
     "Shape",
     "SharpEdge",
     "Sizing",
+    "SolidRing",
     "SphericalSeat",
     "SphericalTip",
     "ToroidalEdge",

@@ -49,6 +49,8 @@ class Profile:
         Closed, in either sense; names among `PARTS`, or empty. No arc may span 180 degrees or more.
     file_unit : float, optional
         Length of the unit of the drawing that it comes from [m], for what is told about it.
+    walled : bool, optional
+        Whether a seat ends in a straight wall, as a housing does and half a gasket does not.
 
     Raises
     ------
@@ -68,6 +70,7 @@ class Profile:
     name: str
     pieces: tuple[Segment, ...]
     file_unit: float | None = None
+    walled: bool = True
 
     def __post_init__(self) -> None:
         self.outline  # noqa: B018  refuse what cannot be a body when it is made
@@ -81,7 +84,7 @@ class Profile:
         outline = Outline(self.name, tuple(pieces))
         if outline.area < 0:
             outline = Outline(self.name, tuple(s.reversed for s in reversed(pieces)))
-        return _named(outline)
+        return _named(outline, walled=self.walled)
 
 
 def _size(pieces: Sequence[Segment]) -> float:
@@ -169,11 +172,12 @@ def _upright_parts(s: Segment) -> list[Segment]:
     return [Segment(a, b, s.name, s.centre) for a, b in pairwise(cuts)]
 
 
-def _named(outline: Outline) -> Outline:
+def _named(outline: Outline, *, walled: bool) -> Outline:
     """Every piece with the full name of its boundary; "" where only the face will tell."""
     name = outline.name
     pieces = [replace(s, name=f"{name}_{s.name}" if s.name else "") for s in outline.segments]
-    return Outline(name, tuple(_named_closure(pieces) if name == "closure" else _named_seat(pieces)))
+    found = _named_closure(pieces) if name == "closure" else _named_seat(pieces, walled=walled)
+    return Outline(name, tuple(found))
 
 
 def _named_closure(pieces: list[Segment]) -> list[Segment]:
@@ -221,7 +225,7 @@ def _smooth(before: Segment, after: Segment) -> bool:
     return float(a @ b) > math.cos(CORNER)
 
 
-def _named_seat(pieces: list[Segment]) -> list[Segment]:
+def _named_seat(pieces: list[Segment], *, walled: bool) -> list[Segment]:
     if any(min(s.start[0], s.end[0]) <= 0.0 for s in pieces):
         raise GeometryError("seat outline: touches the axis, r = 0; a seat needs a bore for the fluid")
     size = _size(pieces)
@@ -230,7 +234,7 @@ def _named_seat(pieces: list[Segment]) -> list[Segment]:
     def level(s: Segment, axis: int, value: float) -> bool:
         return s.centre is None and all(abs(p[axis] - value) <= _CLOSED * size for p in (s.start, s.end))
 
-    for part, axis, value in (("bottom", 1, lowest), ("wall", 0, widest)):
+    for part, axis, value in (("bottom", 1, lowest), ("wall", 0, widest))[: 2 if walled else 1]:
         if not any(s.name == f"seat_{part}" for s in pieces):
             pieces = [
                 replace(s, name=f"seat_{part}") if not s.name and level(s, axis, value) else s for s in pieces
@@ -247,7 +251,7 @@ def _named_seat(pieces: list[Segment]) -> list[Segment]:
         n for n, s in enumerate(pieces) if s.name == "seat_bottom" and pieces[n - 1].name != "seat_bottom"
     )
     pieces = [*pieces[start:], *pieces[:start]]
-    wall = max(n for n, s in enumerate(pieces) if s.name == "seat_wall")
+    wall = max((n for n, s in enumerate(pieces) if s.name == "seat_wall"), default=0)
     return [*(s if s.name else replace(s, name="seat_wall") for s in pieces[:wall]), *pieces[wall:]]
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from meshes.drawings.halved import profile_of
 from meshes.drawings.profile import Profile
 from meshes.errors import GeometryError, mm
 from meshes.geometry.curve import Curve
@@ -42,7 +43,7 @@ def read_section(
     path : pathlib.Path
         ".dxf", ".step" or ".stp".
     name : str
-        "closure" or "seat".
+        "closure" or "seat"; "gasket": the upper half of a symmetric section, as seat.
     axis : {"x", "y", "z"}
         Coordinate of the drawing along the axis of the seal; the other one of the section is r, and only the half at
         r >= 0 is drawn. "z" is for STEP.
@@ -95,7 +96,7 @@ def _section(
         # a curve does not know the file that it is from
         raise error if str(error).startswith(path.name) else GeometryError(f"{path.name}: {error}") from error
     _check_pieces(pieces, path)
-    return Profile(name, tuple(_loop(pieces, path)), unit)
+    return profile_of(name, _loop(pieces, path), unit)
 
 
 def _check_pieces(pieces: list[Segment], path: Path) -> None:

@@ -120,7 +120,8 @@ class ContactGeometry:
     def angle(self) -> float:
         """Angle theta between the axis and the contact normal at first touch [rad]; negative leans outwards."""
         n = self.normal(np.array(0.0))
-        return math.atan2(-n[0], n[1])
+        found = math.atan2(-n[0], n[1])
+        return found if abs(found) > 1e-15 else 0.0
 
     @cached_property
     def seat_curvature(self) -> float:

@@ -6,12 +6,17 @@ import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+import numpy as np
+from numpy.typing import NDArray
+
 from meshes.errors import GeometryError
 from meshes.geometry.curve import Curve
 from meshes.geometry.segment import Segment
 
 if TYPE_CHECKING:
     from skfem import MeshTri
+
+    from meshes.arrays import FloatArray
 
 
 @dataclass(frozen=True)
@@ -96,6 +101,16 @@ class Outline:
         """Smallest and largest r and z [m], arcs included."""
         r, z = zip(*(p for s in self.segments for p in s.corners), strict=True)
         return (min(r), max(r)), (min(z), max(z))
+
+    def holds(self, points: FloatArray) -> NDArray[np.bool_]:
+        """Which of some points (r, z) [m], shape (2, n), lie inside, arcs being followed by chords."""
+        along = [Curve((s,)) for s in self.segments]
+        corners = np.hstack([one.point(np.linspace(0.0, one.length, 33)[:-1]) for one in along])
+        (r, z), (next_r, next_z) = corners[..., None], np.roll(corners, -1, axis=1)[..., None]
+        # a ray outwards leaves more often than it enters
+        with np.errstate(divide="ignore", invalid="ignore"):
+            passes = points[0] < r + (points[1] - z) / (next_z - z) * (next_r - r)
+        return np.asarray(np.sum(((z > points[1]) != (next_z > points[1])) & passes, axis=0) % 2 == 1)
 
     @property
     def largest_radius(self) -> float:

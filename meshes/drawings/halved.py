@@ -1,0 +1,94 @@
+"""Drawn gaskets: of a section that is its own mirror image about the mid-plane, half is left."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from meshes.drawings.profile import Profile
+from meshes.errors import GeometryError
+from meshes.geometry.segment import Point, Segment
+
+
+def profile_of(name: str, pieces: Sequence[Segment], file_unit: float | None = None) -> Profile:
+    """A body as it is drawn; of a gasket the upper half, which is the "seat" of a contact.
+
+    Parameters
+    ----------
+    name : str
+        "closure", "seat" or "gasket".
+    pieces, file_unit
+        As of `Profile`.
+
+    Raises
+    ------
+    GeometryError
+        If they are no such body.
+    """
+    if name == "gasket":
+        return Profile("seat", tuple(upper_half(pieces)), file_unit, walled=False)
+    return Profile(name, tuple(pieces), file_unit)
+
+
+def upper_half(pieces: Sequence[Segment]) -> list[Segment]:
+    """Of a section that is its own mirror image the part above the mid-plane, which closes it; any other as it is.
+
+    Parameters
+    ----------
+    pieces : sequence of Segment
+        Closed, in order; those of the half that is left keep their names.
+
+    Raises
+    ------
+    GeometryError
+        If the mid-plane cuts the section into more than one piece: the gasket is hollow or has legs.
+
+    Examples
+    --------
+    >>> corners = [(0.01, -1e-3), (0.02, -1e-3), (0.02, 1e-3), (0.01, 1e-3)]
+    >>> whole = [Segment(a, b, "") for a, b in zip(corners, [*corners[1:], corners[0]], strict=True)]
+    >>> [one.name for one in upper_half(whole)]
+    ['', '', '', 'bottom']
+    """
+    heights = [c[1] for s in pieces for c in s.corners]
+    level, size = 0.5 * (min(heights) + max(heights)), max(heights) - min(heights)
+    if not _is_mirrored(pieces, level, 1e-6 * size):
+        return list(pieces)
+    parts = [part for s in pieces for part in _cut(s, level, 1e-6 * size)]
+    above = [0.5 * (s.start[1] + s.end[1]) > level + 1e-7 * size for s in parts]
+    starts = [n for n, here in enumerate(above) if here and not above[n - 1]]
+    if len(starts) != 1:
+        raise GeometryError(
+            f"gasket outline: its mid-plane cuts it into {len(starts)} pieces; a solid section has one"
+        )
+    turned = [*parts[starts[0] :], *parts[: starts[0]]][: sum(above)]
+    return [*turned, Segment(turned[-1].end, turned[0].start, "bottom")]
+
+
+def _is_mirrored(pieces: Sequence[Segment], level: float, slack: float) -> bool:
+    """Whether the image of every corner is a corner as well, and that of every arc an arc."""
+    corners = [s.start for s in pieces]
+    centres = [s.centre for s in pieces if s.centre is not None]
+
+    def has_image(point: Point, among: list[Point]) -> bool:
+        image = point[0], 2 * level - point[1]
+        return any(math.dist(image, one) <= slack for one in among)
+
+    # a corner on the mid-plane is its own image, and so is the end of an arc that crosses it
+    return all(has_image(one, corners) for one in corners) and all(has_image(one, centres) for one in centres)
+
+
+def _cut(s: Segment, level: float, slack: float) -> list[Segment]:
+    """A piece in two where it crosses a height [m]."""
+    (r, z), (end_r, end_z) = s.start, s.end
+    if min(z, end_z) > level - slack or max(z, end_z) < level + slack:
+        return [s]
+    if s.centre is None:
+        across = r + (level - z) / (end_z - z) * (end_r - r)
+    else:
+        reach = math.sqrt(math.dist(s.start, s.centre) ** 2 - (level - s.centre[1]) ** 2)
+        both = (s.centre[0] - reach, s.centre[0] + reach)
+        # an arc of less than half a turn lies on one side of its chord
+        across = min(both, key=lambda one: abs(one - 0.5 * (r + end_r)))
+    point = (across, level)
+    return [Segment(s.start, point, s.name, s.centre), Segment(point, s.end, s.name, s.centre)]

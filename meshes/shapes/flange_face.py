@@ -1,0 +1,154 @@
+"""Faces of flanges with a bore: seats turned over, so that they look down onto a gasket."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from meshes.geometry.outline import Outline
+from meshes.geometry.rounding import chain
+from meshes.geometry.segment import Point, Segment
+from meshes.shapes import check
+from meshes.shapes.conical_seat import ConicalSeat
+from meshes.shapes.flat_land import FlatLand
+from meshes.shapes.shape import housing
+
+# What a boundary of the seat is on the flange.
+_NAMES = {
+    "seat_face": "closure_face",
+    "seat_inner": "closure_inner",
+    "seat_outer": "closure_outer",
+    "seat_wall": "closure_outer",
+    "seat_bottom": "closure_top",
+}
+
+
+def turned_over(seat: Outline) -> Outline:
+    """A seat upside down as closure: its bottom is the loaded top, and it has no axis.
+
+    Examples
+    --------
+    >>> import meshes
+    >>> face = meshes.chain([(0.01, 0.0), (0.02, 0.0)], "seat_face")
+    >>> turned = turned_over(meshes.housing(face, outer_radius=0.03, height=0.02))
+    >>> turned.extent[1], turned.face.segments[0].start
+    ((0.0, 0.02), (0.01, 0.0))
+    """
+
+    def image(p: Point) -> Point:
+        return p[0], 0.0 - p[1]
+
+    pieces = (
+        Segment(image(s.end), image(s.start), _NAMES[s.name], None if s.centre is None else image(s.centre))
+        for s in reversed(seat.segments)
+    )
+    return Outline("closure", tuple(pieces))
+
+
+@dataclass(frozen=True)
+class FlangeFace:
+    """A flange with a bore, whose face is that of a seat turned over.
+
+    Parameters
+    ----------
+    outline : Outline
+        Section, its face downwards.
+    edge_radius, outer_radius, height : float
+        Rounding, radius and height, as chosen where they are not given [m].
+
+    Examples
+    --------
+    >>> import meshes
+    >>> flange = meshes.FlangeFace.raised(0.02, 0.03)
+    >>> print(f"{flange.outer_radius * 1e3:.0f} mm, {flange.outline.area * 1e6:.0f} mm^2 of section")
+    36 mm, 250 mm^2 of section
+    """
+
+    outline: Outline
+    edge_radius: float
+    outer_radius: float
+    height: float
+
+    @classmethod
+    def flat(
+        cls,
+        bore_radius: float,
+        outer_radius: float,
+        *,
+        edge_radius: float | None = None,
+        height: float | None = None,
+    ) -> FlangeFace:
+        """Flat from the bore to the outer radius.
+
+        Parameters
+        ----------
+        bore_radius, outer_radius : float
+            [m]
+        edge_radius, height : float, optional
+            A hundredth of the bore's radius, and the width of the face unless given [m].
+        """
+        check.positive("closure", bore_radius=bore_radius)
+        check.exceeds("closure", "outer_radius", outer_radius, bore_radius, "bore_radius =")
+        edge = 0.01 * bore_radius if edge_radius is None else edge_radius
+        thick = outer_radius - bore_radius if height is None else height
+        check.positive("closure", height=thick, edge_radius=edge)
+        corners = [(bore_radius, -thick), (bore_radius, 0.0), (outer_radius, 0.0)]
+        face = chain(corners, "seat_face", edge).without_first()
+        return cls(turned_over(housing(face, outer_radius, thick - edge)), edge, outer_radius, thick)
+
+    @classmethod
+    def raised(
+        cls,
+        land_inner_radius: float,
+        land_outer_radius: float,
+        *,
+        edge_radius: float | None = None,
+        land_height: float | None = None,
+        outer_radius: float | None = None,
+        height: float | None = None,
+    ) -> FlangeFace:
+        """Raised flat ring, its edges rounded.
+
+        Parameters
+        ----------
+        land_inner_radius, land_outer_radius : float
+            [m]; the former is that of the bore.
+        edge_radius, land_height, outer_radius, height : float, optional
+            A twentieth and a tenth of the ring's width, 1.2 land_outer_radius, the flange's width unless given [m].
+        """
+        check.positive("closure", land_inner_radius=land_inner_radius)
+        check.exceeds(
+            "closure", "land_outer_radius", land_outer_radius, land_inner_radius, "land_inner_radius ="
+        )
+        width = land_outer_radius - land_inner_radius
+        edge = 0.05 * width if edge_radius is None else edge_radius
+        step = 0.1 * width if land_height is None else land_height
+        outer = 1.2 * land_outer_radius if outer_radius is None else outer_radius
+        thick = outer - land_inner_radius if height is None else height
+        land = FlatLand(land_inner_radius, land_outer_radius, edge, step, outer, thick)
+        return cls(turned_over(land.outline), edge, outer, thick)
+
+    @classmethod
+    def conical(
+        cls,
+        angle: float,
+        bore_radius: float,
+        face_radius: float,
+        *,
+        outer_radius: float | None = None,
+        height: float | None = None,
+    ) -> FlangeFace:
+        """Hollow cone from the bore down to its lower edge, as for lens rings and double-cone rings.
+
+        Parameters
+        ----------
+        angle : float
+            Inclination of the face to the horizontal plane [rad].
+        bore_radius, face_radius : float
+            Radii between which it lies [m].
+        outer_radius, height : float, optional
+            Twice face_radius minus bore_radius, and the width of the flange unless given [m].
+        """
+        outer = 2 * face_radius - bore_radius if outer_radius is None else outer_radius
+        thick = outer - bore_radius if height is None else height
+        cone = ConicalSeat(angle, bore_radius, face_radius, outer, thick)
+        return cls(turned_over(cone.outline), 0.0, outer, thick)

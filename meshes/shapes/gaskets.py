@@ -1,0 +1,259 @@
+"""Solid metal gaskets: the upper half of a section that is its own mirror image about the mid-plane, z = 0.
+
+Their faces touch the flange above; the flange below is the mirror image of that. The half is the "seat" of a contact:
+its bottom, the mid-plane, does not move along the axis.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from itertools import pairwise
+
+from meshes.errors import GeometryError, mm
+from meshes.geometry.curve import Curve
+from meshes.geometry.outline import Outline
+from meshes.geometry.rounding import chain
+from meshes.geometry.segment import Point, Segment
+from meshes.shapes import check
+from meshes.shapes.shape import NamedFace, round_part, straight_part
+
+
+def half_section(face: Curve) -> Outline:
+    """Half of a gasket: its upper surface, upright sides below the ends of it, and the mid-plane z = 0.
+
+    Parameters
+    ----------
+    face : Curve
+        From its inner end outwards, segments named "seat_face"; both ends at or above z = 0 [m].
+
+    Examples
+    --------
+    >>> import meshes
+    >>> face = meshes.chain([(0.010, 1e-3), (0.012, 1e-3)], "seat_face")
+    >>> print(f"{half_section(face).area * 1e6:.0f} mm^2")
+    2 mm^2
+    """
+    start, end = face.segments[0].start, face.segments[-1].end
+    around: list[tuple[Point, str]] = [
+        (start, "seat_inner"),
+        ((start[0], 0.0), "seat_bottom"),
+        ((end[0], 0.0), "seat_outer"),
+        (end, ""),
+    ]
+    sides = tuple(Segment(a, b, name) for (a, name), (b, _) in pairwise(around) if a != b)
+    return Outline("seat", (*face.reversed.segments, *sides))
+
+
+@dataclass(frozen=True)
+class SolidRing:
+    """Solid ring of round section.
+
+    Between flat flanges it touches at its mean diameter, with R_rel = section_radius.
+
+    Parameters
+    ----------
+    mean_radius : float
+        Distance of the centre of the section from the axis [m].
+    section_radius : float
+        Of the section [m].
+
+    Examples
+    --------
+    >>> import meshes
+    >>> print(f"{meshes.SolidRing(0.02, 2e-3).outline.area * 1e6:.2f} mm^2 of half a section")
+    6.28 mm^2 of half a section
+    """
+
+    mean_radius: float
+    section_radius: float
+
+    def __post_init__(self) -> None:
+        check.positive("gasket", mean_radius=self.mean_radius, section_radius=self.section_radius)
+        if not self.section_radius < self.mean_radius:
+            raise GeometryError(
+                f"gasket section_radius = {mm(self.section_radius)}: must be below mean_radius = "
+                f"{mm(self.mean_radius)}"
+            )
+
+    @property
+    def outline(self) -> Outline:
+        """The upper half of the section."""
+        r, a = self.mean_radius, self.section_radius
+        inner, top, outer = (r - a, 0.0), (r, a), (r + a, 0.0)
+        centre = (r, 0.0)
+        arcs = (Segment(inner, top, "seat_face", centre), Segment(top, outer, "seat_face", centre))
+        return half_section(Curve(arcs))
+
+
+@dataclass(frozen=True)
+class LensRing:
+    """Lens ring: spherical faces, thickest at the bore, in conical flanges, as in DIN 2696.
+
+    On a conical flange face inclined by beta to the horizontal plane it touches at
+    r0 = spherical_radius sin(beta), with R_rel = spherical_radius.
+
+    Parameters
+    ----------
+    spherical_radius : float
+        Of both faces [m].
+    inner_radius, outer_radius : float
+        Of bore and rim [m].
+    rim_height : float
+        Height of the cylindrical rim, from face to face [m].
+
+    Examples
+    --------
+    >>> import meshes
+    >>> lens = meshes.LensRing(0.06, 0.014, 0.025, 8e-3)
+    >>> print(f"{2 * lens.outline.height * 1e3:.1f} mm thick at the bore")
+    15.6 mm thick at the bore
+    """
+
+    spherical_radius: float
+    inner_radius: float
+    outer_radius: float
+    rim_height: float
+
+    def __post_init__(self) -> None:
+        check.positive("gasket", inner_radius=self.inner_radius, rim_height=self.rim_height)
+        check.exceeds("gasket", "outer_radius", self.outer_radius, self.inner_radius, "inner_radius =")
+        check.exceeds(
+            "gasket", "spherical_radius", self.spherical_radius, self.outer_radius, "outer_radius ="
+        )
+
+    @property
+    def outline(self) -> Outline:
+        """The upper half of the section."""
+        R, inner, outer = self.spherical_radius, self.inner_radius, self.outer_radius
+        level = 0.5 * self.rim_height - math.sqrt(R**2 - outer**2)
+        ends = [(r, level + math.sqrt(R**2 - r**2)) for r in (inner, outer)]
+        return half_section(Curve((Segment(ends[0], ends[1], "seat_face", (0.0, level)),)))
+
+
+@dataclass(frozen=True)
+class DeltaRing:
+    """Delta ring: an isosceles triangle whose base looks inwards, its upper and lower edge rounded.
+
+    The edges are the first to touch, at the bottom of the grooves of both flanges or on flat faces, with R_rel =
+    edge_radius there; pressure on the base widens the ring.
+
+    Parameters
+    ----------
+    inner_radius : float
+        Of the base of the triangle [m].
+    height : float
+        Length of the base, from edge to edge before rounding [m].
+    angle : float
+        Inclination of both flanks to the horizontal plane [rad].
+    edge_radius : float
+        Of the rounding of both edges [m].
+
+    References
+    ----------
+    Delta-Dichtungen, technik-kommt-an.de (isosceles wedge, base on the side of the pressure, higher than both grooves);
+    SPETORING R delta seal, spetech.com.pl (line contact at the bottoms of the grooves, then on their flanks).
+
+    Examples
+    --------
+    >>> import math, meshes
+    >>> ring = meshes.DeltaRing(0.05, 0.01, math.radians(60), 5e-4)
+    >>> print(f"first touch at r = {ring.crest_radius * 1e3:.2f} mm")
+    first touch at r = 50.50 mm
+    """
+
+    inner_radius: float
+    height: float
+    angle: float
+    edge_radius: float
+
+    def __post_init__(self) -> None:
+        check.positive(
+            "gasket", inner_radius=self.inner_radius, height=self.height, edge_radius=self.edge_radius
+        )
+        check.angle("gasket", "angle", self.angle)
+
+    @property
+    def crest_radius(self) -> float:
+        """Where the rounded edge is highest [m]."""
+        return self.inner_radius + self.edge_radius
+
+    @property
+    def outline(self) -> Outline:
+        """The upper half of the section."""
+        inner, half = self.inner_radius, 0.5 * self.height
+        apex = (inner + half / math.tan(self.angle), 0.0)
+        face = chain([(inner, 0.0), (inner, half), apex], "seat_face", self.edge_radius)
+        # the base is no face: it stands upright, where nothing is above it
+        return half_section(face.without_first())
+
+    @property
+    def named_face(self) -> NamedFace:
+        """The rounded edge."""
+        return round_part("rounded edge", self.outline, self.edge_radius)
+
+
+@dataclass(frozen=True)
+class DoubleConeRing:
+    """Double-cone ring: conical faces at the outer side, between flat ends and a cylindrical rim, edges rounded.
+
+    A conical flange face of the same angle fits it: they touch first in the middle, with R_rel = inf.
+
+    Parameters
+    ----------
+    inner_radius, outer_radius : float
+        Of bore and rim [m].
+    height : float
+        From end to end [m].
+    rim_height : float
+        Height of the cylindrical rim between the cones [m].
+    angle : float
+        Inclination of the cones to the horizontal plane [rad], usually 60 deg.
+    edge_radius : float
+        Of the rounding of the edges of the cones [m].
+
+    Examples
+    --------
+    >>> import math, meshes
+    >>> ring = meshes.DoubleConeRing(0.2, 0.23, 0.06, 0.028, math.radians(60), 1e-3)
+    >>> print(f"cones from r = {ring.end_radius * 1e3:.1f} mm to 230 mm")
+    cones from r = 220.8 mm to 230 mm
+    """
+
+    inner_radius: float
+    outer_radius: float
+    height: float
+    rim_height: float
+    angle: float
+    edge_radius: float
+
+    def __post_init__(self) -> None:
+        check.positive("gasket", inner_radius=self.inner_radius, rim_height=self.rim_height)
+        check.angle("gasket", "angle", self.angle)
+        check.not_negative("gasket", "edge_radius", self.edge_radius)
+        check.exceeds("gasket", "height", self.height, self.rim_height, "rim_height =")
+        check.exceeds("gasket", "outer_radius", self.outer_radius, self.inner_radius, "inner_radius =")
+        if not self.end_radius > self.inner_radius:
+            raise GeometryError(
+                f"gasket height = {mm(self.height)}: the cones would reach the bore; make the rim_height larger or the "
+                "ring wider"
+            )
+
+    @property
+    def end_radius(self) -> float:
+        """Radius at which a cone begins, at the flat end [m]."""
+        return self.outer_radius - 0.5 * (self.height - self.rim_height) / math.tan(self.angle)
+
+    @property
+    def outline(self) -> Outline:
+        """The upper half of the section."""
+        top, rim = 0.5 * self.height, 0.5 * self.rim_height
+        corners = [(self.inner_radius, top), (self.end_radius, top), (self.outer_radius, rim)]
+        return half_section(
+            chain([*corners, (self.outer_radius, 0.0)], "seat_face", self.edge_radius).without_last()
+        )
+
+    @property
+    def named_face(self) -> NamedFace:
+        """The cone between its rounded edges."""
+        return straight_part("conical face", self.outline, -self.angle)
