@@ -41,6 +41,7 @@ PAGES, SCRIPTS, REPORTS = (
 # The most informative pictures, after the section; each page shows the first two that its report has.
 TELLING = (
     "particles",
+    "compression",
     "memory",
     "imprint",
     "unrolled",
@@ -77,6 +78,7 @@ GROUPS = {
         "tilted_poppet",
         "scratched_seat",
     ),
+    "Gaskets": ("copper_ring", "delta_seal"),
     "After a larger load": ("proof_load", "elastoplastic_seat", "hot_coined_seat"),
 }
 

@@ -140,7 +140,7 @@ def line(one: Found) -> str:
     case, spectrum = one.case, one.case.roughness.spectrum
     ends, inside = f"{one.ends[0]:.2f} to {one.ends[1]:.2f}", "yes" if one.inside else "**no**"
     return (
-        f"| {case.closure.shape} on {case.seat.shape} | {case.load.fluid_pressure[0] / 1e5:.3g} "
+        f"| {case.closure.shape} on {case.lower.shape} | {case.load.fluid_pressure[0] / 1e5:.3g} "
         f"| {spectrum.rms_height * 1e6:.3g} | {spectrum.hurst:g} | {2e6 * math.pi / spectrum.q_rolloff:.0f} "
         f"| {one.waves:.2g} | {one.row.asperities} | {one.row.contact_area:.2g} "
         f"| {one.row.leak_rate * 6e7:.3g} | {one.direct:.2f} | {one.error:.2f} | {ends} | {inside} |"

@@ -111,7 +111,7 @@ def _of_surfaces(case: Case) -> list[dict[str, float]]:
         raise ValueError("the case has no roughness")
     yields = [
         body.material.yield_stress
-        for body in (case.closure, case.seat)
+        for body in (case.closure, case.lower)
         if body.material.yield_stress is not None
     ]
     common = {"hardness_Pa": surface.hardness or math.nan, "yield_stress_Pa": min(yields, default=math.nan)}

@@ -188,8 +188,9 @@ def far_field(load: CoarserLoad) -> tuple[Comparison, ...]:
 def _variations(solver: LoadSolver, mesh: SealMesh) -> Iterator[tuple[str, Callable[[], ContactModel]]]:
     """Other bodies, made one after the other: each takes as much memory as those of the result."""
     problem, known = solver.problem, solver.model
-    if problem.interference:
-        return  # another size or support is another fit: that is no question of the far field
+    if problem.interference or problem.faces > 1:
+        # another size or support is another fit: that is no question of the far field; a gasket has neither
+        return
     with suppress(GeometryError, MeshingError):
         larger = problem.larger_housing()
         if larger is not None:

@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 from fem_seal.answers.accuracy import ACCURACY
 from fem_seal.answers.answer import NOTHING_ELSE, Answer, Inquiry, Wanted, answered
 from fem_seal.answers.bolts import BOLTS
+from fem_seal.answers.compression import COMPRESSION
 from fem_seal.answers.error_shares import ERROR_SHARES
 from fem_seal.answers.findings import FINDINGS
 from fem_seal.answers.form import FORM
@@ -35,12 +36,13 @@ from fem_seal.seal.load_solver import Clock, LoadSolver, Progress
 from fem_seal.seal.problem import SealProblem
 from fem_seal.seal.readings import WORDS
 from fem_seal.units import format_quantity
-from fem_seal.validity.words import left_out
+from fem_seal.validity.words import left_out, of_bodies
 from leak import LeakError, Reading
 
 # All that is asked of a solved seal, each after those whose answers it uses.
 ANSWERS: tuple[Answer[Any], ...] = (
     ACCURACY,
+    COMPRESSION,
     OPENING,
     TARGET,
     BOLTS,
@@ -150,7 +152,7 @@ def _solved(case: Case, clock: Clock, steps: OptionalSteps) -> SolvedSeal:
     return replace(
         found.seal(case.without_loads(missing)).with_loads(loads),
         missing={whole.loads.points[number]: one for number, one in missing.items()},
-        left_out=tuple(left_out(whole.loads, missing)),
+        left_out=tuple(of_bodies(whole, left_out(whole.loads, missing))),
     )
 
 

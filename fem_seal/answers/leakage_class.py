@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from fem_seal.answers.judgement import Limit
 from fem_seal.case.fields import Bubbles
+from fem_seal.files import told_of
 from fem_seal.seal.leak_model import ROOM_TEMPERATURE, TEST_GASES, TEST_TEMPERATURES, gas_of_test
 from fem_seal.units import LIQUID, LeakVolume, quantity
 from leak.standards import STANDARD_PRESSURE
@@ -76,9 +77,10 @@ def nominal_size(case: Case) -> NominalSize:
     """
     from leak import nominal_size_of_bore
 
-    bore = getattr(case.seat, "bore_radius", None)
+    bore = getattr(case.closure if case.gasket else case.seat, "bore_radius", None)
     diameter = 2.0 * (case.initial_contact_radius if bore is None else bore)
-    circle = "circle of first touch" if bore is None else "bore of the seat"
+    of = told_of("bore of the seat" if case.gasket is None else "bore of the closure", faces=case.faces)
+    circle = "circle of first touch" if bore is None else of
     if case.leak.nominal_size is not None:
         return NominalSize(case.leak.nominal_size, diameter, circle, False)
     return NominalSize(nominal_size_of_bore(diameter), diameter, circle, True)

@@ -53,7 +53,7 @@ _AT_CONTACT = {
     "seat": {
         *("angle", "contact_angle", "top_angle", "relief_angle"),
         *("radius", "centre_radius", "land_radius", "land_inner_radius", "land_outer_radius", "bore_radius"),
-        *("land_width", "edge_radius"),
+        *("land_width", "edge_radius", "mean_radius", "section_radius", "spherical_radius"),
     },
 }
 # Those that a drawing has even where the case leaves them open.
@@ -401,9 +401,9 @@ class _ChangedSeal:
     def _at_contact(self) -> Iterator[tuple[str, str, float]]:
         """Path, kind and value of each dimension at the contact that a drawing has."""
         made: dict[str, Any] = {"closure": self.case.closure.body()}
-        made["seat"] = self.case.seat.body(made["closure"])
+        made["seat"] = self.case.lower.body(made["closure"])
         for body, shape in made.items():
-            table = getattr(self.case, body)
+            table, name = self.case.table_of(body), self.case.key_of(body)
             for key, entry in type(table).model_fields.items():
                 marker = next(quantities_of(entry), None)
                 if marker is None or key not in _AT_CONTACT[body]:
@@ -411,7 +411,7 @@ class _ChangedSeal:
                 given = getattr(table, key)
                 value = getattr(shape, key, None) if given is None and key in _ALWAYS else given
                 if value:
-                    yield f"{body}.{key}", marker.dimension, value
+                    yield f"{name}.{key}", marker.dimension, value
 
     def _materials(self) -> Iterator[_Change]:
         """Another material of closure or seat; not where the body yields, whose curve nobody knows of the other."""
@@ -422,11 +422,14 @@ class _ChangedSeal:
             for name in _MATERIALS:
                 if name != own.name:
                     yield _Change(
-                        f"{body}.material", math.nan, partial(self._with_material, body, name), material=name
+                        f"{self.case.key_of(body)}.material",
+                        math.nan,
+                        partial(self._with_material, body, name),
+                        material=name,
                     )
 
     def _with_material(self, body: str, name: str, factor: float) -> SealProblem:
-        return self._at_load(SealProblem.of(self.case.replace({f"{body}.material": name})))
+        return self._at_load(SealProblem.of(self.case.replace({f"{self.case.key_of(body)}.material": name})))
 
 
 def _round_step(length: float) -> float:

@@ -8,6 +8,7 @@ from typing import Any, Self
 
 from fem_seal.answers.accuracy import ACCURACY, Comparison
 from fem_seal.answers.bolts import BOLTS
+from fem_seal.answers.compression import COMPRESSION
 from fem_seal.answers.error_shares import ERROR_SHARES
 from fem_seal.answers.form import FORM
 from fem_seal.answers.judgement import JudgedLoad, Judgement, SealJudgement, Verdict
@@ -34,6 +35,7 @@ class SealSolution(SolvedSeal):
 
     accuracy = ACCURACY
     bolts = BOLTS
+    compression = COMPRESSION
     form = FORM
     particles = PARTICLES
     interface_variants = INTERFACE_VARIANTS

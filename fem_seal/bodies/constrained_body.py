@@ -215,13 +215,20 @@ def constrained_body(
         # that is the node there, which stands on both sides, or of a ready mesh its facets across the ends of the line.
         in_gap, sealed = area_weight * (trace @ normal[1]), np.pi * contact.initial_contact_radius**2
         middle = int(np.argmin(np.abs(contact_x)))
+        solid = "closure_axis" in (mesh.boundaries or {})
         for region, end, area in (
             (0, 0, sealed - in_gap[x < 0].sum()),
             (1, -1, -sealed - in_gap[x > 0].sum()),
         ):
-            node = on_line[1, end if contact.has_ready_mesh else middle]
-            further[region][node] += area - further[region][axial].sum()
-        held = np.append(boundary_dofs(mesh, "closure_axis", 0), boundary_dofs(mesh, "closure_top", 1)[0])
+            left = area - further[region][axial].sum()
+            if solid:
+                further[region][on_line[1, end if contact.has_ready_mesh else middle]] += left
+            else:
+                # what the pipe carries from behind the bore
+                further[region] += left * balance
+        held = boundary_dofs(mesh, "closure_top", 1)[:1]
+        if solid:
+            held = np.append(boundary_dofs(mesh, "closure_axis", 0), held)
     else:
         held = boundary_dofs(mesh, "seat_bottom", 1)
         if supports is not None and supports.wall == "fixed":

@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import os
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, is_dataclass
+from dataclasses import asdict, is_dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -14,17 +14,18 @@ from pydantic.fields import FieldInfo
 
 from fem_seal.case.checks import contradictions
 from fem_seal.case.drawing_words import as_written, in_keys, partner, said_twice, same_entry, words_of
-from fem_seal.case.fields import quantities_of
+from fem_seal.case.fields import quantities_of, shown
 from fem_seal.case.gauge import as_differences, is_said_of_one_side
 from fem_seal.case.material_table import library_table
-from fem_seal.case.messages import choices, problems, tables_of
+from fem_seal.case.messages import choices, missing, problems, tables_of
 from fem_seal.case.roughness import roughness_like
+from fem_seal.case.shapes import Closure
 from fem_seal.case.tables import CaseTables
 from fem_seal.case.temperature import with_film_temperature
 from fem_seal.case.tightening import closed_by
 from fem_seal.case.words import problem
 from fem_seal.errors import InputError, LoadProblem, NoLoadLeftError, Problem
-from fem_seal.files import read_toml
+from fem_seal.files import read_toml, told_of
 from fem_seal.former_names import in_present_entries
 from fem_seal.materials import ROOM_TEMPERATURE
 from fem_seal.units import DIMENSIONS
@@ -63,6 +64,9 @@ class Case(CaseTables):
         """Read and check tables; those that are the very ones of another case are taken from it as they were read."""
         before = {} if like is None else like._input
         known = {name for name, table in tables.items() if name in before and before[name] is table}
+        if "gasket" in tables:
+            # then a flange like the closure, and no seat
+            known.discard("seat")
         if before.get("temperature") is not tables.get("temperature"):
             # the fluid is as warm as the bodies unless it has its own temperature
             known.discard("fluid")
@@ -83,6 +87,9 @@ class Case(CaseTables):
         given = tables.get("load")
         if bolted is not None and isinstance(given, Mapping) and given.get("applied_force") is not None:
             wrong.append(problem("bolts_and_force"))
+        flange = written.pop("seat", None) if "gasket" in tables else None
+        if not {"seat", "gasket"} & {name for name, table in tables.items() if table is not None}:
+            wrong.append(missing(CaseTables, "seat"))
         if "fluid" in written:
             written["fluid"] = with_film_temperature(written["fluid"], tables.get("temperature"))
         try:
@@ -91,7 +98,9 @@ class Case(CaseTables):
             raise InputError(*wrong, *problems(error, type(self))) from None
         if wrong:
             raise InputError(*wrong)
-        if like is not None and ({"closure", "seat"} <= known or self._of_the_shape_of(like)):
+        if flange is not None and (unlike := list(_unlike_faces(self.closure, flange))):
+            raise InputError(*unlike)
+        if like is not None and ({"closure", self.key_of("seat")} <= known or self._of_the_shape_of(like)):
             self._take_bodies(like)
         if self.bolts is not None:
             # set during construction, before the model is shared
@@ -107,16 +116,19 @@ class Case(CaseTables):
         for name, table in {**told, **self.bodies_at(*warm)}.items():
             # set during construction, before the model is shared
             object.__setattr__(self, name, table)
-        contradicting = [as_written(problem, tables) for problem in contradictions(self)]
+        contradicting = [
+            as_written(replace(one, message=told_of(one.message, faces=self.faces)), tables)
+            for one in contradictions(self)
+        ]
         if contradicting:
-            none_left = all(isinstance(problem, LoadProblem) for problem in contradicting)
+            none_left = all(isinstance(one, LoadProblem) for one in contradicting)
             raise (NoLoadLeftError if none_left else InputError)(*contradicting)
         # what the user wrote, so that `replace` checks a change exactly as it checks a file
         self._input = tables
 
     def in_diameters(self, name: str) -> bool:
         """Whether the case writes dimensions of a body, "closure" or "seat", as diameters."""
-        written = self._input.get(name)
+        written = self._input.get(self.key_of(name))
         return isinstance(written, Mapping) and any(key.endswith("diameter") for key in written)
 
     @property
@@ -322,7 +334,7 @@ def _changed(tables: dict[str, Any], new: Mapping[str, Any]) -> dict[str, Any]:
 def _in_keys(tables: Mapping[str, Any]) -> tuple[dict[str, Any], list[Problem]]:
     """Tables with keys in place of the drawing's words, and what is wrong with these."""
     written, wrong = dict(tables), []
-    for body in ("closure", "seat"):
+    for body in ("closure", "seat", "gasket"):
         entries = tables.get(body)
         if isinstance(entries, Mapping):
             known = tables_of(CaseTables.model_fields[body])
@@ -331,6 +343,32 @@ def _in_keys(tables: Mapping[str, Any]) -> tuple[dict[str, Any], list[Problem]]:
                 written[body], found = in_keys(body, meant[0], entries)
                 wrong.extend(found)
     return written, wrong
+
+
+def _unlike_faces(closure: Closure, entries: object) -> Iterator[Problem]:
+    """What of the lower flange of a gasket is not as of the upper one.
+
+    Parameters
+    ----------
+    closure : Closure
+        The upper flange.
+    entries : object
+        What stands at [seat].
+    """
+    if not isinstance(entries, Mapping) or entries.get("shape") != closure.shape:
+        found = entries.get("shape") if isinstance(entries, Mapping) else entries
+        yield problem("unlike_flanges", key="shape", value=shown(found))
+        return
+    keys, wrong = in_keys("seat", type(closure), entries)
+    yield from wrong
+    try:
+        lower = type(closure).model_validate(keys)
+    except ValidationError as error:
+        yield from (replace(one, key=f"seat.{one.key}") for one in problems(error, type(closure)))
+        return
+    for key, value in lower:
+        if value != getattr(closure, key):
+            yield problem("unlike_flanges", key=key, value=shown(entries.get(key, "not given")))
 
 
 def _merged(old: dict[str, Any], new: Mapping[str, Any]) -> dict[str, Any]:

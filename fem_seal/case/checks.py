@@ -6,16 +6,19 @@ import math
 import re
 from collections.abc import Iterator
 
+import numpy as np
+
 from fem_seal.case.fields import OF_GASES, OF_LIQUIDS, RATES, shown
 from fem_seal.case.load_limits import problem_of_earlier_load, problems_of_all_loads
 from fem_seal.case.material_library import suggestion
 from fem_seal.case.roughness import SHAPE, SelfAffine, scan_spectra, self_affine_part, uncertain_heights
+from fem_seal.case.shapes import FlangeFace
 from fem_seal.case.tables import CaseTables, Leak, Requirement, Uncertainty, curves
 from fem_seal.case.temperature import Temperature
 from fem_seal.case.tightening import problems_of_bolts
 from fem_seal.case.words import problem, sentence
 from fem_seal.errors import InputError, Problem
-from fem_seal.files import UnreadableFileError, check_file
+from fem_seal.files import UnreadableFileError, check_file, told_of
 from fem_seal.units import format_quantity as written
 from meshes import GeometryError
 from meshes.errors import mm
@@ -31,6 +34,7 @@ def contradictions(case: CaseTables) -> list[Problem]:
     """Everything in a case that does not fit together."""
     return [
         *(geometry := list(_bodies(case))),
+        *_gasket(case),
         *_spectrum(case),
         *_interface(case),
         *_of_paper(case),
@@ -99,20 +103,38 @@ def _asperities(case: CaseTables) -> Iterator[Problem]:
 
 
 def _bodies(case: CaseTables) -> Iterator[Problem]:
-    wrong = [*case.closure.problems(), *case.seat.problems()]
+    wrong = [*case.closure.problems(), *case.lower.problems()]
     if wrong:
         yield from wrong
         return
     try:
         r0 = case.initial_contact_radius
     except GeometryError as error:
-        yield _geometry_problem(str(error))
+        yield _geometry_problem(str(error), case)
         return
     size = case.mesh.contact_size
     if size is not None and size > r0 / 4:
         yield problem("mesh_contact_size", radius=mm(r0), limit=mm(r0 / 4), value=mm(size))
+    if case.gasket is not None:
+        yield from _meets_beside(case)
     # around a small bore the strain is up to three times that of the wall, which must stay small, too
-    yield from _small_fit(case, "seat_interference", getattr(case.seat, "interference", None) or 0.0)
+    yield from _small_fit(case, "seat_interference", case.lower.interference or 0.0)
+
+
+def _meets_beside(case: CaseTables) -> Iterator[Problem]:
+    """Flanges that meet each other, or penetrate the gasket beside its contact, before it is touched."""
+    closure, seat = case.contact.closure, case.contact.seat
+    apart = closure.extent[1][0] - seat.extent[1][0]
+    if apart < 0:
+        yield problem("flanges_meet", deep=mm(-apart))
+    slack = 1e-3 * case.initial_contact_radius
+    for one, other in ((seat, closure), (closure, seat)):
+        corners = np.array([s.start for s in one.segments]).T
+        inside = np.all([other.shifted(way).holds(corners) for way in (-slack, slack)], axis=0)
+        if inside.any():
+            r, z = corners[:, inside][:, 0].tolist()
+            yield problem("penetrates", r=mm(r), apart=mm(z))
+            return
 
 
 def _small_fit(case: CaseTables, name: str, moved: float) -> Iterator[Problem]:
@@ -132,7 +154,7 @@ def _temperature(case: CaseTables, heat: Temperature) -> Iterator[Problem]:
         return
     if heat.contact_conductance is not None and not heat.faces:
         yield problem("contact_conductance")
-    fixed = getattr(case.seat, "wall", "free") == "fixed"
+    fixed = case.lower.wall == "fixed"
     for name in ("housing", "housing_expansion"):
         if getattr(heat, name) is not None and not fixed:
             yield problem("without_housing", name=name)
@@ -146,22 +168,26 @@ def _temperature(case: CaseTables, heat: Temperature) -> Iterator[Problem]:
         try:
             strains.append(case.thermal_strain(name))
         except InputError as error:
-            material = getattr(case, name).material.name
-            beyond = Problem(f"{name}.material.thermal_expansion", f"{material}: {error.message}")
+            material = case.table_of(name).material.name
+            beyond = Problem(
+                f"{case.key_of(name)}.material.thermal_expansion", f"{material}: {error.message}"
+            )
             yield from [*_unknown(case, "no_expansion", name, "thermal_expansion", "1/K")] or [beyond]
     for name, strain in zip(("closure", "seat"), strains, strict=False):
         if abs(strain) > _LARGEST_STRAIN:
-            yield problem("thermal_strain", name=name, strain=100 * strain, limit=100 * _LARGEST_STRAIN)
+            yield problem(
+                "thermal_strain", name=case.key_of(name), strain=100 * strain, limit=100 * _LARGEST_STRAIN
+            )
     if len(strains) == 2 and fixed:
         yield from _fit(case)
 
 
 def _unknown(case: CaseTables, name: str, body: str, number: str, unit: str) -> Iterator[Problem]:
     """The problem of this name where a number of a body's material is not known at any temperature."""
-    material = getattr(case, body).material
+    material = case.table_of(body).material
     if getattr(material, number) is None and material.table(number) is None:
         remedy = suggestion(material.name, number, unit)
-        yield problem(name, name=body, number=number, material=material, remedy=remedy)
+        yield problem(name, name=case.key_of(body), number=number, material=material, remedy=remedy)
 
 
 def _fit(case: CaseTables) -> Iterator[Problem]:
@@ -176,13 +202,31 @@ def _fit(case: CaseTables) -> Iterator[Problem]:
     yield from _small_fit(case, "tight_fit", moved)
 
 
-def _geometry_problem(message: str) -> Problem:
+def _geometry_problem(message: str, case: CaseTables) -> Problem:
     """A geometry that cannot be, at its key if the message begins with one."""
-    named = re.match(r"(closure|seat) (\w+) = ([^:]+): (.+)", message, re.DOTALL)
+    named = re.match(r"(closure|seat|gasket) (\w+) = ([^:]+): (.+)", message, re.DOTALL)
     if named is None:
-        return Problem("seat", message)
+        return Problem(case.key_of("seat"), told_of(message, faces=case.faces))
     body, key, value, what = named.groups()
     return Problem(f"{body}.{key}", what, value)
+
+
+def _gasket(case: CaseTables) -> Iterator[Problem]:
+    """What does not go together with a gasket, and what only goes together with one."""
+    if case.gasket is None:
+        if isinstance(case.closure, FlangeFace):
+            yield problem("flange_without_gasket", value=shown(case.closure.shape))
+        if case.roughness is not None and case.roughness.gasket is not None:
+            yield problem("roughness_without_gasket")
+        return
+    if isinstance(case.closure, FlangeFace) and case.load.closing == "penetration":
+        yield problem("penetration_of_flange", shape=shown(case.closure.shape))
+    if case.temperature is not None and case.temperature.uniform is None:
+        yield problem("temperature_of_gasket")
+    for name in ("roughness", "form"):
+        table = getattr(case, name)
+        if table is not None and table.seat is not None:
+            yield problem("face_of_gasket", name=name)
 
 
 def _spectrum(case: CaseTables) -> Iterator[Problem]:
@@ -236,11 +280,12 @@ def _of_paper(case: CaseTables) -> Iterator[Problem]:
 def _hardness(case: CaseTables) -> Iterator[Problem]:
     if case.roughness is None or case.hardness is not None:
         return
-    closure, seat = shown(case.closure.material.name), shown(case.seat.material.name)
+    words = {name: shown(case.table_of(name).material.name) for name in ("closure", "seat")}
+    words["body"] = case.key_of("seat")
     if case.leak.plasticity:
-        yield problem("no_hardness", closure=closure, seat=seat)
+        yield problem("no_hardness", **words)
     if case.interface.plastic:
-        yield problem("no_hardness_of_law", closure=closure, seat=seat)
+        yield problem("no_hardness_of_law", **words)
 
 
 def _missing(case: CaseTables) -> str | None:
@@ -348,7 +393,11 @@ def _form(case: CaseTables) -> Iterator[Problem]:
     if form is None:
         return
     if curves(case):
-        bodies = [name for name in ("closure", "seat") if getattr(case, name).material.hardening is not None]
+        bodies = [
+            case.key_of(name)
+            for name in ("closure", "seat")
+            if case.table_of(name).material.hardening is not None
+        ]
         yield problem("form", bodies=" and ".join(bodies))
     if (form.scratches or form.lay) and (missing := _missing(case)):
         yield problem("grooves", key="scratches" if form.scratches else "lay", missing=missing)
@@ -461,7 +510,7 @@ def touched_beside(case: CaseTables) -> Iterator[str]:
         Whose tables fit together.
     """
     radius = case.contact.initial_contact_radius
-    for name, table, body in zip(("closure", "seat"), (case.closure, case.seat), case.bodies, strict=True):
+    for name, table, body in zip(("closure", "seat"), (case.closure, case.lower), case.bodies, strict=True):
         face = named_face(body)
         if face is not None and not face.holds(radius):
             side, end = ("inside", face.inner) if radius < face.inner else ("outside", face.outer)

@@ -20,7 +20,7 @@ from fem_seal.units import DIMENSIONS, exact_quantity, parse_quantity
 
 # A rounding has an R on every drawing.
 _ROUNDING = "edge_radius"
-_BODIES = ("closure", "seat")
+_BODIES = ("closure", "seat", "gasket")
 
 
 @dataclass(frozen=True)
@@ -144,7 +144,7 @@ def in_keys(
     Parameters
     ----------
     body : str
-        "closure" or "seat".
+        "closure", "seat" or "gasket".
     table : type of the table that reads them
     entries : mapping
         As they stand in the case file.
@@ -180,7 +180,7 @@ def as_written(problem: Problem, tables: Mapping[str, Any]) -> Problem:
     Parameters
     ----------
     problem : Problem
-        At a key of closure or seat, or anywhere else.
+        At a key of closure, seat or gasket, or anywhere else.
     tables : mapping
         The case as it was written.
     """

@@ -1,4 +1,4 @@
-"""The shape "profile" of closure and seat: an outline in the case file, a drawing, or a mesh."""
+"""The shape "profile" of closure, seat and gasket: an outline in the case file, a drawing, or a mesh."""
 
 from __future__ import annotations
 
@@ -12,12 +12,13 @@ from typing import Annotated, Any, Literal
 
 from fem_seal.case.fields import Place, Quantity, Table
 from fem_seal.case.material_table import MaterialField
-from fem_seal.case.shapes import Closure, Held
+from fem_seal.case.shapes import Closure, Gasket, Held
 from fem_seal.case.words import problem
 from fem_seal.errors import Problem
 from fem_seal.files import MOST_BYTES_OF_DRAWING, UnreadableFileError, check_file
 from leak.extras import needed
 from meshes import GeometryError, MeshedBody, Profile, Segment, Shape, read_section
+from meshes.drawings.halved import profile_of
 from meshes.errors import mm
 from meshes.geometry.segment import Point
 
@@ -57,8 +58,9 @@ class ProfileSource(Table):
         if self.file is None:
             return
         kind = Path(self.file).suffix.lower()
-        if kind not in (*_DRAWINGS, *_MESHES):
-            known = ", ".join((*_DRAWINGS, *_MESHES))
+        kinds = _DRAWINGS if name == "gasket" else (*_DRAWINGS, *_MESHES)
+        if kind not in kinds:
+            known = ", ".join(kinds)
             yield Problem(f"{name}.file", f"must end with {known}", f'"{Path(self.file).name}"')
         else:
             try:
@@ -129,7 +131,7 @@ def _written(name: str, pieces: list[Piece]) -> Profile:
                 ends = f"begins {mm(first)} from its centre, but ends {mm(last)} from it"
                 raise GeometryError(f"{entry} {ends}")
         segments.append(Segment(before.to, piece.to, piece.name or "", centre))
-    return Profile(name, tuple(segments))
+    return profile_of(name, segments)
 
 
 def _centre(entry: str, start: Point, end: Point, radius: float) -> Point:
@@ -173,3 +175,18 @@ class SeatProfile(ProfileSource, Held):
     def body(self, closure: Shape) -> Shape:
         """The seat that is meshed."""
         return self.source_body("seat")
+
+
+class GasketProfile(ProfileSource, Gasket):
+    """[gasket] shape = "profile": a gasket with any symmetric section of lines and arcs, whole or its upper half."""
+
+    shape: Literal["profile"]
+    material: MaterialField
+
+    def problems(self) -> Iterator[Problem]:
+        """What is wrong with the source of the outline."""
+        yield from self.source_problems("gasket")
+
+    def body(self, closure: Shape) -> Shape:
+        """The upper half, which is meshed."""
+        return self.source_body("gasket")

@@ -98,7 +98,7 @@ def _problem(details: ErrorDetails, case: type[BaseModel]) -> Problem:
     kind, value, ctx = details["type"], details["input"], details.get("ctx", {})
     key, name = ".".join(path), path[-1] if path else ""
     if kind == "missing":
-        return Problem(key, f"is missing; {_what_to_write(table, name)}")
+        return Problem(key, missing(table, name).message)
     if kind == "extra_forbidden":
         return Problem(key, _UnknownKey(path, value, table, case).message)
     if kind == "union_tag_not_found":
@@ -118,6 +118,11 @@ def _problem(details: ErrorDetails, case: type[BaseModel]) -> Problem:
     if kind in ("bool_type", "tuple_type", "list_type", "string_type", "invalid_key"):
         return Problem(key, sentence(kind, name=name), shown(value))
     return Problem(key, details["msg"][:1].lower() + details["msg"][1:], shown(value))
+
+
+def missing(table: type[BaseModel] | None, name: str) -> Problem:
+    """What is said where an entry of a table is missing."""
+    return Problem(name, f"is missing; {_what_to_write(table, name)}")
 
 
 def _no_table(key: str, name: str, parent: type[BaseModel] | None) -> str:

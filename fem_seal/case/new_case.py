@@ -18,7 +18,7 @@ from fem_seal.errors import InputError, QuantityError
 from fem_seal.files import TomlError, own_tables, parse_toml
 from fem_seal.units import parse_quantity
 
-TEMPLATES = ("ball-valve", "check-valve", "relief-valve", "needle", "flat-seat", "knife-edge", "flange")
+TEMPLATES = ("ball-valve", "check-valve", "relief-valve", "needle", "flat-seat", "knife-edge", "flange", "gasket")
 SCHEMA_FILE = "fem-seal.schema.json"
 
 _ENTRY = re.compile(r"(?P<key>[\w.]+) = (?P<value>.*?)(?P<comment>\s+#.*)?")
@@ -149,7 +149,7 @@ def with_entries(text: str, entries: Mapping[str, str]) -> str:
 
 
 # What grows with a valve: its lengths, and the force with the area that the fluid pressure acts on.
-_LENGTHS = re.compile(r"(closure|seat)\.\w*(diameter|radius|width|height|recess)|leak\.nominal_size")
+_LENGTHS = re.compile(r"(closure|seat|gasket)\.\w*(diameter|radius|width|height|recess)|leak\.nominal_size")
 _FORCE = "load.applied_force"
 
 

@@ -136,7 +136,7 @@ def _inside(table: object, key: str) -> object:
 
 
 # A finish in words, "lapped Ra 0.2 um", is one value that changes them as a whole.
-_FINISHES = ("roughness", "roughness.seat", "roughness.closure")
+_FINISHES = ("roughness", "roughness.seat", "roughness.closure", "roughness.gasket")
 
 
 def entry_paths(case: Case) -> Iterator[str]:
@@ -150,7 +150,7 @@ def entry_paths(case: Case) -> Iterator[str]:
 def with_open_materials(case: Case, paths: list[str]) -> Case:
     """The case with library materials written as tables, where a path changes a part of one."""
     changes = {}
-    for body in ("closure", "seat"):
+    for body in ("closure", case.key_of("seat")):
         if any(path.startswith(f"{body}.material.") for path in paths):
             written, material = case.written[body]["material"], getattr(case, body).material
             if isinstance(written, str):

@@ -232,7 +232,7 @@ def _measured(
 AnySpectrum = SelfAffine | Tabulated | Measured | FinishTable
 Spectrum = Annotated[AnySpectrum, Field(discriminator="kind")]
 # Keys of [roughness] that hold a spectrum.
-PARTS = ("spectrum", "seat", "closure", "along", "across")
+PARTS = ("spectrum", "seat", "closure", "gasket", "along", "across")
 
 
 class Roughness(FinishKeys):
@@ -245,6 +245,7 @@ class Roughness(FinishKeys):
     spectrum: Spectrum | None = None
     seat: Spectrum | None = None
     closure: Spectrum | None = None
+    gasket: Spectrum | None = None
 
     along: Spectrum | None = None
     across: Spectrum | None = None
@@ -268,7 +269,7 @@ class Roughness(FinishKeys):
             raise wrong("finish_without_height", what=f"has {known[0]}" if known else "is a finish")
         if "along" in given or "across" in given:
             self._two_directions(given)
-        elif ("spectrum" in given) == ("seat" in given or "closure" in given):
+        elif ("spectrum" in given) == any(one in given for one in ("seat", "closure", "gasket")):
             raise wrong("spectrum_twice" if given else "spectrum_missing")
         return self
 
@@ -409,7 +410,7 @@ def read_roughness(entries: object) -> object:
 
 
 # Keys of [roughness] that go together; one way of giving the roughness replaces the others.
-_WAYS = (("spectrum",), ("seat", "closure"), ("along", "across"))
+_WAYS = (("spectrum",), ("seat", "closure", "gasket"), ("along", "across"))
 
 
 def roughness_like(before: object, change: object) -> tuple[object, object]:
@@ -435,8 +436,9 @@ def roughness_like(before: object, change: object) -> tuple[object, object]:
     if len(ways) == 1:
         if is_finish(old):
             finish = {key: old.pop(key) for key in ("kind", *FinishKeys.model_fields) if key in old}
-            if ways[0] == ("seat", "closure"):
-                old |= {key: {**finish, "kind": "finish"} for key in ways[0]}
+            if ways[0] == _WAYS[1]:
+                faces = ("gasket" if "gasket" in new else "seat", "closure")
+                old |= {key: {**finish, "kind": "finish"} for key in faces}
         for key in PARTS:
             if key not in ways[0]:
                 old.pop(key, None)

@@ -34,16 +34,18 @@ def case_schema() -> dict[str, Any]:
     Examples
     --------
     >>> sorted(case_schema()["required"])
-    ['closure', 'load', 'seat']
+    ['closure', 'load']
     """
     schema = Case.model_json_schema(mode="validation")
-    for body in ("closure", "seat"):
+    # a gasket has no seat
+    schema["anyOf"] = [{"required": ["seat"]}, {"required": ["gasket"]}]
+    for body in ("closure", "seat", "gasket"):
         for table in tables_of(Case.model_fields[body]):
             _add_words(schema["$defs"][table.__name__], table)
     schema["description"] = 'One seal with its loads; quantities are texts with units, such as "20 mm".'
     written = as_schema("fem-seal case", schema)
     _add_finishes(written["properties"], ("roughness",))
-    _add_finishes(written["$defs"]["Roughness"]["properties"], ("spectrum", "seat", "closure"))
+    _add_finishes(written["$defs"]["Roughness"]["properties"], ("spectrum", "seat", "closure", "gasket"))
     _share_material(written["$defs"])
     return written
 

@@ -1,8 +1,9 @@
-"""The tables [closure] and [seat] of the case file: a model of each shape, of the dimensions that its maker takes."""
+"""The tables [closure], [seat] and [gasket]: a model of each shape, of the dimensions that its maker takes."""
 
 from __future__ import annotations
 
 import inspect
+import re
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, cast
 
@@ -13,7 +14,7 @@ from fem_seal.case.fields import Quantity, Table
 from fem_seal.case.material_table import MaterialField
 from fem_seal.case.words import problem
 from fem_seal.errors import Problem
-from meshes import Shape
+from meshes import GeometryError, Shape
 
 if TYPE_CHECKING:
     from fem_seal.materials import Material
@@ -36,7 +37,7 @@ _OTHER_KEYS = {"shape", "material", "wall", "interference"}
 
 
 class Body(Table):
-    """Base of the tables [closure] and [seat]."""
+    """Base of the tables [closure], [seat] and [gasket]."""
 
     makes: ClassVar[Callable[..., Shape]]
     """Maker of the shape. Its parameters are the keys of the table, and it knows what an open one is."""
@@ -85,6 +86,29 @@ class Housed(Held):
 
     outer_radius: Length | None = None
     height: Length | None = None
+
+
+class Gasket(Body):
+    """A gasket of any shape that is symmetric about its mid-plane, on which the lower end of its upper half rests."""
+
+    wall: ClassVar[Literal["free"]] = "free"
+    interference: ClassVar[None] = None
+
+    def body(self, closure: Shape) -> Shape:
+        """The upper half, which is meshed."""
+        return self.made()
+
+
+class FlangeFace(Closure):
+    """The face of a flange with a bore, which takes a gasket."""
+
+    def body(self) -> Shape:
+        """The flange that is meshed."""
+        try:
+            return self.made()
+        except GeometryError as error:
+            # its face is made as a seat
+            raise GeometryError(re.sub("^seat ", "closure ", str(error))) from error
 
 
 class _Poppet(Closure):
@@ -220,3 +244,14 @@ class Lands(Housed):
 
 
 SEATS = (ConicalSeat, ConicalLand, Sphere, ToroidalSeat, Flat, FlatLand, SharpEdge)
+
+RaisedFace = _model("RaisedFace", "flat-land", meshes.FlangeFace.raised, FlangeFace, Rounding)
+FlatFace = _model("FlatFace", "flat", meshes.FlangeFace.flat, FlangeFace, Rounding)
+ConicalFace = _model("ConicalFace", "conical-face", meshes.FlangeFace.conical, FlangeFace)
+FLANGES = (RaisedFace, FlatFace, ConicalFace)
+
+SolidRing = _model("SolidRing", "ring", meshes.SolidRing, Gasket)
+LensRing = _model("LensRing", "lens", meshes.LensRing, Gasket)
+DeltaRing = _model("DeltaRing", "delta", meshes.DeltaRing, Gasket, Rounding)
+DoubleConeRing = _model("DoubleConeRing", "double-cone", meshes.DoubleConeRing, Gasket)
+GASKETS = (SolidRing, LensRing, DeltaRing, DoubleConeRing)

@@ -15,7 +15,7 @@ from pydantic import Field, PrivateAttr, create_model, model_validator
 
 from fem_seal.case import shapes
 from fem_seal.case.bolts import BoltsTable
-from fem_seal.case.drawn import ClosureProfile, SeatProfile
+from fem_seal.case.drawn import ClosureProfile, GasketProfile, SeatProfile
 from fem_seal.case.fields import (
     RATES,
     Bubbles,
@@ -300,9 +300,13 @@ if TYPE_CHECKING:
     # made of the makers of the shapes, which a type checker does not follow
     Closure = shapes.Closure
     Seat = shapes.Held
+    Gasket = shapes.Gasket
 else:
-    Closure = Annotated[Union[(*shapes.CLOSURES, ClosureProfile)], Field(discriminator="shape")]
+    Closure = Annotated[
+        Union[(*shapes.CLOSURES, *shapes.FLANGES, ClosureProfile)], Field(discriminator="shape")
+    ]
     Seat = Annotated[Union[(*shapes.SEATS, shapes.Lands, SeatProfile)], Field(discriminator="shape")]
+    Gasket = Annotated[Union[(*shapes.GASKETS, GasketProfile)], Field(discriminator="shape")]
 
 
 class CaseTables(Table):
@@ -310,7 +314,8 @@ class CaseTables(Table):
 
     title: str = ""
     closure: Closure
-    seat: Seat
+    seat: Seat | None = None
+    gasket: Gasket | None = None
     roughness: Roughness | None = None
     interface: Interface = Interface()
     fluid: Fluid | None = None
@@ -329,6 +334,27 @@ class CaseTables(Table):
     _warm: dict[str, float] = PrivateAttr(default_factory=dict)
 
     @property
+    def faces(self) -> int:
+        """Sealing faces, through which fluid leaks side by side: 1 of a valve seat, 2 of a gasket."""
+        return 1 if self.gasket is None else 2
+
+    def key_of(self, body: str) -> str:
+        """Table of a body of the contact, "closure" or "seat": of a gasket its upper half is the latter."""
+        return body if body == "closure" or self.gasket is None else "gasket"
+
+    def table_of(self, body: str) -> shapes.Closure | shapes.Held | shapes.Gasket:
+        """What stands in the table of a body of the contact, "closure" or "seat"."""
+        found: shapes.Closure | shapes.Held | shapes.Gasket = getattr(self, self.key_of(body))
+        return found
+
+    @property
+    def lower(self) -> shapes.Held | shapes.Gasket:
+        """The table of the body below: seat or gasket."""
+        found = self.seat if self.gasket is None else self.gasket
+        assert found is not None  # the reading of a case demands one of them
+        return found
+
+    @property
     def initial_contact_radius(self) -> float:
         """Radius r0 of the circle of first touch [m]."""
         return self.contact.initial_contact_radius
@@ -342,7 +368,7 @@ class CaseTables(Table):
     def bodies(self) -> tuple[Shape, Shape]:
         """Closure and seat with all their dimensions, those that are left open in proportion to the closure."""
         closure = self.closure.body()
-        return closure, self.seat.body(closure)
+        return closure, self.lower.body(closure)
 
     def _of_the_shape_of(self, like: CaseTables) -> bool:
         """Whether closure and seat are those of another case but for their material; a file may have changed."""
@@ -350,7 +376,7 @@ class CaseTables(Table):
             type(one) is type(other)
             and getattr(one, "file", None) is None
             and {**dict(one), "material": None} == {**dict(other), "material": None}
-            for one, other in ((self.closure, like.closure), (self.seat, like.seat))
+            for one, other in ((self.closure, like.closure), (self.lower, like.lower))
         )
 
     def _take_bodies(self, like: CaseTables) -> None:
@@ -372,14 +398,14 @@ class CaseTables(Table):
         """
         found, wrong = {}, list[Problem]()
         for name, temperature in (("closure", closure), ("seat", seat)):
-            body: Any = getattr(self, name)
+            body, key = self.table_of(name), self.key_of(name)
             try:
                 material = body.material.at(temperature)
             except InputError as error:
-                wrong += [replace(one, key=f"{name}.material.{one.key}") for one in error.problems]
+                wrong += [replace(one, key=f"{key}.material.{one.key}") for one in error.problems]
                 continue
             same = material is body.material
-            found[name] = body if same else body.model_copy(update={"material": material})
+            found[key] = body if same else body.model_copy(update={"material": material})
         if wrong:
             raise InputError(*wrong)
         return found
@@ -390,8 +416,7 @@ class CaseTables(Table):
         temperature = None if heat is None else heat.of_body(name)
         if heat is None or temperature is None:
             return 0.0
-        material: Material = getattr(self, name).material
-        return material.thermal_strain(temperature, heat.reference)
+        return self.table_of(name).material.thermal_strain(temperature, heat.reference)
 
     @property
     def body_temperatures(self) -> dict[str, float]:
@@ -457,22 +482,22 @@ class CaseTables(Table):
         heat = self.temperature
         if heat is None or heat.film is None:
             return False
-        alike = self.closure.material == self.seat.material
+        alike = self.closure.material == self.lower.material
         return not (alike and heat.of_body("closure") == heat.of_body("seat"))
 
     @property
     def wall_motion(self) -> float:
         """How far a held wall of the seat is moved inwards, by a press fit and by heat [m]; zero where it is free."""
-        if getattr(self.seat, "wall", "free") == "free":
+        if self.lower.wall == "free":
             return 0.0
         heat, wall = self.temperature, self.contact.seat.largest_radius
-        interference: float = getattr(self.seat, "interference", None) or 0.0
+        interference = self.lower.interference or 0.0
         warm = None if heat is None else heat.of_body("seat")
         if heat is None or warm is None:
             return interference
         housing = heat.housing or warm
         if heat.housing_expansion is None:
-            around = self.seat.material.thermal_strain(housing, heat.reference)
+            around = self.lower.material.thermal_strain(housing, heat.reference)
         else:
             around = heat.housing_expansion * (housing - heat.reference)
         return interference + (self.thermal_strain("seat") - around) * wall
@@ -480,13 +505,15 @@ class CaseTables(Table):
     @property
     def effective_modulus(self) -> float:
         """E* of both bodies [Pa]."""
-        return effective_modulus(self.closure.material, self.seat.material)
+        return effective_modulus(self.closure.material, self.lower.material)
 
     @property
     def hardness(self) -> float | None:
         """Penetration hardness of the contact [Pa]: the softer body's or the only one given; None if none."""
         known = [
-            body.hardness for body in (self.closure.material, self.seat.material) if body.hardness is not None
+            body.hardness
+            for body in (self.closure.material, self.lower.material)
+            if body.hardness is not None
         ]
         return min(known, default=None)
 
@@ -494,7 +521,7 @@ class CaseTables(Table):
     def softer(self) -> Material:
         """The body of that hardness, or with the lower modulus if none is known."""
         return min(
-            (self.closure.material, self.seat.material),
+            (self.closure.material, self.lower.material),
             key=lambda body: (body.hardness or math.inf, body.youngs_modulus),
         )
 
@@ -534,5 +561,5 @@ class CaseTables(Table):
 
 def curves(case: CaseTables) -> list[HardeningCurve]:
     """Hardening curves of the bodies of a case that yield; empty if both are elastic."""
-    materials = (case.closure.material, case.seat.material)
+    materials = (case.closure.material, case.lower.material)
     return [material.hardening for material in materials if material.hardening is not None]

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from fem_seal.case.new_case import Question
 
-NAMES = "ball-valve, check-valve, relief-valve, needle, flat-seat, knife-edge or flange"
+NAMES = "ball-valve, check-valve, relief-valve, needle, flat-seat, knife-edge, flange or gasket"
 CLASSES = (
     "ISO 5208 A, AA, B, C, CC, D, E, EE, F, G; FCI 70-2 II, III, IV, V, VI; API 598; "
     "EN 13555 L0.01, L0.1, L1.0; VDI 2440; ISO 15848-1 AH, BH, CH"

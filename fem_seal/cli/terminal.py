@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from fem_seal.errors import printable
-from fem_seal.files import as_json, own_tables
+from fem_seal.files import as_json, own_tables, told_of
 from fem_seal.units import DIGITS, LIQUID, LeakVolume, Unit, fixed_unit, rounded
 from leak.standards import STANDARD_PRESSURE
 
@@ -284,7 +284,7 @@ def show_answers(result: SealSolution) -> None:
 
     groups = (remembered(result), *(one.lines(result) for one in shown_answers.SHOWN))
     for line in chain.from_iterable(groups):
-        say(line)
+        say(told_of(line, faces=result.case.faces))
 
 
 def show_table(title: str, headings: Sequence[str], rows: Sequence[Sequence[str]], keys: int = 1) -> None:
@@ -360,7 +360,8 @@ def show_derived(numbers: Mapping[str, Any]) -> None:
         shown = [f"{key} {_dimension(key, value)}" for key, value in lengths.items()]
         if body in numbers["sections"]:
             shown += section_text(numbers["sections"][body]).values()
-        say(f"  {body:10}" + ", ".join(shown))
+        name = told_of(body, faces=1 + ("gasket" in numbers["dimensions"]))
+        say(f"  {name:10}" + ", ".join(shown))
     for name, (words, unit) in CHECK_OF_CASE.items():
         value = numbers[name]
         if value is not None and math.isfinite(value):

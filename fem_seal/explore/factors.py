@@ -252,7 +252,9 @@ def _finishes(case: Case) -> Found:
     # a finish in words is a table like others
     written: Any = read_roughness(case.written["roughness"])
     faces = {"": written} if any(key in written for key in _HEIGHTS) else {}
-    names = {"spectrum": "both faces"} | {one: one for one in ("seat", "closure", "along", "across")}
+    names = {"spectrum": "both faces"} | {
+        one: one for one in ("seat", "closure", "gasket", "along", "across")
+    }
     faces |= {key: written[key] for key in names if isinstance(written.get(key), Mapping)}
     found: list[Factor | str] = []
     for key, table in faces.items():
@@ -283,8 +285,9 @@ def _hardness(case: Case) -> Found:
     hardness = case.hardness
     if hardness is None or not case.leak.plasticity:
         return ["The asperities of the case do not yield: hardness would change nothing and is not offered."]
+    bodies = ("closure", case.key_of("seat"))
     body = min(
-        (body for body in ("closure", "seat") if getattr(case, body).material.hardness is not None),
+        (body for body in bodies if getattr(case, body).material.hardness is not None),
         key=lambda body: getattr(case, body).material.hardness,
     )
     note = "of the softer body; beyond that of the other one it changes nothing"
@@ -297,7 +300,7 @@ def _dimensions(case: Case) -> Found:
     """Every angle and length of the bodies that stands in the case; equal angles of both are one."""
     known = set(entry_paths(case))
     entries: list[tuple[str, str, str, object]] = []
-    for body in ("closure", "seat"):
+    for body in ("closure", case.key_of("seat")):
         for key, written in case.written.get(body, {}).items():
             # the drawing's word for what the case keeps as an angle to the axis or a radius
             kept = same_entry(f"{body}.{key}")
@@ -320,7 +323,7 @@ def _dimensions(case: Case) -> Found:
             paths, face = tuple(f"{body}.{key}" for body, key, *_ in angles), "both faces"
         label = f"{key.replace('_', ' ')}, {face}"
         found += _of_dimension(dimension, f"{body}_{key}", label, written, paths)
-    drawn = [body for body in ("closure", "seat") if getattr(case, body).shape == "profile"]
+    drawn = [body for body in ("closure", case.key_of("seat")) if getattr(case, body).shape == "profile"]
     found += [f"The {body} comes from a drawing: its dimensions are not offered." for body in drawn]
     return sorted(found, key=lambda one: isinstance(one, Factor) and "angle" not in one.key)
 

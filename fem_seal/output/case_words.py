@@ -57,7 +57,7 @@ def dimensions(case: Case, name: str) -> dict[str, float]:
     """
     given = {
         key: entry
-        for key, entry in getattr(case, name)
+        for key, entry in case.table_of(name)
         if isinstance(entry, float) and key not in _NOT_A_DIMENSION
     }
     return given | chosen_dimensions(case, name)
@@ -79,7 +79,7 @@ def listed_dimensions(case: Case, name: str) -> dict[str, tuple[float, bool]]:
     dict
         By key or word: length [m] or angle [rad], and whether the program chose it.
     """
-    table: type[Table] = type(getattr(case, name))
+    table: type[Table] = type(case.table_of(name))
     words = {word.key: word for word in words_of(table).values()}
     chosen, listed = chosen_dimensions(case, name), {}
     for key, value in dimensions(case, name).items():
@@ -94,7 +94,7 @@ def listed_dimensions(case: Case, name: str) -> dict[str, tuple[float, bool]]:
 
 def chosen_dimensions(case: Case, name: str) -> dict[str, float]:
     """The `dimensions` that the case does not give and the program chose."""
-    table = getattr(case, name)
+    table = case.table_of(name)
     body = case.bodies[0 if name == "closure" else 1]
     values = {key: getattr(body, key, None) for key, entry in table if entry is None}
     return {
@@ -128,7 +128,7 @@ def section(case: Case, name: str) -> dict[str, Any]:
         "file" and "layer", or None; "length_unit_m", the unit of the file, None for an outline in the case and for
         STEP; "r_m" and "z_m", smallest and largest coordinate as drawn.
     """
-    table = getattr(case, name)
+    table = case.table_of(name)
     if not isinstance(table, ProfileSource):
         return {}
     body = case.bodies[0 if name == "closure" else 1]
@@ -309,10 +309,12 @@ def derived_numbers(case: Case, derived: Derived) -> dict[str, Any]:
         "contact_angle_rad": case.contact.angle,
         "relative_radius_m": derived.relative_radius,
         "dimensions": {
-            name: {key: value for key, (value, _) in listed_dimensions(case, name).items()}
+            case.key_of(name): {key: value for key, (value, _) in listed_dimensions(case, name).items()}
             for name in ("closure", "seat")
         },
-        "sections": {name: drawn for name in ("closure", "seat") if (drawn := section(case, name))},
+        "sections": {
+            case.key_of(name): drawn for name in ("closure", "seat") if (drawn := section(case, name))
+        },
         "effective_modulus_Pa": derived.effective_modulus,
         "hardness_Pa": derived.hardness,
         "rms_height_m": derived.rms_height,

@@ -327,3 +327,4 @@ MEANINGS["around"] = MEANINGS["around"] | {
 TEXT_COLUMNS, PROFILE_COLUMNS, IMPRINT_COLUMNS, AROUND_COLUMNS, VARIANT_COLUMNS, PARTICLE_COLUMNS = (
     tuple(MEANINGS[table]) for table in ("words", "profile", "imprint", "around", "variants", "particles")
 )
+CONTACT_COLUMNS, COMPRESSION_COLUMNS = (tuple(MEANINGS[table]) for table in ("contacts", "compression"))

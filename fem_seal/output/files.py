@@ -21,6 +21,7 @@ from fem_seal.output.report.words import far_field_sentence
 from fem_seal.output.shown import by_reading
 from fem_seal.output.sources import sources
 from fem_seal.output.tables import (
+    contact_rows,
     imprint_rows,
     leak_rows,
     leakage_table,
@@ -69,7 +70,7 @@ def write(result: SealSolution, folder: Path) -> tuple[str, ...]:
         for name, write_one in _FILES.items():
             with steps.attempt(name, but=OSError):
                 write_one(result, draft)
-        for name, table in {"imprint.csv": imprint_rows, **tables}.items():
+        for name, table in {"contacts.csv": contact_rows, "imprint.csv": imprint_rows, **tables}.items():
             with steps.attempt(name, but=OSError):
                 columns, rows = table(result)
                 if rows:
@@ -113,7 +114,9 @@ def summary(result: SealSolution) -> dict[str, Any]:
         ``loads`` (rows of leak.csv with their validity and a list of reasons), ``leakage`` (other units and classes,
         one entry per load; no class outside the theory), ``yielding`` (one entry
         per load; null for a body that does not exceed its yield stress), ``imprint`` (of each body that has yielded;
-        null if both bodies are elastic), ``convergence`` (one entry per load), ``discretisation_error``, ``far_field``
+        null if both bodies are elastic), ``compression`` (steps of a gasket, what
+        is left after them, and the springback; null for a valve seat),
+        ``convergence`` (one entry per load), ``discretisation_error``, ``far_field``
         (relative changes, and a sentence), ``form`` (answers about the form error at the highest load; null for a
         round seal), ``requirement`` (verdict, margin and their basis; null without one), ``verdict_force``
         (force with which the verdict passes or why none does, one entry per load; empty unless asked), ``levers`` (the
@@ -170,7 +173,7 @@ def resolved_input(result: SealSolution) -> dict[str, Any]:
     case = result.case
     tables = input_tables(case)
     for name in ("closure", "seat"):
-        tables[name] |= chosen_dimensions(case, name)
+        tables[case.key_of(name)] |= chosen_dimensions(case, name)
     tables["mesh"]["contact_size"] = result.seal_mesh.sizing.contact_size
     if case.interface.law == "exponential":
         tables["interface"]["u0"], tables["interface"]["p_c"] = exponential_law(

@@ -2,6 +2,7 @@
 
 from fem_seal.output.answers import (
     bolts,
+    compression,
     error_shares,
     form,
     particles,
@@ -16,6 +17,7 @@ from fem_seal.output.shown import Shown
 
 # In the order on the terminal.
 _ANSWERS = (
+    compression,
     target,
     bolts,
     form,

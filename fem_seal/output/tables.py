@@ -1,4 +1,4 @@
-"""The results as tables: leak.csv, profile.csv, imprint.csv, variants.csv; their columns are in `columns`."""
+"""The results as tables: leak.csv, contacts.csv, profile.csv, imprint.csv and others; see `columns` for theirs."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from fem_seal.answers.leakage_class import leakage_classes, nominal_size
 from fem_seal.files import write_bytes
 from fem_seal.output.columns import (
     COLUMNS,
+    CONTACT_COLUMNS,
     IMPRINT_COLUMNS,
     LEAK_COLUMNS,
     PROFILE_COLUMNS,
@@ -132,6 +133,31 @@ def write_rows_csv(path: Path, columns: Sequence[str], rows: Sequence[Sequence[f
     writer.writerow(columns)
     writer.writerows([f"{one:{_NUMBER}}" if isinstance(one, float) else one for one in row] for row in rows)
     return write_bytes(path, text.getvalue().encode())
+
+
+def contact_rows(result: SealSolution) -> CsvTable:
+    """Numbers of each sealing contact under each load.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    flow, faces = result.problem.flow, result.problem.faces
+    outlet = 0.0 if flow is None else flow.outlet_pressure
+    return CONTACT_COLUMNS, [
+        (
+            *load.point,
+            name,
+            load.line_load,
+            load.peak_pressure,
+            load.fwhm,
+            outlet + load.fluid_pressure,
+            outlet,
+            math.nan if load.leak is None else load.leak.leak_rate / faces,
+        )
+        for load in result.loads
+        for name in ("closure", "seat")[-faces:]
+    ]
 
 
 def imprint_rows(result: SealSolution) -> CsvTable:

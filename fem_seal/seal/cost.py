@@ -33,7 +33,7 @@ def yields(case: CaseTables) -> bool:
     ----------
     case : CaseTables
     """
-    return any(body.material.hardening is not None for body in (case.closure, case.seat))
+    return any(body.material.hardening is not None for body in (case.closure, case.lower))
 
 
 def seconds(case: CaseTables) -> float:

@@ -190,7 +190,7 @@ def warmed(case: AnyCase) -> AnyCase:
     found = heating(case)
     if found is None or case.body_temperatures:
         return case
-    materials = {"closure": case.closure.material, "seat": case.seat.material}
+    materials = {"closure": case.closure.material, "seat": case.lower.material}
     modulus = effective_modulus(materials["closure"], materials["seat"])
     sizing = element_sizes(HardContact(), _line_loads(case), case.contact, modulus)
     try:

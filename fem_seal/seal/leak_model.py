@@ -89,6 +89,8 @@ class FlowModel:
     chambers : tuple of float or None
         Pressure above the low side that each chamber between lands is held at, None where it follows from the flow
         [Pa]; empty where it does in all of them.
+    faces : int
+        Equal contacts through which it flows side by side.
     """
 
     fluid: str
@@ -103,6 +105,7 @@ class FlowModel:
     end: int = 0
     pressure_law: PressureLaw | None = None
     chambers: tuple[float | None, ...] = ()
+    faces: int = 1
 
     def effective_viscosity(self, fluid_pressure: float) -> float | None:
         """Of a liquid: the viscosity of one that does not thicken and leaks as much [Pa s]; None for a gas.
@@ -253,7 +256,7 @@ class FlowModel:
         profile: PressureProfile,
         fluid_pressure: float,
     ) -> LeakResult:
-        """Leak of one contact, or of several lands in series.
+        """Leak of one contact, or of several lands in series, and of all that are equal to it.
 
         Parameters
         ----------
@@ -307,8 +310,11 @@ class FlowModel:
                 SeriesContact(partial(self._across, table, one) if one.touches else None, len(one.x))
                 for table, one in zip(tables, lands, strict=True)
             ]
-            return in_series(contacts, *ends, given)
-        return self._across(tables[0], lands[0], *ends)
+            return self._of_all_faces(in_series(contacts, *ends, given))
+        return self._of_all_faces(self._across(tables[0], lands[0], *ends))
+
+    def _of_all_faces(self, flow: LeakResult) -> LeakResult:
+        return flow if self.faces == 1 else flow.scaled(self.faces * flow.leak_rate)
 
     def _across(
         self, table: Conductivity, profile: PressureProfile, inner: float, outer: float
@@ -343,7 +349,7 @@ class FlowModel:
         fluid_pressure: float,
         grooves: Sequence[Groove],
     ) -> LeakBounds[Any]:
-        """Leak of one contact with grooves across it.
+        """Leak of a contact with grooves across it, and of all that are equal to it.
 
         Parameters
         ----------
@@ -361,7 +367,11 @@ class FlowModel:
         permeant = self.permeant(table, fluid_pressure)
         x, pressure, contact = profile.x, profile.pressure, profile.after_largest(table)
         modulus, side = surface.effective_modulus, self.pressure_side
-        return flow_along(contact, x, pressure, grooves, permeant, modulus, side)
+        found = flow_along(contact, x, pressure, grooves, permeant, modulus, side)
+        if self.faces == 1:
+            return found
+        without, upper = (self._of_all_faces(one.above_outlet) for one in (found.without, found.upper))
+        return leak.LeakBounds(without, upper, lambda: self._of_all_faces(found.lower.above_outlet))
 
     def goes_round(
         self,

@@ -229,6 +229,9 @@ class SealProblem:
         That close the seal; None where a force is applied.
     file : Path or None
         That errors name.
+    faces : int
+        Sealing faces, through which fluid leaks side by side: 1 of a valve seat, 2 of a gasket. The bodies are those of
+        one face: of a gasket a flange, as closure, and the upper half of the gasket, as seat.
     """
 
     contact: ContactGeometry
@@ -255,6 +258,7 @@ class SealProblem:
     bolts: Bolts | None = None
     file: Path | None = None
     given_law: Law | None = None
+    faces: int = 1
 
     @classmethod
     def of(cls, case: CaseTables) -> SealProblem:
@@ -269,7 +273,7 @@ class SealProblem:
         of_finish = case.roughness is not None and bool(case.roughness.finishes)
         return cls(
             contact=case.contact,
-            materials={"closure": case.closure.material, "seat": case.seat.material},
+            materials={name: case.table_of(name).material for name in ("closure", "seat")},
             interface=case.interface,
             loads=Loads.of(case),
             surface=rough_contact(case),
@@ -277,7 +281,7 @@ class SealProblem:
             form=None
             if case.form is None
             else case.form.error(case.contact.angle, case.initial_contact_radius),
-            supports=Supports(wall=getattr(case.seat, "wall", "free")),
+            supports=Supports(wall=case.lower.wall),
             interference=case.wall_motion,
             expansion=case.thermal_strain("closure") - case.thermal_strain("seat") if case.expands else 0.0,
             temperatures=case.body_temperatures,
@@ -293,6 +297,7 @@ class SealProblem:
             larger_housing=partial(_larger_housing, case),
             bolts=bolts_of(case),
             file=case.file,
+            faces=case.faces,
         )
 
     @cached_property
@@ -449,6 +454,7 @@ def flow_of(case: CaseTables) -> FlowModel | None:
         direct_settings(case),
         pressure_law=fluid.pressure_law if fluid.gas is None else None,
         chambers=case.chambers,
+        faces=case.faces,
     )
 
 
@@ -502,6 +508,8 @@ _LENGTHS = ("outer_radius", "height")
 
 
 def _larger_housing(case: CaseTables) -> ContactGeometry | None:
+    if case.gasket is not None:
+        return None
     closure, found = case.bodies
     seat: Any = found
     known = {field.name for field in fields(seat)} if is_dataclass(seat) else set()

@@ -21,7 +21,7 @@ from fem_seal.units import DIGITS, briefly, format_beside, number, rounded, shar
 from fem_seal.validity.fluid import fluid_cautions, molecule_cautions
 from fem_seal.validity.form import LARGEST_EXCESS, form_cautions
 from fem_seal.validity.materials import temperature_cautions
-from fem_seal.validity.words import caution, sentence
+from fem_seal.validity.words import caution, of_bodies, sentence
 from leak import ConductivityTable
 from leak.numerics.roots import root_between
 
@@ -97,7 +97,10 @@ def contact_cautions(problem: SealProblem, loads: Sequence[LoadResult]) -> tuple
     """
     # remarks that do not make the numbers doubtful
     near = [one for one in temperature_cautions(problem) if one.level is Level.VALID]
-    return (*_of_surface(problem), *load_cautions(problem, loads), *_coarse(loads[0]), *near)
+    if problem.faces > 1:
+        near.append(replace(caution("without_friction"), level=Level.VALID))
+    own = (*_of_surface(problem), *load_cautions(problem, loads), *_coarse(loads[0]))
+    return (*own, *of_bodies(problem, near))
 
 
 def load_cautions(
@@ -129,7 +132,7 @@ def load_cautions(
         _moved_by_heat,
         form_cautions,
     )
-    yield from (one for check in bodies for one in check(problem, loads))
+    yield from of_bodies(problem, (one for check in bodies for one in check(problem, loads)))
     if problem.surface is not None:
         yield from _interface_cautions(problem, problem.surface, loads, sealing)
 
@@ -247,7 +250,7 @@ def earlier_cautions(
             text=f"at the largest earlier load: {one.text}",
         )
         for check in bodies
-        for one in check(problem, [load])
+        for one in of_bodies(problem, check(problem, [load]))
     )
 
 
@@ -282,7 +285,7 @@ def target_validity(problem: SealProblem, answer: LoadResult) -> Validity:
 
 def _at_target(problem: SealProblem, answers: Sequence[LoadResult]) -> Iterator[Finding]:
     bodies: tuple[Check, ...] = (_yielding, _turned, _cut_off, _wide, _above_hardness)
-    yield from (one for check in bodies for one in check(problem, answers))
+    yield from of_bodies(problem, (one for check in bodies for one in check(problem, answers)))
     if problem.surface is not None and problem.flow is not None:  # of a leak rate
         sealing = _sealing_pressure(problem, problem.surface)
         yield from _nearly_sealed(problem, problem.surface, answers, sealing)

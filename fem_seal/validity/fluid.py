@@ -256,15 +256,17 @@ def _leak_known(load: LoadResult) -> bool:
 
 
 def _where_most_leaks(load: LoadResult) -> tuple[PressureProfile, LeakResult] | None:
-    """Contact pressure at the angle with the largest leak, and the leak of a seal with this pressure all around."""
+    """Contact pressure at the angle with the largest leak, and the leak of a face with this pressure all around."""
+    flow = None if load.rough is None else load.rough.flow
+    share = 1.0 if flow is None else 1.0 / flow.faces
     if load.formed is None:
-        return None if load.leak is None else (load.tightest, load.leak)
+        return None if load.leak is None else (load.tightest, load.leak.scaled(share * load.leak.leak_rate))
     around = load.around
     if around is None or around.leak is None or around.leak_rate is None:
         return None
     at = int(np.argmax(around.leak_rate))
     whole = 2.0 * math.pi * float(around.leak_rate[at])
-    return around.profile_at(float(around.angle[at])), around.leak.scaled(whole)
+    return around.profile_at(float(around.angle[at])), around.leak.scaled(share * whole)
 
 
 def _where(load: LoadResult, loads: Sequence[LoadResult], *, end: bool) -> str:

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 
 from fem_seal.errors import LoadProblem
-from fem_seal.files import own_tables
+from fem_seal.files import own_tables, told_of
 from fem_seal.seal.bounds import EXACT, Bounds
 from fem_seal.seal.findings import Finding, Level
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.load_result import LoadResult
-from fem_seal.seal.problem import Loads
+from fem_seal.seal.problem import Loads, SealProblem
 
 
 def caution(
@@ -42,6 +43,19 @@ def caution(
         values["where"] = load_name(load, loads)
     kind, reason, text = (sentence(name, part, **values) for part in ("kind", "reason", "text"))
     return Finding(kind, Level.OUTSIDE if outside else Level.DOUBTFUL, reason, text, leak_factor)
+
+
+def of_bodies(problem: SealProblem, findings: Iterable[Finding]) -> Iterator[Finding]:
+    """Findings about the closure and the seat of a problem in the words for its bodies, see `told_of`.
+
+    Parameters
+    ----------
+    problem : SealProblem
+    findings : iterable of Finding
+    """
+    for one in findings:
+        kind, reason, text = (told_of(said, faces=problem.faces) for said in (one.kind, one.reason, one.text))
+        yield replace(one, kind=kind, reason=reason, text=text)
 
 
 def sentence(name: str, part: str = "text", /, **values: object) -> str:

@@ -289,7 +289,7 @@ def _imprints(axes: Axes, unloaded: Unloaded) -> None:
 def _strains(axes: Axes, result: SealSolution, unloaded: Unloaded) -> str:
     """Plastic strain of all bodies that yield; returns its reach."""
     fields = {n: field for n, field in unloaded.fields.items() if isinstance(field, ElastoplasticField)}
-    materials = {"closure": result.case.closure.material, "seat": result.case.seat.material}
+    materials = result.problem.materials
     found = {name: plastic_zone(field, materials[name]) for name, field in fields.items()}
     zones = {name: zone for name, zone in found.items() if zone is not None}
     widest = max(imprint.width for imprint in unloaded.imprints.values())

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -15,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fem_seal.errors import InputError
+from fem_seal.files import told_of
 from fem_seal.output.case_words import chosen_dimensions, listed_dimensions, section, section_text
 from fem_seal.output.pictures.style import (
     BLUE,
@@ -120,8 +122,8 @@ class _Diameter:
 
 def _draw_whole(axes: Axes, case: Case) -> None:
     contact = case.contact
-    _bodies(axes, contact, mirrored=True)
-    low, high = _heights(contact)
+    _bodies(axes, contact, mirrored=True, faces=case.faces)
+    low, high = _heights(contact, case.faces)
     widest = 1e3 * max(contact.closure.largest_radius, contact.seat.largest_radius)
     below = sorted(_seat_diameters(case), key=lambda one: one.radius)
     width, height = _WIDTH * _SHARE, 0.89 * _HEIGHT
@@ -136,17 +138,29 @@ def _draw_whole(axes: Axes, case: Case) -> None:
         _diameter(axes, one, low - _ROW * scale * row, scale)
     size = 1e3 * contact.closure.largest_radius
     at = max((s.start for s in contact.closure.segments), key=lambda p: (p[0], p[1]))
-    _diameter(axes, _Diameter(size, "closure", 1e3 * at[1], INK), high + _ROW * scale * 0.9, scale)
-    if hasattr(case.seat, "angle"):
-        _included_angle(axes, contact, float(case.seat.angle), scale)
-    _names(axes, contact, 9.0, 0.8)
-    _pressures(axes, case, (0.97 * widest, high), (0.0, low), _SMALL)
+    _diameter(
+        axes,
+        _Diameter(size, told_of("closure", faces=case.faces), 1e3 * at[1], INK),
+        high + _ROW * scale * 0.9,
+        scale,
+    )
+    angle = getattr(case.seat, "angle", None)
+    if angle is not None:
+        _included_angle(axes, contact, angle, scale)
+    _names(axes, contact, 9.0, 0.8, case.faces)
+    _pressures(axes, case, (0.97 * widest, high), (0.0, low), _SMALL, scale)
 
 
-def _heights(contact: ContactGeometry) -> tuple[float, float]:
-    """Lowest and highest point of both bodies."""
+def _heights(contact: ContactGeometry, faces: int) -> tuple[float, float]:
+    """Lowest and highest point of both bodies, and of their images below the mid-plane of a gasket."""
     low, high = zip(contact.closure.extent[1], contact.seat.extent[1], strict=True)
-    return 1e3 * min(low), 1e3 * max(high)
+    lowest = min(low) if faces == 1 else 2 * _mid_plane(contact) - max(high)
+    return 1e3 * lowest, 1e3 * max(high)
+
+
+def _mid_plane(contact: ContactGeometry) -> float:
+    """Height of the bottom of the seat, which is the mid-plane of a gasket [m]."""
+    return contact.seat.extent[1][0]
 
 
 def _frame(axes: Axes, reach: float, low: float, high: float) -> None:
@@ -155,7 +169,7 @@ def _frame(axes: Axes, reach: float, low: float, high: float) -> None:
     axes.axis("off")
 
 
-def _names(axes: Axes, contact: ContactGeometry, size: float, white: float) -> None:
+def _names(axes: Axes, contact: ContactGeometry, size: float, white: float, faces: int) -> None:
     """Dots at first touch, and the names of both bodies on white of this opacity."""
     r0 = 1e3 * contact.initial_contact_radius
     axes.plot([-r0, r0], [0, 0], "o", color=ORANGE, ms=4.5, zorder=6)
@@ -166,7 +180,8 @@ def _names(axes: Axes, contact: ContactGeometry, size: float, white: float) -> N
         ("seat", -0.5 * (inner + outer), 0.75 * seat.extent[1][0]),
     ):
         place = 1e3 * r, 1e3 * z
-        _note(axes, place, name, INK, 1.0, white, fontsize=size, ha="center", va="center", zorder=5)
+        words = told_of(name, faces=faces)
+        _note(axes, place, words, INK, 1.0, white, fontsize=size, ha="center", va="center", zorder=5)
 
 
 def _seat_diameters(case: Case) -> Iterator[_Diameter]:
@@ -193,7 +208,8 @@ def _seat_diameters(case: Case) -> Iterator[_Diameter]:
         radius = getattr(body, key, None)
         if radius:
             yield _Diameter(1e3 * radius, name, height(radius), colour(key, "land_radius"))
-    yield _Diameter(1e3 * outer, "housing", low, colour("outer_radius"))
+    around = "housing" if case.gasket is None else "rim"
+    yield _Diameter(1e3 * outer, around, low, colour("outer_radius"))
 
 
 def _diameter(axes: Axes, one: _Diameter, z: float, scale: float) -> None:
@@ -234,11 +250,20 @@ def _included_angle(axes: Axes, contact: ContactGeometry, angle: float, scale: f
     _note(axes, (0.0, apex + radius), text, BLUE, 0.6, 0.9, ha="center", va="center")
 
 
-def _pressures(axes: Axes, case: Case, above: Point, below: Point, size: float) -> None:
-    """Names of the two sides: above the seat, and in its bore."""
+def _pressures(axes: Axes, case: Case, above: Point, below: Point, size: float, width: float) -> None:
+    """Names of the two sides: above the seat, and in its bore; of a gasket between the flanges, if there is room."""
     sides = [("low pressure", GREY), ("high pressure", BLUE)]
     (top, top_colour), (bottom, bottom_colour) = sides[:: -1 if case.load.pressure_side == "outer" else 1]
-    axes.text(*above, top, ha="right", va="center", color=top_colour, fontsize=size)
+    if case.gasket is not None:
+        middle, rim = 1e3 * _mid_plane(case.contact), 1e3 * case.contact.seat.largest_radius
+        _note(axes, (0.0, middle), bottom, bottom_colour, 0.6, 0.8, ha="center", va="center", fontsize=size)
+        if above[0] - rim > width:
+            _note(axes, (above[0], middle), top, top_colour, 0.6, 0.8, ha="right", va="center", fontsize=size)
+            return
+    where = "center" if case.gasket is None else "bottom"
+    axes.text(*above, top, ha="right", va=where, color=top_colour, fontsize=size)
+    if case.gasket is not None:
+        return
     words = bottom.replace(" ", "\n")
     _note(axes, below, words, bottom_colour, 0.6, 0.0, ha="center", va="bottom", fontsize=size)
 
@@ -288,8 +313,15 @@ def _list(axes: Axes, case: Case) -> None:
     axes.axis("off")
     lines: list[tuple[str, str, str, str]] = []
     for name in ("closure", "seat"):
-        body = getattr(case, name)
-        lines.append((name, f"{body.shape}, {outside_text(body.material.name)}", INK, "bold"))
+        body = case.table_of(name)
+        lines.append(
+            (
+                told_of(name, faces=case.faces),
+                f"{body.shape}, {outside_text(body.material.name)}",
+                INK,
+                "bold",
+            )
+        )
         drawn = section(case, name)
         for key, text in (section_text(drawn) if drawn else {}).items():
             for row, part in enumerate(text.split(", ")):
@@ -308,20 +340,28 @@ def _list(axes: Axes, case: Case) -> None:
         axes.text(0.45, y, text, **how)
 
 
-def _bodies(axes: Axes, contact: ContactGeometry, *, mirrored: bool, hatched: bool = True) -> None:
+def _bodies(
+    axes: Axes, contact: ContactGeometry, *, mirrored: bool, hatched: bool = True, faces: int = 1
+) -> None:
+    """Both bodies, on both sides of the axis if `mirrored`; of a gasket also their images below its mid-plane."""
     from matplotlib.patches import Polygon
 
     sides = (1, -1) if mirrored else (1,)
+    # z = level + way z' of the bodies and of their images
+    ways = [(0.0, 1), (2e3 * _mid_plane(contact), -1)][:faces]
     for outline, fill, hatch in ((contact.seat, _SEAT_FILL, "////"), (contact.closure, FILL, "\\\\\\\\")):
         pieces = list(_pieces(outline, _CHORDS if mirrored else _FINE_CHORDS))
         r, z = np.hstack([points for _, points in pieces])
         how: dict[str, Any] = {"facecolor": fill, "edgecolor": "#c3c9d2", "hatch": hatch if hatched else None}
-        for side in sides:
+        for side, (level, way) in product(sides, ways):
             # the limits follow from the lines around it: `add_patch` would check each of its chords in Python
-            axes.add_artist(Polygon(np.column_stack([side * r, z]), lw=0, zorder=2, **how))
+            axes.add_artist(Polygon(np.column_stack([side * r, level + way * z]), lw=0, zorder=2, **how))
         # the body continues beyond the axis
-        for r, z in (points for s, points in pieces if not s.start[0] == s.end[0] == 0.0):
-            edge = np.outer(r, sides), np.outer(z, np.ones(len(sides)))
+        # nothing ends at the axis, or at the mid-plane of a gasket
+        edges = (s for s in pieces if s[0].start[0] or s[0].end[0])
+        drawn = (points for s, points in edges if faces == 1 or s.name != "seat_bottom")
+        for (r, z), (level, way) in product(drawn, ways):
+            edge = np.outer(r, sides), np.outer(level + way * z, np.ones(len(sides)))
             axes.plot(*edge, color=INK, lw=1.2, zorder=3, solid_capstyle="round")
 
 
@@ -343,7 +383,7 @@ def sketch(result: SealSolution) -> Picture:
     from matplotlib.figure import Figure
 
     case, contact = result.case, result.seal_mesh.contact
-    low, high = _heights(contact)
+    low, high = _heights(contact, case.faces)
     widest = 1e3 * max(contact.closure.largest_radius, contact.seat.largest_radius)
     # millimetres per point
     scale = 2 * widest / (_SKETCH - 2 * _SIDE)
@@ -352,19 +392,20 @@ def sketch(result: SealSolution) -> Picture:
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
     _frame(axes, 0.5 * _SKETCH * scale, bottom, top)
     _fluids(axes, case, widest, low, top)
-    _bodies(axes, contact, mirrored=True, hatched=False)
+    _bodies(axes, contact, mirrored=True, hatched=False, faces=case.faces)
     axes.plot([0, 0], [low + 36 * scale, high], color=GREY, lw=0.8, ls=_AXIS_DASHES)
     _normal(axes, contact)
-    _names(axes, contact, _LARGE, 0.0)
-    _pressures(axes, case, (widest - 7 * scale, high - 2 * scale), (0.0, low + 4 * scale), _LARGE)
-    _supports(axes, case, contact.seat, scale)
-    _measures(axes, case, contact.seat, scale)
+    _names(axes, contact, _LARGE, 0.0, case.faces)
+    _pressures(axes, case, (widest - 7 * scale, high - 2 * scale), (0.0, low + 4 * scale), _LARGE, 80 * scale)
+    if case.gasket is None:
+        _supports(axes, case, contact.seat, scale)
+    _measures(axes, case, contact.seat, scale, 1e-3 * low)
     return captioned(
         figure,
         "sketch",
-        "all",
+        "all" if case.gasket is None else "gasket",
         closure=case.closure.shape,
-        seat=case.seat.shape,
+        seat=case.lower.shape,
         angle=number(math.degrees(contact.angle)),
         radius=quantity("length", contact.initial_contact_radius),
         side=case.load.pressure_side,
@@ -377,7 +418,8 @@ def _fluids(axes: Axes, case: Case, widest: float, low: float, top: float) -> No
 
     fills = ("white", _FLUID_FILL) if case.load.pressure_side == "outer" else (_FLUID_FILL, "white")
     r0 = 1e3 * case.contact.initial_contact_radius
-    for reach, end, fill in ((widest, top, fills[1]), (r0, 0.0, fills[0])):
+    inner_end = 0.0 if case.gasket is None else top
+    for reach, end, fill in ((widest, top, fills[1]), (r0, inner_end, fills[0])):
         axes.add_artist(Rectangle((-reach, low), 2 * reach, end - low, facecolor=fill, lw=0, zorder=1))
 
 
@@ -412,7 +454,7 @@ def _normal(axes: Axes, contact: ContactGeometry) -> None:
 def _supports(axes: Axes, case: Case, seat: Outline, scale: float) -> None:
     """Rollers below the bottom of the seat, and along its wall if that is held; arrows where the wall is pressed in."""
     held = {"seat_bottom": (0.0, -scale), "seat_wall": (scale, 0.0)}
-    if case.seat.wall != "fixed":
+    if case.lower.wall != "fixed":
         del held["seat_wall"]
     for s in (s for s in seat.segments if s.name in held):
         start, end = 1e3 * np.array([s.start, s.end])
@@ -425,18 +467,18 @@ def _supports(axes: Axes, case: Case, seat: Outline, scale: float) -> None:
             ):
                 r, z = (points + off * np.array(held[s.name])).T
                 axes.plot(side * r, z, color=INK, **cast(Any, how))
-    if case.seat.interference:
+    if case.lower.interference:
         wall = 1e3 * np.array([p for s in seat.segments if s.name == "seat_wall" for p in (s.start, s.end)])
         r, z = wall[:, 0].max(), 0.5 * (wall[:, 1].min() + wall[:, 1].max())
         arrow = {"arrowstyle": "-|>", "color": ORANGE, "lw": 1.5, **_TO_THE_END}
         for side in (1, -1):
             axes.annotate("", (side * r, z), (side * (r + 18 * scale), z), arrowprops=arrow)
-        text = f"pressed in by {quantity('length', case.seat.interference)}"
+        text = f"pressed in by {quantity('length', case.lower.interference)}"
         axes.text(r - 4 * scale, z + 6 * scale, text, color=ORANGE, ha="right", fontsize=_MEASURE, zorder=5)
 
 
-def _measures(axes: Axes, case: Case, seat: Outline, scale: float) -> None:
-    """Radii of bore and housing below the section, height of the seat inside its wall."""
+def _measures(axes: Axes, case: Case, seat: Outline, scale: float, below: float) -> None:
+    """Radii of bore and housing below the section [m], height of the seat inside its wall."""
     (inner, outer), (low, high) = seat.extent
     chosen = chosen_dimensions(case, "seat")
 
@@ -446,10 +488,12 @@ def _measures(axes: Axes, case: Case, seat: Outline, scale: float) -> None:
         axes.text(*at, text, color=colour, ha="right", va="center", fontsize=_MEASURE, zorder=5)
 
     for row, (what, radius) in enumerate((("bore", inner), ("outer", outer))):
-        z = 1e3 * low - (18 + 15 * row) * scale
+        z = 1e3 * below - (18 + 15 * row) * scale
         word, factor = ("diameter", 2) if case.in_diameters("seat") else ("radius", 1)
         size = f"{word} {quantity('length', factor * radius)}"
         measure(f"{what}_radius", (0.0, z), (1e3 * radius, z), "|", (-4 * scale, z), f"{what} {size}")
+    if case.gasket is not None:
+        return
     r, z = 1e3 * outer - 8 * scale, 1e3 * (0.4 * high + 0.6 * low)
     text = f"total height {quantity('length', high - low)}"
     measure("height", (r, 1e3 * low), (r, 1e3 * high), "", (r - 3 * scale, z), text)

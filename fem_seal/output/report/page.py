@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
+from dataclasses import fields, is_dataclass, replace
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +16,7 @@ from fem_seal.answers.closed_forms import Derived, Sizes, derive, profile_sizes
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.case.tables import curves
 from fem_seal.contact.laws import HardContact
-from fem_seal.files import write_text
+from fem_seal.files import told_of, write_text
 from fem_seal.output import shown_answers
 from fem_seal.output.case_words import (
     BODIES,
@@ -62,17 +64,36 @@ def report(result: SealSolution) -> str:
     """
     derived = derive(result.case)
     sizes = profile_sizes(result, derived)
+    told = partial(_told, faces=result.case.faces)
     return template("report.html.j2").render(
         title=result.case.title or "fem-seal",
         in_css=_in_css,
         version=__version__,
         created=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
-        picture={picture.name: picture for picture in pictures(result, derived, sizes)},
+        picture={picture.name: told(picture) for picture in pictures(result, derived, sizes)},
         sources=sources(result),
         result=result,
+        told=told,
         **_of_case(result),
-        **_words(result, derived, sizes),
+        **told(_words(result, derived, sizes)),
+        words=prose(),
     )
+
+
+def _told(said: Any, faces: int) -> Any:
+    """Everything that is said, in the words for the bodies: texts, and whatever they are in."""
+    if type(said) is str:
+        return told_of(said, faces=faces)
+    if isinstance(said, dict):
+        return {key: _told(one, faces) for key, one in said.items()}
+    if isinstance(said, (list, tuple)):
+        found = [_told(one, faces) for one in said]
+        # of named tuples the same
+        return type(said)(*found) if hasattr(said, "_fields") else type(said)(found)
+    if is_dataclass(said) and not isinstance(said, type):
+        texts = {one.name: getattr(said, one.name) for one in fields(said) if one.init}
+        return replace(said, **{name: _told(one, faces) for name, one in texts.items()})
+    return said
 
 
 def _in_css(text: str) -> str:
@@ -193,5 +214,4 @@ def _words(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes]) -
         "yielding": tables.yielding_table(result),
         "sections": list(filter(None, (shown.section(result) for shown in shown_answers.SHOWN))),
         **{name: value for shown in shown_answers.SHOWN for name, value in shown.words(result).items()},
-        "words": prose(),
     }

@@ -1,0 +1,101 @@
+"""How far a gasket is pressed together under the loads one after the other, and how far it springs back."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem_seal.answers.answer import Answer, Inquiry
+from fem_seal.contact.load_path import Unloaded
+from fem_seal.seal.load_result import SolvedSeal
+
+
+@dataclass(frozen=True)
+class CompressionStep:
+    """Compression at one load.
+
+    Parameters
+    ----------
+    load_step : int
+        Number of the load in the order of the case, from 1 on; without load one more than the last.
+    applied_force : float
+        [N]
+    line_load : float
+        f_N of each face [N/m].
+    compression : float
+        By how much the flanges have come nearer to each other since the mean planes of all faces touched [m]: at small
+        loads it is negative, as the asperities keep them apart.
+    """
+
+    load_step: int
+    applied_force: float
+    line_load: float
+    compression: float
+
+
+@dataclass(frozen=True)
+class Compression:
+    """Line load and compression along the loads of a gasket.
+
+    Parameters
+    ----------
+    steps : tuple of CompressionStep
+        One per load, and one without load where bodies yield and what is left is known.
+    left : float or None
+        Compression without load after the last one [m], the layer of asperities between the faces as thick as under
+        that load; None where it is not known.
+    """
+
+    steps: tuple[CompressionStep, ...]
+    left: float | None
+
+    @property
+    def largest(self) -> CompressionStep:
+        """The load that presses the gasket together most."""
+        return max(self.steps, key=lambda step: step.compression)
+
+    @property
+    def springback(self) -> float | None:
+        """By how much the gasket springs back from its largest compression [m]; None where that is not known."""
+        return None if self.left is None else self.largest.compression - self.left
+
+
+def _lasting(unloaded: Unloaded) -> float:
+    """Approach at which faces touch that lasting imprints have moved away from each other, along the axis [m]."""
+    imprints = unloaded.imprints.values()
+    return min(
+        float(
+            np.min(
+                (line.initial_gap + sum(np.interp(line.x, one.x, one.depth) for one in imprints))
+                / line.normal[1]
+            )
+        )
+        for line in unloaded.model.lines
+    )
+
+
+def _compute(seal: SolvedSeal, ask: Inquiry) -> Compression:
+    # the half that is solved comes nearer to one of the faces
+    faces = seal.problem.faces
+    steps = []
+    for number, load in enumerate(seal.loads, start=1):
+        approach = faces * load.contact.approach
+        steps.append(CompressionStep(number, load.applied_force, load.line_load, approach))
+    last = seal.loads[-1].contact
+    layer = faces * float(last.gap[np.argmax(last.pressure)]) / last.model.touch_normal_z
+    if not seal.problem.curves:
+        return Compression(tuple(steps), -layer)
+    if seal.unloaded is None:
+        return Compression(tuple(steps), None)
+    left = faces * _lasting(seal.unloaded) - layer
+    return Compression((*steps, CompressionStep(len(seal.loads) + 1, 0.0, 0.0, left)), left)
+
+
+COMPRESSION = Answer[Compression | None](
+    "compression",
+    "compression of the gasket",
+    _compute,
+    None,
+    lambda seal, wanted: seal.problem.faces > 1,
+)

@@ -1,0 +1,92 @@
+"""Compression of a gasket along its loads, in words, a table and a picture."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import TYPE_CHECKING
+
+from fem_seal.answers.compression import COMPRESSION
+from fem_seal.output.columns import COMPRESSION_COLUMNS
+from fem_seal.output.pictures.style import BLUE, GREY, Picture, captioned, label, number_dots, panels
+from fem_seal.output.prose import phrase
+from fem_seal.output.shown import Section, Shown, worded_section, worded_table
+from fem_seal.units import unit_for
+
+if TYPE_CHECKING:
+    from fem_seal.answers.compression import Compression
+    from fem_seal.answers.solution import SealSolution
+    from fem_seal.output.tables import CsvTable
+
+_PER_MM = 1e-3
+
+
+def compression_in_words(result: SealSolution) -> list[str]:
+    """Line load, largest compression and springback; empty for a valve seat.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    found = COMPRESSION.of(result.answers)
+    if found is None:
+        return []
+    most = found.largest
+    known = "springs" if result.problem.curves else "elastic"
+    after = "unknown" if found.springback is None else known
+    values = {"most": most, "load": _PER_MM * most.line_load, "um": 1e6 * most.compression}
+    back = 0.0 if found.springback is None else 1e6 * found.springback
+    left = 0.0 if found.left is None else 1e6 * found.left
+    return [phrase("compression.result", "most", after, **values, back=back, left=left)]
+
+
+def compression_picture(result: SealSolution) -> Picture | None:
+    """Line load over compression, in the order of the loads; None for a valve seat.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    found = COMPRESSION.of(result.answers)
+    if found is None:
+        return None
+    unit = unit_for("length", found.largest.compression)
+    over = [step.compression / unit.size for step in found.steps]
+    loads = [_PER_MM * step.line_load for step in found.steps]
+    figure, (axes,) = panels(1, height=3.5, width=6.4)
+    axes.plot(over, loads, "o-", color=BLUE, ms=3.8)
+    axes.axvline(0.0, color=GREY, linewidth=0.8)
+    number_dots(axes, over, loads, [step.load_step for step in found.steps])
+    label(axes, "Line load over compression", f"compression, both faces  [{unit.name}]", "line load  [N/mm]")
+    left = len(found.steps) > len(result.loads)
+    return captioned(figure, "compression", "all", "left" if left else "")
+
+
+def _section(result: SealSolution) -> Section | None:
+    found = COMPRESSION.of(result.answers)
+    steps = () if found is None else found.steps
+    table = worded_table("compression", [{"step": one, "load": _PER_MM * one.line_load} for one in steps])
+    sentences = compression_in_words(result)
+    return worded_section(
+        "compression", [*sentences, phrase("compression.result", "meaning")] if sentences else [], table
+    )
+
+
+def _rows(result: SealSolution) -> CsvTable:
+    found = COMPRESSION.of(result.answers)
+    steps = () if found is None else found.steps
+    return COMPRESSION_COLUMNS, [
+        (one.load_step, one.applied_force, one.line_load, one.compression) for one in steps
+    ]
+
+
+def _numbers(found: Compression | None) -> dict[str, object] | None:
+    return None if found is None else {**asdict(found), "springback": found.springback}
+
+
+SHOWN = Shown(
+    summary=lambda result: {"compression": _numbers(COMPRESSION.of(result.answers))},
+    tables={"compression.csv": _rows},
+    section=_section,
+    pictures=lambda result: (compression_picture(result),),
+    lines=compression_in_words,
+)
