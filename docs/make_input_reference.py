@@ -218,8 +218,8 @@ def _materials() -> Iterator[str]:
 MATERIALS_HEAD = """\
 # The library of materials
 
-A material of `[closure]`, `[seat]` or `[gasket]` is a name from this list, in any capitals, or another word for one; or a table
-of its own numbers:
+A material of `[closure]`, `[seat]` or `[gasket]` is a name from this list, in any capitals, or another word for one; or
+a table of its own numbers:
 
 ```toml
 # all from the library
