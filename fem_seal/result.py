@@ -58,6 +58,8 @@ class SealResult(SealSolution):
         What the form error means at the highest load; None for a round seal.
     particles : tuple of ParticleAnswers
         What particles in the fluid do to the leak of each load that leaks, if the case has [fluid.particles].
+    compression : Compression or None
+        Line load and compression of a gasket along its loads, and its springback; None for a valve seat.
     interface_variants : tuple of Comparison
         Elastic and plastic p(u), for `law = "spectrum"` with a hardness; else empty.
     theory_variants : tuple of TheoryVariant

@@ -64,8 +64,9 @@ class Case(CaseTables):
         """Read and check tables; those that are the very ones of another case are taken from it as they were read."""
         before = {} if like is None else like._input
         known = {name for name, table in tables.items() if name in before and before[name] is table}
-        if "gasket" in tables:
-            # then a flange like the closure, and no seat
+        of_gasket = tables.get("gasket") is not None
+        if of_gasket:
+            # [seat] is then a flange like the closure, and no seat
             known.discard("seat")
         if before.get("temperature") is not tables.get("temperature"):
             # the fluid is as warm as the bodies unless it has its own temperature
@@ -87,8 +88,8 @@ class Case(CaseTables):
         given = tables.get("load")
         if bolted is not None and isinstance(given, Mapping) and given.get("applied_force") is not None:
             wrong.append(problem("bolts_and_force"))
-        flange = written.pop("seat", None) if "gasket" in tables else None
-        if not {"seat", "gasket"} & {name for name, table in tables.items() if table is not None}:
+        flange = written.pop("seat", None) if of_gasket else None
+        if not of_gasket and tables.get("seat") is None:
             wrong.append(missing(CaseTables, "seat"))
         if "fluid" in written:
             written["fluid"] = with_film_temperature(written["fluid"], tables.get("temperature"))

@@ -240,3 +240,16 @@ def test_a_ring_fits_into_its_groove_or_not() -> None:
     assert "where the face of the flange ends" in problems(closure=narrow)["gasket"]
     narrow["outline"][3]["name"] = "face"
     assert "does not fit" in problems(closure=narrow)["gasket"]
+
+
+def test_a_gasket_may_be_taken_away_for_a_seat() -> None:
+    case = Case(**tables())
+    seat = {
+        "shape": "flat-land",
+        "land_inner_radius": "20 mm",
+        "land_outer_radius": "22 mm",
+        "material": STEEL,
+    }
+    valve = case.replace({"gasket": None}, seat=seat)
+    assert valve.faces == 1 and valve.gasket is None and valve.lower is valve.seat
+    assert Case(**tables(seat=seat) | {"gasket": None}).faces == 1
