@@ -182,6 +182,7 @@ def test_summary_is_valid_json_and_complete(tmp_path):
         "convergence",
         "discretisation_error",
         "far_field",
+        "compression",
         "form",
         "particles",
         "theories",
