@@ -375,6 +375,7 @@ def test_run_writes_the_files_of_the_contract(main_job):
     names = {path.name for path in folder.iterdir()}
     contract = {
         "leak.csv",
+        "contacts.csv",
         "profile.csv",
         "summary.json",
         "contact.pvd",

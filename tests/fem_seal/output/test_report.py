@@ -264,6 +264,7 @@ def test_all_result_files_are_written(tmp_path: Path):
     names = {path.name for path in tmp_path.iterdir()}
     assert names == {
         "leak.csv",
+        "contacts.csv",
         "profile.csv",
         "summary.json",
         "report.html",
