@@ -18,7 +18,16 @@ from fem_seal.errors import InputError, QuantityError
 from fem_seal.files import TomlError, own_tables, parse_toml
 from fem_seal.units import parse_quantity
 
-TEMPLATES = ("ball-valve", "check-valve", "relief-valve", "needle", "flat-seat", "knife-edge", "flange", "gasket")
+TEMPLATES = (
+    "ball-valve",
+    "check-valve",
+    "relief-valve",
+    "needle",
+    "flat-seat",
+    "knife-edge",
+    "flange",
+    "gasket",
+)
 SCHEMA_FILE = "fem-seal.schema.json"
 
 _ENTRY = re.compile(r"(?P<key>[\w.]+) = (?P<value>.*?)(?P<comment>\s+#.*)?")
