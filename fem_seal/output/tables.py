@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -23,6 +23,7 @@ from fem_seal.output.columns import (
     TEXT_COLUMNS,
 )
 from fem_seal.seal.findings import VALIDITY_COLUMNS, validity_entries
+from leak.flow.leak_result import LandFlow
 from leak.standards import STANDARDS, Standard
 
 if TYPE_CHECKING:
@@ -145,19 +146,30 @@ def contact_rows(result: SealSolution) -> CsvTable:
     flow, faces = result.problem.flow, result.problem.faces
     outlet = 0.0 if flow is None else flow.outlet_pressure
     return CONTACT_COLUMNS, [
-        (
-            *load.point,
-            name,
-            load.line_load,
-            load.peak_pressure,
-            load.fwhm,
-            outlet + load.fluid_pressure,
-            outlet,
-            math.nan if load.leak is None else load.leak.leak_rate / faces,
-        )
+        (*load.point, f"{face}{number}", *values)
         for load in result.loads
-        for name in ("closure", "seat")[-faces:]
+        for face in ("closure", "seat")[-faces:]
+        for number, values in _contacts_of_face(load, faces, outlet)
     ]
+
+
+def _contacts_of_face(
+    load: LoadResult, faces: int, outlet: float
+) -> Iterator[tuple[str, tuple[float, float, float, float, float, float]]]:
+    """Number and values of each contact of one face: one, or those of its lands from the axis outwards."""
+    leak = load.leak
+    if len(load.profiles) == 1:
+        rate = math.nan if leak is None else leak.leak_rate / faces
+        pressures = outlet + load.fluid_pressure, outlet
+        yield "", (load.line_load, load.peak_pressure, load.fwhm, *pressures, rate)
+        return
+    unknown = (LandFlow(math.nan, math.nan, math.nan),) * len(load.profiles)
+    flows = unknown if leak is None else leak.lands
+    for number, (one, flow) in enumerate(zip(load.profiles, flows, strict=True), start=1):
+        ends = sorted((outlet + flow.inner_pressure, outlet + flow.outer_pressure), reverse=True)
+        width = one.fwhm if one.touches else 0.0
+        values = (one.moment(0), float(one.pressure.max()), width, ends[0], ends[1], flow.leak_rate / faces)
+        yield f" {number}", values
 
 
 def imprint_rows(result: SealSolution) -> CsvTable:
