@@ -23,7 +23,6 @@ from fem_seal.output.columns import (
     TEXT_COLUMNS,
 )
 from fem_seal.seal.findings import VALIDITY_COLUMNS, validity_entries
-from leak.flow.leak_result import LandFlow
 from leak.standards import STANDARDS, Standard
 
 if TYPE_CHECKING:
@@ -163,12 +162,12 @@ def _contacts_of_face(
         pressures = outlet + load.fluid_pressure, outlet
         yield "", (load.line_load, load.peak_pressure, load.fwhm, *pressures, rate)
         return
-    unknown = (LandFlow(math.nan, math.nan, math.nan),) * len(load.profiles)
-    flows = unknown if leak is None else leak.lands
+    flows = ((math.nan,) * 3,) * len(load.profiles) if leak is None else leak.lands
     for number, (one, flow) in enumerate(zip(load.profiles, flows, strict=True), start=1):
-        ends = sorted((outlet + flow.inner_pressure, outlet + flow.outer_pressure), reverse=True)
+        inner, outer, rate = flow
+        ends = sorted((outlet + inner, outlet + outer), reverse=True)
         width = one.fwhm if one.touches else 0.0
-        values = (one.moment(0), float(one.pressure.max()), width, ends[0], ends[1], flow.leak_rate / faces)
+        values = (one.moment(0), float(one.pressure.max()), width, ends[0], ends[1], rate / faces)
         yield f" {number}", values
 
 
