@@ -5,6 +5,7 @@ from fem_seal.output.answers import (
     compression,
     error_shares,
     form,
+    lands,
     particles,
     sensitivities,
     target,
@@ -18,6 +19,7 @@ from fem_seal.output.shown import Shown
 # In the order on the terminal.
 _ANSWERS = (
     compression,
+    lands,
     target,
     bolts,
     form,

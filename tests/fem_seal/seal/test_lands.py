@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 from scipy.optimize import brentq
 
@@ -12,6 +14,7 @@ import fem_seal
 import leak
 from fem_seal.contact.model import ContactModel
 from fem_seal.errors import InputError
+from fem_seal.output.answers.lands import lands_in_words
 from fem_seal.seal.evaluate import Evaluation, evaluate
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.problem import SealProblem
@@ -235,3 +238,33 @@ def test_a_chamber_takes_lands() -> None:
             seat={"shape": "flat", "bore_radius": 0.02, "material": STEEL},
             load=dict(case.load) | {"chamber_pressure": "vented"},
         )
+
+
+def test_the_report_and_the_files_have_every_land(tmp_path: Path) -> None:
+    """Line loads of both lands make the contact force; as much flows through both, unless a port holds the chamber."""
+    case = lands_case(INNER, OUTER, fluid="nitrogen", chamber_pressure="6 bar")
+    result = fem_seal.run(case)
+    lines = lands_in_words(result)
+    assert len(lines) == 2 and lines[1].endswith("held at 6 bar above the low side.")
+    result.write(tmp_path)
+    table = pd.read_csv(tmp_path / "contacts.csv")
+    assert table["contact"].tolist() == ["seat 1", "seat 2"]
+    outlet = result.problem.flow.outlet_pressure
+    assert table["upstream_pressure_Pa"].to_numpy() - outlet == pytest.approx([6e5, 6e5])
+    assert table["downstream_pressure_Pa"].to_numpy() - outlet == pytest.approx([5e5, 0.0], abs=1e-6)
+    (load,) = result.loads
+    assert table["leak_rate_m3_per_s"].iloc[1] == pytest.approx(load.leak.leak_rate)
+    carried = (
+        2
+        * np.pi
+        * sum(
+            one.moment(0) * np.average(one.radius, weights=one.arc_weight * one.pressure)
+            for one in load.profiles
+        )
+    )
+    assert carried == pytest.approx(load.contact_force, rel=2e-3)
+    assert "Lands in series" in (tmp_path / "report.html").read_text(encoding="utf-8")
+    alone = lands_case(INNER, OUTER).replace(
+        seat={"shape": "flat-land", "land_inner_radius": 0.02, "land_outer_radius": 0.0215, "material": STEEL}
+    )
+    assert lands_in_words(fem_seal.run(alone)) == []

@@ -1,0 +1,61 @@
+"""What each of several lands carries and lets through, in words and a table."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from fem_seal.output.prose import phrase
+from fem_seal.output.shown import Section, Shown, worded_section, worded_table
+from fem_seal.output.tables import contact_rows
+from fem_seal.seal.load_names import load_name
+
+if TYPE_CHECKING:
+    from fem_seal.answers.solution import SealSolution
+
+_PER_MM = 1e-3
+
+
+def lands_in_words(result: SealSolution) -> list[str]:
+    """Line loads of the lands and the pressures between them under the highest load; empty where there is one land.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    load = result.highest
+    if len(load.profiles) == 1:
+        return []
+    carried = ", ".join(f"{_PER_MM * one.moment(0):.3g}" for one in load.profiles)
+    told = [phrase("lands.result", "carry", load=load_name(load, result.loads), carried=carried)]
+    if load.leak is not None:
+        bars = ", ".join(f"{1e-5 * one.outer_pressure:.4g}" for one in load.leak.lands[:-1])
+        flow = None if load.rough is None else load.rough.flow
+        held = flow is not None and any(one is not None for one in flow.chambers)
+        told.append(phrase("lands.result", "port" if held else "chamber", bars=bars))
+    return told
+
+
+def _section(result: SealSolution) -> Section | None:
+    sentences = lands_in_words(result)
+    if not sentences:
+        return None
+    names = ("pressure", "force", "contact", "line_load", "peak", "fwhm", "upstream", "downstream", "rate")
+    rows = [dict(zip(names, row, strict=True)) for row in contact_rows(result)[1]]
+    table = worded_table(
+        "lands",
+        [
+            {
+                **row,
+                "rate": None if math.isnan(row["rate"]) else row["rate"],
+                "line_load": _PER_MM * row["line_load"],
+                "upstream": 1e-5 * row["upstream"],
+                "downstream": 1e-5 * row["downstream"],
+            }
+            for row in rows
+        ],
+    )
+    return worded_section("lands", [*sentences, phrase("lands.result", "meaning")], table)
+
+
+SHOWN = Shown(section=_section, lines=lands_in_words)
