@@ -17,7 +17,6 @@ from fem_seal.answers.leakage_class import (
     volume_of,
 )
 from fem_seal.case.fields import Bubbles, NormalVolume, Throughput
-from fem_seal.output.answers.uncertainty import told_after_test
 from fem_seal.output.prose import phrase
 from fem_seal.output.shown import Shown
 from fem_seal.seal.findings import YIELD_STRESS, Level
@@ -198,6 +197,8 @@ def _further_sentences(result: SealSolution, found: SealJudgement) -> Iterator[s
         yield phrase("verdict.sentences", "doubtful", reason=reason)
     load = None if found.number is None else result.loads[found.number]
     if load is not None and load.tested and found.worst.why not in _WITHOUT_RATES:
+        from fem_seal.output.answers.uncertainty import told_after_test
+
         yield phrase("verdict.sentences", "tested", rate=told_after_test(load, volume))
     yield from _to_measure(result, found)
     yield from _other_theory(result, found)

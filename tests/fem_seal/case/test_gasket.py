@@ -104,7 +104,8 @@ def test_the_seat_may_be_given_if_it_is_like_the_closure() -> None:
     assert Case(**tables(seat=same)).contact == Case(**tables()).contact
     assert problems(seat={**same, "radius": "31 mm"}) == {
         "seat.radius": "differs from closure.radius: both flange faces of a gasket must be alike; remove [seat], "
-        "which is then like [closure], or calculate one case with each face on both sides: the seal leaks the mean of both"
+        "which is then like [closure], or calculate one case with each face on both sides: the seal leaks the mean of "
+        "both"
     }
     assert "seat.shape" in problems(seat={"shape": "flat", "material": STEEL})
     assert "seat.material" in problems(seat={**same, "material": "316L"})

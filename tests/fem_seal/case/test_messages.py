@@ -104,7 +104,7 @@ def test_every_key_is_looked_for_in_every_table() -> None:
         ("load", "hurts", "do you mean hurst, which belongs in [roughness]?"),
         ("load", "fluid_presure", "do you mean fluid_pressure? known"),
         ("closure", "hardness", "it belongs in [closure.material];"),
-        ("load", "hardness", "it belongs in [closure.material] or [seat.material];"),
+        ("load", "hardness", "it belongs in [closure.material], [seat.material] or [gasket.material];"),
         ("seat", "land_width", 'it belongs to shape = "conical-land";'),
         ("load", "depth", "it belongs in [[form.scratches]] or [form.lay];"),
         ("load", "nonsense", "unknown key; known keys here are"),

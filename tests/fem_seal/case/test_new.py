@@ -7,12 +7,14 @@ import tomllib
 from functools import cache
 from importlib.resources import files
 
+import numpy as np
 import pytest
 from sample_results import run_loads
 from typer.testing import CliRunner
 
 from fem_seal import InputError, load_case, run
 from fem_seal.case.checks import touched_beside
+from fem_seal.case.fields import NominalSizeEntry
 from fem_seal.case.new_case import QUESTIONS, TEMPLATES, asked, read_text_case, template, with_entries
 from fem_seal.case.schema import case_schema
 from fem_seal.cli.app import app, main
@@ -151,7 +153,7 @@ def test_questions_are_asked_again_until_they_fit(tmp_path, monkeypatch) -> None
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("fem_seal.cli.new._can_ask", lambda: True)
     answers = [
-        "8",
+        str(len(TEMPLATES) + 1),
         "check-valve",
         "my valve",
         "15",
@@ -226,12 +228,12 @@ def made(name: str, bore: str, *words: str, entries: list[str] | None = None) ->
 def lengths(tables: dict) -> dict[str, float]:
     found = {
         f"{body}.{key}": parse_quantity(value, "length")
-        for body in ("closure", "seat")
-        for key, value in tables[body].items()
+        for body in ("closure", "seat", "gasket")
+        for key, value in tables.get(body, {}).items()
         if key.endswith(LENGTHS)
     }
     if "leak" in tables:
-        found["bore"] = parse_quantity(tables["leak"]["nominal_size"], "length")
+        found["bore"] = NominalSizeEntry("length", "0.1 mm", "10 m").read(tables["leak"]["nominal_size"])
     return found
 
 
@@ -247,10 +249,11 @@ def test_every_template_grows_with_its_bore(name: str) -> None:
         tables, factor = made(name, bore), parse_quantity(bore, "length") / own
         for key, value in lengths(first).items():
             assert lengths(tables)[key] == pytest.approx(factor * value, rel=1e-3), key
-        force = parse_quantity(first["load"]["applied_force"], "force")
-        assert parse_quantity(tables["load"]["applied_force"], "force") == pytest.approx(
-            factor**2 * force, rel=1e-3
+        before, after = (
+            [parse_quantity(force, "force") for force in np.atleast_1d(one["load"]["applied_force"]).tolist()]
+            for one in (first, tables)
         )
+        assert after == pytest.approx([factor**2 * force for force in before], rel=1e-3)
         assert tables["load"]["fluid_pressure"] == first["load"]["fluid_pressure"]
 
 
@@ -329,7 +332,13 @@ def test_the_smallest_and_the_largest_are_calculated(name: str, bore: str, call,
     assert "touch first" not in capsys.readouterr().err
     case = load_case(tmp_path / "case.toml")
     (load,) = run_loads(
-        case.replace({"load.fluid_pressure": case.load.fluid_pressure[-1:]}, requirement=None)
+        case.replace(
+            load={
+                **dict(case.load),
+                **dict(zip(("fluid_pressure", "applied_force"), case.load.points[-1], strict=True)),
+            },
+            requirement=None,
+        )
     ).loads
     assert load.leak is not None and load.leak.leak_rate >= 0.0
     assert load.contact.profile.peak_pressure > case.load.fluid_pressure[-1]

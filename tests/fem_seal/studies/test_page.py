@@ -246,6 +246,10 @@ UNITS = {
     "load_steps": "1",
     "effective_viscosity_Pa_s": "Pa s",
     "contact_temperature_K": "K",
+    "bolt_torque_N_m": "N m",
+    "leak_rate_per_length_m2_per_s": "m^2/s",
+    "leak_rate_per_length_kg_per_m_s": "kg/(m s)",
+    "leak_rate_per_length_Pa_m2_per_s": "Pa m^2/s",
 }
 
 
