@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from fem_seal.output.prose import phrase
 from fem_seal.output.shown import Section, Shown, worded_section, worded_table
@@ -36,25 +36,29 @@ def lands_in_words(result: SealSolution) -> list[str]:
     return told
 
 
+def _contacts(result: SealSolution) -> list[tuple[Any, ...]]:
+    return [tuple(row) for row in contact_rows(result)[1]]
+
+
 def _section(result: SealSolution) -> Section | None:
     sentences = lands_in_words(result)
     if not sentences:
         return None
-    names = ("pressure", "force", "contact", "line_load", "peak", "fwhm", "upstream", "downstream", "rate")
-    rows = [dict(zip(names, row, strict=True)) for row in contact_rows(result)[1]]
-    table = worded_table(
-        "lands",
-        [
-            {
-                **row,
-                "rate": None if math.isnan(row["rate"]) else row["rate"],
-                "line_load": _PER_MM * row["line_load"],
-                "upstream": 1e-5 * row["upstream"],
-                "downstream": 1e-5 * row["downstream"],
-            }
-            for row in rows
-        ],
-    )
+    rows = [
+        {
+            "pressure": pressure,
+            "force": force,
+            "contact": contact,
+            "line_load": _PER_MM * line_load,
+            "peak": peak,
+            "fwhm": width,
+            "upstream": 1e-5 * upstream,
+            "downstream": 1e-5 * downstream,
+            "rate": None if math.isnan(rate) else rate,
+        }
+        for pressure, force, contact, line_load, peak, width, upstream, downstream, rate in _contacts(result)
+    ]
+    table = worded_table("lands", rows)
     return worded_section("lands", [*sentences, phrase("lands.result", "meaning")], table)
 
 
