@@ -55,9 +55,15 @@ def dimensions(case: Case, name: str) -> dict[str, float]:
     dict
         Lengths [m] and angles [rad], without keys that do not apply, such as the cavity of a solid ball.
     """
+    table = case.table_of(name)
+    lands = {
+        f"land_{number}_{key.removeprefix('land_')}": entry
+        for number, land in enumerate(getattr(table, "lands", ()), start=1)
+        for key, entry in land
+    }
     given = {
         key: entry
-        for key, entry in case.table_of(name)
+        for key, entry in {**lands, **dict(table)}.items()
         if isinstance(entry, float) and key not in _NOT_A_DIMENSION
     }
     return given | chosen_dimensions(case, name)

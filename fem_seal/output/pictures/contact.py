@@ -103,8 +103,7 @@ def all_profiles(axes: Axes, loads: Sequence[LoadResult], order: Sequence[int], 
         _plot_profiles(
             axes, loads[order[n]], "pressure", length, pressure, name, color=colour(n), linewidth=1.2
         )
-    reach = _reach(loads) / length.size
-    axes.set_xlim(-reach, reach)
+    axes.set_xlim(*(one / length.size for one in _shown(loads)))
     axes.set_ylim(0.0)
     axes.legend(title=over.name, loc="upper right", handlelength=1.2, borderpad=0.1)
     title = (
@@ -208,9 +207,14 @@ def gap_picture(result: SealSolution) -> Picture:
     flowing = [load for load in chosen if load.leak is not None and 0 < load.leak.leak_rate < np.inf]
     figure, axes = panels(2 if flowing else 1, height=3.3, width=10.4 if flowing else 5.6)
     colour = load_colours(len(chosen))
-    length = unit_for("length", _reach(loads))
-    reach = _reach(loads) / length.size
-    inside = [one.gap[np.abs(one.x) <= _reach(loads)] for load in chosen for one in load.profiles]
+    low, high = _shown(loads)
+    length = unit_for("length", max(-low, high))
+    # between lands the gap is that of a chamber
+    inside = [
+        one.gap[(one.x >= low) & (one.x <= high) if len(load.profiles) == 1 else one.pressure > 0]
+        for load in chosen
+        for one in load.profiles
+    ]
     widest = max(float(part.max(initial=0.0)) for part in inside)
     gap = unit_for("length", widest)
     for n, load in enumerate(chosen):
@@ -223,14 +227,28 @@ def gap_picture(result: SealSolution) -> Picture:
     axes[0].set_ylim(0.0, 1.08 * widest / gap.size or 1.0)
     label(axes[0], "Mean gap between the surfaces", f"x  [{length.name}]", f"gap  [{gap.name}]")
     if flowing:
-        axes[1].set_ylim(-3, 103)
+        most = max(
+            float(load.leak.fluid_pressure.max() / load.fluid_pressure) for load in flowing if load.leak
+        )
+        axes[1].set_ylim(-3, 103 * max(most, 1.0))
         label(axes[1], "Fluid pressure in the gap", f"x  [{length.name}]", "share of the pressure drop  [%]")
     for view in axes:
-        view.set_xlim(-reach, reach)
+        view.set_xlim(low / length.size, high / length.size)
         view.legend(title=over.name, loc="best", handlelength=1.4)
     smooth = "smooth" if result.case.interface.law == "smooth" else ""
     left, right = ("left", "right") if flowing else ("alone", "")
     return captioned(figure, "gap", left, smooth, right, alt=("alt_flow" if flowing else "alt",))
+
+
+def _shown(loads: Sequence[LoadResult]) -> tuple[float, float]:
+    """x between which the profiles are shown [m]: around first touch, or all lands."""
+    if all(len(load.profiles) == 1 for load in loads):
+        return -_reach(loads), _reach(loads)
+    pressed = np.concatenate(
+        [one.x[one.pressure > 1e-3 * load.peak_pressure] for load in loads for one in load.profiles]
+    )
+    beside = 0.1 * float(np.ptp(pressed))
+    return float(pressed.min()) - beside, float(pressed.max()) + beside
 
 
 def _reach(loads: Sequence[LoadResult]) -> float:
