@@ -88,6 +88,8 @@ class Bolts:
         K d, torque of one bolt over its preload [m]; None where it is not known.
     scatter : float
         By which the preload may be off, relative.
+    faces : int
+        How many times the approach of one contact the bolts follow: twice with a gasket.
     """
 
     number: int
@@ -96,6 +98,7 @@ class Bolts:
     thermal_force: float = 0.0
     torque_factor: float | None = None
     scatter: float = 0.0
+    faces: int = 1
 
     def stress(self, force: float) -> float:
         """Stress on the stress area of each bolt under a force of all [Pa].
@@ -121,7 +124,7 @@ class Bolts:
 def held_force(bolts: Bolts, preload: float, approach: Callable[[float], float], tightened: float) -> float:
     """Force of all bolts where they and the contact hold each other [N]; zero where they are loose.
 
-    The root F of F = F0 + k (a0 - a(F)) + dF.
+    The root F of F = F0 + k (a0 - a(F)) + dF, with the approaches of all faces together.
 
     Parameters
     ----------
@@ -144,11 +147,10 @@ def held_force(bolts: Bolts, preload: float, approach: Callable[[float], float],
     >>> round(held_force(Bolts(4, 84.3e-6, 1e8), 40e3, lambda F: (F - 10e3) / 3e8, 40e3 / 3e8), 3)
     42500.0
     """
-    steep = 1.0 + bolts.stiffness * max(tightened, 0.0) / preload
+    stiffness = bolts.faces * bolts.stiffness
+    steep = 1.0 + stiffness * max(tightened, 0.0) / preload
     given = preload + bolts.thermal_force
-    force = _root(
-        lambda force: force - given + bolts.stiffness * (approach(force) - tightened), preload, steep
-    )
+    force = _root(lambda force: force - given + stiffness * (approach(force) - tightened), preload, steep)
     return max(force, 0.0)
 
 

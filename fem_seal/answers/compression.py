@@ -85,7 +85,7 @@ def _compute(seal: SolvedSeal, ask: Inquiry) -> Compression:
     last = seal.loads[-1].contact
     layer = faces * float(last.gap[np.argmax(last.pressure)]) / last.model.touch_normal_z
     if not seal.problem.curves:
-        return Compression(tuple(steps), -layer)
+        return Compression(tuple(steps), 0.0)
     if seal.unloaded is None:
         return Compression(tuple(steps), None)
     left = faces * _lasting(seal.unloaded) - layer

@@ -241,13 +241,14 @@ def leakage_classes(case: Case, load: LoadResult) -> tuple[LeakageClass, ...]:
 
 
 def is_flange(case: Case) -> bool:
-    """Whether a seal is judged per length as a flange joint: bolts close it, and gas leaks.
+    """Whether a seal is judged per length as a flange joint: it has bolts or a gasket, and gas leaks.
 
     Parameters
     ----------
     case : Case
     """
-    return case.bolts is not None and case.fluid is not None and case.fluid.gas is not None
+    joint = case.bolts is not None or case.gasket is not None
+    return joint and case.fluid is not None and case.fluid.gas is not None
 
 
 def class_size(case: Case, *, per_length: bool | None = None) -> tuple[str, str]:

@@ -201,7 +201,8 @@ class _Reading:
         table, profile = self.rough.table, self.profile
         assert table is not None  # the load leaks
         length = leak.throttling_length(profile.x, profile.pressure, table.liquid)
-        around = 2.0 * math.pi * self.load.contact.model.initial_contact_radius
+        faces = 1 if self.rough.flow is None else self.rough.flow.faces
+        around = 2.0 * math.pi * self.load.contact.model.initial_contact_radius * faces
         return leak.parallel_paths(around, length, self.largest_passing)
 
 

@@ -40,7 +40,7 @@ class BoltsTable(Table):
             raise wrong("bolts_preload")
         if self.size is not None and not known:
             raise wrong("bolts_size", size=self.size)
-        if self.stress_area is None and self.size not in STRESS_AREAS:
+        if self.stress_area is None and self._thread not in STRESS_AREAS:
             raise wrong("bolts_area", known=", ".join(STRESS_AREAS))
         if self.torque is not None and not known:
             raise wrong("bolts_diameter")
@@ -51,7 +51,11 @@ class BoltsTable(Table):
     @property
     def area(self) -> float:
         """Stress area of a bolt [m^2]."""
-        return STRESS_AREAS[self.size or ""] if self.stress_area is None else self.stress_area
+        return STRESS_AREAS[self._thread] if self.stress_area is None else self.stress_area
+
+    @property
+    def _thread(self) -> str:
+        return (self.size or "").replace(" ", "").upper()
 
     @property
     def torque_factor(self) -> float | None:

@@ -100,7 +100,7 @@ class Case(CaseTables):
         if wrong:
             raise InputError(*wrong)
         if flange is not None and (unlike := list(_unlike_faces(self.closure, flange))):
-            raise InputError(*unlike)
+            raise InputError(*(as_written(one, tables) for one in unlike))
         if like is not None and ({"closure", self.key_of("seat")} <= known or self._of_the_shape_of(like)):
             self._take_bodies(like)
         if self.bolts is not None:

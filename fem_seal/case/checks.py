@@ -317,9 +317,6 @@ def _lands(case: CaseTables) -> Iterator[Problem]:
         yield problem("lands_form")
     if case.leak.fluid_in_gap == "local":
         yield problem("lands_local")
-    highest = max((one for one in given or () if one is not None), default=0.0)
-    if case.load.closing == "penetration" and highest > min(case.load.fluid_pressure):
-        yield problem("chamber_lifts", value=highest / 1e5, lowest=min(case.load.fluid_pressure) / 1e5)
 
 
 def _earlier(case: CaseTables) -> Iterator[Problem]:
@@ -449,7 +446,9 @@ def _class(required: Requirement, *, gas: bool) -> Iterator[Problem]:
         return
     found, fluid = required.standard_and_class, "a gas" if gas else "a liquid"
     possible = classes_of(standard, gas=gas)
-    if found is None or found[1] not in possible:
+    if not possible:
+        yield problem("requirement_standard_fluid", standard=standard, fluid=fluid)
+    elif found is None or found[1] not in possible:
         known, given = ", ".join(possible), required.class_name
         if given is None:
             yield Problem("requirement.class", f"is missing; known are {known}")

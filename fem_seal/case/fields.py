@@ -156,22 +156,21 @@ class ChamberPressures(Quantity):
         if not isinstance(value, (list, tuple)):
             return (self._one(value),)
         _check_count(value)
-        return tuple(
-            self._one(entry)
-            if isinstance(entry, str) and entry in _CHAMBERS
-            else self.read_part_of(entry, number)
-            for number, entry in enumerate(value, start=1)
-        )
-
-    def read_part_of(self, entry: object, number: int) -> float:
-        """One entry of a list."""
-        try:
-            return super().read(entry)
-        except ValueError as error:
-            raise ValueError(f'entry {number}, {shown(entry)}, {error}, "vented" or "sealed"') from None
+        found = list[float | None]()
+        for number, entry in enumerate(value, start=1):
+            try:
+                found.append(self._one(entry))
+            except ValueError as error:
+                raise ValueError(f"entry {number}, {shown(entry)}, {error}") from None
+        return tuple(found)
 
     def _one(self, value: object) -> float | None:
-        return _CHAMBERS[value] if isinstance(value, str) and value in _CHAMBERS else super().read(value)
+        if isinstance(value, str) and value in _CHAMBERS:
+            return _CHAMBERS[value]
+        try:
+            return super().read(value)
+        except ValueError as error:
+            raise ValueError(f'{error}; or write "vented" or "sealed"') from None
 
     @property
     def _schema(self) -> dict[str, Any]:

@@ -73,14 +73,14 @@ def bolts_of(case: CaseTables) -> Bolts | None:
         assert material is not None  # of the validation
         modulus = material.at(at).youngs_modulus
     stiffness = stiffness_of(table.number, modulus, table.area, table.length, table.stiffness or math.inf)
-    # of a gasket the approach of one face is half of what bolts feel
     return Bolts(
         table.number,
         table.area,
-        case.faces * stiffness,
+        stiffness,
         stiffness * longer,
         table.torque_factor,
         table.torque_scatter,
+        case.faces,
     )
 
 

@@ -59,6 +59,8 @@ class PenetratingFluid:
     as_first_loaded : callable
         Takes a profile to that of first loading which lets as much through; itself where the contact remembers no
         larger load.
+    highest : float
+        Largest share of the pressure difference: more than one where a test port holds a chamber above it.
 
     Notes
     -----
@@ -77,10 +79,11 @@ class PenetratingFluid:
     sealing_pressure: float
     side: PressureSide = "outer"
     as_first_loaded: Callable[[PressureProfile], PressureProfile] = _itself
+    highest: float = 1.0
 
     def bounds(self, line: ContactLine) -> tuple[float, float]:
         """Shares of the pressure difference."""
-        return 0.0, 1.0
+        return 0.0, self.highest
 
     def share(self, line: ContactLine, unknowns: FloatArray) -> FloatArray:
         """The unknowns are the shares themselves."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -147,6 +148,7 @@ def _interface_cautions(
     yield from _long_waves(surface, loads)
     if problem.flow is not None:
         yield from _fluid_opens(problem, problem.flow, loads)
+        yield from _chamber_lifts(problem, loads)
         yield from fluid_cautions(problem.flow, loads)
 
 
@@ -688,12 +690,16 @@ def _long_waves(surface: RoughContact, loads: Sequence[LoadResult]) -> Iterator[
     )
 
 
+# Force of the fluid in chambers over that of the contact from which on it matters.
+_CHAMBER_LIFTS = 0.02
+
+
 def _fluid_opens(problem: SealProblem, flow: FlowModel, loads: Sequence[LoadResult]) -> Iterator[Finding]:
     if flow.fluid_in_gap == "local":
         yield from _lifted_open(loads)
     elif problem.loads.closing != "penetration":
-        load = max(loads, key=lambda load: load.fluid_pressure / load.peak_pressure)
-        share = load.fluid_pressure / load.peak_pressure
+        load = max(loads, key=_fluid_over_contact)
+        share = _fluid_over_contact(load)
         times = 1.0 + 1.7 * share if share < _FLUID_LIFTS else math.inf
         most = sentence("fluid_opens", "several" if math.isinf(times) else "about", times=times)
         if share > FLUID_OPENS:
@@ -704,8 +710,47 @@ def _fluid_opens(problem: SealProblem, flow: FlowModel, loads: Sequence[LoadResu
                 outside=share > _FLUID_LIFTS,
                 leak_factor=Bounds(1.0, times),
                 share=share,
-                most=most,
+                most="" if load.whole.parts else most,
             )
+
+
+def _fluid_over_contact(load: LoadResult) -> float:
+    """Fluid pressure over the peak contact pressure, of the land where it is most [-]."""
+    if len(load.profiles) == 1 or load.leak is None:
+        return load.fluid_pressure / load.peak_pressure
+    pairs = [
+        (max(flow.inner_pressure, flow.outer_pressure), float(one.pressure.max()))
+        for flow, one in zip(load.leak.lands, load.profiles, strict=True)
+        if one.touches
+    ]
+    return max(fluid / contact for fluid, contact in pairs)
+
+
+def _chamber_lifts(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
+    """Finding about chambers between lands, whose pressure acts on the closure and is left out."""
+    if problem.loads.closing == "penetration":
+        return
+    lifted = {n: _chamber_force(load) / load.contact_force for n, load in enumerate(loads)}
+    worst = max(lifted, key=lambda n: lifted[n])
+    if lifted[worst] > _CHAMBER_LIFTS:
+        load = loads[worst]
+        yield caution(
+            "chamber_lifts", load, loads, outside=lifted[worst] > 1.0, share=share_text(lifted[worst])
+        )
+
+
+def _chamber_force(load: LoadResult) -> float:
+    """Axial force of the fluid in chambers, between the middles of the lands beside each [N]."""
+    if len(load.profiles) == 1 or load.leak is None:
+        return 0.0
+    middles = [
+        float(np.interp(one.centroid if one.touches else one.x.mean(), one.x, one.radius))
+        for one in load.profiles
+    ]
+    return sum(
+        math.pi * (outer**2 - inner**2) * flow.outer_pressure
+        for (inner, outer), flow in zip(pairwise(middles), load.leak.lands[:-1], strict=True)
+    )
 
 
 def _lifted_open(loads: Sequence[LoadResult]) -> Iterator[Finding]:

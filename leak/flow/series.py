@@ -86,15 +86,12 @@ def in_series(
     (100000, '1.000000000')
     """
     touching = [n for n, one in enumerate(contacts) if one.leak is not None]
-    # chambers that an open land does not part are one
-    joined = [_first(given[before:after]) for before, after in pairwise(touching)]
-    ends = inner, outer
-    for at, part in ((0, given[: touching[0]]), (1, given[touching[-1] :])):
-        if _first(part) is not None:
-            raise ProfileError(
-                f"a land does not touch: the chamber that is held at {_first(part):.6g} Pa is open to the side at "
-                f"{ends[at]:.6g} Pa"
-            )
+    if not touching:
+        raise ProfileError("no land touches: the seal is open")
+    # chambers that an open land does not part are one, and those beside an end belong to it
+    joined = [_held(given[before:after]) for before, after in pairwise(touching)]
+    for end, part in ((inner, given[: touching[0]]), (outer, given[touching[-1] :])):
+        _held([end, *part])
     found = chamber_pressures([contacts[n].flow for n in touching], inner, outer, joined)
     pressure = [inner, *found.tolist(), outer]
     lands, parts, results = [], [], list[LeakResult]()
@@ -210,5 +207,12 @@ def _between(flows: Sequence[Flow], first: float, last: float) -> list[float]:
     return [float(one) for one in p[1:-1]]
 
 
-def _first(given: Sequence[float | None]) -> float | None:
-    return next((one for one in given if one is not None), None)
+def _held(given: Sequence[float | None]) -> float | None:
+    """Pressure of chambers that are open to each other [Pa]; None where it follows from the flow."""
+    held = sorted({one for one in given if one is not None})
+    if len(held) > 1:
+        raise ProfileError(
+            f"a land does not touch, so that places held at {held[0]:.6g} Pa and at {held[-1]:.6g} Pa are open to each "
+            "other: press harder, or set the land less far back"
+        )
+    return held[0] if held else None

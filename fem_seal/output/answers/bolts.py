@@ -12,6 +12,7 @@ from fem_seal.output.columns import SHOWN_COLUMNS
 from fem_seal.output.prose import phrase
 from fem_seal.output.shown import ReadableTable, Section, Shown, columns_table, filled_column, worded_section
 from fem_seal.seal.load_names import load_name
+from fem_seal.units import leak_range_text
 
 if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
@@ -46,11 +47,10 @@ def _sentences(result: SealSolution) -> Iterator[str]:
     )
     if load.at_preload_ends is not None:
         kind = "scatter" if load.at_preload_ends[1] < float("inf") else "scatter_opens"
-        volume = volume_of(result.case).state
-        gas = f" (gas at {volume})" if volume else ""
-        yield phrase(
-            "bolts.leak", kind, load=at, share=found.bolts.scatter, ends=load.at_preload_ends, gas=gas
-        )
+        volume = volume_of(result.case)
+        gas = f" (gas at {volume.state})" if volume.state else ""
+        told = leak_range_text(load.at_preload_ends, 2, volume=volume)
+        yield phrase("bolts.leak", kind, load=at, share=found.bolts.scatter, ends=told, gas=gas)
     if is_flange(result.case) and load.leak_interval is not None:
         assert load.leak is not None and load.leak.mass_flow is not None  # of a gas
         density = load.leak.mass_flow / load.leak.leak_rate if load.leak.leak_rate > 0 else 0.0

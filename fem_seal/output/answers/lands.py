@@ -29,10 +29,12 @@ def lands_in_words(result: SealSolution) -> list[str]:
     carried = ", ".join(f"{_PER_MM * one.moment(0):.3g}" for one in load.profiles)
     told = [phrase("lands.result", "carry", load=load_name(load, result.loads), carried=carried)]
     if load.leak is not None:
-        bars = ", ".join(f"{1e-5 * one.outer_pressure:.4g}" for one in load.leak.lands[:-1])
         flow = None if load.rough is None else load.rough.flow
-        held = flow is not None and any(one is not None for one in flow.chambers)
-        told.append(phrase("lands.result", "port" if held else "chamber", bars=bars))
+        given = (None if flow is None else flow.chambers) or (None,) * (len(load.profiles) - 1)
+        for number, (held, land) in enumerate(zip(given, load.leak.lands[:-1], strict=True), start=1):
+            kind = "flow" if held is None else "port" if held else "vented"
+            bar = 1e-5 * land.outer_pressure
+            told.append(phrase("lands.result", kind, inner=number, outer=number + 1, bar=bar))
     return told
 
 

@@ -323,7 +323,7 @@ def test_a_study_has_columns_of_the_bolts():
 
 def test_preload_below_the_end_force_is_refused():
     with pytest.raises(
-        NoLoadLeftError, match="bolts: do not hold the seal closed at a fluid pressure of 10 bar"
+        NoLoadLeftError, match="bolts: have a preload below the end force at a fluid pressure of 10 bar"
     ):
         smooth().replace({"bolts.preload": "10 N"})
 
