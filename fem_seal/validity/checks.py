@@ -728,20 +728,19 @@ def _fluid_over_contact(load: LoadResult) -> float:
 
 def _chamber_lifts(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
     """Finding about chambers between lands, whose pressure acts on the closure and is left out."""
-    if problem.loads.closing == "penetration":
+    of_lands = [load for load in loads if len(load.profiles) > 1]
+    if problem.loads.closing == "penetration" or not of_lands:
         return
-    lifted = {n: _chamber_force(load) / load.contact_force for n, load in enumerate(loads)}
-    worst = max(lifted, key=lambda n: lifted[n])
-    if lifted[worst] > _CHAMBER_LIFTS:
-        load = loads[worst]
-        yield caution(
-            "chamber_lifts", load, loads, outside=lifted[worst] > 1.0, share=share_text(lifted[worst])
-        )
+    share, load = max(
+        ((_chamber_force(load) / load.contact_force, load) for load in of_lands), key=lambda one: one[0]
+    )
+    if share > _CHAMBER_LIFTS:
+        yield caution("chamber_lifts", load, loads, outside=share > 1.0, share=share_text(share))
 
 
 def _chamber_force(load: LoadResult) -> float:
     """Axial force of the fluid in chambers, between the middles of the lands beside each [N]."""
-    if len(load.profiles) == 1 or load.leak is None:
+    if load.leak is None:
         return 0.0
     middles = [
         float(np.interp(one.centroid if one.touches else one.x.mean(), one.x, one.radius))
