@@ -286,3 +286,38 @@ def test_a_test_port_lifts_the_closure_by_its_pressure() -> None:
     )
     assert after.leak.leak_rate > before.leak.leak_rate
     assert after.contact.loads.gap_pressure.max() == pytest.approx(8e5, rel=1e-6)
+
+
+@pytest.mark.parametrize("angles", [(), (20, 72)])
+@pytest.mark.parametrize("side", ["inner", "outer"])
+def test_a_tenth_of_the_size_is_the_same_seal(angles: tuple[int, ...], side: str) -> None:
+    """Pressures stay; the leak rate goes with the third power of the size, also of steep cones, from either side."""
+
+    def load_at(scale: float) -> LoadResult:
+        def mm(value: float) -> str:
+            return f"{value * scale!r} mm"
+
+        flats = [
+            FLAT | {"land_inner_radius": mm(start), "land_outer_radius": mm(end)}
+            for start, end in ((20, 21.5), (23, 24.2))
+        ]
+        cones = [{"shape": "conical-land", "angle": f"{one} deg", "land_width": mm(1)} for one in angles]
+        disc, ball = {"shape": "disc", "radius": mm(30)}, {"shape": "ball", "radius": mm(20)}
+        spectrum = {"kind": "self-affine", "rms_height": f"{0.5 * scale!r} um", "hurst": 0.8}
+        waves = {"q_low": 1e4, "q_rolloff": 5e4, "q_high": 1e6}
+        spectrum |= {name: f"{q / scale!r} 1/m" for name, q in waves.items()}
+        case = fem_seal.Case(
+            closure={**(ball if angles else disc), "material": STEEL},
+            seat={"shape": "lands", "lands": cones or flats, "material": STEEL},
+            roughness={"spectrum": spectrum},
+            fluid={"name": "water"},
+            load={"fluid_pressure": "5 bar", "applied_force": f"{1e4 * scale**2!r} N", "pressure_side": side},
+        )
+        (load,) = evaluate(SealProblem.of(case)).loads
+        return load
+
+    large, small = load_at(1.0), load_at(0.1)
+    assert large.leak is not None and small.leak is not None
+    assert small.peak_pressure == pytest.approx(large.peak_pressure, rel=1e-9)
+    assert 1e3 * small.leak.leak_rate == pytest.approx(large.leak.leak_rate, rel=1e-9)
+    assert small.leak.lands[0].outer_pressure == pytest.approx(large.leak.lands[0].outer_pressure, rel=1e-9)
