@@ -10,13 +10,19 @@ export PYTHONPYCACHEPREFIX := $(abspath $(VENV))/bytecode
 
 PIP = $(VENV)/bin/python -m pip install --quiet --disable-pip-version-check
 
-.PHONY: run test lint check wheel docs benchmarks system clean
+PYTEST = OPENBLAS_NUM_THREADS=1 $(VENV)/bin/python -m pytest -n auto --dist loadfile --durations=10
+
+.PHONY: run test test-all lint check wheel docs benchmarks system clean
 
 run: $(VENV)/.program
 	@$(VENV)/bin/fem-seal run examples/ball_cone.toml
 
+# All but those that take longer than some seconds: whole calculations done twice, all examples, killed processes.
 test: $(VENV)/.tools
-	@OPENBLAS_NUM_THREADS=1 $(VENV)/bin/python -m pytest -n auto --dist loadfile --durations=10
+	@$(PYTEST) -m "not slow"
+
+test-all: $(VENV)/.tools
+	@$(PYTEST)
 
 lint: $(VENV)/.tools
 	@$(VENV)/bin/ruff check .

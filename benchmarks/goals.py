@@ -206,10 +206,10 @@ def cluster(settings: Settings) -> Iterator[Figure]:
 
 
 def tests(settings: Settings) -> Iterator[Figure]:
-    """The whole suite on two cores."""
+    """`make test` on two cores."""
     start = time.perf_counter()
     done = subprocess.run(
-        [sys.executable, "-m", "pytest", "-q", "-n", "auto", "--dist", "loadfile"],
+        [sys.executable, "-m", "pytest", "-q", "-n", "auto", "--dist", "loadfile", "-m", "not slow"],
         cwd=ROOT,
         env={**os.environ, **_here()},
     )

@@ -186,6 +186,7 @@ def test_gas_without_slip_follows_the_square_of_the_pressure():
     np.testing.assert_allclose(gas.fluid_pressure, np.sqrt(squares), rtol=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("outlet", [0.0, 1e5])
 def test_gas_with_the_same_slip_everywhere(outlet):
     """w = p^2/2 + c p makes it linear, with the flow of the liquid's conductivity."""

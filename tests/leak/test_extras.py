@@ -88,6 +88,7 @@ num = 2
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("hidden", "arguments", "extra"),
     [

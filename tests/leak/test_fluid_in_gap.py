@@ -195,6 +195,7 @@ def test_a_pocket_between_two_ridges_is_lifted_off():
 # ------------------------------------------------------------------ symmetry, scaling, convergence
 
 
+@pytest.mark.slow
 @settings(max_examples=6, deadline=None)
 @given(
     p0=st.floats(1e6, 3e8),

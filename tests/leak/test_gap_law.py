@@ -285,6 +285,7 @@ def test_the_corrected_theory_has_one_reading():
         leak.RoughContact(SPECTRA["paper"], effective_modulus=1e11, yielding="von-mises")
 
 
+@pytest.mark.slow
 def test_a_lay_is_met_as_well_as_by_the_papers_theory():
     """Conductivity of stretched surfaces, Peklenik number up to 5 and p/(E* h') up to 0.1: rms of ln."""
     off = {"paper": [], "corrected": []}

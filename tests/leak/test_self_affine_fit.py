@@ -68,6 +68,7 @@ def fewest(count, confidence=0.9):
     return binom.ppf(1e-3, count, confidence)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("wavelength", "hurst", "smooth"),
     [

@@ -78,6 +78,7 @@ def test_wrong_strips_are_named():
         Strip(None, (64, 32), 1e-3, np.zeros(32))
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not STRIPS.is_file(), reason="reference strips of another program are not here")
 @pytest.mark.parametrize("kind", ["elastic", "capped"])
 def test_strips_of_another_program(kind):

@@ -281,6 +281,7 @@ def test_damaged_instrument_files_are_refused_or_read(topography_folder, file, n
         _read_or_refuse(file(bytes(damaged), name))
 
 
+@pytest.mark.slow
 @settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(
     st.one_of(

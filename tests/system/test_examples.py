@@ -54,6 +54,7 @@ def test_case_is_valid_and_says_what_it_is(path):
     assert all(load.contact_force > 0 for load in derive(case).loads)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", CASES, ids=lambda path: path.name)
 def test_case_runs_and_is_resolved(path):
     result = run(load_case(path))

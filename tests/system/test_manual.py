@@ -93,6 +93,7 @@ def test_inputs_of_the_how_to_pages_are_valid(page, text):
             assert set(entries) <= set(keys.model_fields), table
 
 
+@pytest.mark.slow
 def test_the_relief_valve_of_the_how_to_page_is_told_as_the_page_says():
     # neither number nor verdict asks for sensitivities, which have tests of their own
     result = fem_seal.run(fem_seal.load_case(DOCS / "howto" / "relief_valve.toml"), sensitivities=False)

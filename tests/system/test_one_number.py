@@ -76,6 +76,7 @@ def test_run_study_and_live_page_agree(shape, theory, pressure, modulus):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_they_agree_whatever_the_problem_is(kind):
     case = fem_seal.load_case(EXAMPLES / f"{kind}.toml")

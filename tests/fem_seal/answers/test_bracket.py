@@ -75,6 +75,7 @@ def test_asperities_too_hard_to_yield_are_elastic_in_both_readings(pressure):
     assert readings == pytest.approx([readings[2]] * 3, rel=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("unrendered")
 def test_elastic_asperities_have_one_reading():
     (load,) = single_result().loads
@@ -148,6 +149,7 @@ def test_both_readings_go_the_same_way(tables):
     assert load.leak_range[0] < load.leak_range[1] < 1.01 * load.reading(Reading.ELASTIC).leak.leak_rate
 
 
+@pytest.mark.slow
 def test_a_form_error_and_its_answers_have_both_readings():
     result = oval_result()
     for load in result.loads:
@@ -174,6 +176,7 @@ def test_a_form_error_and_its_answers_have_both_readings():
     )
 
 
+@pytest.mark.slow
 def test_a_target_takes_a_force_in_each_reading():
     """Each force is the one at which its reading leaks the target."""
     load = {"fluid_pressure": "20 bar", "applied_force": "2 kN", "target_leak_rate": "0.2 cm^3/s"}

@@ -226,6 +226,7 @@ def test_a_wrong_row_is_named_by_line_and_column(tmp_path, rows, header, words):
 # -------------------------------------------------------------------- whole calibrations
 
 
+@pytest.mark.slow
 def test_a_test_narrows_the_prediction_and_the_calibrated_case_has_it(tmp_path, capsys):
     """A rougher seal is measured at three pressures; the case that comes out gives its interval."""
     rougher = seal(load__fluid_pressure=["5 bar", "10 bar", "15 bar", "20 bar"], uncertainty=None)
@@ -271,6 +272,7 @@ def test_a_test_narrows_the_prediction_and_the_calibrated_case_has_it(tmp_path, 
     assert 0.05 < judged.highest.passing.share < 0.95
 
 
+@pytest.mark.slow
 def test_intervals_of_a_real_seal_hold_the_truth_as_often_as_they_say():
     """200 seals of the prior of a case, with the theory's error, readings at 5 and 10 bar, 20 bar predicted."""
     case = seal(load__fluid_pressure=["5 bar", "10 bar", "20 bar"])

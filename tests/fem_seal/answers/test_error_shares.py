@@ -38,6 +38,7 @@ def shares_of(found: fem_seal.SealResult) -> ErrorShares:
     return error_shares(found.loads[0], found.uncertainty, 0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("without", list(SPREADS))
 def test_what_is_known_exactly_leaves_the_factor_that_is_told(without):
     told, ends = shares_of(result()), result(without).loads[0].leak_interval

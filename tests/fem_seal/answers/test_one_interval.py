@@ -48,6 +48,7 @@ def known_as(result, factor, level, limit):
     return judged_anew(replace(result, case=of, loads=loads))
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("unrendered")
 @pytest.mark.parametrize("name", RESULTS)
 @settings(max_examples=25, deadline=None)
@@ -139,6 +140,7 @@ def through(gas, rms_height, load, **fluid):
 VACUUM = {"outlet_pressure": "0 Pa"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("rms_height", "load", "fluid", "ratio"),
     [
@@ -164,6 +166,7 @@ def test_air_over_helium_has_its_limits(rms_height, load, fluid, ratio):
     assert least < 0.31 and most > 1.07
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pressure", ["0.1 bar", "1 bar", "10 bar"])
 def test_what_helium_is_converted_to_is_what_air_leaks(pressure):
     load = {"fluid_pressure": pressure, "applied_force": "1 kN"}
@@ -175,6 +178,7 @@ def test_what_helium_is_converted_to_is_what_air_leaks(pressure):
     assert helium.highest.margin == pytest.approx(air.highest.margin, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_samples_of_helium_are_converted_one_by_one():
     """The ends of what a drawing leaves open are those of a run with air, whose gaps are other ones at each end."""
     tables = {

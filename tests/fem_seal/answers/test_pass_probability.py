@@ -93,6 +93,7 @@ def test_without_uncertain_inputs_the_error_of_the_theory_is_all():
     assert math.isnan(none.share) and "nothing is uncertain" in none.why_none
 
 
+@pytest.mark.slow
 def test_complete_runs_with_drawn_inputs_find_the_same_share():
     wanted = one(
         leak={"theory": "paper", "plasticity": False},
@@ -130,6 +131,7 @@ def test_the_share_rises_with_what_is_allowed():
     assert shares[0] < 0.05 and shares[-1] > 0.95
 
 
+@pytest.mark.slow
 def test_a_finish_is_known_within_its_standard_error():
     wanted = one(roughness=FINISH, seat=cone(HARD), leak={"theory": "corrected"})
     seal = seal_of(wanted)
@@ -148,6 +150,7 @@ def test_a_finish_is_known_within_its_standard_error():
     assert abs(other.share - found.share) < 3 * math.hypot(found.error, other.error)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("share", [0.1, 0.5, 0.95])
 def test_complete_runs_of_a_finish_find_the_same_share_within_its_standard_error(share):
     wanted = one(roughness=FINISH, seat=cone(HARD), leak={"theory": "corrected"})
@@ -287,6 +290,7 @@ def test_a_result_tells_it_in_table_report_and_on_the_terminal():
     assert any("no probability to pass is known: of this" in line for line in verdict_lines(none))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("of", ["finish", "inputs"])
 def test_a_design_has_the_probability_of_a_run(of):
     wanted = one(seat=cone(HARD), leak={"theory": "corrected"}, roughness=FINISH)

@@ -40,6 +40,7 @@ def rates(result):
     return load.leak.leak_rate, load.reading(Reading.CAPPED).leak.leak_rate
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("key", "changes"),
     [
@@ -55,6 +56,7 @@ def test_a_step_does_what_a_run_with_the_changed_input_does(key, changes):
     assert known[key].ratio == pytest.approx(ratios, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_half_of_a_drawing_s_value_is_that_of_a_run_with_it():
     # Ra of Gaussian heights 0.16 and 0.08 um: lambda_c is 0.8 mm and 0.25 mm
     known = {"process": "lapped", "hurst": 0.8, "q_rolloff": "3e5 1/m", "q_high": "1e7 1/m"}

@@ -228,6 +228,7 @@ def scans(folder, heights):
     return files
 
 
+@pytest.mark.slow
 def test_spectrum_between_scans(tmp_path, monkeypatch):
     """Scans that differ by a factor of all heights: every mean of them is a surface between the extreme ones."""
     files = scans(tmp_path, (0.9, 1.0, 1.1))
@@ -259,6 +260,7 @@ def test_spectrum_between_scans(tmp_path, monkeypatch):
     assert both.high[0] / both.low[0] > 1.1 * interval.high[0] / interval.low[0]
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("unrendered")
 def test_the_length_of_one_scan_widens_the_interval(tmp_path):
     """Two wavelengths of the roll-off instead of thirteen; no other input is needed."""
@@ -499,6 +501,7 @@ def test_interval_needs_a_leak_rate():
         leak_interval(rough_result(), Uncertainty())
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("unrendered")
 def test_result_files_hold_the_interval_and_the_variants(tmp_path):
     result = fem_seal.run(

@@ -601,6 +601,7 @@ def test_without_its_interval_a_leak_rate_decides_nothing(ends):
     assert opened.verdict is Verdict.FAIL
 
 
+@pytest.mark.slow
 def test_an_interval_that_cannot_be_calculated_leaves_the_verdict_inconclusive(monkeypatch):
     def fails(*_, **__):
         raise ConvergenceError("nothing converges")

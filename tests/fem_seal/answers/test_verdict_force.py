@@ -34,6 +34,7 @@ def verdict_under(of, force, limit):
     return fem_seal.run(with_force(of, force).replace(required), sensitivities=False)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("tables", "target"),
     [
@@ -70,6 +71,7 @@ def test_a_run_with_the_force_passes_and_one_with_less_does_not(tables, target):
         assert force >= max(readings)
 
 
+@pytest.mark.slow
 def test_what_a_drawing_leaves_open_is_in_the_force():
     load = {"fluid_pressure": "20 bar", "applied_force": "2 kN", "target_leak_rate": "1 ml/min"}
     of = case(roughness=DRAWN, load=load)
@@ -93,6 +95,7 @@ def test_what_a_drawing_leaves_open_is_in_the_force():
     assert any(told in one for one in reasons(result, derive(of)))
 
 
+@pytest.mark.slow
 def test_where_the_seat_yields_before_the_verdict_passes_it_says_so():
     soft = {**STEEL, "yield_stress": "0.2 GPa", "hardness": "3.5 GPa"}
     load = {"fluid_pressure": "20 bar", "applied_force": "1 kN", "target_leak_rate": "1e-9 m^3/s"}
@@ -105,6 +108,7 @@ def test_where_the_seat_yields_before_the_verdict_passes_it_says_so():
     assert told.startswith("At 20 bar no force lets the verdict pass: up to an applied force of ")
 
 
+@pytest.mark.slow
 def test_a_target_does_not_touch_the_verdict_of_its_load():
     """Another question spoils nothing: verdict, margin and words are those of the case without a target."""
     tables = {"requirement": {"leak_rate": "1e-9 m^3/s"}}
@@ -118,6 +122,7 @@ def test_a_target_does_not_touch_the_verdict_of_its_load():
     assert asked_lines == verdict_lines(plain)
 
 
+@pytest.mark.slow
 def test_of_a_body_that_yields_it_is_not_looked_for_unless_asked(monkeypatch):
     examples = EXAMPLES
     load = {"fluid_pressure": ["200 bar", "50 bar"], "applied_force": "100 N", "target_leak_rate": "1 mm^3/s"}
@@ -164,6 +169,7 @@ class _LeaveError(BaseException):
     pass
 
 
+@pytest.mark.slow
 def test_each_force_that_is_tried_is_told():
     load = {"fluid_pressure": "20 bar", "applied_force": "1 kN", "target_leak_rate": "2e-7 m^3/s"}
     of = case(load={**load, "largest_earlier_force": "1.5 kN"})

@@ -121,6 +121,7 @@ def test_nodes_that_are_held_one_way_are_not_turned() -> None:
     )
 
 
+@pytest.mark.slow
 def test_a_path_is_that_of_the_factorised_bodies(monkeypatch: pytest.MonkeyPatch) -> None:
     """Up, beyond where the plastic zone was, and down again."""
     model, force = seal(LAW, 600e5, closure=STEEL, seat=HARDENING, refine=0.7)

@@ -261,6 +261,7 @@ def test_a_finish_is_one_named_factor_of_a_study(base):
     assert heights[0] < heights[1]
 
 
+@pytest.mark.slow
 def test_a_finish_whose_usual_surface_is_sealed_has_an_interval_all_the_same(base):
     """No ratio to a leak rate of zero: rougher surfaces of the process let something through."""
     sealed = base.replace_written(
@@ -316,6 +317,7 @@ def test_a_range_that_is_none_is_named_with_its_key_and_a_remedy(base, value, sa
         base.replace_written({"roughness": {"seat": {"Ra": value}}})
 
 
+@pytest.mark.slow
 def test_sampled_heights_have_the_quantiles_of_their_closed_form(base):
     """ln Ra is even between both ends; the ratio Rq/Ra of real surfaces stands on top."""
     case = base.replace_written({"roughness": {"seat": RANGE}})
@@ -336,6 +338,7 @@ def test_sampled_heights_have_the_quantiles_of_their_closed_form(base):
     assert np.clip(below, 0.0, 1.0).mean(axis=1) == pytest.approx(shares, abs=2e-3)
 
 
+@pytest.mark.slow
 def test_samples_at_both_ends_are_those_of_the_single_values_and_bracket_the_interval(base):
     seals = {}
     for name, entries in {"range": RANGE, "low": LAPPED, "high": {**LAPPED, "Ra": "0.4 um"}}.items():

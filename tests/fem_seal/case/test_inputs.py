@@ -493,6 +493,7 @@ def test_long_input_is_refused_at_once(kind, what, tmp_path) -> None:
     assert len(ended.stderr) < 1000
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["scan of a case", "profile", "lay", "trace"])
 @pytest.mark.parametrize("line", ["x" + 60_000 * " " + "y", 20_000 * "tip "])
 def test_long_line_of_a_table_takes_no_long_time(line, kind, tmp_path) -> None:
@@ -581,6 +582,7 @@ TEXT_FILES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", TEXT_FILES)
 def test_text_damaged_at_random_ends_in_a_sentence(kind, call, tmp_path) -> None:
     """Numpy's warnings are errors here, too; `call` looks for the sentence."""
@@ -679,6 +681,7 @@ def ends_in_a_sentence(read, content: bytes) -> None:
         assert cli._explained(error)[0] == 2, content
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["STEP", "DXF", "mesh"])
 def test_drawing_damaged_at_random_ends_in_a_sentence(kind, capfd, tmp_path) -> None:
     path = tmp_path / KINDS[kind]

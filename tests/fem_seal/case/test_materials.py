@@ -355,6 +355,7 @@ def test_check_warns_of_creep_also_where_the_case_has_all_numbers_of_its_own(cal
         assert ("seat: PCTFE creeps" in err) == warned
 
 
+@pytest.mark.slow
 def test_the_task_of_the_cryogenic_valve_warns_of_creep(call):
     if not TASK.exists():
         pytest.skip("the tasks of users are not beside this checkout")

@@ -85,6 +85,7 @@ def said_of(inside: tuple, key: str) -> str:
     return " ".join(found)
 
 
+@pytest.mark.slow
 def test_every_key_is_looked_for_in_every_table() -> None:
     asked, missed = 0, []
     for inside, key, place in pairs():

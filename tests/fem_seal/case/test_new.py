@@ -257,6 +257,7 @@ def test_every_template_grows_with_its_bore(name: str) -> None:
         assert tables["load"]["fluid_pressure"] == first["load"]["fluid_pressure"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", GROWING)
 def test_every_template_takes_every_class_at_every_bore(name: str) -> None:
     gas = read_text_case(template(name)).fluid.gas is not None

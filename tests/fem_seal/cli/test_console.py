@@ -248,6 +248,7 @@ def test_a_wrong_text_is_shown_without_its_control_characters(what, capfd, tmp_p
     assert not obeyed(out + err)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "arguments", [["check", "--picture", "p.png"], ["check", "--json"], ["table", "-o", "o"]]
 )
@@ -280,6 +281,7 @@ def test_only_one_file_prints():
     assert found == ["terminal.py"]
 
 
+@pytest.mark.slow
 def test_many_wrong_entries_make_a_short_message(capfd, tmp_path):
     path = hostile_case(tmp_path)
     path.write_text("".join(f"k{n} = 1\n" for n in range(20_000)) + path.read_text(encoding="utf-8"))

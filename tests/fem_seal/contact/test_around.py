@@ -622,6 +622,7 @@ def test_a_guided_ball_feels_eccentricity_but_no_tilt_about_its_centre(rough: Lo
     assert np.argmax(beside) == len(beside) // 4
 
 
+@pytest.mark.slow
 def test_all_lengths_larger_give_the_same_shares(rough: LocalContact) -> None:
     """Bodies, law and form twice as large under the same fluid pressure: the same stresses. Meshes agree to 1e-4."""
     law = ExponentialLaw(p_c=10e9, u0=2 * U0)
@@ -765,6 +766,7 @@ def test_leak_rate_around_against_every_angle_on_its_own(
     assert most.leak_rate == pytest.approx(each.max(), rel=0.5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("u0", ["1 nm", "0.2 nm"])
 def test_a_stiff_interface_carries_what_smooth_surfaces_do(u0: str) -> None:
     """Pressures of an exponential law spread over many decades from rung to rung, and u0 -> 0 is hard contact."""

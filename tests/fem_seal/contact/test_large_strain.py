@@ -102,6 +102,7 @@ def test_far_outside_it_is_called_so():
     assert found.outside and any("small-strain" in reason for reason in found.reasons)
 
 
+@pytest.mark.slow
 def test_nothing_jumps_where_the_old_limit_was():
     """a/R of 0.1, and of the marks: peak and width over Hertz's go on smoothly, and so does the turning."""
     for limit in (0.1, TURNED, LARGEST_TURNING):

@@ -50,6 +50,7 @@ def valve():
 # ---------------------------------------------------------------- load paths
 
 
+@pytest.mark.slow
 def test_loads_keep_their_order_and_elastic_bodies_come_back():
     table = valve().table
     assert table.fluid_pressure_Pa.tolist() == [5e5, 15e5, 20e5, 15e5, 5e5]
@@ -113,6 +114,7 @@ def test_too_much_pressure_is_refused_with_the_one_that_opens():
     assert said == pytest.approx(opens / 1e5, rel=1e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("side", "too_little", "tables", "below"),
     [
@@ -191,6 +193,7 @@ def test_the_force_for_a_target_leaks_the_target():
     assert row.force_for_target_leak_N > row.applied_force_N
 
 
+@pytest.mark.slow
 def test_a_target_that_only_an_extrapolation_reaches_is_warned_of():
     """The present load is far inside the theory; the force for the target is not, and says so as a run at it does."""
     load = {"fluid_pressure": ["20 bar", "40 bar"], "target_leak_rate": "0.02 mm^3/s"}

@@ -139,6 +139,7 @@ def test_fluid_all_around_leaves_a_closure_of_any_shape_under_even_pressure(clos
     assert finer.mean() < max(0.4 * off.mean(), 1e-10)
 
 
+@pytest.mark.slow
 def test_fluid_all_around_a_closure_with_facets_across_the_ends_of_the_line_lifts_nothing(tmp_path):
     """A ready mesh keeps its facets: those of the closure reach beyond the contact line by up to 0.2 mm here."""
     cone = {"shape": "cone", "angle": "45 deg"}

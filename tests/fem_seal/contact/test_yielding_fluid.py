@@ -396,6 +396,7 @@ def leak_of(case: fem_seal.Case) -> float:
 # ---------------------------------------------------------------- uncertain inputs
 
 
+@pytest.mark.slow
 def test_samples_of_a_surface_linearise_bodies_that_yield() -> None:
     """Against a path of its own for every sample: off by less than 6 % of what the sample changes ln Q by, or 1e-3."""
     problem, result = sampled()
@@ -411,6 +412,7 @@ def test_samples_of_a_surface_linearise_bodies_that_yield() -> None:
     assert (np.abs(np.log(linear / whole)) < np.maximum(0.06 * changed, 1e-3)).all()
 
 
+@pytest.mark.slow
 def test_a_sample_of_the_modulus_has_its_own_path() -> None:
     _, result = sampled()
     study = SampledSeal.of(result, Uncertainty(youngs_modulus=Spread(relative=0.07)))

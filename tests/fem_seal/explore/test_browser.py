@@ -249,6 +249,7 @@ def workers(page):
     return [int(line.split()[0]) for line in listed.stdout.splitlines() if "spawn_main" in line]
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="processes are killed with SIGKILL")
 def test_killed_processes_are_replaced_and_a_report_is_made_all_the_same(browser, page, folder):
     killed = workers(page[0])

@@ -114,6 +114,7 @@ def test_all_that_was_chosen_stands_in_the_written_file(written):
     assert written.fluid.name == "hydraulic oil ISO VG 32"
 
 
+@pytest.mark.slow
 def test_the_way_to_a_design_does_not_matter(session, live):
     fresh = Session(case_with())
     for design in (
@@ -208,6 +209,7 @@ def test_nothing_is_claimed_of_a_seal_before_all_of_it_is_known():
     )
 
 
+@pytest.mark.slow
 def test_sensitivities_follow_the_complete_run(session, run):
     design, told = session.design(DESIGN), []
     assert complete_screen(design, run, follow=True).sensitivities == ("are being calculated ...",)
@@ -236,6 +238,7 @@ def test_a_finish_in_words_or_with_a_range_has_a_slider_from_its_usual_value(rou
     assert case.replace_written({path: one.stops[0]}).roughness.parts["seat"].finish.tolerance == 1.0
 
 
+@pytest.mark.slow
 def test_the_interval_of_a_finish_is_that_of_a_run_in_the_end(tmp_path):
     case = case_with(roughness={"Ra": "0.4 um", "process": "lapped"}, load={"fluid_pressure": "20 bar"})
     session = Session(case)
@@ -616,6 +619,7 @@ def callback(client, output, values):
     return answer.json["response"]
 
 
+@pytest.mark.slow
 def test_a_design_that_cannot_be_names_its_fields_and_whose_numbers_are_left():
     session = Session(load_case(EXAMPLES / "tilted_poppet.toml"))
     client = client_of(session)
@@ -682,6 +686,7 @@ def dying(conn, case):
         return
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="processes are killed with SIGKILL")
 def test_work_of_a_killed_process_is_done_by_another_one_and_given_up_after_two(session, tmp_path):
     got = Queue()

@@ -50,6 +50,7 @@ def test_a_round_seal_has_none_of_it():
     assert 'id="around"' not in page and "around.csv" not in page
 
 
+@pytest.mark.slow
 def test_scratches_alone_leave_nothing_to_draw_around_the_axis():
     result = oval_result()
     load = result.loads[0]
@@ -60,6 +61,7 @@ def test_scratches_alone_leave_nothing_to_draw_around_the_axis():
     assert around_in_words(scratched) == []
 
 
+@pytest.mark.slow
 def test_pictures_stand_on_the_page_with_their_words():
     page = report(oval_result())
     section = page[page.index('<section id="around">') :]
@@ -93,6 +95,7 @@ def test_map_shows_the_pressure_of_the_highest_load(figures):
     assert np.abs(x).max() < 0.02
 
 
+@pytest.mark.slow
 def test_peak_of_the_map_is_missing_where_the_surfaces_are_apart(figures):
     result = smooth_oval_result()
     picture = drawn.unrolled_picture(replace(result, loads=result.loads[:1]))
@@ -222,6 +225,7 @@ def test_the_form_error_is_judged_by_what_the_case_requires():
     assert "tolerance of 5.0 µm on the drawing keeps the required leak rate" in told
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("fluid", ["water", "helium"])
 def test_a_scratch_leaks_where_the_roughness_is_sealed(fluid):
     """Asperities in contact over more than the threshold: what leaks is what flows along the scratch, and no more."""
@@ -243,6 +247,7 @@ def test_a_scratch_leaks_where_the_roughness_is_sealed(fluid):
     assert (found.leak.throughput is None) == (fluid == "water")
 
 
+@pytest.mark.slow
 def test_the_deepest_scratch_leaks_the_target_beside_the_others_and_the_lay():
     """The answer put back into the case. The search ends at 1e-6 of the depth, of which the leak is the third power."""
     scratches = [{"depth": "2 um", "width": "60 um", "angle": "200 deg"}, {"depth": "2 um", "width": "20 um"}]

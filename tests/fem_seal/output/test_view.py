@@ -83,6 +83,7 @@ def test_png_without_a_display(draws, folder, tmp_path, call, monkeypatch):
     assert reddish(image) > 50
 
 
+@pytest.mark.slow
 def test_pressure_is_even_on_a_round_seal_and_not_on_an_oval_one(draws, folder, oval, tmp_path):
     """Left and right of the closure the same pressure, but for an oval one, which is loaded most at 0 and 180 deg."""
     halves = {}
@@ -96,6 +97,7 @@ def test_pressure_is_even_on_a_round_seal_and_not_on_an_oval_one(draws, folder, 
     assert abs(halves["oval"][0] - halves["oval"][1]) > 0.3 * max(halves["oval"])
 
 
+@pytest.mark.slow
 def test_a_result_draws_itself(draws, tmp_path):
     rough_result().view(tmp_path / "first.png", load=1)
     rough_result().view(tmp_path / "last.png")
@@ -107,6 +109,7 @@ def test_a_result_draws_itself(draws, tmp_path):
         replace(rough_result(), loads=rough_result().loads[:1]).view(tmp_path / "none.png", load=2)
 
 
+@pytest.mark.slow
 def test_closed_sections_of_both_bodies(folder):
     pyvista = pytest.importorskip("pyvista")
     result = rough_result()
@@ -190,6 +193,7 @@ def test_a_display_that_does_not_answer_is_none(draws, folder, call, monkeypatch
     assert code == 1 and "there is no display for a window" in err
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("unrendered")
 def test_where_vtk_dies_the_program_lives(folder, tmp_path, call, monkeypatch):
     for name, value in NOT_HERE.items():

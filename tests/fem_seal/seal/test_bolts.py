@@ -195,6 +195,7 @@ def yielding(**tables):
     return case(seat=cone(SOFT), load=load, bolts={**SHORT, **tables.pop("bolts", {})}, **tables)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("side", ["inner", "outer"])
 def test_the_path_ends_where_bolts_and_contact_hold_each_other(side):
     seal = yielding(load={"pressure_side": side})
@@ -214,6 +215,7 @@ def test_the_path_ends_where_bolts_and_contact_hold_each_other(side):
         assert one.contact.approach == pytest.approx(other.contact.approach, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_each_torque_is_tightened_before_its_fluid():
     seal = yielding(load={"fluid_pressure": "10 bar"}, bolts={"preload": ["1 kN", "2 kN"]})
     problem = SealProblem.of(seal)

@@ -270,6 +270,7 @@ def metal():
     return settings.table(surface)
 
 
+@pytest.mark.slow
 def test_metal_that_flows_is_loaded_step_by_step():
     """The library itself, along the path that the guide says, yield stress 3.5 GPa/2.9."""
     from leak.direct import PeriodicHalfSpace, patch_flow, press_elastoplastic
@@ -320,6 +321,7 @@ def test_interval_holds_what_load_steps_miss():
     assert found.log_error(row)[0] == capped.log_error(row)[0]
 
 
+@pytest.mark.slow
 def test_command_simulates_metal_that_flows(tmp_path, capsys):
     file = tmp_path / "seal.toml"
     given = CASE.replace("points = 64", 'points = 32\nasperities = "von-mises"')
@@ -342,6 +344,7 @@ def test_command_simulates_metal_that_flows(tmp_path, capsys):
     assert json.loads(out)["asperities"] == "von-mises"
 
 
+@pytest.mark.slow
 def test_pressure_that_fails_leaves_those_below_it(tmp_path):
     settings, surface = simulated(**{**METAL, "pressure": ["40 MPa", "300 MPa", "3 GPa"]})
     settings = replace(settings, folder=tmp_path)
@@ -358,6 +361,7 @@ def test_pressure_that_fails_leaves_those_below_it(tmp_path):
     )
 
 
+@pytest.mark.slow
 def test_interruption_ends_long_paths_at_once(tmp_path):
     """Ctrl-C while two processes are at paths of minutes."""
     (tmp_path / "seal.toml").write_text(CASE.replace("points = 64", 'points = 256\nasperities = "von-mises"'))
@@ -508,6 +512,7 @@ def metal_result():
     return fem_seal.run(case(leak={"conductivity": "direct"}, direct=direct))
 
 
+@pytest.mark.slow
 def test_leak_rate_of_metal_that_flows():
     same = {**SMALL, "points": 32}
     found, capped = (

@@ -41,6 +41,7 @@ def case_file(tmp_path):
     return path
 
 
+@pytest.mark.slow
 def test_command_writes_table_and_picture_and_goes_on(case_file):
     run = CliRunner().invoke(app, ["direct", "--seal", str(case_file), "--jobs", "1", "--json"])
     assert run.exit_code == 0, run.output

@@ -155,6 +155,7 @@ def test_each_reading_seals_at_its_own_pressure():
         assert f"{surface.sealing_pressure_by(reading) / 1e6:.4g} MPa" in text
 
 
+@pytest.mark.slow
 def test_coupled_columns():
     result = local_result()
     table = result.table

@@ -407,6 +407,7 @@ def test_the_end_of_an_interval_that_chokes_makes_it_doubtful():
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("fluid", "amplitude"), [("water", "20 um"), ("nitrogen", "0.5 um"), ("water", None)]
 )

@@ -67,6 +67,7 @@ def elastic() -> SealResult:
     return run(tables(requirement={"leak_rate": "1e-3 mbar l/s"}))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("material", [STEEL, COPPER], ids=["elastic", "yielding"])
 def test_a_gasket_is_twice_the_seat_of_its_half(material: dict[str, Any]) -> None:
     loads = {"fluid_pressure": "1 bar", "applied_force": ["2 kN", "1 kN"], "pressure_side": "inner"}
@@ -116,6 +117,7 @@ def test_a_thin_ring_presses_as_hertz_says() -> None:
     assert slope == pytest.approx(-2 * (1 - 0.3**2) / (math.pi * 210e9) * np.ones(2), rel=0.03)
 
 
+@pytest.mark.slow
 def test_contacts_and_compression_are_written(tmp_path: Path) -> None:
     result = elastic()
     result.write(tmp_path)
@@ -215,6 +217,7 @@ def test_the_live_page_shows_what_a_run_gives() -> None:
         )
 
 
+@pytest.mark.slow
 def test_a_leak_test_of_a_gasket_is_one_of_both_faces(tmp_path: Path) -> None:
     from fem_seal import calibrate
 

@@ -239,6 +239,7 @@ def test_a_chamber_takes_lands() -> None:
         )
 
 
+@pytest.mark.slow
 def test_the_report_and_the_files_have_every_land(tmp_path: Path) -> None:
     """Line loads of both lands make the contact force; as much flows through both, unless a port holds the chamber."""
     case = lands_case(INNER, OUTER, fluid="nitrogen", chamber_pressure="6 bar")

@@ -288,6 +288,7 @@ def test_a_full_disc_and_an_interruption_are_told_to_the_caller():
     assert steps.failures == []
 
 
+@pytest.mark.slow
 def test_a_nearly_sealed_gas_contact_has_a_knudsen_number():
     """The flow is so small that u_eff next to the sealing pressure is no number of the effective medium any more."""
     result = run_loads(

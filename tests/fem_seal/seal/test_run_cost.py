@@ -123,6 +123,7 @@ print(json.dumps({
 """
 
 
+@pytest.mark.slow
 def test_a_command_is_spared_what_no_command_uses_and_draws_the_same():
     """Modules that cost a twelfth of a run; whoever uses fem_seal as a library has them all."""
     command, library = (
@@ -162,6 +163,7 @@ HELD = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("what", HELD)
 def test_a_result_is_gone_once_nobody_asks_for_it(what):
     """Nothing of it holds itself, so that its memory does not wait for the garbage collector."""

@@ -55,6 +55,7 @@ def run_by(theory, name, **changes):
     return fem_seal.run(example(name, leak__theory=theory, **changes))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "changes"),
     [
@@ -87,6 +88,7 @@ def test_the_other_theory_has_a_contact_of_its_own(name, changes, theory):
         assert rate == pytest.approx(row[column], rel=2e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "changes"),
     [
@@ -139,6 +141,7 @@ def test_the_headline_of_the_papers_theory_has_the_corrected_one_beside_it():
     assert "0.93 to 1.21 times what the corrected theory calculates" in simulated
 
 
+@pytest.mark.slow
 def test_a_verdict_that_only_the_papers_theory_would_give_is_remarked():
     asked = {"load.fluid_pressure": "20 bar", "requirement.leak_rate": "150 ml/min"}
     passes = fem_seal.run(example("ball_cone", **CORRECTED).replace(asked))
@@ -258,6 +261,7 @@ def test_where_the_points_of_a_contact_end_does_not_matter(theory, relative):
         assert all((tail.bend > 0.0) == (theory == "corrected") for tail in contact.tails)
 
 
+@pytest.mark.slow
 def test_nothing_speaks_of_two_readings(tmp_path):
     case = example(
         "proof_load",
@@ -339,6 +343,7 @@ def test_the_corrected_theory_has_its_own_error_in_the_interval():
     assert as_published.theory_error == (1.0, 1.0)
 
 
+@pytest.mark.slow
 def test_the_own_error_is_large_on_few_summits_and_towards_sealing():
     """And takes the place of the factors of few channels, which were found with the paper's theory."""
 

@@ -74,6 +74,7 @@ def known_bodies(tmp_path_factory):
     run_study(study(run={}), folder=tmp_path_factory.mktemp("known"), workers=0)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("known_bodies")
 @pytest.mark.parametrize("how", [loop, wait, stubborn])
 def test_a_design_that_never_ends_is_a_failed_row(tmp_path, monkeypatch, capsys, how):
@@ -118,6 +119,7 @@ def test_the_time_limit_is_a_time():
         study(run={"time_limit": "30 mm"})
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("known_bodies")
 def test_a_search_goes_on_after_a_design_that_never_ends(tmp_path, monkeypatch):
     monkeypatch.setattr(responses, "warmed", hang_in(responses, wait))
@@ -300,6 +302,7 @@ for folder, out in zip(*[map(Path, sys.argv[1:])] * 2):
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(shutil.which("unshare") is None, reason="makes a read-only disc by unshare and mount")
 def test_archived_studies_are_read_from_a_read_only_disc(tmp_path):
     """Also one that was killed and whose last rows SQLite has not yet moved from its log into the file."""
@@ -537,6 +540,7 @@ def test_a_folder_that_is_deleted_stops_the_study_at_once(tmp_path, monkeypatch,
         assert StudyResult(moved).counts["open"] == 0
 
 
+@pytest.mark.slow
 def test_a_search_that_was_killed_while_it_told_a_result_resumes_in_silence(tmp_path, monkeypatch, capsys):
     """Between a constraint and the goal of a trial: optuna has heard half of it."""
     from optuna.trial import Trial

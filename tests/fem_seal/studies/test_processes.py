@@ -144,6 +144,7 @@ def alive(pid):
         return False
 
 
+@pytest.mark.slow
 def test_killed_worker_and_killed_coordinator_change_nothing(study_file, tmp_path):
     folder = tmp_path / "disturbed"
     coordinator = start(study_file, folder)
@@ -205,6 +206,7 @@ def test_a_port_that_is_taken_is_passed_over_in_silence(recwarn):
         assert not [str(one.message) for one in recwarn if "8787" in str(one.message)]
 
 
+@pytest.mark.slow
 def test_a_design_that_kills_every_worker_costs_itself_only(tmp_path):
     """Whoever calculates the third design dies at once."""
     from fem_seal.studies.pools import Cluster, local_client
@@ -223,6 +225,7 @@ def test_a_design_that_kills_every_worker_costs_itself_only(tmp_path):
     assert set(reasons.values()) == {None}
 
 
+@pytest.mark.slow
 def test_a_scheduler_by_its_address(tmp_path):
     """Scheduler and worker are started by themselves, as on a cluster; the command line is told where they are."""
     study, place = _small(tmp_path), tmp_path / "scheduler.json"

@@ -453,6 +453,7 @@ def test_interpolated_surfaces_are_good_to_some_parts_in_ten_thousand(changes):
 LAND = CASE.with_name("ball_on_land.toml")
 
 
+@pytest.mark.slow
 def test_designs_with_rounded_edges_share_meshes(monkeypatch):
     case = fem_seal.load_case(LAND)
     columns = ("leak_rate_m3_per_s", "peak_pressure_Pa", "fwhm_m")
@@ -615,6 +616,7 @@ def test_nothing_is_changed_or_left_behind_if_nothing_calculates(tmp_path, monke
     file.close()
 
 
+@pytest.mark.slow
 def test_true_and_false_stay_what_they_are(tmp_path):
     xr = pytest.importorskip("xarray")
     study = small(
@@ -728,6 +730,7 @@ def test_another_study_is_not_mixed_in(tmp_path):
         run_study(small(), folder=tmp_path, workers=0, resume=True)
 
 
+@pytest.mark.slow
 def test_complete_results_of_chosen_designs_are_kept(tmp_path):
     study = small(run={"keep_fields": "best"}, report={"goals": {"leak_rate_m3_per_s": "max"}})
     result = run_study(study, folder=tmp_path, workers=0)
@@ -789,6 +792,7 @@ def test_the_page_needs_nothing_but_itself(calculated):
         assert f"<h2>{heading}</h2>" in page
 
 
+@pytest.mark.slow
 def test_sensitivity_finds_the_parameter_that_matters(tmp_path):
     study = small(
         parameters={
@@ -936,6 +940,7 @@ def test_every_example_is_checked():
     assert {path.name for path in (CASE.parent / "studies").glob("*.toml")} == set(FINDINGS)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FINDINGS)
 def test_example(name, tmp_path):
     result = run_study(load_study(CASE.parent / "studies" / name), folder=tmp_path, workers=0)

@@ -98,6 +98,7 @@ def test_the_command_says_how_many_it_left_out(tmp_path, capsys):
     assert [one["validity"] for one in told["best"]] == ["valid"]
 
 
+@pytest.mark.slow
 def test_a_search_does_not_end_outside_the_theory(tmp_path):
     """Pressed harder it always leaks less; the search has to stop where the seat yields."""
 

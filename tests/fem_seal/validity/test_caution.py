@@ -169,6 +169,7 @@ def test_a_coarse_mesh_makes_all_loads_doubtful(soft_result):
     assert found.without("mesh") == VALID
 
 
+@pytest.mark.slow
 def test_a_force_for_the_target_that_is_outside_the_theory_says_nothing_of_its_load():
     """The load itself is far inside; the force that the target takes crushes the seat."""
     result = fem_seal.run(soft_seat(load={"fluid_pressure": "2 bar", "target_leak_rate": "0.02 mm^3/s"}))
