@@ -60,7 +60,7 @@ class PenetratingFluid:
         Takes a profile to that of first loading which lets as much through; itself where the contact remembers no
         larger load.
     highest : float
-        Largest share of the pressure difference: more than one where a test port holds a chamber above it.
+        Largest share of the pressure difference; infinite where a test port holds a chamber, which may be above it.
 
     Notes
     -----
@@ -263,7 +263,7 @@ def coupled_contact(
             )
         else:
             try:
-                fixed_point(image, unknowns, tolerance=_TOLERANCE * (high - low), bounds=(low, high))
+                fixed_point(image, unknowns, tolerance=_TOLERANCE, bounds=(low, high))
             except ConvergenceError:
                 if not isinstance(seal.law, HardContact):
                     raise

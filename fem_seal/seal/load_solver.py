@@ -374,12 +374,11 @@ class LoadSolver:
         side, flow = self.problem.loads.pressure_side, self.flow
         if flow is None:
             return FluidAtContact(side)
-        least = min((one for one in self.problem.loads.fluid_pressure if one > 0), default=1.0)
         return PenetratingFluid(
             lambda profile, pressure: flow.leak(profile, pressure).fluid_pressure,
             flow.flow.sealing_pressure(flow.surface),
             side,
-            highest=max([1.0, *(held / least for held in flow.flow.chambers if held is not None)]),
+            highest=math.inf if any(flow.flow.chambers) else 1.0,
         )
 
     def _sealed_area(self, force: float, start: ContactSolution | None) -> ContactSolution:

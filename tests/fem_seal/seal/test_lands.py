@@ -12,6 +12,7 @@ from scipy.optimize import brentq
 
 import fem_seal
 import leak
+from fem_seal.answers.opening import blow_off_pressures
 from fem_seal.contact.model import ContactModel
 from fem_seal.errors import InputError
 from fem_seal.output.answers.lands import lands_in_words
@@ -322,3 +323,21 @@ def test_a_tenth_of_the_size_is_the_same_seal(angles: tuple[int, ...], side: str
     assert small.peak_pressure == pytest.approx(large.peak_pressure, rel=1e-9)
     assert 1e3 * small.leak.leak_rate == pytest.approx(large.leak.leak_rate, rel=1e-9)
     assert small.leak.lands[0].outer_pressure == pytest.approx(large.leak.lands[0].outer_pressure, rel=1e-9)
+
+
+def test_under_a_test_port_the_opening_pressure_rises_with_the_force_as_two_circles_say() -> None:
+    forces = np.array([1.5e3, 2e3, 4e3, 6e3])
+    case = lands_case(
+        INNER,
+        OUTER,
+        fluid_pressure="5 bar",
+        chamber_pressure="12 bar",
+        closing="penetration",
+        applied_force=[f"{force} N" for force in forces],
+    )
+    pressure = blow_off_pressures(SealProblem.of(case))
+    # force = circle of the inner land * pressure + ring of the chamber * its pressure, both within their lands
+    circle, at_rest = np.polyfit(pressure, forces, 1)
+    assert circle * pressure + at_rest == pytest.approx(forces, rel=1e-3)
+    assert 20e-3 < np.sqrt(circle / np.pi) < 21.5e-3
+    assert np.pi * (23e-3**2 - 21.5e-3**2) * 12e5 < at_rest < np.pi * (24.2e-3**2 - 20e-3**2) * 12e5
