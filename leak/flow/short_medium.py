@@ -156,7 +156,7 @@ def short_medium(
     def excess(log_n: float) -> float:
         return log_n + math.log1p(-found(log_n).percolation_threshold)
 
-    return found(root_of_rising(excess, low, high, 0.5 * (low + high), _CLOSE))
+    return found(root_of_rising(excess, low, high, high, _CLOSE))
 
 
 def in_contact(surface: RoughContact, table: AnyTable, x: FloatArray, pressure: FloatArray) -> AnyTable:
