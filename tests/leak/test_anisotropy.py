@@ -114,6 +114,7 @@ def test_tripps_perturbation(gamma):
     assert (gap**3 - 1) / h**2 == pytest.approx(3 * (gamma - 2) / (gamma + 1), abs=1e-4)
 
 
+@pytest.mark.slow
 def test_flow_solved_on_random_stretched_fields():
     """Not this theory: Reynolds flow on log-normal fields of elliptic correlation, both directions, k = 1."""
     gamma, spread = 4.0, 1.0

@@ -140,6 +140,7 @@ def sphere(n, radius):
     return -(x[:, None] ** 2 + x[None, :] ** 2) / (2.0 * radius)
 
 
+@pytest.mark.slow
 def test_a_sphere_begins_to_yield_as_hertz_says():
     """nu = 0.3: at p0 = 1.60 sigma_Y (1.613 in more digits), 0.48 a below the surface. Johnson, section 6.1."""
     n, radius, a = 128, 2.0, 0.12

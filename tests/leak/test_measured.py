@@ -147,6 +147,7 @@ def test_line_scans_and_the_map_they_are_taken_from_agree():
     assert lines.spectrum.rms_slope == pytest.approx(area.spectrum.rms_slope, rel=0.05)
 
 
+@pytest.mark.slow
 def test_the_generator_makes_surfaces_of_the_spectrum_it_is_given():
     true = spectrum(0.8, q_low=1e4, q_rolloff=6e4, q_high=1e6)
     maps = [leak.random_map(true, size=2e-3, points=1024, seed=seed) for seed in range(8)]

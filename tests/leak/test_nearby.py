@@ -139,6 +139,7 @@ def test_a_coarse_spectrum_between_which_there_is_nothing():
     assert few.rms_slope == pytest.approx(both.rms_slope, rel=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("of_gas", [False, True], ids=["liquid", "gas"])
 @pytest.mark.parametrize("reading", ["conserved", "capped", "elastic"])
 def test_surfaces_of_one_shape_share_what_is_calculated(reading, of_gas):

@@ -274,6 +274,7 @@ def test_local_flow_without_thickening_is_the_old_one():
     np.testing.assert_allclose(new.fluid_pressure, old.fluid_pressure, rtol=1e-6, atol=1e-9 * 3e7)
 
 
+@pytest.mark.slow
 @settings(max_examples=15, deadline=None)
 @given(st.floats(1e6, 59e6), st.floats(0.0, 60e-9), st.sampled_from(["inner", "outer"]))
 def test_local_flow_lies_below_that_without_thickening_and_above_the_uncoupled_one(drop, alpha, side):

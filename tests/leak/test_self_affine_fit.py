@@ -90,6 +90,7 @@ def test_the_hurst_exponent_is_in_its_interval(wavelength, hurst, smooth):
     assert max(abs(one.hurst - hurst) / one.hurst_error for one in known) < 4.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("waves", "hurst"), [(20, 0.8), (5, 0.6), (2, 0.8), (1, 0.6)])
 def test_the_height_of_the_surface_is_in_its_interval(waves, hurst):
     found = surfaces(LENGTH / waves, hurst)

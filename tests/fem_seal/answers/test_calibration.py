@@ -284,6 +284,7 @@ def test_intervals_of_a_real_seal_hold_the_truth_as_often_as_they_say():
     check_coverage(joint.y, seed=11)
 
 
+@pytest.mark.slow
 def test_a_seal_that_leaks_a_hundred_times_more_is_a_conflict(tmp_path):
     case = seal(uncertainty={"hardness": {"relative": 0.1}})
     found = calibrate(case, read_measured(case, table(tmp_path, "5, 2000, 10, no", "20, 5000, 10, no")))
@@ -331,6 +332,7 @@ def after(tmp_path_factory):
     return found, folder, fem_seal.run(folder / "calibrated.toml")
 
 
+@pytest.mark.slow
 def test_the_median_after_the_test_leads(after):
     found, _, run = after
     load, told = run.highest, leakage_lines(run.case, run.highest, run.loads)
@@ -351,6 +353,7 @@ def test_the_median_after_the_test_leads(after):
     assert f"Median and interval there: {middle} (" in more[0]
 
 
+@pytest.mark.slow
 def test_calibrate_gives_the_verdict_that_the_calibrated_case_gives(after):
     found, folder, run = after
     assert found.judged.verdict == run.verdict == "inconclusive"
@@ -378,6 +381,7 @@ def normal_draws(found):
     return y, np.full(4000, 1.0 / 4000)
 
 
+@pytest.mark.slow
 def test_shares_after_a_test_are_what_it_has_left_open(after):
     _, _, run = after
     shares = run.error_shares[-1].of_width
@@ -394,6 +398,7 @@ def test_shares_after_a_test_are_what_it_has_left_open(after):
     assert b"median after the leak test" in leak_picture(run).svg
 
 
+@pytest.mark.slow
 def test_goals_of_a_study_over_the_calibrated_case_use_the_median(after):
     _, folder, run = after
     study = fem_seal.Study(
@@ -414,6 +419,7 @@ def test_goals_of_a_study_over_the_calibrated_case_use_the_median(after):
     assert list(plain.goals) == ["leak_rate_m3_per_s"]
 
 
+@pytest.mark.slow
 def test_lines_and_table_say_how_the_seat_differs(after):
     found, folder, _ = after
     last = found.predictions[-1]
@@ -432,6 +438,7 @@ def test_lines_and_table_say_how_the_seat_differs(after):
     ]
 
 
+@pytest.mark.slow
 def test_the_picture_has_bands_through_the_readings_and_an_arrow_at_a_limit(after, monkeypatch):
     found, _, _ = after
     drawn = {}
@@ -459,6 +466,7 @@ def test_less_than_a_limit_that_is_none_is_an_error(tmp_path):
         read_measured(seal(), table(tmp_path, "5, <0.3, 10, no"))
 
 
+@pytest.mark.slow
 def test_a_calibrated_case_is_not_calibrated_again(after):
     found, folder, _ = after
     with pytest.raises(fem_seal.InputError, match=r"uncertainty.posterior.*both tests in one table"):

@@ -45,6 +45,7 @@ def test_what_is_known_exactly_leaves_the_factor_that_is_told(without):
     assert math.log(told.left[without]) == pytest.approx(math.log(ends.high / ends.low), rel=0.05)
 
 
+@pytest.mark.slow
 def test_shares_are_of_the_whole_and_the_largest_stands_first():
     found = shares_of(result())
     shares = list(found.of_width.values())
@@ -73,6 +74,7 @@ def test_samples_without_any_spread_have_the_error_of_the_theory():
     assert told == pytest.approx(load.flow_error.factor([0.05, 0.95]), rel=5e-3)
 
 
+@pytest.mark.slow
 def test_the_papers_theory_has_its_readings_and_no_error_of_its_own():
     found = shares_of(result(*SPREADS, theory="paper"))
     assert list(found.of_width) == ["readings"] and found.left["readings"] == pytest.approx(1.0)

@@ -71,6 +71,7 @@ def test_half_of_a_drawing_s_value_is_that_of_a_run_with_it():
     assert rates(longer)[0] < 0.97 * rates(run)[0]
 
 
+@pytest.mark.slow
 def test_a_tenth_more_force_is_that_of_the_contact_where_nothing_else_closes():
     result, known = found()
     force = known["force"]

@@ -476,6 +476,7 @@ LONG = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("kind", "what"), [*(("case", what) for what in LONG), ("study", "deep key"), ("study", "deep list")]
 )
@@ -643,6 +644,7 @@ TABLES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", TABLES)
 def test_absurd_numbers_in_tables_end_in_a_sentence(kind, call, tmp_path) -> None:
     """Numpy's warnings are errors here, too; as they stand the tables are read."""
@@ -743,6 +745,7 @@ def step_case(folder: Path, content: bytes, more: str = "") -> Path:
     return case
 
 
+@pytest.mark.slow
 def test_typing_error_in_a_drawing_does_not_hang_the_program(call, tmp_path) -> None:
     """OpenCASCADE never comes back from this number, and it writes to the terminal."""
     whole = step_of_a_seat(tmp_path)

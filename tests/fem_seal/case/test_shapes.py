@@ -55,6 +55,7 @@ def test_every_shape_is_in_a_pair() -> None:
         }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("closure", "seat"), PAIRS)
 def test_family_from_case_to_results(closure: str, seat: str, tmp_path) -> None:
     case = Case(**tables(closure, seat))
@@ -125,6 +126,7 @@ def test_wrong_shapes_name_the_key_and_the_remedy(closure: str, seat: str, chang
     assert said in str(caught.value)
 
 
+@pytest.mark.slow
 def test_files_stand_beside_the_case(tmp_path) -> None:
     ezdxf = pytest.importorskip("ezdxf", reason="DXF files need ezdxf")
     drawing = ezdxf.new(units=4)
@@ -141,6 +143,7 @@ def test_files_stand_beside_the_case(tmp_path) -> None:
     assert case.initial_contact_radius == pytest.approx(0.026 * math.sin(math.atan(1.5)), rel=1e-9)
 
 
+@pytest.mark.slow
 def test_ready_mesh_is_used_as_it_is_and_its_error_is_estimated(tmp_path) -> None:
     """The mesh of a parametric case, read back, gives the same contact; its error is that of a coarse mesh."""
     coarse = {"contact_size": "100 um"}

@@ -60,6 +60,7 @@ def test_loads_keep_their_order_and_elastic_bodies_come_back():
         assert down[column].to_numpy() == pytest.approx(up[column].to_numpy(), rel=1e-7)
 
 
+@pytest.mark.slow
 def test_loads_that_come_back_are_told_once():
     loads = valve().loads
     assert [load_name(load, loads) for load in loads] == ["5 bar", "15 bar", "20 bar", "15 bar", "5 bar"]
@@ -262,6 +263,7 @@ def soft_and_rough(**load):
     )
 
 
+@pytest.mark.slow
 def test_a_target_out_of_reach_is_said_and_does_not_cost_the_other_results():
     with pytest.raises(InputError, match="the largest for small strains"):
         fem_seal.applied_force_for_leak(soft_and_rough(), 1e-15)

@@ -374,6 +374,7 @@ def test_a_relief_valve_from_its_case() -> None:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("closing", ["penetration", "sealed-area"])
 def test_the_force_for_a_target_leaks_the_target_as_a_case_of_its_own(closing: str) -> None:
     asked = valve(closing=closing, fluid_pressure="100 bar", applied_force="3 kN", largest_earlier_force=None)

@@ -528,6 +528,7 @@ def test_leak_rate_of_metal_that_flows():
     assert low < found.leak.leak_rate < high
 
 
+@pytest.mark.slow
 def test_report_names_what_yields(tmp_path):
     metal_result().write(tmp_path)
     page = (tmp_path / "report.html").read_text(encoding="utf-8")

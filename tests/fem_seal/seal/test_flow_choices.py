@@ -169,6 +169,7 @@ def test_coupled_columns():
     assert table.lift_off_x_m[~held].isna().all()
 
 
+@pytest.mark.slow
 def test_coupled_flow_is_that_of_leak():
     result = local_result()
     load = result.loads[1]

@@ -306,6 +306,7 @@ def test_a_liquid_through_a_wide_gap_is_too_fast_for_viscous_flow():
     assert told == pytest.approx(2 * per_length / one.effective_viscosity, rel=0.06)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("fluid", "amplitude"), [("nitrogen", "4 um"), ("water", "12 um")])
 def test_inertia_of_an_oval_seat_is_that_of_a_round_one_as_lightly_loaded_as_its_weakest_place(
     fluid, amplitude

@@ -136,6 +136,7 @@ def test_contacts_and_compression_are_written(tmp_path: Path) -> None:
     assert (tmp_path / "report.html").exists()
 
 
+@pytest.mark.slow
 def test_report_and_warnings_speak_of_gasket_and_flange() -> None:
     result = elastic()
     page = report(result)

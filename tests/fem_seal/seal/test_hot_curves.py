@@ -304,6 +304,7 @@ def conducting(stress_strain: object, inner: str = "260 degC", wall: str = "60 d
     return pressed(stress_strain, seat=CONDUCTING, closure=closure, temperature=faces)
 
 
+@pytest.mark.slow
 def test_each_place_of_a_body_yields_at_its_own_temperature() -> None:
     contact = contact_of(conducting(LIST))
     solid, state = contact.bodies["seat"].solid, contact.states["seat"]

@@ -271,6 +271,7 @@ def test_the_report_and_the_files_have_every_land(tmp_path: Path) -> None:
     assert lands_in_words(fem_seal.run(alone)) == []
 
 
+@pytest.mark.slow
 def test_a_test_port_lifts_the_closure_by_its_pressure() -> None:
     """With the fluid between the faces; with the sealed area alone the report says what is left out."""
     port = {"fluid": "nitrogen", "chamber_pressure": "8 bar", "applied_force": "4 kN"}

@@ -527,6 +527,7 @@ def test_a_number_of_ones_own_without_a_temperature_is_a_remark() -> None:
     assert not said_of(hot(own, own, temperature="30 degC"))
 
 
+@pytest.mark.slow
 def test_doubt_reaches_the_loads_of_a_run_and_a_remark_only_the_warnings() -> None:
     result = fem_seal.run(hot(temperature="200 degC"))
     assert "seat: hardness at 20 degC used for 200 degC" in result.loads[0].validity.reasons
@@ -875,6 +876,7 @@ def test_two_held_bodies_without_contact_heat_are_bodies_of_two_temperatures() -
     assert stress < 1e-5 * np.abs(second.fields["closure"].stress).max()
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("unrendered")
 def test_a_calculated_temperature_goes_through_case_results_and_study(tmp_path: Path) -> None:
     over = {"temperature": ["20 degC", "220 degC"], "value": ["210 GPa", "190 GPa"]}

@@ -154,6 +154,7 @@ def test_a_verdict_that_only_the_papers_theory_would_give_is_remarked():
     assert "By the paper's theory alone it would be inconclusive: 23 to 120 ml/min at 20 bar" in remark
 
 
+@pytest.mark.slow
 def test_samples_have_the_other_verdict_of_the_inputs_as_given():
     """The other theory is not sampled: both theories are compared without."""
     required = {
@@ -221,6 +222,7 @@ def test_the_papers_seat_has_the_contact_and_the_leak_that_were_found_without_th
     assert first.contact.profile.std == pytest.approx(0.104e-3, rel=0.01)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["ball_cone", "helium"])
 def test_run_study_and_live_page_have_the_same_number(name):
     pressure = {"ball_cone": "10 bar", "helium": "1 bar"}[name]

@@ -463,6 +463,7 @@ def test_a_data_file_of_a_parameter_is_watched_only_by_its_designs(tmp_path):
         calculate(recipe, whole[1:])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("search", [False, True], ids=["grid", "search"])
 def test_a_data_file_that_is_removed_during_a_study_is_noticed(tmp_path, monkeypatch, search):
     """And is no failure of the designs that miss it."""

@@ -577,6 +577,7 @@ def test_keys_depend_on_everything_and_on_nothing_else(tmp_path):
     assert work.DesignSpec.of(study).key(study.points[2]) != key
 
 
+@pytest.mark.slow
 def test_keys_depend_on_the_contents_of_files(tmp_path):
     for name in ("profile_from_drawing.toml", "seat.dxf"):
         shutil.copy(CASE.parent / name, tmp_path)
@@ -753,6 +754,7 @@ def test_complete_results_of_chosen_designs_are_kept(tmp_path):
     assert mark.stat().st_mtime_ns == renewed
 
 
+@pytest.mark.slow
 def test_exports_hold_the_table(calculated, tmp_path):
     xr = pytest.importorskip("xarray")
     _, result = calculated
@@ -826,6 +828,7 @@ def search(title="", **optimise):
     )
 
 
+@pytest.mark.slow
 def test_a_search_stays_within_its_constraint_and_resumes(tmp_path, monkeypatch):
     whole = run_study(search(), folder=tmp_path / "whole", workers=0)
     best = whole.best(1).iloc[0]
