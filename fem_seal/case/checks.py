@@ -204,7 +204,7 @@ def _fit(case: CaseTables) -> Iterator[Problem]:
 
 def _geometry_problem(message: str, case: CaseTables) -> Problem:
     """A geometry that cannot be, at its key if the message begins with one."""
-    named = re.match(r"(closure|seat|gasket) (\w+) = ([^:]+): (.+)", message, re.DOTALL)
+    named = re.match(r"(closure|seat|gasket) ([\w\[\].]+) = ([^:]+): (.+)", message, re.DOTALL)
     if named is None:
         return Problem(case.key_of("seat"), told_of(message, faces=case.faces))
     body, key, value, what = named.groups()

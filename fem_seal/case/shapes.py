@@ -193,13 +193,16 @@ class _OneOfLands(Table):
         shape: str
         set_back: float | None
 
-    def made(self, closure: Shape) -> meshes.Land:
-        """The land with the dimensions that are given."""
+    def made(self, closure: Shape, number: int) -> meshes.Land:
+        """The land with the dimensions that are given, its number counted from one for what is wrong with them."""
         given = {key: value for key, value in self if key not in ("shape", "set_back") and value is not None}
         maker: Callable[..., Any] = (
             meshes.FlatLand.on if self.shape == "flat-land" else meshes.ConicalLand.around
         )
-        return meshes.Land(maker(closure=closure, **given), self.set_back or 0.0)
+        try:
+            return meshes.Land(maker(closure=closure, **given), self.set_back or 0.0)
+        except GeometryError as error:
+            raise GeometryError(re.sub("^seat ", f"seat lands[{number}].", str(error))) from error
 
 
 class ConicalOfLands(_OneOfLands):
@@ -235,7 +238,7 @@ class Lands(Housed):
     def body(self, closure: Shape) -> Shape:
         """The seat that is meshed, with the dimensions that are left open in proportion to the closure."""
         return meshes.Lands.around(
-            [one.made(closure) for one in self.lands],
+            [one.made(closure, number) for number, one in enumerate(self.lands, start=1)],
             closure,
             chamber_depth=self.chamber_depth,
             outer_radius=self.outer_radius,

@@ -221,6 +221,7 @@ def test_conical_lands_have_normals_of_their_own() -> None:
         ([INNER], {}, "seat"),
         ([INNER, OUTER | {"land_inner_radius": "21.4 mm"}], {}, "seat"),
         ([INNER, OUTER | {"land_inner_radius": "31 mm", "land_outer_radius": "33 mm"}], {}, "seat"),
+        ([INNER, OUTER | {"land_outer_radius": "22 mm"}], {}, "seat.lands[2].land_outer_radius"),
         ([INNER, OUTER], {"chamber_pressure": ["vented", "vented"]}, "load.chamber_pressure"),
         ([INNER, OUTER], {"chamber_pressure": "open"}, "load.chamber_pressure"),
     ],
