@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import fields, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
@@ -24,12 +24,17 @@ from fem_seal.seal.problem import SealProblem
 
 if TYPE_CHECKING:
     import pandas as pd
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from fem_seal.answers.calibration import Calibration
     from fem_seal.case.tables import Asperities
     from fem_seal.seal.direct import DirectTable
     from fem_seal.seal.direct_seal import SealRow
+
+
+# What completion does not offer: steps of the calculation and former names.
+_INTERNAL = {"answered", "left_out", "levers", "missing", "with_loads"}
 
 
 class SealResult(SealSolution):
@@ -87,6 +92,8 @@ class SealResult(SealSolution):
     >>> result = fem_seal.run(case)
     >>> result.loads[0].leak is None
     True
+    >>> [round(force) for force in result["contact_force"]]
+    [1257]
     >>> list(result.table.columns[:3])
     ['fluid_pressure_Pa', 'contact_force_N', 'line_load_N_per_m']
     """
@@ -101,6 +108,17 @@ class SealResult(SealSolution):
         from fem_seal.output.notebook import result_html
 
         return result_html(self)
+
+    def __dir__(self) -> list[str]:
+        return sorted(
+            name for name in super().__dir__() if not name.startswith("_") and name not in _INTERNAL
+        )
+
+    def __getitem__(self, name: str) -> pd.Series[Any]:
+        """A column of the table, with or without its unit: ``result["leak_rate"]``; KeyError if there is none."""
+        from fem_seal.output.columns import column_named
+
+        return self.table[column_named(name, self.table.columns)]
 
     @cached_property
     def table(self) -> pd.DataFrame:
@@ -139,36 +157,79 @@ class SealResult(SealSolution):
                 warnings.warn(failure, stacklevel=2)
         return Path(folder)
 
-    def plot(self, figure: Figure | None = None) -> Figure:
-        """Draw the leak rate over the loads, with its interval, and the pressure profiles.
+    def report(self, path: str | os.PathLike[str]) -> Path:
+        """Write the report alone: one HTML page that needs no other file.
 
         Parameters
         ----------
+        path : path
+            Of the file, such as ``"report.html"``.
+
+        Raises
+        ------
+        OutputError
+            If the file cannot be written.
+        """
+        from fem_seal.output.report.page import write_report
+
+        with given_back():
+            return write_report(self, Path(path))
+
+    @overload
+    def plot(self, what: Figure | None = None, *, figure: Figure | None = None) -> Figure: ...
+
+    @overload
+    def plot(self, what: str, ax: Axes | None = None) -> Axes: ...
+
+    def plot(
+        self, what: str | Figure | None = None, ax: Axes | None = None, *, figure: Figure | None = None
+    ) -> Axes | Figure:
+        """Draw the leak rate and the pressure profiles over the loads, or one picture by its name.
+
+        Parameters
+        ----------
+        what : str or matplotlib.figure.Figure, optional
+            "leak": leak rate over the loads, with its interval. "contact": pressure profiles. "gap": mean gap between
+            the surfaces. "around": leak, or else line load, around the axis of a seal that is not round. "surface":
+            power spectrum of the roughness. "sensitivities": what changes the leak rate most. Without a name "leak"
+            and "contact" side by side, in a figure if one is given.
+        ax : matplotlib.axes.Axes, optional
+            To draw the named picture into; those of a new figure unless given.
         figure : matplotlib.figure.Figure, optional
-            To draw into, such as `matplotlib.pyplot.figure()` for a window; a new one unless given.
+            To draw both into, such as `matplotlib.pyplot.figure()` for a window; a new one unless given.
 
         Returns
         -------
-        matplotlib.figure.Figure
-            A notebook shows it; ``savefig`` writes it to a file.
+        matplotlib.axes.Axes or matplotlib.figure.Figure
+            The axes of a named picture, the figure of both. A notebook shows either; ``savefig`` of the figure, or of
+            ``axes.figure``, writes a file.
+
+        Raises
+        ------
+        InputError
+            If there is no picture of that name, or nothing to show in it.
 
         Examples
         --------
         >>> import fem_seal
         >>> case = fem_seal.Case(
-        ...     closure={"shape": "ball", "radius": "20 mm", "material": "steel"},
-        ...     seat={"shape": "cone", "angle": "45 deg", "material": "steel"},
-        ...     interface={"law": "smooth"},
-        ...     load={"fluid_pressure": ["5 bar", "20 bar"]},
+        ...     closure=dict(shape="ball", radius=0.02, material="steel"),
+        ...     seat=dict(shape="cone", angle="45 deg", material="steel"),
+        ...     interface=dict(law="smooth"),
+        ...     load=dict(fluid_pressure=["5 bar", "20 bar"]),
         ... )
-        >>> figure = fem_seal.run(case).plot()
-        >>> [axes.get_title(loc="left") for axes in figure.axes]
+        >>> result = fem_seal.run(case)
+        >>> result.plot("contact").get_ylabel()
+        'contact pressure  [MPa]'
+        >>> [axes.get_title(loc="left") for axes in result.plot().axes]
         ['Contact pressure']
-        >>> figure.savefig("seal.png")  # doctest: +SKIP
+        >>> result.plot().savefig("seal.png")  # doctest: +SKIP
         """
-        from fem_seal.output.pictures.leak import result_figure
+        from fem_seal.output.plots import plot, result_figure
 
-        return result_figure(self, figure)
+        if ax is None and (what is None or not isinstance(what, str)):
+            return result_figure(self, what or figure)
+        return plot(self, what if isinstance(what, str) else None, ax)
 
     def view(self, png: str | os.PathLike[str] | None = None, load: int | None = None) -> None:
         """Show the seal in space, cut open, with the contact pressure on the seat's face.

@@ -6,12 +6,14 @@ import copy
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, is_dataclass, replace
+from html import escape
 from pathlib import Path
 from typing import Any
 
 from pydantic import BaseModel, PrivateAttr, ValidationError
 from pydantic.fields import FieldInfo
 
+from fem_seal.case.case_file import FILES, case_text
 from fem_seal.case.checks import contradictions
 from fem_seal.case.drawing_words import as_written, in_keys, partner, said_twice, same_entry, words_of
 from fem_seal.case.fields import quantities_of, shown
@@ -30,22 +32,45 @@ from fem_seal.former_names import in_present_entries
 from fem_seal.materials import ROOM_TEMPERATURE
 from fem_seal.units import DIMENSIONS
 
+# What completion offers besides the tables.
+_SHOWN = (
+    "contact", "effective_modulus", "file", "hardness", "initial_contact_radius", "named_files", "replace", "written"
+)  # fmt: skip
+
 
 class Case(CaseTables):
     """One seal with its loads. All numbers are SI floats; angles are in radian.
 
-    Built from the same tables and texts that stand in the case file:
+    Built from the tables of the case file; quantities are texts with a unit, as there, or numbers in SI. ``str(case)``
+    is the case file.
 
     >>> case = Case(
-    ...     closure={"shape": "ball", "radius": "20 mm", "material": "steel"},
-    ...     seat={"shape": "cone", "angle": "45 deg", "material": "steel"},
-    ...     interface={"law": "smooth"},
-    ...     load={"fluid_pressure": "20 bar"},
+    ...     closure=dict(shape="ball", radius=0.02, material="steel"),
+    ...     seat=dict(shape="cone", angle="45 deg", material="steel"),
+    ...     interface=dict(law="smooth"),
+    ...     load=dict(fluid_pressure=["1 bar", 20e5]),
     ... )
-    >>> case.closure.radius
-    0.02
+    >>> case.load.fluid_pressure
+    (100000.0, 2000000.0)
     >>> round(case.replace({"seat.angle": "60 deg"}).initial_contact_radius, 6)
     0.017321
+    >>> print(case)
+    [closure]
+    shape = "ball"
+    radius = "0.02 m"
+    material = "steel"
+    <BLANKLINE>
+    [seat]
+    shape = "cone"
+    angle = "45 deg"
+    material = "steel"
+    <BLANKLINE>
+    [interface]
+    law = "smooth"
+    <BLANKLINE>
+    [load]
+    fluid_pressure = ["1 bar", "2000000.0 Pa"]
+    <BLANKLINE>
 
     Raises
     ------
@@ -56,9 +81,26 @@ class Case(CaseTables):
     _input: dict[str, Any] = PrivateAttr(default_factory=dict)
 
     def __init__(self, /, **tables: Any) -> None:
-        tables = in_present_entries(tables)
+        self._read_alone(with_units(CaseTables, in_present_entries(tables)))
+
+    def _read_alone(self, tables: dict[str, Any]) -> None:
         self._read(tables, None)
         self._input = copy.deepcopy(tables)
+
+    def __str__(self) -> str:
+        folder = Path.cwd() if self._file is None else self._file.absolute().parent
+        return case_text(self._input, folder)
+
+    def __repr__(self) -> str:
+        pairs = len(self.load.points)
+        return f"<Case {self.title or 'without title'}: {pairs} load{'' if pairs == 1 else 's'}>"
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the case file."""
+        return f"<pre>{escape(str(self))}</pre>"
+
+    def __dir__(self) -> list[str]:
+        return sorted({*CaseTables.model_fields, *_SHOWN})
 
     def _read(self, tables: dict[str, Any], like: Case | None) -> None:
         """Read and check tables; those that are the very ones of another case are taken from it as they were read."""
@@ -256,16 +298,23 @@ def load_case(source: str | os.PathLike[str] | Mapping[str, Any]) -> Case:
         odd = [key for key in source if not isinstance(key, str)]
         if odd:
             raise InputError.at(str(odd[0]), "keys must be words, such as closure, seat, load")
-        return Case(**source)
+        return _as_written(source)
     path = Path(source)
     tables = _placed(read_toml(path, "case"), path.absolute().parent)
     tables.setdefault("title", path.stem)
     _place_results(tables, path)
     try:
-        case = Case(**tables)
+        case = _as_written(tables)
     except InputError as error:
         raise error.in_file(path) from None
     case._file = path
+    return case
+
+
+def _as_written(tables: Mapping[str, Any]) -> Case:
+    """A case of the tables of a file, where a quantity without a unit is an error."""
+    case = Case.__new__(Case)
+    case._read_alone(in_present_entries(tables))
     return case
 
 
@@ -291,17 +340,13 @@ def case_of(source: CaseSource) -> Case:
     )
 
 
-# Keys of all tables at which a file is named.
-_FILES = ("file", "files", "trace", "profile", "posterior")
-
-
 def _placed(entry: Any, folder: Path, name: str = "") -> Any:
     """An entry of a case file, with the files that it names relative to that file's folder."""
     if isinstance(entry, dict):
         return {key: _placed(value, folder, key) for key, value in entry.items()}
     if isinstance(entry, list):
         return [_placed(value, folder, name) for value in entry]
-    return str(folder / entry) if name in _FILES and isinstance(entry, str) else entry
+    return str(folder / entry) if name in FILES and isinstance(entry, str) else entry
 
 
 def _place_results(tables: dict[str, Any], path: Path) -> None:
@@ -319,7 +364,7 @@ def _named_files(entry: Any, name: str = "") -> Iterator[str]:
     elif isinstance(entry, (list, tuple)):
         for value in entry:
             yield from _named_files(value, name)
-    elif name in _FILES and isinstance(entry, str):
+    elif name in FILES and isinstance(entry, str):
         yield entry
 
 

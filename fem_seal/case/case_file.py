@@ -4,36 +4,36 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from fem_seal.case.material_table import as_table
 from fem_seal.case.words import problem
 from fem_seal.errors import InputError
 from fem_seal.files import write_text
+from fem_seal.materials import Material
 
-if TYPE_CHECKING:
-    from fem_seal.case.case import Case
-
-_FILES = ("file", "files", "trace", "profile", "posterior")
+# Keys of all tables at which a file is named.
+FILES = ("file", "files", "trace", "profile", "posterior")
 _BARE = re.compile(r"[A-Za-z0-9_-]+")
 _NAME = re.compile(r"[\w][\w .+-]*")
 _MOST = 1000
 
 
-def case_text(case: Case, folder: Path, remark: str = "") -> str:
+def case_text(tables: Mapping[str, Any], folder: Path, remark: str = "") -> str:
     """A case file with all entries of a case; files named in it are given from a folder.
 
     Parameters
     ----------
-    case : Case
+    tables : mapping
+        Of the case, as `Case.written` has them; where the results go is left out.
     folder : Path
         Where the file is to stand.
     remark : str
         First line, a comment.
     """
-    tables = case.written
-    tables.pop("output", None)
+    tables = {name: one for name, one in tables.items() if name != "output" and one is not None}
     lines = [f"# {line}" for line in remark.splitlines()]
     plain = {key: value for key, value in tables.items() if not isinstance(value, Mapping)}
     lines += [f"{_key(key)} = {_value(value, key, folder)}" for key, value in plain.items()]
@@ -41,8 +41,12 @@ def case_text(case: Case, folder: Path, remark: str = "") -> str:
         if name in plain:
             continue
         lines += ["", f"[{_key(name)}]"]
-        lines += [f"{_key(key)} = {_value(value, key, folder)}" for key, value in table.items()]
-    return "\n".join(lines) + "\n"
+        lines += [f"{_key(key)} = {_value(value, key, folder)}" for key, value in _given(table)]
+    return "\n".join(lines).lstrip("\n") + "\n"
+
+
+def _given(table: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    return ((key, value) for key, value in table.items() if value is not None)
 
 
 def _key(key: str) -> str:
@@ -50,16 +54,16 @@ def _key(key: str) -> str:
 
 
 def _value(value: Any, key: str, folder: Path) -> str:
+    if isinstance(value, Material):
+        value = as_table(value)
     if isinstance(value, Mapping):
-        return "{ " + ", ".join(f"{_key(k)} = {_value(one, k, folder)}" for k, one in value.items()) + " }"
+        return "{ " + ", ".join(f"{_key(k)} = {_value(one, k, folder)}" for k, one in _given(value)) + " }"
     if isinstance(value, (list, tuple)):
         return "[" + ", ".join(_value(one, key, folder) for one in value) + "]"
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, (int, float)):
-        return repr(value)
+    if isinstance(value, (bool, int, float)):
+        return json.dumps(value)
     text = str(value)
-    if key in _FILES and Path(text).is_absolute() and Path(text).is_relative_to(folder):
+    if key in FILES and Path(text).is_absolute() and Path(text).is_relative_to(folder):
         text = Path(text).relative_to(folder).as_posix()
     return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
 
@@ -90,12 +94,13 @@ def free_name(folder: Path, name: str, suffix: str) -> Path:
     raise InputError(problem("explore_name_taken", times=_MOST - 1, folder=folder, name=name))
 
 
-def write_case(case: Case, folder: Path, name: str, remark: str = "") -> Path:
+def write_case(tables: Mapping[str, Any], folder: Path, name: str, remark: str = "") -> Path:
     """Write a case into a new file; nothing is written over.
 
     Parameters
     ----------
-    case : Case
+    tables : mapping
+        Of the case, see `case_text`.
     folder : Path
     name : str
         Of the file, see `free_name`.
@@ -107,4 +112,4 @@ def write_case(case: Case, folder: Path, name: str, remark: str = "") -> Path:
     Path
     """
     path = free_name(folder, name, ".toml")
-    return write_text(path, case_text(case, folder.absolute(), remark))
+    return write_text(path, case_text(tables, folder.absolute(), remark))

@@ -27,6 +27,7 @@ from fem_seal.case.fields import (
     Pressures,
     Quantity,
     Table,
+    quantities_of,
 )
 from fem_seal.case.material_library import LIBRARY, library_name, material, similar_names
 from fem_seal.case.words import sentence, wrong
@@ -40,6 +41,7 @@ from fem_seal.materials import (
     OverTemperature,
     celsius,
 )
+from fem_seal.units import DIMENSIONS
 
 _STRENGTH = Quantity("pressure", "0.1 MPa", "200 GPa")
 # Numbers of a material, each as one or as a table over temperature.
@@ -248,6 +250,25 @@ class MaterialTable(Table):
     thermal_expansion: Expansion | None = None
     thermal_conductivity: Conductivity | None = None
     creeps: bool = False
+
+
+def as_table(made: Material) -> dict[str, Any]:
+    """What a case file says of a material that was made in code: its numbers as they stand, and its curve.
+
+    Parameters
+    ----------
+    made : Material
+    """
+    found = {}
+    for key, field in MaterialTable.model_fields.items():
+        value = getattr(made, key, None)
+        if value:
+            quantity = next(quantities_of(field), None)
+            found[key] = f"{value!r} {DIMENSIONS[quantity.dimension].si_unit}" if quantity else value
+    if made.hardening is not None:
+        stress = [f"{one!r} Pa" for one in made.hardening.stress]
+        found["stress_strain"] = {"plastic_strain": list(made.hardening.plastic_strain), "stress": stress}
+    return found
 
 
 class MaterialEntry:

@@ -385,7 +385,7 @@ def _files(app: Dash, answers: Answers, folder: Path) -> None:
         try:
             source = session.given.file
             remark = f"Written by fem-seal explore from {source.name if source else 'a case'}."
-            path = write_case(session.case(asked.design), folder, str(name or ""), remark)
+            path = write_case(session.case(asked.design).written, folder, str(name or ""), remark)
         except (SealError, OSError) as error:
             return f"Not written: {error}"
         not_taken = not_taken_words(session.factors, session.design(asked.design), asked.wrong)

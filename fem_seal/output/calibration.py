@@ -87,7 +87,9 @@ def write_calibration(found: Calibration, folder: Path) -> None:
 def _write_case(found: Calibration, folder: Path) -> None:
     path = found.posterior.write(folder / POSTERIOR)
     changed = found.case.replace({"uncertainty.posterior": str(path.absolute())})
-    write_text(folder / CASE, case_text(changed, folder.absolute(), phrase("calibration.files", "case")))
+    write_text(
+        folder / CASE, case_text(changed.written, folder.absolute(), phrase("calibration.files", "case"))
+    )
 
 
 def summary(found: Calibration) -> dict[str, Any]:

@@ -5,8 +5,9 @@ leak.csv, the terminal, the report, studies and the manual all choose from this 
 
 from __future__ import annotations
 
+import difflib
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
 from operator import attrgetter
@@ -272,6 +273,33 @@ def _worded(name: str, kind: str, of: Callable[[LoadResult], float | None], word
 # Names of the columns of each table; empty ones are left out.
 SHOWN_COLUMNS: dict[str, list[str]] = _SAID["shown"]
 COLUMNS = {column.name: column for column in _columns()}
+
+
+def column_named(name: object, columns: Iterable[str]) -> str:
+    """The column that is meant by its name, with or without its SI unit; of several units the first one.
+
+    Parameters
+    ----------
+    name : str
+    columns : iterable of str
+
+    Raises
+    ------
+    KeyError
+        If there is none; it says which are spelled like it.
+
+    Examples
+    --------
+    >>> column_named("leak_rate", LEAK_COLUMNS)
+    'leak_rate_m3_per_s'
+    """
+    full = list(columns)
+    known = {split_unit(one)[0]: one for one in reversed(full)} | {one: one for one in full}
+    if name not in known:
+        near = difflib.get_close_matches(str(name), known, n=3, cutoff=0.5)
+        hint = f"do you mean {' or '.join(near)}? " if near else ""
+        raise KeyError(f'there is no column "{name}"; {hint}.table.columns has all of them')
+    return known[str(name)]
 
 
 def own_theory(loads: Sequence[LoadResult]) -> set[str]:

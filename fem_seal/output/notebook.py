@@ -44,8 +44,8 @@ def result_html(result: SealSolution) -> str:
     ----------
     result : SealSolution
     """
-    from fem_seal.output.pictures.leak import result_figure
     from fem_seal.output.pictures.style import Picture, svg
+    from fem_seal.output.plots import result_figure
     from fem_seal.output.report.tables import load_table, marks_in_words
     from fem_seal.output.report.words import headline
 

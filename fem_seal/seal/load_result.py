@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from html import escape
 from typing import TYPE_CHECKING, Self
 
 import numpy as np
@@ -114,6 +115,11 @@ class LoadResult(ByReading):
         pressure = format_quantity("fluid pressure", self.fluid_pressure)
         force = format_quantity("force", self.applied_force)
         return f"<LoadResult at {pressure}, {force} applied: {self.in_brief}>"
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the same, a line for each number."""
+        load, _, numbers = escape(repr(self)[1:-1]).partition(": ")
+        return f"<p><b>{load}</b><br>{numbers.replace(', ', '<br>')}</p>"
 
     @property
     def in_brief(self) -> str:

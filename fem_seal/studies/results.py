@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from fem_seal.case.words import problem
 from fem_seal.errors import InputError, OutputError
 from fem_seal.files import write_bytes
-from fem_seal.output.columns import COLUMNS
+from fem_seal.output.columns import COLUMNS, column_named
 from fem_seal.studies.designs_table import Designs
 from fem_seal.studies.store import FILE, open_to_read
 from leak.extras import needed
@@ -73,6 +73,10 @@ class StudyResult:
         from fem_seal.studies.plots import preview
 
         return preview(self.designs)
+
+    def __getitem__(self, name: str) -> pd.Series[Any]:
+        """A column of the table, with or without its unit: ``result["leak_rate"]``; KeyError if there is none."""
+        return self.table[column_named(name, self.table.columns)]
 
     @property
     def designs(self) -> Designs:

@@ -171,10 +171,16 @@ def sensitivity_lines(result: SealSolution) -> list[str]:
     result : SealSolution
     """
     told = [f"  {in_words(result.case, one)}" for one in strongest(result.sensitivities)]
-    return [phrase("sensitivities.words", "heading", load=_load(result)) + ":", *told] if told else []
+    return [phrase("sensitivities.words", "heading", load=load_of(result)) + ":", *told] if told else []
 
 
-def _load(result: SealSolution) -> str:
+def load_of(result: SealSolution) -> str:
+    """The load at which the leak rate is changed, by its name.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
     judged = result.judgement
     load = result.highest if judged is None or judged.number is None else result.loads[judged.number]
     return load_name(load, result.loads)
@@ -206,7 +212,7 @@ def sensitivity_note(result: SealSolution) -> str:
     result : SealSolution
     """
     both = "note_both" if result.highest.yields else ""
-    return phrase("sensitivities.words", "note", both, load=_load(result))
+    return phrase("sensitivities.words", "note", both, load=load_of(result))
 
 
 SHOWN = Shown(

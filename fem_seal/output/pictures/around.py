@@ -145,6 +145,33 @@ def _even_step(largest: float) -> float:
     return power * max(one for one in (1.0, 2.0, 5.0) if one * power <= largest * (1 + 1e-9))
 
 
+def draw_line_load(axes: Axes, result: SealSolution) -> bool:
+    """Line load over its mean around the axis, at some loads.
+
+    Parameters
+    ----------
+    axes : Axes
+    result : SealSolution
+
+    Returns
+    -------
+    bool
+        Whether there is any: not of a round seal.
+    """
+    shown, over = _shown(result), load_axis(result.loads)
+    colour = load_colours(len(shown))
+    for n, (load, around) in enumerate(shown):
+        share = around.line_load / around.line_load.mean()
+        turn, closed = _closed(around.angle / _DEGREE, share, 360.0)
+        axes.plot(turn, closed, color=colour(n), label=over.names[result.loads.index(load)])
+    if shown:
+        axes.set_ylim(0.0)
+        axes.legend(title=over.name, loc="best", handlelength=1.4)
+        label(axes, "Line load around the axis", "angle around the axis  [°]", "line load over its mean")
+        _turn(axes)
+    return bool(shown)
+
+
 def leak_around_picture(result: SealSolution) -> Picture | None:
     """Leak per degree around the axis at some loads; None where nothing leaks, and for a round seal with scratches.
 
@@ -152,14 +179,39 @@ def leak_around_picture(result: SealSolution) -> Picture | None:
     ----------
     result : SealSolution
     """
-    shown = [
-        (load, around.angle, around.leak_rate * _DEGREE)
-        for load, around in _shown(result)
-        if around.leak_rate is not None and np.isfinite(around.leak_rate).all() and around.leak_rate.any()
-    ]
+    shown = _leaking_around(result)
     if not shown:
         return None
     figure, (axes,) = panels(1, height=3.3)
+    draw_leak_around(axes, result)
+    rates = [rate for load, _, own in shown for rate in (own, *_in_others(load))]
+    scratched = any(around.scratches is not None for _, around in _shown(result))
+    return captioned(
+        figure,
+        "leak_around",
+        "lines",
+        "readings" if any(_in_others(load) for load, _, _ in shown) else "",
+        "sealed" if any((rate == 0).any() for rate in rates) else "",
+        "scratches" if scratched else "",
+    )
+
+
+def draw_leak_around(axes: Axes, result: SealSolution) -> bool:
+    """Leak per degree around the axis, at some loads.
+
+    Parameters
+    ----------
+    axes : Axes
+    result : SealSolution
+
+    Returns
+    -------
+    bool
+        Whether there is any.
+    """
+    shown = _leaking_around(result)
+    if not shown:
+        return False
     over, colour = load_axis(result.loads), load_colours(len(shown))
     rates = np.concatenate([rate for _, _, rate in shown])
     unit = volume_of(result.case).named(unit_for("flow", float(rates.max())))
@@ -176,19 +228,19 @@ def leak_around_picture(result: SealSolution) -> Picture | None:
         logarithmic(axes, "y")
     else:
         axes.set_ylim(0.0, 1.12 * float(rates.max()) / unit.size)
-    sealed = bool((rates == 0).any())
-    scratched = any(around.scratches is not None for _, around in _shown(result))
     axes.legend(title=over.name, loc="best", handlelength=1.4)
     label(axes, "Leak around the axis", "angle around the axis  [°]", f"leak rate per degree  [{unit.name}]")
     _turn(axes)
-    return captioned(
-        figure,
-        "leak_around",
-        "lines",
-        "readings" if any(_in_others(load) for load, _, _ in shown) else "",
-        "sealed" if sealed else "",
-        "scratches" if scratched else "",
-    )
+    return True
+
+
+def _leaking_around(result: SealSolution) -> list[tuple[LoadResult, FloatArray, FloatArray]]:
+    """The loads of `_shown` that leak, with their angles [rad] and leak [m^3/s per degree]."""
+    return [
+        (load, around.angle, around.leak_rate * _DEGREE)
+        for load, around in _shown(result)
+        if around.leak_rate is not None and np.isfinite(around.leak_rate).all() and around.leak_rate.any()
+    ]
 
 
 def _in_others(load: LoadResult) -> list[FloatArray]:

@@ -114,6 +114,20 @@ def all_profiles(axes: Axes, loads: Sequence[LoadResult], order: Sequence[int], 
     label(axes, title, f"x  [{length.name}]", f"contact pressure  [{pressure.name}]")
 
 
+def draw_profiles(axes: Axes, result: SealSolution) -> None:
+    """The pressure profiles of all different loads, with what they are as the title.
+
+    Parameters
+    ----------
+    axes : Axes
+    result : SealSolution
+    """
+    loads = result.loads
+    length = unit_for("length", max(float(np.ptp(one.x)) for load in loads for one in load.profiles) / 4)
+    all_profiles(axes, loads, different(loads), length)
+    axes.set_title("Contact pressure")
+
+
 def _plot_profiles(
     axes: Axes, load: LoadResult, measure: str, length: Unit, unit: Unit, name: str | None, **how: Any
 ) -> None:
@@ -201,43 +215,76 @@ def gap_picture(result: SealSolution) -> Picture:
     ----------
     result : SealSolution
     """
-    loads, order = result.loads, different(result.loads)
-    over, drawn = load_axis(loads), [order[n] for n in few(len(order), 4)]
-    chosen = [loads[n] for n in drawn]
-    flowing = [load for load in chosen if load.leak is not None and 0 < load.leak.leak_rate < np.inf]
+    flowing = [
+        (load, name, colour)
+        for load, name, colour in _few_loads(result.loads)
+        if load.leak is not None and 0 < load.leak.leak_rate < np.inf
+    ]
     figure, axes = panels(2 if flowing else 1, height=3.3, width=10.4 if flowing else 5.6)
-    colour = load_colours(len(chosen))
-    low, high = _shown(loads)
-    length = unit_for("length", max(-low, high))
+    draw_gap(axes[0], result)
+    if flowing:
+        _draw_fluid_pressure(axes[1], result.loads, flowing)
+    smooth = "smooth" if result.case.interface.law == "smooth" else ""
+    left, right = ("left", "right") if flowing else ("alone", "")
+    return captioned(figure, "gap", left, smooth, right, alt=("alt_flow" if flowing else "alt",))
+
+
+def draw_gap(axes: Axes, result: SealSolution) -> None:
+    """The mean gap between the surfaces at a few loads.
+
+    Parameters
+    ----------
+    axes : Axes
+    result : SealSolution
+    """
+    chosen, (low, high) = _few_loads(result.loads), _shown(result.loads)
     # between lands the gap is that of a chamber
     inside = [
         one.gap[(one.x >= low) & (one.x <= high) if len(load.profiles) == 1 else one.pressure > 0]
-        for load in chosen
+        for load, _, _ in chosen
         for one in load.profiles
     ]
     widest = max(float(part.max(initial=0.0)) for part in inside)
     gap = unit_for("length", widest)
-    for n, load in enumerate(chosen):
-        name = over.names[drawn[n]]
-        _plot_profiles(axes[0], load, "gap", length, gap, name, color=colour(n))
-        if load in flowing and load.leak is not None:
-            x = np.concatenate([profile.x for profile in load.profiles])
-            share = load.leak.fluid_pressure / load.fluid_pressure
-            axes[1].plot(x / length.size, 100 * share, color=colour(n), label=name)
-    axes[0].set_ylim(0.0, 1.08 * widest / gap.size or 1.0)
-    label(axes[0], "Mean gap between the surfaces", f"x  [{length.name}]", f"gap  [{gap.name}]")
-    if flowing:
-        most = max(
-            float(load.leak.fluid_pressure.max() / load.fluid_pressure) for load in flowing if load.leak
-        )
-        axes[1].set_ylim(-3, 103 * max(most, 1.0))
-        label(axes[1], "Fluid pressure in the gap", f"x  [{length.name}]", "share of the pressure drop  [%]")
-    for view in axes:
-        view.set_xlim(low / length.size, high / length.size)
-        view.legend(title=over.name, loc="best", handlelength=1.4)
-    smooth = "smooth" if result.case.interface.law == "smooth" else ""
-    left, right = ("left", "right") if flowing else ("alone", "")
-    return captioned(figure, "gap", left, smooth, right, alt=("alt_flow" if flowing else "alt",))
+    for load, name, colour in chosen:
+        _plot_profiles(axes, load, "gap", _across(result.loads), gap, name, color=colour)
+    axes.set_ylim(0.0, 1.08 * widest / gap.size or 1.0)
+    _label_across(axes, result.loads, "Mean gap between the surfaces", f"gap  [{gap.name}]")
+
+
+def _draw_fluid_pressure(
+    axes: Axes, loads: Sequence[LoadResult], flowing: Sequence[tuple[LoadResult, str, Any]]
+) -> None:
+    most = 1.0
+    for load, name, colour in flowing:
+        assert load.leak is not None
+        x = np.concatenate([profile.x for profile in load.profiles])
+        share = load.leak.fluid_pressure / load.fluid_pressure
+        axes.plot(x / _across(loads).size, 100 * share, color=colour, label=name)
+        most = max(most, float(share.max()))
+    axes.set_ylim(-3, 103 * most)
+    _label_across(axes, loads, "Fluid pressure in the gap", "share of the pressure drop  [%]")
+
+
+def _few_loads(loads: Sequence[LoadResult]) -> list[tuple[LoadResult, str, Any]]:
+    """A few different loads with their names and colours."""
+    order, names = different(loads), load_axis(loads).names
+    drawn = [order[n] for n in few(len(order), 4)]
+    colour = load_colours(len(drawn))
+    return [(loads[n], names[n], colour(place)) for place, n in enumerate(drawn)]
+
+
+def _across(loads: Sequence[LoadResult]) -> Unit:
+    """Unit of x where all loads are shown."""
+    low, high = _shown(loads)
+    return unit_for("length", max(-low, high))
+
+
+def _label_across(axes: Axes, loads: Sequence[LoadResult], title: str, y: str) -> None:
+    length = _across(loads)
+    label(axes, title, f"x  [{length.name}]", y)
+    axes.set_xlim(*(end / length.size for end in _shown(loads)))
+    axes.legend(title=load_axis(loads).name, loc="best", handlelength=1.4)
 
 
 def _shown(loads: Sequence[LoadResult]) -> tuple[float, float]:

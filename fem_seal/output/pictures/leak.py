@@ -1,19 +1,16 @@
-"""Pictures of the leak rate: over the loads, on first loading and after larger loads, and the figure for notebooks."""
+"""Pictures of the leak rate: over the loads, on first loading and after larger loads."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from io import BytesIO
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.answers.solution import SealSolution
 from fem_seal.output.case_words import earlier_load
-from fem_seal.output.pictures.contact import all_profiles
 from fem_seal.output.pictures.style import (
     BLUE,
     GREEN,
@@ -29,11 +26,10 @@ from fem_seal.output.pictures.style import (
     positive,
     scale_over_loads,
     spans_decades,
-    style,
     svg,
 )
 from fem_seal.output.prose import phrase
-from fem_seal.seal.load_names import different, load_axis, load_name
+from fem_seal.seal.load_names import load_axis, load_name
 from fem_seal.seal.readings import FURTHER, OWN, WORDS
 from fem_seal.units import LeakVolume, Unit, format_digits, percent, unit_for
 from leak import Reading
@@ -257,93 +253,3 @@ def _band(axes: Axes, x: FloatArray, ends: FloatArray, colour: str, name: str) -
     axes.vlines(x, low, high, color=colour, linewidth=1.0, alpha=0.6)
     for values in ends.T:
         axes.plot(x, positive(values), "o-", color=colour, linewidth=1.3, ms=3.4)
-
-
-# Size of two panels side by side and of one alone, and space for titles above their axes [inch].
-_SIZE, _NARROW, _ABOVE = (9.6, 3.6), (5.6, 3.6), 0.09
-
-
-class ShownFigure(Figure):
-    """A figure that a notebook shows once, as the value of its cell, even if pyplot was never imported."""
-
-    def _repr_svg_(self) -> str:
-        out = BytesIO()
-        self.savefig(out, format="svg", metadata={"Date": None, "Creator": None})
-        return out.getvalue().decode()
-
-
-def result_figure(result: SealSolution, figure: Figure | None = None) -> Figure:
-    """Draw leak rate and pressure profiles; without a leak rate only the profiles.
-
-    Parameters
-    ----------
-    result : SealSolution
-    figure : Figure, optional
-        To draw into; a new one unless given.
-    """
-    leaks = any(load.leak and np.isfinite(load.leak.leak_rate) for load in result.loads)
-    with style():
-        if figure is None:
-            width, height = _SIZE if leaks else _NARROW
-            figure, axes = panels(1 + leaks, height=height, width=width, kind=ShownFigure)
-        else:
-            # the space for labels of `panels`, in inches, as shares of a figure of any size
-            axes = list(
-                figure.subplots(1, 1 + leaks, squeeze=False, gridspec_kw={"bottom": 0.15, "wspace": 0.3})[0]
-            )
-        for one in axes:
-            one.grid(True)
-        if leaks:
-            _draw_leak_rates(axes[0], result)
-        loads = result.loads
-        length = unit_for("length", max(float(np.ptp(one.x)) for load in loads for one in load.profiles) / 4)
-        all_profiles(axes[-1], loads, different(loads), length)
-        axes[-1].set_title("Contact pressure", y=1.0, pad=72 * _ABOVE)
-    return figure
-
-
-def _draw_leak_rates(axes: Axes, result: SealSolution) -> None:
-    """Leak rate over the loads with its interval; loads at which nothing leaks are named in the title."""
-    loads, ends = leaking_loads(result)
-    over, rates = load_axis(loads), leak_rates(loads)
-    low, high = ends.T
-    shown = np.concatenate([rates, low, high])
-    unit = volume_of(result.case).named(unit_for("flow", float(np.nanmax(shown))))
-    shown_rates = positive(rates) / unit.size
-    name = "leak rate, C_pl" if any(load.yields for load in result.loads) else "leak rate"
-    axes.plot(over.shown, shown_rates, "o-", color=BLUE, ms=4, label=name)
-    outside = np.array([load.validity.outside for load in loads])
-    if outside.any():
-        axes.plot(
-            over.shown[outside],
-            shown_rates[outside],
-            "x",
-            color=ORANGE,
-            ms=9,
-            mew=1.8,
-            label="outside the theory",
-        )
-    if np.isfinite(low).any():
-        sampled = result.uncertainty
-        name = "interval" if sampled is None else f"{percent(sampled.confidence)} interval"
-        if len(loads) > 1:
-            axes.fill_between(
-                over.shown, low / unit.size, high / unit.size, color=BLUE, alpha=0.18, linewidth=0, label=name
-            )
-        else:
-            reach = np.array([[rates[0] - low[0]], [high[0] - rates[0]]]) / unit.size
-            axes.errorbar(
-                over.shown, shown_rates, yerr=reach, color=BLUE, capsize=5, linestyle="none", label=name
-            )
-    required = result.case.requirement
-    if required is not None and required.leak_rate is not None:
-        shown = np.append(shown, required.leak_rate)
-        axes.axhline(required.leak_rate / unit.size, color=ORANGE, linestyle="--", label="allowed")
-    if spans_decades(shown):
-        logarithmic(axes, "y")
-    else:
-        axes.set_ylim(0.0, max(1.1 * float(np.nanmax(shown)) / unit.size, 1e-9))
-    axes.legend(loc="best")
-    sealed = int(np.count_nonzero((rates == 0) & ~outside))
-    title = "Leak rate" if not sealed else f"Leak rate ({sealed} of {len(loads)} loads sealed)"
-    label(axes, title, over.label, f"leak rate  [{unit.name}]", above=_ABOVE)

@@ -106,6 +106,7 @@ def panels(
     head: float = 0.36,
     side: float = 0.12,
     kind: type[Figure] | None = None,
+    shown_as: type[Axes] | None = None,
 ) -> tuple[Figure, list[Axes]]:
     """A figure with `count` axes side by side, with `head` inches of space above and `side` inches on the right."""
     from matplotlib.figure import Figure
@@ -115,6 +116,7 @@ def panels(
         1,
         count,
         squeeze=False,
+        subplot_kw={"axes_class": shown_as} if shown_as else None,
         gridspec_kw={
             "left": _LEFT / width,
             "right": 1 - side / width,

@@ -117,7 +117,7 @@ def surface_picture(result: SealSolution, load: LoadResult) -> Picture | None:
     peak = load.peak_pressure
     figure, (areas, spectrum) = panels(2, height=4.1, head=0.85)
     _area_curves(areas, surface, peak)
-    _spectrum_curves(spectrum, surface, peak)
+    draw_spectrum(spectrum, surface, peak)
     for view in (areas, spectrum):
         wavelength_axis(view, 1.0 if view is spectrum else surface.spectrum.q_low)
     plastic = surface.hardness is not None
@@ -171,7 +171,18 @@ def _shown(area: FloatArray) -> FloatArray:
     return np.where(area > 0.1 * _SMALLEST_AREA, area, np.nan)
 
 
-def _spectrum_curves(axes: Axes, surface: RoughContact, peak: float) -> None:
+def draw_spectrum(axes: Axes, surface: RoughContact, peak: float, above: float = 0.55) -> None:
+    """The power spectrum, and what yielding asperities leave of it under a pressure.
+
+    Parameters
+    ----------
+    axes : Axes
+    surface : RoughContact
+    peak : float
+        Pressure [Pa].
+    above : float
+        Space between axes and title [inch].
+    """
     q = _spectrum_points(surface)
     C = np.asarray(surface.spectrum(q))
     axes.plot(q, C, color=BLUE, linewidth=2.0, label="as measured or given")
@@ -183,7 +194,7 @@ def _spectrum_curves(axes: Axes, surface: RoughContact, peak: float) -> None:
         axes.legend(loc="lower left")
     axes.set_ylim(0.4 * bottom)
     logarithmic(axes, "x", "y")
-    label(axes, "Power spectrum of the roughness", "wavenumber q  [1/m]", "C(q)  [m⁴]", above=0.55)
+    label(axes, "Power spectrum of the roughness", "wavenumber q  [1/m]", "C(q)  [m⁴]", above=above)
 
 
 def _spectrum_points(surface: RoughContact) -> FloatArray:

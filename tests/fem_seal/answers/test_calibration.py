@@ -236,7 +236,7 @@ def test_a_test_narrows_the_prediction_and_the_calibrated_case_has_it(tmp_path, 
     case = tmp_path / "seal.toml"
     from fem_seal.case.case_file import case_text
 
-    case.write_text(case_text(seal(), tmp_path), encoding="utf-8")
+    case.write_text(case_text(seal().written, tmp_path), encoding="utf-8")
     assert main(["calibrate", str(case), str(path), "--quiet"]) == 0
     folder = tmp_path / "seal.calibrated"
     names = {"calibrated.toml", "inputs.csv", "next_tests.csv", "posterior.csv", "predictions.csv"}

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fem_seal import Case, InputError, Study, load_study, run
+from fem_seal import Case, InputError, Study, load_case, load_study, run
 from fem_seal.case.case import input_tables
 from fem_seal.case.drawing_words import in_keys, partner, same_entry, words_of
 from fem_seal.case.messages import choices, tables_of
@@ -98,8 +98,8 @@ def test_results_are_the_same_to_the_last_digit() -> None:
 
 def test_wrong_words_are_all_reported_with_what_was_written() -> None:
     with pytest.raises(InputError) as caught:
-        Case(
-            **tables(
+        load_case(
+            tables(
                 {"shape": "cone", "angle": "45 deg", "included_angle": "90 deg", "bore_diameter": 24},
                 {"shape": "ball", "diameter": "1 um"},
             )

@@ -74,7 +74,7 @@ def live(session):
 @pytest.fixture(scope="module")
 def written(session, tmp_path_factory):
     """The design's case, through a file."""
-    return load_case(write_case(session.case(DESIGN), tmp_path_factory.mktemp("written"), "design"))
+    return load_case(write_case(session.case(DESIGN).written, tmp_path_factory.mktemp("written"), "design"))
 
 
 @pytest.fixture(scope="module")
@@ -306,7 +306,7 @@ def test_outdated_questions_are_dropped(session):
 @pytest.mark.parametrize("example", sorted(EXAMPLES.glob("*.toml")), ids=lambda path: path.stem)
 def test_a_written_case_is_the_case(example, tmp_path):
     case = load_case(example)
-    again = load_case(write_case(case, tmp_path, "again"))
+    again = load_case(write_case(case.written, tmp_path, "again"))
     tables, others = input_tables(case), input_tables(again)
     for one in (tables, others):
         one.pop("output")
@@ -314,12 +314,12 @@ def test_a_written_case_is_the_case(example, tmp_path):
 
 
 def test_files_beside_the_case_are_named_from_there(tmp_path):
-    text = case_text(load_case(EXAMPLES / "profile_from_drawing.toml"), EXAMPLES.absolute())
+    text = case_text(load_case(EXAMPLES / "profile_from_drawing.toml").written, EXAMPLES.absolute())
     assert 'file = "seat.dxf"' in text
 
 
 def test_nothing_is_written_over(tmp_path, session):
-    first, second = (write_case(session.case({}), tmp_path, "mine.toml") for _ in range(2))
+    first, second = (write_case(session.case({}).written, tmp_path, "mine.toml") for _ in range(2))
     assert (first.name, second.name) == ("mine.toml", "mine-2.toml")
     for name in ("../mine", "a/b", "", ".hidden", "C:\\x"):
         with pytest.raises(InputError, match="file name"):

@@ -1,0 +1,220 @@
+"""What a notebook or a script draws: the figure of a result, and single pictures by their names, in any axes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from io import BytesIO
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from fem_seal.answers.leakage_class import volume_of
+from fem_seal.case.fields import shown as written
+from fem_seal.errors import InputError
+from fem_seal.output.answers.sensitivities import in_words, load_of, shown_sensitivities
+from fem_seal.output.pictures.around import draw_leak_around, draw_line_load
+from fem_seal.output.pictures.contact import draw_gap, draw_profiles
+from fem_seal.output.pictures.leak import leak_rates, leaking_loads
+from fem_seal.output.pictures.style import (
+    BLUE,
+    INK,
+    ORANGE,
+    label,
+    logarithmic,
+    panels,
+    positive,
+    spans_decades,
+    style,
+)
+from fem_seal.output.pictures.surface import draw_spectrum
+from fem_seal.seal.load_names import load_axis
+from fem_seal.units import percent, unit_for
+
+if TYPE_CHECKING:
+    from fem_seal.answers.solution import SealSolution
+
+# Size of two panels side by side and of one alone, and space for titles above their axes [inch].
+_SIZE, _NARROW, _ABOVE = (9.6, 3.6), (5.6, 3.6), 0.09
+
+
+class ShownFigure(Figure):
+    """A figure that a notebook shows once, as the value of its cell, even if pyplot was never imported."""
+
+    def _repr_svg_(self) -> str:
+        out = BytesIO()
+        self.savefig(out, format="svg", metadata={"Date": None, "Creator": None})
+        return out.getvalue().decode()
+
+
+class ShownAxes(Axes):
+    """Axes that a notebook shows with the `ShownFigure` that they are in."""
+
+    def _repr_svg_(self) -> str | None:
+        figure = self.get_figure(root=True)
+        return figure._repr_svg_() if isinstance(figure, ShownFigure) else None
+
+
+def result_figure(result: SealSolution, figure: Figure | None = None) -> Figure:
+    """Draw leak rate and pressure profiles; without a leak rate only the profiles.
+
+    Parameters
+    ----------
+    result : SealSolution
+    figure : Figure, optional
+        To draw into; a new one unless given.
+    """
+    leaks = any(load.leak and np.isfinite(load.leak.leak_rate) for load in result.loads)
+    with style():
+        if figure is None:
+            width, height = _SIZE if leaks else _NARROW
+            figure, axes = panels(1 + leaks, height=height, width=width, kind=ShownFigure)
+        else:
+            # the space for labels of `panels`, in inches, as shares of a figure of any size
+            axes = list(
+                figure.subplots(1, 1 + leaks, squeeze=False, gridspec_kw={"bottom": 0.15, "wspace": 0.3})[0]
+            )
+        for one in axes:
+            one.grid(True)
+        if leaks:
+            _draw_leak_rates(axes[0], result)
+        draw_profiles(axes[-1], result)
+    return figure
+
+
+def plot(result: SealSolution, name: str | None, axes: Axes | None = None) -> Axes:
+    """Draw one picture by its name.
+
+    Parameters
+    ----------
+    result : SealSolution
+    name : str
+        One of `PLOTS`.
+    axes : Axes, optional
+        To draw into; of a new figure unless given.
+
+    Raises
+    ------
+    InputError
+        If there is no such picture, or the result has nothing for it.
+    """
+    draw = PLOTS.get(name or "")
+    if draw is None:
+        raise InputError.at("plot", f"there is no such picture; there are {', '.join(PLOTS)}", written(name))
+    with style():
+        if axes is None:
+            _, (axes,) = panels(1, height=_NARROW[1], width=_NARROW[0], kind=ShownFigure, shown_as=ShownAxes)
+            axes.grid(True)
+        draw(axes, result)
+    return axes
+
+
+def _nothing(name: str, why: str) -> InputError:
+    return InputError.at("plot", why, written(name))
+
+
+def _draw_leak_rates(axes: Axes, result: SealSolution) -> None:
+    """Leak rate over the loads with its interval; loads at which nothing leaks are named in the title."""
+    loads, ends = leaking_loads(result)
+    if not loads:
+        raise _nothing(
+            "leak", "no leak rate was calculated; that takes [roughness] and [fluid] and a closed seal"
+        )
+    over, rates = load_axis(loads), leak_rates(loads)
+    low, high = ends.T
+    shown = np.concatenate([rates, low, high])
+    unit = volume_of(result.case).named(unit_for("flow", float(np.nanmax(shown))))
+    shown_rates = positive(rates) / unit.size
+    name = "leak rate, C_pl" if any(load.yields for load in result.loads) else "leak rate"
+    axes.plot(over.shown, shown_rates, "o-", color=BLUE, ms=4, label=name)
+    outside = np.array([load.validity.outside for load in loads])
+    if outside.any():
+        axes.plot(
+            over.shown[outside],
+            shown_rates[outside],
+            "x",
+            color=ORANGE,
+            ms=9,
+            mew=1.8,
+            label="outside the theory",
+        )
+    if np.isfinite(low).any():
+        sampled = result.uncertainty
+        name = "interval" if sampled is None else f"{percent(sampled.confidence)} interval"
+        if len(loads) > 1:
+            axes.fill_between(
+                over.shown, low / unit.size, high / unit.size, color=BLUE, alpha=0.18, linewidth=0, label=name
+            )
+        else:
+            reach = np.array([[rates[0] - low[0]], [high[0] - rates[0]]]) / unit.size
+            axes.errorbar(
+                over.shown, shown_rates, yerr=reach, color=BLUE, capsize=5, linestyle="none", label=name
+            )
+    required = result.case.requirement
+    if required is not None and required.leak_rate is not None:
+        shown = np.append(shown, required.leak_rate)
+        axes.axhline(required.leak_rate / unit.size, color=ORANGE, linestyle="--", label="allowed")
+    if spans_decades(shown):
+        logarithmic(axes, "y")
+    else:
+        axes.set_ylim(0.0, max(1.1 * float(np.nanmax(shown)) / unit.size, 1e-9))
+    axes.legend(loc="best")
+    sealed = int(np.count_nonzero((rates == 0) & ~outside))
+    title = "Leak rate" if not sealed else f"Leak rate ({sealed} of {len(loads)} loads sealed)"
+    label(axes, title, over.label, f"leak rate  [{unit.name}]", above=_ABOVE)
+
+
+def _draw_around(axes: Axes, result: SealSolution) -> None:
+    if not (draw_leak_around(axes, result) or draw_line_load(axes, result)):
+        raise _nothing(
+            "around", "the seal is round, all angles are alike; [form] in the case makes it out of round"
+        )
+
+
+def _draw_surface(axes: Axes, result: SealSolution) -> None:
+    if result.surface is None:
+        raise _nothing("surface", "the case has no roughness; [roughness] gives it one")
+    draw_spectrum(axes, result.surface, result.highest.peak_pressure, above=_ABOVE)
+
+
+# Largest number of bars, and where steps end that close or open the seal, beyond the longest bar.
+_BARS, _BEYOND = 8, 1.6
+
+
+def _draw_sensitivities(axes: Axes, result: SealSolution) -> None:
+    """A bar from the leak rate as it is to that after a step, pale where the readings of yielding asperities differ."""
+    shown = shown_sensitivities(result.sensitivities)[:_BARS]
+    if not shown:
+        why = "nothing that was tried changes the leak rate by 3 % or more"
+        raise _nothing(
+            "sensitivities",
+            why
+            if result.sensitivities
+            else "nobody asked; fem_seal.run(case, sensitivities=True) looks for them",
+        )
+    known = [1.0, *(end for one in shown for end in one.ratio if 0.0 < end < math.inf)]
+    low, high = min(known) / _BEYOND, max(known) * _BEYOND
+    for n, one in enumerate(shown):
+        near, far = sorted(np.clip(one.ratio, low, high), key=lambda end: abs(math.log(end)))
+        for end, alpha in ((far, 0.35), (near, 1.0)):
+            axes.barh(n, end - 1.0, 0.4, left=1.0, color=BLUE if near < 1.0 else ORANGE, alpha=alpha)
+        said = in_words(result.case, one)
+        axes.text(0.01, n - 0.26, said, transform=axes.get_yaxis_transform(), va="bottom", fontsize=8)
+    axes.axvline(1.0, color=INK, linewidth=0.8)
+    axes.set(yticks=[], xlim=(low, high), ylim=(len(shown) - 0.6, -0.8))
+    if spans_decades([low, high], 0.8):
+        logarithmic(axes, "x")
+    label(axes, f"Sensitivities at {load_of(result)}", "leak rate after over before", "", above=_ABOVE)
+
+
+# What can be drawn, by the names that people give.
+PLOTS: dict[str, Callable[[Axes, SealSolution], None]] = {
+    "leak": _draw_leak_rates,
+    "contact": draw_profiles,
+    "gap": draw_gap,
+    "around": _draw_around,
+    "surface": _draw_surface,
+    "sensitivities": _draw_sensitivities,
+}
