@@ -62,6 +62,8 @@ def extra_with(module: str | None) -> str:
 def command(extra: str) -> str:
     """The command that installs an extra for this Python, from where the program itself was installed.
 
+    Where that is not known, from an index or a checkout.
+
     Parameters
     ----------
     extra : str
@@ -70,7 +72,7 @@ def command(extra: str) -> str:
     pip = f"{python} -m pip install" if util.find_spec("pip") else f"uv pip install --python {python}"
     source = _source()
     if source is None:
-        return f'{pip} ".[{extra}]" in the folder of {_NAME}'
+        return f'{pip} "{_NAME}[{extra}]", or in a checkout pip install ".[{extra}]" in the folder of {_NAME}'
     return f'{pip} "{source}[{extra}]"'
 
 

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.case.fields import shown as written
 from fem_seal.errors import InputError
-from fem_seal.output.answers.sensitivities import in_words, load_of, shown_sensitivities
+from fem_seal.output.answers.sensitivities import load_of, shown_sensitivities, step_in_words
 from fem_seal.output.pictures.around import draw_leak_around, draw_line_load
 from fem_seal.output.pictures.contact import draw_gap, draw_profiles
 from fem_seal.output.pictures.leak import leak_rates, leaking_loads
@@ -24,6 +24,7 @@ from fem_seal.output.pictures.style import (
     ORANGE,
     label,
     logarithmic,
+    outside_text,
     panels,
     positive,
     spans_decades,
@@ -200,9 +201,9 @@ def _draw_sensitivities(axes: Axes, result: SealSolution) -> None:
         near, far = sorted(np.clip(one.ratio, low, high), key=lambda end: abs(math.log(end)))
         for end, alpha in ((far, 0.35), (near, 1.0)):
             axes.barh(n, end - 1.0, 0.4, left=1.0, color=BLUE if near < 1.0 else ORANGE, alpha=alpha)
-        said = in_words(result.case, one)
-        axes.text(0.01, n - 0.26, said, transform=axes.get_yaxis_transform(), va="bottom", fontsize=8)
-    axes.axvline(1.0, color=INK, linewidth=0.8)
+        said = outside_text(step_in_words(result.case, one))
+        axes.text(0.01, n - 0.26, said, transform=axes.get_yaxis_transform(), va="bottom", clip_on=True)
+    axes.axvline(1.0, color=INK, linewidth=0.8, zorder=0.6)
     axes.set(yticks=[], xlim=(low, high), ylim=(len(shown) - 0.6, -0.8))
     if spans_decades([low, high], 0.8):
         logarithmic(axes, "x")

@@ -40,7 +40,7 @@ def test_the_case_of_the_readme_is_valid():
 
 
 def test_system_libraries_are_listed_in_one_place():
-    files = [ROOT / name for name in ("README.md", "Makefile", "Dockerfile", ".ci/run", ".ci/system")]
+    files = [ROOT / name for name in ("README.md", "Makefile", ".ci/Dockerfile", ".ci/run", ".ci/system")]
     assert [path.name for path in files if "libglu1-mesa" in path.read_text(encoding="utf-8")] == ["system"]
     assert all(".ci/system" in path.read_text(encoding="utf-8") for path in files[1:4])
 
@@ -73,3 +73,12 @@ def test_page_of_the_materials_is_up_to_date(script):
 @pytest.mark.parametrize("table", Case.model_fields)
 def test_input_reference_has_every_table(script, table):
     assert table in script.FILE.read_text(encoding="utf-8")
+
+
+def test_the_conda_recipe_has_the_dependencies_of_the_program():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    recipe = (ROOT / ".ci" / "conda" / "recipe.yaml").read_text(encoding="utf-8")
+    run = re.findall(r"- ([\w-]+) >=([\d.]+)", recipe.split("  run:")[1].split("tests:")[0])
+    conda = {"gmsh": "python-gmsh", "matplotlib": "matplotlib-base", "lazy_loader": "lazy-loader"}
+    wanted = [tuple(one.split(">=")) for one in (*project["dependencies"], f"python{project['requires-python']}")]
+    assert sorted(run) == sorted((conda.get(name, name), least) for name, least in wanted)

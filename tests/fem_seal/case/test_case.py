@@ -547,6 +547,43 @@ def test_replace_takes_si_numbers_as_well_as_texts():
     }
 
 
+def test_a_case_takes_si_numbers_and_is_written_as_its_file():
+    tables = copy.deepcopy(CASE)
+    tables["closure"]["radius"] = np.float64(0.02)
+    tables["roughness"]["spectrum"]["hurst"] = np.float64(0.6)
+    case = Case(**tables, gasket=None)
+    assert case.closure.radius == 0.02
+    for one in (case, Case(**CASE), Case(**CASE).replace({"seat.angle": 0.8})):
+        again = load_case(tomllib.loads(str(one)))
+        assert again == one
+        assert str(again) == str(one)
+    assert "None" not in str(case)
+    assert "<Case" in repr(case)
+    assert len(repr(case)) < 100
+
+
+def test_a_material_made_in_code_is_written_with_its_numbers():
+    own = Material("own", 105e9, 0.35, hardness=1e9, hardening=HardeningCurve((0.0, 0.1), (250e6, 350e6)))
+    case = Case(**{**CASE, "closure": ball(own)})
+    again = load_case(tomllib.loads(str(case))).closure.material
+    assert (again.youngs_modulus, again.poissons_ratio, again.hardness) == (105e9, 0.35, 1e9)
+    assert again.hardening.stress == own.hardening.stress
+
+
+def test_a_notebook_shows_a_case_without_markup_of_the_user():
+    page = Case(**CASE, title="<script>")._repr_html_()
+    assert "&lt;script&gt;" in page
+    assert "<script" not in page
+    assert len(page) < 3000
+
+
+def test_completion_of_a_case_offers_its_tables():
+    names = dir(Case(**CASE))
+    assert {"closure", "seat", "load", "replace", "written"} <= set(names)
+    assert not [name for name in names if name.startswith(("_", "model_"))]
+    assert all(hasattr(Case(**CASE), name) for name in names)
+
+
 @pytest.mark.parametrize(
     ("value", "message"),
     [

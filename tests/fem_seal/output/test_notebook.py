@@ -146,6 +146,82 @@ def test_plot_of_a_smooth_seal_has_the_profiles_alone_and_draws_into_a_given_fig
     assert axes.get_title(loc="left") == "Contact pressure"
 
 
+@pytest.mark.parametrize("name", ["leak", "contact", "gap", "surface"])
+def test_a_picture_is_drawn_by_its_name_into_any_axes(name):
+    from matplotlib.figure import Figure
+
+    result = sample_results.rough_result()
+    given = Figure().subplots()
+    assert result.plot(name, ax=given) is given
+    own = result.plot(name)
+    for axes in (given, own):
+        assert axes.get_lines()
+        assert axes.get_title(loc="left")
+    assert ElementTree.fromstring(own._repr_svg_()).tag.endswith("svg")
+
+
+def test_sensitivities_are_bars_from_one_to_what_is_left_of_the_leak():
+    result = fem_seal.run(sample_results.rough_result().case, sensitivities=True)
+    axes = result.plot("sensitivities")
+    strongest = result.sensitivities[0]
+    ends = [bar.get_x() + bar.get_width() for bar in axes.patches[:2]]
+    assert sorted(ends) == pytest.approx(sorted(strongest.ratio))
+
+
+def test_a_seal_that_is_not_round_is_drawn_around_its_axis():
+    result = sample_results.oval_result()
+    axes = result.plot("around")
+    assert axes.get_xlim() == (0.0, 360.0)
+    assert axes.get_lines()
+
+
+@pytest.mark.parametrize(
+    ("name", "told"),
+    [
+        ("leek", "leak, contact, gap, around, surface, sensitivities"),
+        (None, "leak, contact, gap, around, surface, sensitivities"),
+        ("around", "the seal is round"),
+        ("surface", "no roughness"),
+        ("leak", "no leak rate"),
+        ("sensitivities", "nobody asked"),
+    ],
+)
+def test_a_picture_that_is_not_there_says_why(name, told):
+    from matplotlib.figure import Figure
+
+    result = fem_seal.run(sample_results.smooth_case(load={"fluid_pressure": "20 bar"}))
+    with pytest.raises(fem_seal.InputError, match=told):
+        result.plot(name, ax=Figure().subplots())
+
+
+def test_a_column_is_found_with_and_without_its_unit():
+    result = sample_results.rough_result()
+    for name in ("leak_rate", "leak_rate_m3_per_s"):
+        assert result[name].equals(result.table["leak_rate_m3_per_s"])
+    with pytest.raises(KeyError, match='no column "leek_rate"; do you mean leak_rate'):
+        result["leek_rate"]
+    with pytest.raises(KeyError, match="no column"):
+        result[0]
+
+
+def test_a_load_is_shown_line_by_line():
+    page = sample_results.rough_result().loads[-1]._repr_html_()
+    assert "<b>LoadResult at 20 bar" in page
+    assert "<br>FWHM" in page
+
+
+def test_the_report_is_written_alone(tmp_path):
+    path = sample_results.rough_result().report(tmp_path / "own.html")
+    assert path == tmp_path / "own.html"
+    assert path.read_text(encoding="utf-8").startswith("<!")
+
+
+def test_completion_of_a_result_offers_what_is_public():
+    names = dir(sample_results.rough_result())
+    assert {"loads", "table", "plot", "report", "write"} <= set(names)
+    assert not [name for name in names if name.startswith("_")]
+
+
 CASE = {
     "closure": {"shape": "ball", "radius": "20 mm", "material": "steel"},
     "seat": {"shape": "cone", "angle": "45 deg", "material": "steel"},
