@@ -80,5 +80,7 @@ def test_the_conda_recipe_has_the_dependencies_of_the_program():
     recipe = (ROOT / ".ci" / "conda" / "recipe.yaml").read_text(encoding="utf-8")
     run = re.findall(r"- ([\w-]+) >=([\d.]+)", recipe.split("  run:")[1].split("tests:")[0])
     conda = {"gmsh": "python-gmsh", "matplotlib": "matplotlib-base", "lazy_loader": "lazy-loader"}
-    wanted = [tuple(one.split(">=")) for one in (*project["dependencies"], f"python{project['requires-python']}")]
+    wanted = [
+        tuple(one.split(">=")) for one in (*project["dependencies"], f"python{project['requires-python']}")
+    ]
     assert sorted(run) == sorted((conda.get(name, name), least) for name, least in wanted)

@@ -3,6 +3,7 @@
 import copy
 import math
 import pickle
+import tomllib
 
 import numpy as np
 import pytest
@@ -13,10 +14,10 @@ from sample_results import SPECTRUM, ball, cone
 
 import fem_seal
 from fem_seal import Case, InputError, Study, load_case
-from fem_seal.case.case import with_units
+from fem_seal.case.case import input_tables, with_units
 from fem_seal.case.material_library import LIBRARY, material
 from fem_seal.case.tables import CaseTables
-from fem_seal.materials import Material, effective_modulus
+from fem_seal.materials import HardeningCurve, Material, effective_modulus
 
 CASE = {
     "closure": ball(),
@@ -555,7 +556,7 @@ def test_a_case_takes_si_numbers_and_is_written_as_its_file():
     assert case.closure.radius == 0.02
     for one in (case, Case(**CASE), Case(**CASE).replace({"seat.angle": 0.8})):
         again = load_case(tomllib.loads(str(one)))
-        assert again == one
+        assert input_tables(again) == input_tables(one)
         assert str(again) == str(one)
     assert "None" not in str(case)
     assert "<Case" in repr(case)
