@@ -33,9 +33,7 @@ from fem_seal.materials import ROOM_TEMPERATURE
 from fem_seal.units import DIMENSIONS
 
 # What completion offers besides the tables.
-_SHOWN = (
-    "contact", "effective_modulus", "file", "hardness", "initial_contact_radius", "named_files", "replace", "written"
-)  # fmt: skip
+_SHOWN = {"contact", "effective_modulus", "file", "hardness", "initial_contact_radius", "replace", "written"}
 
 
 class Case(CaseTables):
@@ -100,7 +98,7 @@ class Case(CaseTables):
         return f"<pre>{escape(str(self))}</pre>"
 
     def __dir__(self) -> list[str]:
-        return sorted({*CaseTables.model_fields, *_SHOWN})
+        return sorted(CaseTables.model_fields.keys() | _SHOWN)
 
     def _read(self, tables: dict[str, Any], like: Case | None) -> None:
         """Read and check tables; those that are the very ones of another case are taken from it as they were read."""

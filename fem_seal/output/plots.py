@@ -193,7 +193,7 @@ def _draw_sensitivities(axes: Axes, result: SealSolution) -> None:
             "sensitivities",
             why
             if result.sensitivities
-            else "nobody asked; fem_seal.run(case, sensitivities=True) looks for them",
+            else "they were not calculated; fem_seal.run(case, sensitivities=True) does",
         )
     known = [1.0, *(end for one in shown for end in one.ratio if 0.0 < end < math.inf)]
     low, high = min(known) / _BEYOND, max(known) * _BEYOND
