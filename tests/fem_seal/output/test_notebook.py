@@ -186,7 +186,7 @@ def test_a_seal_that_is_not_round_is_drawn_around_its_axis():
         ("around", "the seal is round"),
         ("surface", "no roughness"),
         ("leak", "no leak rate"),
-        ("sensitivities", "nobody asked"),
+        ("sensitivities", "were not calculated"),
     ],
 )
 def test_a_picture_that_is_not_there_says_why(name, told):
