@@ -12,7 +12,7 @@ PIP = $(VENV)/bin/python -m pip install --quiet --disable-pip-version-check
 
 PYTEST = OPENBLAS_NUM_THREADS=1 $(VENV)/bin/python -m pytest -n auto --dist loadfile --durations=10
 
-.PHONY: run test test-all lint check wheel docs benchmarks system clean
+.PHONY: run test test-all lint check wheel docs try benchmarks system clean
 
 run: $(VENV)/.program
 	@$(VENV)/bin/fem-seal run examples/ball_cone.toml
@@ -45,6 +45,10 @@ docs: $(VENV)/.tools
 	@$(VENV)/bin/python docs/gallery.py
 	@$(VENV)/bin/python -m sphinx -W --keep-going --quiet -b html -d docs/_build/doctrees docs docs/_build/html
 	@echo docs/_build/html/index.html
+
+# A page that calculates a leak rate in the browser, served at http://127.0.0.1:8050; its Python (98 MB) is fetched once.
+try: $(VENV)/.program
+	@$(VENV)/bin/python docs/try/make.py
 
 # Every figure that has a goal beside it, on a machine that does nothing else; ASKED="--quick --record" and the like.
 benchmarks: $(VENV)/.tools

@@ -60,7 +60,12 @@ def make() -> None:
 
 
 class Files(SimpleHTTPRequestHandler):
-    extensions_map = SimpleHTTPRequestHandler.extensions_map | {".wasm": "application/wasm", ".js": "text/javascript"}
+    """Serves a folder, WebAssembly as what it is."""
+
+    extensions_map = SimpleHTTPRequestHandler.extensions_map | {
+        ".wasm": "application/wasm",
+        ".js": "text/javascript",
+    }
 
 
 if __name__ == "__main__":

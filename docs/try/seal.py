@@ -1,7 +1,7 @@
 """Leak rate of a ball on a conical seat by `leak` alone: what the page calculates, in the browser as anywhere.
 
-The bodies are elastic half-spaces: the contact pressure is the closed form of `leak.crossover_line`, its decay length the
-one that the rough surface has at the peak. `fem-seal run` solves the real bodies instead.
+The bodies are elastic half-spaces: the contact pressure is the closed form of `leak.crossover_line`, its decay length
+the one that the rough surface has at the peak. `fem-seal run` solves the real bodies instead.
 """
 
 from __future__ import annotations
@@ -50,6 +50,7 @@ class Seal:
 
     @property
     def finish(self) -> leak.Finish:
+        """The drawing's words."""
         return leak.Finish(self.parameter, self.value, leak.process_named(self.process))
 
     @property
@@ -61,7 +62,9 @@ class Seal:
     def line_load(self) -> float:
         """f_N = F_N/(2 pi r0 cos(theta)), F_N = pi r0^2 p_fluid + S [N/m]."""
         r0 = self.contact_radius
-        return (math.pi * r0**2 * self.fluid_pressure + self.force) / (2.0 * math.pi * r0 * math.cos(self.angle))
+        return (math.pi * r0**2 * self.fluid_pressure + self.force) / (
+            2.0 * math.pi * r0 * math.cos(self.angle)
+        )
 
     def line(self, surface: leak.RoughContact) -> leak.CrossoverLine:
         """Contact pressure across the contact."""
@@ -71,7 +74,9 @@ class Seal:
             u0 = float(law.decay_length(np.array([math.log(peak)]))[0])
         return leak.crossover_line(self.line_load, self.radius, E_STAR, u0)
 
-    def leak_of(self, finished: leak.FinishedSurface) -> tuple[leak.LeakResult, leak.CrossoverLine, leak.FlowError]:
+    def leak_of(
+        self, finished: leak.FinishedSurface
+    ) -> tuple[leak.LeakResult, leak.CrossoverLine, leak.FlowError]:
         """Flow through one surface, its contact, and what direct simulation may find over that flow."""
         surface = leak.RoughContact(
             finished.spectrum, effective_modulus=E_STAR, hardness=self.hardness, theory="corrected",

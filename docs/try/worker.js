@@ -22,12 +22,10 @@ function stat(path, into) {
   return 0;
 }
 
-function each(vectors, count, each_) {
+function each(vectors, count, handle) {
   let total = 0;
-  for (let n = 0; n < count; n++) {
-    const done = each_(memory().getUint32(vectors + 8 * n, true), memory().getUint32(vectors + 8 * n + 4, true));
-    total += done;
-  }
+  for (let n = 0; n < count; n++)
+    total += handle(memory().getUint32(vectors + 8 * n, true), memory().getUint32(vectors + 8 * n + 4, true));
   return total;
 }
 

@@ -58,6 +58,10 @@ def script():
 def test_input_reference_is_up_to_date(script):
     written = script.FILE.read_text(encoding="utf-8")
     assert written == script.reference(), "run `make docs`"
+    for page in script.TASKS:
+        written = (script.PAGES / f"{page}.md").read_text(encoding="utf-8")
+        assert written == script.task(page), "run `make docs`"
+    assert {path.stem for path in script.PAGES.glob("*.md")} == set(script.TASKS)
 
 
 def test_reference_of_the_columns_is_up_to_date(script):
