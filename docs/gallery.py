@@ -50,6 +50,27 @@ TELLING = (
     "profiles",
     "stress",
 )
+# What is special about a case, where it is not its shape: the picture of its card.
+SPECIAL = {
+    "drawing_finish": "surface",
+    "exponential_law": "law",
+    "smooth": "stress",
+    "relief_valve": "leak",
+    "relief_valve_350_bar": "memory",
+    "helium": "leak",
+    "hot_valve": "temperature",
+    "diesel_1800_bar": "profiles",
+    "particles": "particles",
+    "measured_seat": "surface",
+    "measured_roundness": "line_load_around",
+    "oval_seat": "unrolled",
+    "tilted_poppet": "seal",
+    "scratched_seat": "gap",
+    "copper_ring": "compression",
+    "proof_load": "memory",
+    "elastoplastic_seat": "imprint",
+    "hot_coined_seat": "imprint",
+}
 # Groups of the cards of the index; an example without a group comes last.
 GROUPS = {
     "Balls, poppets and rims": (
@@ -203,9 +224,9 @@ def case_page(example: Path) -> str:
     name, text, folder = example.stem, example.read_text(encoding="utf-8"), folder_of(example)
     about = json.loads((folder / "page.json").read_text(encoding="utf-8"))
     drawn = pictures(folder)
-    chosen = ["sketch", *[one for one in TELLING if one in drawn][:2]]
-    if "seal" in drawn:
-        chosen.append("seal")
+    telling = [one for one in TELLING if one in drawn][:2]
+    seal = ["seal"] if "seal" in drawn else []
+    chosen = dict.fromkeys(["sketch", SPECIAL.get(name, "sketch"), *telling, *seal])
     parts = [f"# {tomllib.loads(text)['title']}", introduction(text), _shown_result(about["headline"])]
     for one in chosen:
         drawing, alt, caption = drawn[one]
@@ -296,10 +317,22 @@ def _grid(cards: list[str]) -> str:
 
 def _card(name: str) -> str:
     title = tomllib.loads((EXAMPLES / f"{name}.toml").read_text(encoding="utf-8"))["title"]
+    picture = f"pages/{name}_{SPECIAL.get(name, 'sketch')}.svg"
     return (
-        f"```{{grid-item-card}} {title}\n:img-top: pages/{name}_sketch.svg\n:link: pages/{name}\n"
-        ":link-type: doc\n```"
+        f"```{{grid-item-card}} {title}\n:img-top: {picture}\n:link: pages/{name}\n:link-type: doc\n"
+        f"{_number(name)}\n```"
     )
+
+
+def _number(name: str) -> str:
+    """What the seal leaks under its last load, from the headline of its report; empty before it is solved."""
+    about = folder_of(EXAMPLES / f"{name}.toml") / "page.json"
+    if not about.exists():
+        return ""
+    first = json.loads(about.read_text(encoding="utf-8"))["headline"].partition(". ")[0]
+    told = first.partition(" leaks ")[2] or first.partition(":")[0]
+    last = re.split(r", | and (?=[\d.]+ )", re.sub(r" \(.*?\)", "", told))[-1]
+    return f"**{_line(last.removeprefix('after ').rstrip('.'))}**"
 
 
 def _study_card(path: Path) -> str:

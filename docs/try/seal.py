@@ -85,12 +85,15 @@ class Seal:
         line = self.line(surface)
         x = np.linspace(-REACH, REACH, POINTS) * line.std
         p, r = line.pressure(x), self.contact_radius + x * math.cos(self.angle)
+        # nine decades below the peak nothing of the resistance is left
+        ends = 1e-9 * p.max(), 1.01 * p.max()
         if leak.is_gas(self.fluid):
-            ends = self.fluid_pressure + ATMOSPHERE, ATMOSPHERE
-            flow: leak.LeakResult = leak.gas_leak_flow(x, p, surface, leak.gas(self.fluid), *ends, r)
+            table = leak.in_contact(surface, leak.gas_conductivity_table(surface, *ends), x, p)
+            inlet, gas = self.fluid_pressure + ATMOSPHERE, leak.gas(self.fluid)
+            flow: leak.LeakResult = leak.gas_leak_flow(x, p, table, gas, inlet, ATMOSPHERE, r)
         else:
             liquid = leak.liquid(self.fluid)
-            sigma = surface.conductivity_table(p.min(), p.max()).at(liquid.viscosity)
+            sigma = leak.in_contact(surface, surface.conductivity_table(*ends), x, p).at(liquid.viscosity)
             flow = leak.leak_flow(x, p, sigma, self.fluid_pressure, r, pressure_law=liquid.pressure_law)
         wavelength = 2.0 * math.pi / surface.spectrum.median_wavenumber
         waves = line.fwhm * 2.0 * math.pi * self.contact_radius / wavelength**2

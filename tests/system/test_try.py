@@ -44,7 +44,8 @@ def test_its_numbers_are_those_of_the_program(process, fluid):
     radius = asked.contact_radius + x * np.cos(asked.angle)
     profile = ImportedProfile(x, line.pressure(x), radius, asked.fluid_pressure)
     (given,) = leak_of_profiles(SealProblem.of(case), [profile])
-    assert flow.leak_rate == pytest.approx(given.leak.leak_rate, rel=1e-9)
+    # tables of conductivity are good to 3e-4, and these have other pressures
+    assert flow.leak_rate == pytest.approx(given.leak.leak_rate, rel=1e-4)
 
 
 def test_the_interval_holds_the_usual_surface(monkeypatch):
