@@ -13,7 +13,7 @@ INSIDE, OUTSIDE, NOT_DECIDABLE = "inside", "outside", "not decidable"
 _WIDE = 10.0
 
 HEAD = """\
-# Validation against measurements
+# Published seals: predicted, measured, not known
 
 [Verification](verification.md) asks whether the equations are solved right; this page asks whether they are the right
 ones. Each experiment is a file in `docs/validation/`: an ordinary case, ranges for the inputs that the report does not
@@ -215,13 +215,15 @@ def _judged(
 
 
 def _summary(experiments: Sequence[Experiment], predictions: Mapping[str, ByTheory]) -> Iterator[str]:
-    yield f"| experiment | theory | {INSIDE} | {OUTSIDE} | {NOT_DECIDABLE} |\n|---|---|---|---|---|"
+    yield f"| experiment | theory | {INSIDE} | {OUTSIDE} | {NOT_DECIDABLE} | not known |\n|---|---|---|---|---|---|"
     for experiment in experiments:
         anchor = "".join(c for c in experiment.title.lower().replace(" ", "-") if c.isalnum() or c == "-")
+        unknown = experiment.not_reported.partition(". ")[0].partition(";")[0].rstrip(".")
         for theory, name in _NAMES.items():
             found = [word for _, _, word, _ in _judged(experiment, predictions, theory)]
             counts = " | ".join(str(found.count(word)) for word in (INSIDE, OUTSIDE, NOT_DECIDABLE))
-            yield f"| [{experiment.title}](#{anchor}) | {name} | {counts} |"
+            yield f"| [{experiment.title}](#{anchor}) | {name} | {counts} | {unknown} |"
+            unknown = ""
     yield ""
 
 
