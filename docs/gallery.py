@@ -319,9 +319,17 @@ def _card(name: str) -> str:
     title = tomllib.loads((EXAMPLES / f"{name}.toml").read_text(encoding="utf-8"))["title"]
     picture = f"pages/{name}_{SPECIAL.get(name, 'sketch')}.svg"
     return (
-        f"```{{grid-item-card}} {title}\n:img-top: {picture}\n:link: pages/{name}\n:link-type: doc\n"
+        f"```{{grid-item-card}} {title}\n:img-top: {picture}\n{_panels(DOCS / 'cases' / picture)}:link: pages/{name}\n:link-type: doc\n"
         f"{_number(name)}\n```"
     )
+
+
+def _panels(picture: Path) -> str:
+    """Of a picture of several panels a card shows the first, in a size that can be read."""
+    text = picture.read_text(encoding="utf-8") if picture.exists() else ""
+    size = re.search(r'viewBox="0 0 ([\d.]+) ([\d.]+)"', text)
+    wide = size is not None and float(size[1]) > 2.0 * float(size[2])
+    return ":class-img-top: first-panel\n" if wide else ""
 
 
 def _number(name: str) -> str:
