@@ -319,7 +319,8 @@ def _card(name: str) -> str:
     title = tomllib.loads((EXAMPLES / f"{name}.toml").read_text(encoding="utf-8"))["title"]
     picture = f"pages/{name}_{SPECIAL.get(name, 'sketch')}.svg"
     return (
-        f"```{{grid-item-card}} {title}\n:img-top: {picture}\n{_panels(DOCS / 'cases' / picture)}:link: pages/{name}\n:link-type: doc\n"
+        f"```{{grid-item-card}} {title}\n:img-top: {picture}\n{_panels(DOCS / 'cases' / picture)}"
+        f":link: pages/{name}\n:link-type: doc\n"
         f"{_number(name)}\n```"
     )
 
