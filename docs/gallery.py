@@ -56,10 +56,9 @@ SPECIAL = {
     "exponential_law": "law",
     "smooth": "stress",
     "relief_valve": "leak",
-    "relief_valve_350_bar": "memory",
+    "relief_valve_350_bar": "imprint",
     "helium": "leak",
     "hot_valve": "temperature",
-    "diesel_1800_bar": "profiles",
     "particles": "particles",
     "measured_seat": "surface",
     "measured_roundness": "line_load_around",
@@ -329,7 +328,7 @@ def _panels(picture: Path) -> str:
     """Of a picture of several panels a card shows the first, in a size that can be read."""
     text = picture.read_text(encoding="utf-8") if picture.exists() else ""
     size = re.search(r'viewBox="0 0 ([\d.]+) ([\d.]+)"', text)
-    wide = size is not None and float(size[1]) > 2.0 * float(size[2])
+    wide = size is not None and float(size[1]) > 2.5 * float(size[2])
     return ":class-img-top: first-panel\n" if wide else ""
 
 
