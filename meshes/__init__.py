@@ -20,7 +20,7 @@ from meshes.shapes.disc import Disc
 from meshes.shapes.flange_face import FlangeFace
 from meshes.shapes.flat_land import FlatLand
 from meshes.shapes.flat_seat import FlatSeat
-from meshes.shapes.gaskets import DeltaRing, DoubleConeRing, LensRing, SolidRing
+from meshes.shapes.gaskets import DeltaRing, DoubleConeRing, LensRing, OctagonalRing, SolidRing
 from meshes.shapes.lands import Land, Lands
 from meshes.shapes.rounded_cone import RoundedCone
 from meshes.shapes.shape import Shape, housing, plunger
@@ -50,6 +50,7 @@ __all__ = [
     "MeshesError",
     "MeshingError",
     "Outline",
+    "OctagonalRing",
     "Profile",
     "Quality",
     "RoundedCone",

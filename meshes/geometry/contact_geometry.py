@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import groupby, pairwise
+from itertools import groupby
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -148,8 +149,9 @@ class ContactGeometry:
         if seat.is_straight or closure.is_straight:
             return None
         s = different(np.append(seat.dense(_PER_FACE), self._origin))
-        ends = [0.0, *(self._origin + x for x in self.chambers), seat.length]
-        lands = [s[(s >= low) & (s <= high)] for low, high in pairwise(ends)]
+        # In the middle of a chamber the normal turns evenly from that of one land to that of the next.
+        ends = [0.0, *(end for chamber in self._chambers for end in chamber), seat.length]
+        lands = [s[(s >= low) & (s <= high)] for low, high in zip(ends[::2], ends[1::2], strict=True)]
         turned = np.concatenate([self._turned(land) for land in lands])
         return None if np.ptp(turned) < 1e-12 else (np.concatenate(lands), turned)
 
@@ -212,16 +214,20 @@ class ContactGeometry:
         other = self.coordinate(*self.closure_face.point(self.closure_face.bends))
         return different(np.concatenate([own, other]))
 
-    @cached_property
+    @property
     def chambers(self) -> tuple[float, ...]:
-        """x in the middle of each chamber between two lands of the seat [m], increasing; none on most seats."""
-        face, found, place = self.seat_face, list[float](), 0.0
-        for kind, segments in groupby(face.segments, lambda one: one.name.endswith("_chamber")):
-            length = sum(one.length for one in segments)
-            if kind:
-                found.append(place + 0.5 * length - self._origin)
-            place += length
-        return tuple(found)
+        """x in the middle of each chamber between two lands [m], increasing; none on most seats."""
+        return tuple(0.5 * (start + end) - self._origin for start, end in self._chambers)
+
+    @cached_property
+    def _chambers(self) -> tuple[tuple[float, float], ...]:
+        """Arc lengths on the seat between which the middle half of each chamber lies [m], of a groove below it."""
+        seat = self.seat_face
+        found = [np.array(one) for one in _middles(seat)]
+        for one in _middles(self.closure_face):
+            below = seat.hits(self.closure_face.point(np.array(one)), np.array([[0.0, 0.0], [-1.0, -1.0]]))[1]
+            found.append(below)
+        return tuple(sorted((float(start), float(end)) for start, end in found))
 
     def point(self, x: FloatArray) -> FloatArray:
         """Points (r, z) of the contact line [m], shape (2, ...) over x."""
@@ -306,6 +312,16 @@ class ContactGeometry:
             hit = self.seat_face.hits(points + above * normal, -normal)[1]
             foot = np.where(np.isnan(hit), foot, hit)
         return foot.reshape(r.shape) - self._origin
+
+
+def _middles(face: Curve) -> Iterator[tuple[float, float]]:
+    """Arc lengths between which the middle half of each chamber of a face lies [m]."""
+    place = 0.0
+    for kind, segments in groupby(face.segments, lambda one: one.name.endswith("_chamber")):
+        length = sum(one.length for one in segments)
+        if kind:
+            yield place + 0.25 * length, place + 0.75 * length
+        place += length
 
 
 def _angles(face: Curve, s: FloatArray) -> FloatArray:

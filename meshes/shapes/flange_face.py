@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 
+from meshes.errors import GeometryError, mm
+from meshes.geometry.curve import Curve
 from meshes.geometry.outline import Outline
 from meshes.geometry.rounding import chain
 from meshes.geometry.segment import Point, Segment
 from meshes.shapes import check
 from meshes.shapes.conical_seat import ConicalSeat
 from meshes.shapes.flat_land import FlatLand
+from meshes.shapes.gaskets import FLANK_ANGLE
 from meshes.shapes.shape import housing
 
 # What a boundary of the seat is on the flange.
 _NAMES = {
     "seat_face": "closure_face",
+    "seat_chamber": "closure_chamber",
     "seat_inner": "closure_inner",
     "seat_outer": "closure_outer",
     "seat_wall": "closure_outer",
@@ -152,3 +157,52 @@ class FlangeFace:
         thick = outer - bore_radius if height is None else height
         cone = ConicalSeat(angle, bore_radius, face_radius, outer, thick)
         return cls(turned_over(cone.outline), 0.0, outer, thick)
+
+    @classmethod
+    def grooved(
+        cls,
+        bore_radius: float,
+        groove_mean_radius: float,
+        groove_width: float,
+        groove_depth: float,
+        *,
+        angle: float = FLANK_ANGLE,
+        bottom_edge_radius: float | None = None,
+        outer_radius: float | None = None,
+        height: float | None = None,
+    ) -> FlangeFace:
+        """Flat with a trapezoidal groove for a ring joint, whose bottom is a chamber between its two flanks.
+
+        Parameters
+        ----------
+        bore_radius, groove_mean_radius : float
+            Of the bore, and of the middle of the groove, half the pitch diameter [m].
+        groove_width, groove_depth : float
+            Width at the face of the flange, and depth [m].
+        angle : float
+            Inclination of the flanks to the horizontal plane [rad]: 67 deg, 23 deg to the axis.
+        bottom_edge_radius, outer_radius, height : float, optional
+            A tenth of the depth, the groove's outer edge and as much again as the face inside the groove, five times
+            the depth unless given [m].
+        """
+        r, half = groove_mean_radius, 0.5 * groove_width
+        check.positive("closure", bore_radius=bore_radius, groove_width=groove_width, groove_depth=groove_depth)
+        check.angle("closure", "angle", angle)
+        check.exceeds("closure", "groove_mean_radius", r - half, bore_radius, "bore_radius + half groove_width,")
+        bottom = half - groove_depth / math.tan(angle)
+        if not bottom > 0:
+            raise GeometryError(
+                f"closure groove_depth = {mm(groove_depth)}: the flanks meet at "
+                f"{mm(half * math.tan(angle))}; make the groove wider or less deep"
+            )
+        outer = 2 * r - bore_radius if outer_radius is None else outer_radius
+        thick = 5 * groove_depth if height is None else height
+        check.exceeds("closure", "outer_radius", outer, r + half, "the outer edge of the groove,")
+        rounding = 0.1 * groove_depth if bottom_edge_radius is None else bottom_edge_radius
+        corners = [(bore_radius, 0.0), (r - half, 0.0), (r - bottom, -groove_depth), (r + bottom, -groove_depth)]
+        corners += [(r + half, 0.0), (outer, 0.0)]
+        face = chain(corners, "seat_face", lambda n: rounding if n in (2, 3) else 0.0)
+        face = Curve(
+            tuple(replace(s, name="seat_chamber") if s.start[1] == s.end[1] < 0 else s for s in face.segments)
+        )
+        return cls(turned_over(housing(face, outer, thick)), rounding, outer, thick)

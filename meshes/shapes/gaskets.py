@@ -18,6 +18,9 @@ from meshes.geometry.segment import Point, Segment
 from meshes.shapes import check
 from meshes.shapes.shape import NamedFace, round_part, straight_part
 
+# Of ring joints and their grooves to the horizontal plane [rad].
+FLANK_ANGLE = math.radians(67.0)
+
 
 def half_section(face: Curve) -> Outline:
     """Half of a gasket: its upper surface, upright sides below the ends of it, and the mid-plane z = 0.
@@ -257,3 +260,71 @@ class DoubleConeRing:
     def named_face(self) -> NamedFace:
         """The cone between its rounded edges."""
         return straight_part("conical face", self.outline, -self.angle)
+
+
+@dataclass(frozen=True)
+class OctagonalRing:
+    """Octagonal ring joint, as ASME B16.20 has it: four conical flanks, for a groove with the same flanks.
+
+    In a groove of the same angle both flanks of a half touch, each in its middle, with R_rel = inf.
+
+    Parameters
+    ----------
+    mean_radius : float
+        Of the middle of the ring, half the pitch diameter [m].
+    width, height : float
+        Of the section, from side to side and from flat to flat [m].
+    flat_width : float
+        Of the flats at both ends [m].
+    angle : float
+        Inclination of the flanks to the horizontal plane [rad]: 67 deg, 23 deg to the axis.
+    edge_radius : float
+        Of the rounding at both ends of every flank [m].
+
+    References
+    ----------
+    ASME B16.20, ring joint gaskets type R, octagonal (dimensions P, A, H, C, R1), as printed in lists of manufacturers.
+
+    Examples
+    --------
+    >>> import meshes
+    >>> ring = meshes.OctagonalRing(0.047625, 11.13e-3, 16e-3, 7.75e-3, edge_radius=1.5e-3)
+    >>> print(f"sides {ring.side_height * 1e3:.1f} mm high, {2 * ring.outline.area * 1e6:.0f} mm^2 of section")
+    sides 8.0 mm high, 163 mm^2 of section
+    """
+
+    mean_radius: float
+    width: float
+    height: float
+    flat_width: float
+    angle: float = FLANK_ANGLE
+    edge_radius: float = 0.0
+
+    def __post_init__(self) -> None:
+        check.positive("gasket", flat_width=self.flat_width, height=self.height)
+        check.angle("gasket", "angle", self.angle)
+        check.not_negative("gasket", "edge_radius", self.edge_radius)
+        check.exceeds("gasket", "width", self.width, self.flat_width, "flat_width =")
+        check.exceeds("gasket", "mean_radius", self.mean_radius, 0.5 * self.width, "half the width,")
+        if not self.side_height > 0:
+            raise GeometryError(
+                f"gasket height = {mm(self.height)}: the flanks would meet; make it larger, or flat_width"
+            )
+
+    @property
+    def side_height(self) -> float:
+        """Of the cylindrical sides between the flanks [m]."""
+        return self.height - (self.width - self.flat_width) * math.tan(self.angle)
+
+    @property
+    def outline(self) -> Outline:
+        """The upper half of the section."""
+        top, side = 0.5 * self.height, 0.5 * self.side_height
+        r, a, c = self.mean_radius, 0.5 * self.width, 0.5 * self.flat_width
+        corners = [(r - a, 0.0), (r - a, side), (r - c, top), (r + c, top), (r + a, side), (r + a, 0.0)]
+        return half_section(chain(corners, "seat_face", self.edge_radius).without_first().without_last())
+
+    @property
+    def named_face(self) -> NamedFace:
+        """The inner flank between its rounded edges."""
+        return straight_part("flank", self.outline, self.angle)
