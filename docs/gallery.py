@@ -98,7 +98,7 @@ GROUPS = {
         "tilted_poppet",
         "scratched_seat",
     ),
-    "Gaskets": ("copper_ring", "delta_seal"),
+    "Gaskets": ("copper_ring", "delta_seal", "ring_joint"),
     "After a larger load": ("proof_load", "elastoplastic_seat", "hot_coined_seat"),
 }
 

@@ -94,6 +94,12 @@ class ContactGeometry:
                     f"the {name}; give it an edge radius"
                 )
 
+        if any(start < self._origin < end for start, end in self._chambers):
+            raise GeometryError(
+                f"closure and seat touch first at r = {mm(self.initial_contact_radius)}, in a chamber between two "
+                "lands; make the chamber deeper, or the lands closer to each other"
+            )
+
     @property
     def has_ready_mesh(self) -> bool:
         """Whether a body is meshed already, so that its elements are what they are."""

@@ -186,9 +186,13 @@ class FlangeFace:
             the depth unless given [m].
         """
         r, half = groove_mean_radius, 0.5 * groove_width
-        check.positive("closure", bore_radius=bore_radius, groove_width=groove_width, groove_depth=groove_depth)
+        check.positive(
+            "closure", bore_radius=bore_radius, groove_width=groove_width, groove_depth=groove_depth
+        )
         check.angle("closure", "angle", angle)
-        check.exceeds("closure", "groove_mean_radius", r - half, bore_radius, "bore_radius + half groove_width,")
+        check.exceeds(
+            "closure", "groove_mean_radius", r - half, bore_radius, "bore_radius + half groove_width,"
+        )
         bottom = half - groove_depth / math.tan(angle)
         if not bottom > 0:
             raise GeometryError(
@@ -199,7 +203,12 @@ class FlangeFace:
         thick = 5 * groove_depth if height is None else height
         check.exceeds("closure", "outer_radius", outer, r + half, "the outer edge of the groove,")
         rounding = 0.1 * groove_depth if bottom_edge_radius is None else bottom_edge_radius
-        corners = [(bore_radius, 0.0), (r - half, 0.0), (r - bottom, -groove_depth), (r + bottom, -groove_depth)]
+        corners = [
+            (bore_radius, 0.0),
+            (r - half, 0.0),
+            (r - bottom, -groove_depth),
+            (r + bottom, -groove_depth),
+        ]
         corners += [(r + half, 0.0), (outer, 0.0)]
         face = chain(corners, "seat_face", lambda n: rounding if n in (2, 3) else 0.0)
         face = Curve(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from itertools import pairwise
 
+import numpy as np
 import pytest
 
 import meshes
@@ -42,6 +43,11 @@ GASKETS = {
         meshes.DoubleConeRing(0.02, 0.03, 0.02, 0.01, math.radians(60), 0.0),
         0.01 * 5e-3 + 5e-3 * (0.01 - 0.5 * 5e-3 / math.tan(math.radians(60))),
     ),
+    # a rectangle less two corners
+    "octagonal": (
+        meshes.OctagonalRing(0.0476, 11e-3, 16e-3, 8e-3),
+        11e-3 * 8e-3 - 1.5e-3 * 1.5e-3 * math.tan(math.radians(67)),
+    ),
 }
 
 
@@ -68,6 +74,28 @@ def test_a_double_cone_fits_a_flange_of_its_angle() -> None:
     assert math.isinf(contact.relative_radius)
     assert contact.angle == pytest.approx(-angle, rel=1e-9)
     assert ring.end_radius < contact.initial_contact_radius < 0.03
+
+
+def test_an_octagonal_ring_touches_both_walls_of_its_groove_along_their_normals() -> None:
+    beta = math.radians(67)
+    ring = meshes.OctagonalRing(0.0476, 11e-3, 16e-3, 8e-3, edge_radius=1e-3)
+    groove = meshes.FlangeFace.grooved(0.02, 0.0476, 12e-3, 8e-3, bottom_edge_radius=5e-4)
+    contact = ContactGeometry.of(groove.outline, ring.outline)
+    assert closed(groove.outline)
+    assert contact.angle == pytest.approx(beta, rel=1e-9) and math.isinf(contact.relative_radius)
+    # the chamber lies in the middle of the ring, and the flanks are images of each other about it
+    (chamber,) = contact.chambers
+    assert contact.radius(np.array(chamber)) == pytest.approx(0.0476, rel=1e-12)
+    x = np.linspace(0.0, chamber - contact.reach[0] - 1e-6, 101)[1:]
+    assert contact.gap(chamber + x) == pytest.approx(contact.gap(chamber - x), abs=1e-15)
+    inner, outer = contact.normal(np.array([0.0, 2 * chamber])).T
+    assert inner == pytest.approx([-math.sin(beta), math.cos(beta)], abs=1e-12)
+    assert outer == pytest.approx([math.sin(beta), math.cos(beta)], abs=1e-12)
+    # between the roundings each flank touches all along: no ray misses, and none meets another one
+    flat = contact.gap(np.linspace(-1e-4, 1e-4, 11))
+    assert flat == pytest.approx(0.0, abs=1e-15)
+    arc = contact.closure_arc(np.linspace(*contact.reach, 401))
+    assert np.all(np.diff(arc) > 0)
 
 
 @pytest.mark.parametrize("flange", [FLAT, meshes.FlangeFace.raised(0.01, 0.04)])

@@ -58,6 +58,23 @@ GASKETS: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
         },
     ),
 }
+GASKETS["octagonal"] = (
+    {
+        "shape": "groove",
+        "bore_diameter": "49 mm",
+        "groove_mean_diameter": "95.25 mm",
+        "groove_width": "11.91 mm",
+        "groove_depth": "7.92 mm",
+    },
+    {
+        "shape": "octagonal",
+        "mean_diameter": "95.25 mm",
+        "width": "11.13 mm",
+        "height": "16 mm",
+        "flat_width": "7.75 mm",
+        "edge_radius": "1.5 mm",
+    },
+)
 GASKETS["delta"][1]["edge_radius"] = "0.5 mm"
 GASKETS["double-cone"][1].update(angle="60 deg", rim_height="7 mm", edge_radius="0.2 mm")
 
@@ -241,6 +258,29 @@ def test_a_ring_fits_into_its_groove_or_not() -> None:
     assert "where the face of the flange ends" in problems(closure=narrow)["gasket"]
     narrow["outline"][3]["name"] = "face"
     assert "does not fit" in problems(closure=narrow)["gasket"]
+
+
+@pytest.mark.parametrize(
+    ("body", "others", "words"),
+    [
+        ("closure", {"groove_depth": "4.5 mm"}, "in a chamber between two lands"),
+        ("gasket", {"height": "7 mm"}, "the flanks would meet"),
+        ("gasket", {"flat_width": "11.2 mm"}, "must exceed flat_width"),
+        ("gasket", {"height": "8.5 mm"}, "the flanges meet"),
+        ("closure", {"groove_depth": "15 mm"}, "the flanks meet at 14.0291 mm"),
+        ("closure", {"bore_diameter": "84 mm"}, "must exceed bore_radius + half groove_width"),
+        ("closure", {"outer_diameter": "104 mm"}, "must exceed the outer edge of the groove"),
+        ("closure", {"height": "5 mm"}, "must be higher"),
+    ],
+)
+def test_ring_joints_that_cannot_be(body: str, others: dict[str, Any], words: str) -> None:
+    closure, gasket = GASKETS["octagonal"]
+    changed = {"closure": closure, "gasket": gasket}
+    changed[body] = {"material": STEEL, **changed[body], **others}
+    found = problems(
+        closure={"material": STEEL, **changed["closure"]}, gasket={"material": STEEL, **changed["gasket"]}
+    )
+    assert any(words in message for message in found.values()), found
 
 
 def test_a_gasket_may_be_taken_away_for_a_seat() -> None:
