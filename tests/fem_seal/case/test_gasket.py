@@ -266,7 +266,7 @@ def test_a_ring_fits_into_its_groove_or_not() -> None:
         ("closure", {"groove_depth": "4.5 mm"}, "in a chamber between two lands"),
         ("gasket", {"height": "7 mm"}, "the flanks would meet"),
         ("gasket", {"flat_width": "11.2 mm"}, "must exceed flat_width"),
-        ("gasket", {"height": "8.5 mm"}, "the flanges meet"),
+        ("gasket", {"height": "8.5 mm", "edge_radius": "0.2 mm"}, "the flanges meet"),
         ("closure", {"groove_depth": "15 mm"}, "the flanks meet at 14.0291 mm"),
         ("closure", {"bore_diameter": "84 mm"}, "must exceed bore_radius + half groove_width"),
         ("closure", {"outer_diameter": "104 mm"}, "must exceed the outer edge of the groove"),
