@@ -17,7 +17,10 @@ from fem_seal.contact.solution import ContactSolution
 from fem_seal.loads import line_load
 from fem_seal.materials import effective_modulus
 
-MATERIALS = {"closure": fem_seal.Material("flange", 210e9, 0.3), "seat": fem_seal.Material("ring", 195e9, 0.3)}
+MATERIALS = {
+    "closure": fem_seal.Material("flange", 210e9, 0.3),
+    "seat": fem_seal.Material("ring", 195e9, 0.3),
+}
 BETA, FORCE = math.radians(67), 100e3
 
 
