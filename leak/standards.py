@@ -1,12 +1,13 @@
-"""Leakage classes of closed valves (ISO 5208, API 598, FCI 70-2), of flanges and stems, and the units of leak testing.
+"""Leakage classes of closed valves, of flanges and stems, with their tests, and the units of leak testing.
 
-Flanges are judged per length of their seal (VDI 2440, EN 13555 with EN 1591-1), the seals of valve stems per diameter
+Valves are judged by ISO 5208, EN 12266-1, API 598, MSS SP-61 and FCI 70-2, pressure relief valves by API 527. Flanges are
+judged per length of their seal (VDI 2440, EN 13555 with EN 1591-1), the seals of valve stems per diameter
 of the stem (ISO 15848-1), each with helium.
 
 The numbers are those of the revisions named in `STANDARDS`, taken from secondary literature (tables of manufacturers
-and of trade sites, which agree with each other), not from the standards themselves: for acceptance read the standard.
-A class says what the leak rate allows under the conditions calculated; the standards prescribe test pressures and
-fluids of their own.
+and of trade sites), not from the standards themselves: for acceptance read the standard. `Standard.source` says where
+two of them disagree, `Standard.from_memory` which numbers stand in none that could be opened. A class says what the leak
+rate allows under the conditions calculated; the test pressures and fluids of a standard are its `ClosureTest`.
 """
 
 from __future__ import annotations
@@ -20,8 +21,55 @@ from types import MappingProxyType
 from leak.errors import FluidError, positive
 from leak.files import own_tables
 
-_INCH = 0.0254
-_MINUTE = 60.0
+_INCH, _PSI = 0.0254, 6894.757
+_MINUTE, _HOUR = 60.0, 3600.0
+
+
+@dataclass(frozen=True)
+class ClosureTest:
+    """A test of closed valves as a standard prescribes it: the fluid and its pressure.
+
+    Parameters
+    ----------
+    name : str
+    medium : {"water", "air"}
+    share : float
+        Of the rated pressure, of a relief valve of its set pressure.
+    below : float
+        The pressure is at least so much below that one [Pa].
+    most : float
+        Highest pressure of the test [Pa].
+    classes : tuple of str
+        For which it is; empty for all.
+
+    Examples
+    --------
+    >>> low = STANDARDS["ISO 5208"].tests[1]
+    >>> low.medium, low.pressure(40e5), round(low.pressure(4e5))
+    ('air', 600000.0, 440000)
+    """
+
+    name: str
+    medium: str
+    share: float
+    below: float = -math.inf
+    most: float = math.inf
+    classes: tuple[str, ...] = ()
+
+    @property
+    def gas(self) -> bool:
+        """Whether it is a test with gas."""
+        return self.medium == "air"
+
+    def pressure(self, rated: float) -> float:
+        """Pressure difference of the test [Pa].
+
+        Parameters
+        ----------
+        rated : float
+            Rated pressure of the valve, set pressure of a relief valve [Pa].
+        """
+        return min(self.share * rated, rated - self.below, self.most)
 
 
 @dataclass(frozen=True)
@@ -33,16 +81,29 @@ class Standard:
     name, revision, source : str
     bubble_volume : float
         Of one bubble of its gas test [m^3].
+    tests : tuple of ClosureTest
+        Empty where they are not known here.
+    from_memory : str
+        Numbers that stand in no source that could be opened; empty if there are none.
     """
 
     name: str
     revision: str
     source: str
     bubble_volume: float
+    tests: tuple[ClosureTest, ...] = ()
+    from_memory: str = ""
 
 
 _DATA = own_tables("leak.fluids", "standards.toml")
-STANDARDS = MappingProxyType({name: Standard(name, **data) for name, data in _DATA["standards"].items()})
+STANDARDS = MappingProxyType(
+    {
+        name: Standard(name, **{**data, "tests": tuple(ClosureTest(**one) for one in data.get("tests", ()))})
+        for name, data in _DATA["standards"].items()
+    }
+)
+# Those whose best class is told of every leak rate.
+_TOLD = ("ISO 5208", "API 598", "FCI 70-2")
 
 # NPS [inch] to DN [mm] where it is not 25 mm to the inch.
 _NPS: dict[float, float] = dict(_DATA["nominal_sizes"]["NPS"])
@@ -55,6 +116,9 @@ _FCI_SHARES = (("IV", 1e-4), ("III", 1e-3), ("II", 5e-3))
 # Class V: 5e-12 m^3/s of water per mm of seat diameter and bar; 4.7 ml/min of air per inch of orifice.
 _FCI_V_LIQUID = 5e-12 / (1e-3 * 1e5)
 _FCI_V_GAS = 4.7e-6 / _MINUTE / _INCH
+# MSS SP-61, per inch of nominal pipe size: 10 ml/h of liquid, 0.1 ft^3/h of gas. API 527: ml/h of water per inch of inlet.
+_MSS_LIQUID, _MSS_GAS = 10e-6 / _HOUR, 0.1 * (12.0 * _INCH) ** 3 / _HOUR
+_API_527_WATER = 10e-6 / _HOUR
 # A row holds for diameters that differ by no more from its own [mm].
 _FCI_VI_NEAR = 2.0 + 1e-9
 
@@ -127,6 +191,7 @@ def leakage_limits(
     bubble_volume: float | None = None,
     seal_length: float | None = None,
     density: float | None = None,
+    set_pressure: float | None = None,
 ) -> tuple[LeakageLimit, ...]:
     """Limits of all classes that can be judged for a valve, the tightest of each standard first.
 
@@ -148,6 +213,8 @@ def leakage_limits(
         Circumference of a seal that gas leaks through; classes per length need it [m].
     density : float, optional
         Of the gas at 101325 Pa, with which classes by mass, those of EN 13555, are volumes [kg/m^3].
+    set_pressure : float, optional
+        Of a pressure relief valve, from 15 to 6000 psi; API 527 needs it [Pa].
 
     Returns
     -------
@@ -177,14 +244,15 @@ def leakage_limits(
         None if rated_capacity is None else positive(FluidError, "rated_capacity", rated_capacity, "m^3/s")
     )
     bubble = positive(FluidError, "bubble_volume", _bubble("API 598", bubble_volume), "m^3")
+    rates = {"A": 0.0} | {name: 1e-9 * dn * both[gas] for name, both in _DATA["rates_of_iso_5208"].items()}
+    mss = (_MSS_GAS if gas else _MSS_LIQUID) * _inches(dn)
     return (
-        LeakageLimit("ISO 5208", "A", 0.0),
-        *(
-            LeakageLimit("ISO 5208", name, 1e-9 * dn * (of_gas if gas else of_liquid))
-            for name, (of_liquid, of_gas) in _DATA["rates_of_iso_5208"].items()
-        ),
+        *(LeakageLimit("ISO 5208", name, rate) for name, rate in rates.items()),
         LeakageLimit("API 598", "metal-seated", _api_limit(dn, bubble if gas else None)),
         *_fci_limits(bore, gas, drop, capacity),
+        *(LeakageLimit("EN 12266-1", name, rate) for name, rate in rates.items() if len(name) == 1),
+        LeakageLimit("MSS SP-61", "metal-seated", mss),
+        *_relief_limits(dn, bore, set_pressure, _bubble("API 527", bubble_volume) if gas else None),
         *(_limits_per_length(seal_length, density) if gas and seal_length is not None else ()),
     )
 
@@ -229,7 +297,13 @@ def classes_of(standard: str, *, gas: bool, rated_capacity: bool = True) -> tupl
     """
     capacity = 1.0 if rated_capacity else None
     limits = leakage_limits(
-        0.025, gas=gas, pressure_drop=1e5, rated_capacity=capacity, seal_length=1.0, density=1.0
+        0.025,
+        gas=gas,
+        pressure_drop=1e5,
+        rated_capacity=capacity,
+        seal_length=1.0,
+        density=1.0,
+        set_pressure=1e6,
     )
     return tuple(one.name for one in limits if one.standard == standard)
 
@@ -288,7 +362,7 @@ def leakage_class(
     Returns
     -------
     tuple of LeakageClass
-        One for each standard that has a limit for these data.
+        Of ISO 5208, API 598 and FCI 70-2, as far as they have a limit for these data.
 
     Examples
     --------
@@ -313,7 +387,7 @@ def leakage_class(
     )
     return tuple(
         _tightest([one for one in limits if one.standard == standard], leak_rate, highest)
-        for standard in dict.fromkeys(one.standard for one in limits)
+        for standard in dict.fromkeys(one.standard for one in limits if one.standard in _TOLD)
     )
 
 
@@ -348,6 +422,29 @@ def class_per_length(
         _tightest([one for one in limits if one.standard == standard], leak_rate, highest or leak_rate)
         for standard in dict.fromkeys(one.standard for one in limits)
     )
+
+
+def _relief_limits(
+    dn: float, bore: float, set_pressure: float | None, bubble_volume: float | None
+) -> Iterator[LeakageLimit]:
+    """That of API 527, of a gas with this volume of a bubble, of water without; DN and bore in mm."""
+    table = _DATA["bubbles_of_api_527"]
+    if set_pressure is None:
+        return
+    psi = positive(FluidError, "set_pressure", set_pressure, "Pa") / _PSI * (1.0 + 1e-9)
+    if not min(table["set_pressure"]) <= psi <= table["highest_set_pressure"] * (1.0 + 1e-5):
+        return
+    rate = _API_527_WATER * max(_inches(dn), 1.0)
+    if bubble_volume is not None:
+        column = table["small" if math.pi / 4 * (1e-3 * bore) ** 2 <= table["orifice"] else "large"]
+        row = max(n for n, lowest in enumerate(table["set_pressure"]) if lowest <= psi)
+        rate = column[row] * bubble_volume / _MINUTE
+    yield LeakageLimit("API 527", "metal-seated", rate)
+
+
+def _inches(dn: float) -> float:
+    """NPS of a DN in mm."""
+    return next((inch for inch, size in _NPS.items() if size == dn), dn / 25.0)
 
 
 def _limits_per_length(seal_length: float, density: float | None) -> Iterator[LeakageLimit]:
@@ -415,8 +512,7 @@ def _api_limit(dn: float, bubble_volume: float | None) -> float:
     if dn <= _API_SMALLEST:
         return 0.0 if bubble_volume is None else bubble_volume / _API_SHORTEST_TEST
     volume = _API_DROPS * DROP_VOLUME if bubble_volume is None else _API_BUBBLES * bubble_volume
-    inches = next((inch for inch, size in _NPS.items() if size == dn), dn / 25.0)
-    return inches * volume / _MINUTE
+    return _inches(dn) * volume / _MINUTE
 
 
 def _fci_limits(

@@ -53,7 +53,10 @@ def test_a_bubble_of_iso_5208(name, per_second):
 
 
 def test_bubbles_are_those_of_the_standard_or_those_that_are_given():
-    assert [round(one.bubble_volume * 1e6, 3) for one in STANDARDS.values()] == [0.065, 0.01] + 4 * [0.15]
+    assert [round(one.bubble_volume * 1e6, 3) for one in STANDARDS.values()] == [
+        *(0.065, 0.01, 0.15, 0.15, 0.15, 0.15),
+        *(0.065, 0.04, 0.3),
+    ]
     # one bubble in 15 s
     assert visible_leak_rate(gas=True) * 15e6 == pytest.approx(0.06545, rel=1e-4)
     assert visible_leak_rate(gas=True, bubble_volume=0.15e-6) * 15e6 == pytest.approx(0.15)
@@ -138,6 +141,67 @@ def test_the_class_found_is_the_tightest_met(rate, dn, gas):
         assert (one.name is None) == (not met)
 
 
+@pytest.mark.parametrize("gas", [False, True])
+def test_en_12266_1_has_the_rates_of_iso_5208_with_one_letter(gas):
+    found = limits(0.08, gas=gas)
+    for name in "ABCDEFG":
+        assert found["EN 12266-1", name] == found["ISO 5208", name]
+    assert [name for standard, name in found if standard == "EN 12266-1"] == list("ABCDEFG")
+
+
+def test_mss_sp_61():
+    """Drops/min and bubbles/min of 0.04 ml per inch, as a comparison of the standards prints them (piping-world.com)."""
+    name = ("MSS SP-61", "metal-seated")
+    for dn, nps in ((50, 2), (80, 3), (100, 4), (150, 6)):
+        liquid, gas = (limits(dn * 1e-3, gas=gas)[name] for gas in (False, True))
+        assert leak.drops_per_minute(liquid) == pytest.approx(2.66 * nps, rel=5e-3)
+        assert leak.bubbles_per_minute(gas, STANDARDS[name[0]].bubble_volume) == pytest.approx(
+            1180 * nps, rel=1e-3
+        )
+        assert liquid * 3600e6 == pytest.approx(10 * nps)
+        assert gas * 3600 == pytest.approx(0.1 * 0.3048**3 * nps)
+
+
+@pytest.mark.parametrize(
+    ("psi", "small", "large"),
+    [(15, 40, 20), (1000, 40, 20), (1499, 40, 20), (1500, 60, 30), (2000, 80, 40), (2500, 100, 50)]
+    + [(3000, 100, 60), (4000, 100, 80), (5000, 100, 100), (6000, 100, 100)],
+)
+def test_api_527(psi, small, large):
+    """Bubbles/min of 0.3 ml by set pressure; 0.60 ft^3 in 24 h are 40 of them to 2 %."""
+    name, set_pressure = ("API 527", "metal-seated"), psi * 6894.757
+    for mm, bubbles in ((15.8, small), (16.0, large)):
+        rate = limits(0.05, gas=True, seat_diameter=mm * 1e-3, set_pressure=set_pressure)[name]
+        assert rate == pytest.approx(bubbles * 0.3e-6 / 60)
+        assert rate * 86400 == pytest.approx(bubbles / 40 * 0.60 * 0.3048**3, rel=0.02)
+    for dn, inches in ((15, 1.0), (25, 1.0), (50, 2.0)):
+        assert limits(dn * 1e-3, gas=False, set_pressure=set_pressure)[name] * 3600e6 == pytest.approx(
+            10 * inches
+        )
+    assert name not in limits(0.05, gas=True)
+    assert name not in limits(0.05, gas=True, set_pressure=6001 * 6894.757)
+    assert name not in limits(0.05, gas=True, set_pressure=14.9 * 6894.757)
+
+
+def test_the_tests_of_the_standards():
+    """1.1 times the rated pressure of liquid, 6 bar of gas, 90 % of the set pressure or 5 psi below it."""
+    for name in ("ISO 5208", "EN 12266-1", "API 598", "MSS SP-61"):
+        liquid, gas = STANDARDS[name].tests
+        assert (liquid.gas, gas.gas) == (False, True)
+        assert liquid.pressure(40e5) == pytest.approx(44e5)
+        assert 5e5 < gas.pressure(40e5) < 7e5
+        assert gas.pressure(2e5) == pytest.approx(2.2e5)
+    psi = 6894.757
+    for one in STANDARDS["API 527"].tests:
+        for set_pressure, test in ((100, 90), (50, 45), (30, 25), (15, 10)):
+            assert one.pressure(set_pressure * psi) == pytest.approx(test * psi, rel=1e-4)
+    assert {name for name, one in STANDARDS.items() if not one.tests} == {
+        "VDI 2440",
+        "EN 13555",
+        "ISO 15848-1",
+    }
+
+
 def test_a_leak_is_never_called_invisible():
     assert leak.leakage_class(0.0, 0.025, gas=False)[0].name == "A"
     assert leak.leakage_class(1e-15, 0.025, gas=False)[0].name == "AA"
@@ -207,8 +271,8 @@ def test_nominal_size_of_a_bore():
 
 
 def test_every_standard_names_its_source():
-    names = {one.standard for one in leak.leakage_limits(0.1, gas=True, seal_length=0.1, density=0.17)}
-    assert names == set(STANDARDS)
+    limits = leak.leakage_limits(0.1, gas=True, seal_length=0.1, density=0.17, set_pressure=1e6)
+    assert {one.standard for one in limits} == set(STANDARDS)
     assert all("secondary" in one.source and one.revision for one in STANDARDS.values())
 
 
