@@ -41,6 +41,8 @@ class ClosureTest:
         Highest pressure of the test [Pa].
     classes : tuple of str
         For which it is; empty for all.
+    of_its_kind : bool
+        Whether it is for valves of such a fluid, gas or liquid, alone.
 
     Examples
     --------
@@ -55,6 +57,7 @@ class ClosureTest:
     below: float = -math.inf
     most: float = math.inf
     classes: tuple[str, ...] = ()
+    of_its_kind: bool = False
 
     @property
     def gas(self) -> bool:
@@ -306,6 +309,28 @@ def classes_of(standard: str, *, gas: bool, rated_capacity: bool = True) -> tupl
         set_pressure=1e6,
     )
     return tuple(one.name for one in limits if one.standard == standard)
+
+
+def closure_tests(standard: str, name: str, *, gas: bool) -> tuple[ClosureTest, ...]:
+    """Tests of a standard for a class; empty where they are not known here.
+
+    Parameters
+    ----------
+    standard, name : str
+        As in `STANDARDS` and `classes_of`.
+    gas : bool
+        Whether the valve is for a gas, or for a liquid.
+
+    Examples
+    --------
+    >>> [one.name for one in closure_tests("FCI 70-2", "V", gas=True)]
+    ['test with water']
+    """
+    return tuple(
+        one
+        for one in STANDARDS[standard].tests
+        if (not one.classes or name in one.classes) and (one.gas == gas or not one.of_its_kind)
+    )
 
 
 def visible_leak_rate(*, gas: bool, bubble_volume: float | None = None) -> float:

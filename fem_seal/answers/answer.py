@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, Generic, TypeVar, overload
 
+from fem_seal.case.case import Case
 from fem_seal.seal.lazy import OptionalSteps
 from fem_seal.seal.load_result import LoadResult, SolvedSeal
 from fem_seal.seal.load_solver import Clock, LoadSolver
@@ -46,6 +47,8 @@ class Inquiry:
         For parts of an answer that may fail by themselves.
     answers : dict
         Those before it, by name.
+    solve : callable
+        Solves another case for some answers, as a run of its own would.
     """
 
     solver: LoadSolver
@@ -53,6 +56,7 @@ class Inquiry:
     wanted: Wanted = NOTHING_ELSE
     steps: OptionalSteps = field(default_factory=OptionalSteps)
     answers: dict[str, Any] = field(default_factory=dict)
+    solve: Callable[[Case, Sequence[Answer[Any]]], SolvedSeal] | None = None
 
 
 @dataclass(frozen=True)

@@ -21,6 +21,7 @@ from fem_seal.answers.particles import PARTICLES
 from fem_seal.answers.pass_probability import PASS_PROBABILITY
 from fem_seal.answers.sensitivities import SENSITIVITIES
 from fem_seal.answers.solution import SealSolution
+from fem_seal.answers.standard_tests import SET_PRESSURE, STANDARD_TESTS
 from fem_seal.answers.target import TARGET
 from fem_seal.answers.uncertainty import UNCERTAINTY
 from fem_seal.answers.variants import INTERFACE_VARIANTS, THEORIES, THEORY_VARIANTS
@@ -57,6 +58,8 @@ ANSWERS: tuple[Answer[Any], ...] = (
     PASS_PROBABILITY,
     VERDICT_FORCE,
     VERDICT,
+    STANDARD_TESTS,
+    SET_PRESSURE,
     SENSITIVITIES,
 )
 
@@ -108,11 +111,15 @@ def solve(
     clock, steps = Clock(progress or (lambda text: None)), OptionalSteps()
     seal = _solved(case, clock, steps)
     seal = seal.with_loads([JudgedLoad.of(load) for load in seal.loads])
-    ask = Inquiry(LoadSolver(seal.problem, seal.model), clock, wanted, steps)
+    ask = Inquiry(LoadSolver(seal.problem, seal.model), clock, wanted, steps, solve=_again)
     seal = answered(seal, ask, ANSWERS if answers is None else answers)
     texts = (caution.text for caution in FINDINGS.of(ask.answers).cautions)
     warnings = (*texts, *steps.failures)
     return SealSolution(**vars(seal), answers=ask.answers, warnings=warnings, timings=clock.timings)
+
+
+def _again(case: Case, answers: Sequence[Answer[Any]]) -> SealSolution:
+    return solve(case, answers=answers)
 
 
 def _solved(case: Case, clock: Clock, steps: OptionalSteps) -> SolvedSeal:

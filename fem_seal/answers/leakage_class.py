@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from fem_seal.answers.judgement import Limit
 from fem_seal.case.fields import Bubbles
+from fem_seal.case.tables import RELIEF
 from fem_seal.files import told_of
 from fem_seal.seal.leak_model import ROOM_TEMPERATURE, TEST_GASES, TEST_TEMPERATURES, gas_of_test
 from fem_seal.units import LIQUID, LeakVolume, quantity
@@ -333,6 +334,7 @@ def _of_class(
         seat_diameter=size.diameter,
         rated_capacity=required.rated_capacity,
         bubble_volume=required.bubble_volume,
+        set_pressure=case.set_pressure,
         **_per_length(case),
     )
     found = [one.leak_rate for one in known if (one.standard, one.name) == wanted]
@@ -342,9 +344,9 @@ def _of_class(
         # with helium, which the fluid of the case is if it is so tested
         test_fluid, ratio = "", (1.0, 1.0)
     if not found:
-        # class VI of FCI 70-2 ends at a diameter
+        # class VI of FCI 70-2 ends at a diameter, API 527 at a set pressure
         return Limit(name, math.nan, 0.0, test_fluid, ratio)
     visible = 0.0 if found[0] else visible_leak_rate(gas=gas, bubble_volume=required.bubble_volume)
     bubble = required.bubble_volume or STANDARDS[wanted[0]].bubble_volume
-    counts_bubbles = gas and (visible > 0.0 or wanted[0] == "API 598")
+    counts_bubbles = gas and (visible > 0.0 or wanted[0] in ("API 598", RELIEF))
     return Limit(name, found[0], visible, test_fluid, ratio, bubble if counts_bubbles else None)

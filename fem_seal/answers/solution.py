@@ -14,6 +14,7 @@ from fem_seal.answers.form import FORM
 from fem_seal.answers.judgement import JudgedLoad, Judgement, SealJudgement, Verdict
 from fem_seal.answers.particles import PARTICLES
 from fem_seal.answers.sensitivities import SENSITIVITIES
+from fem_seal.answers.standard_tests import SET_PRESSURE, STANDARD_TESTS
 from fem_seal.answers.uncertainty import UNCERTAINTY
 from fem_seal.answers.variants import INTERFACE_VARIANTS, THEORIES, THEORY_VARIANTS
 from fem_seal.answers.verdict import VERDICT
@@ -43,6 +44,8 @@ class SealSolution(SolvedSeal):
     theory_variants = THEORY_VARIANTS
     uncertainty = UNCERTAINTY
     error_shares = ERROR_SHARES
+    standard_tests = STANDARD_TESTS
+    set_pressure = SET_PRESSURE
     sensitivities = SENSITIVITIES
     levers = former_attribute("levers", "sensitivities")
 

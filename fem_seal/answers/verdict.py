@@ -111,7 +111,7 @@ def seal_judgement(
         (number, load.point, load.judgement) for number, load in enumerate(loads) if load.judgement
     ]
     left_out = [
-        (None, point, _of_missing(case, point, problem))
+        (None, point, of_missing(case, point, problem))
         for point, problem in missing.items()
         if required.judges(point[0])
     ]
@@ -124,7 +124,18 @@ def seal_judgement(
     return SealJudgement(worst, *point, number, numbers, len(left_out), shares)
 
 
-def _of_missing(case: Case, point: tuple[float, float], problem: LoadProblem) -> Judgement:
+def of_missing(case: Case, point: tuple[float, float], problem: LoadProblem) -> Judgement:
+    """What is said of a load that has no result.
+
+    Parameters
+    ----------
+    case : Case
+        With a requirement.
+    point : tuple of float
+        Fluid pressure [Pa] and applied force [N].
+    problem : LoadProblem
+        Why it has none.
+    """
     limit = limits(case, point[0])[0]
     if problem.kind == "open":
         return Judgement(Verdict.FAIL, 0.0, VerdictReason.OPEN, limit)

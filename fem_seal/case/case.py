@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import os
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict, is_dataclass, replace
 from html import escape
 from pathlib import Path
@@ -31,6 +32,7 @@ from fem_seal.files import read_toml, told_of
 from fem_seal.former_names import in_present_entries
 from fem_seal.materials import ROOM_TEMPERATURE
 from fem_seal.units import DIMENSIONS
+from meshes import GeometryError
 
 # What completion offers besides the tables.
 _SHOWN = {"contact", "effective_modulus", "file", "hardness", "initial_contact_radius", "replace", "written"}
@@ -119,6 +121,9 @@ class Case(CaseTables):
                 if name in known and is_said_of_one_side(tables[name])
             }
         bolted = tables.get("bolts")
+        if isinstance(tables.get("load"), Mapping) and tables["load"].get("set_pressure") is not None:
+            # on whose circle the force of the spring depends
+            known.discard("load")
         if before.get("bolts") is not bolted:
             # the bolts close in place of its applied force
             known.discard("load")
@@ -146,6 +151,9 @@ class Case(CaseTables):
         if self.bolts is not None:
             # set during construction, before the model is shared
             object.__setattr__(self, "load", closed_by(self.load, self.bolts))
+        if self.load.set_pressure is not None and not [*self.closure.problems(), *self.lower.problems()]:
+            with suppress(GeometryError):  # which the checks say
+                object.__setattr__(self, "load", self.load.with_spring(self.initial_contact_radius))
         told, not_told = self.of_this_gas()
         if not_told:
             raise InputError(*not_told)

@@ -13,7 +13,7 @@ from fem_seal.case.load_limits import problem_of_earlier_load, problems_of_all_l
 from fem_seal.case.material_library import suggestion
 from fem_seal.case.roughness import SHAPE, SelfAffine, scan_spectra, self_affine_part, uncertain_heights
 from fem_seal.case.shapes import FlangeFace
-from fem_seal.case.tables import CaseTables, Leak, Requirement, Uncertainty, curves
+from fem_seal.case.tables import RELIEF, CaseTables, Leak, Requirement, Uncertainty, curves
 from fem_seal.case.temperature import Temperature
 from fem_seal.case.tightening import problems_of_bolts
 from fem_seal.case.words import problem, sentence
@@ -298,6 +298,8 @@ def _load(case: CaseTables) -> Iterator[Problem]:
     pressures, forces = len(load.fluid_pressure), load.applied_force
     if isinstance(forces, tuple) and len(forces) != pressures:
         yield problem("load_applied_force", forces=len(forces), pressures=pressures)
+    if load.set_pressure is not None and case.bolts is not None:
+        yield problem("bolts_and_force")
     if load.closing == "penetration" and case.leak.fluid_in_gap == "local":
         yield problem("local_penetration")
     if load.target_leak_rate is not None and (missing := _missing(case)):
@@ -424,6 +426,7 @@ def _requirement(case: CaseTables, required: Requirement) -> Iterator[Problem]:
     if required.leak_rate is None and required.standard is None:
         yield problem("requirement")
     yield from _class(required, gas=case.fluid.gas is not None)
+    yield from _own_tests(case, required, gas=case.fluid.gas is not None)
     loads = case.load.fluid_pressure
     for pressure in required.pressures:
         if not any(math.isclose(pressure, one, rel_tol=1e-6) for one in loads):
@@ -431,11 +434,28 @@ def _requirement(case: CaseTables, required: Requirement) -> Iterator[Problem]:
             yield problem("requirement_fluid_pressure", listed=listed, pressure=pressure / 1e5)
 
 
+def _own_tests(case: CaseTables, required: Requirement, *, gas: bool) -> Iterator[Problem]:
+    """What the tests of a standard lack, and a relief valve that has no set pressure."""
+    standard, _ = required.standard_and_class or ("", "")
+    if standard == RELIEF and case.set_pressure is None:
+        yield problem("relief_without_set_pressure", standard=standard)
+    if required.test == "service":
+        if required.rated_pressure is not None and required.standard is not None:
+            yield problem("rated_pressure_unused")
+        return
+    if case.bolts is not None or not required.tests(gas=gas):
+        yield problem("no_tests", standard=standard or "which is not given")
+    elif standard == RELIEF and required.rated_pressure is not None:
+        yield problem("rated_pressure_of_relief")
+    elif standard != RELIEF and required.rated_pressure is None:
+        yield problem("rated_pressure_missing")
+
+
 def _class(required: Requirement, *, gas: bool) -> Iterator[Problem]:
     from leak.standards import STANDARDS, classes_of, standard_named
 
     if required.standard is None:
-        for key in ("class", "rated_capacity"):
+        for key in ("class", "rated_capacity", "rated_pressure"):
             if getattr(required, key) is not None:
                 yield Problem(f"requirement.{key}", 'belongs to a standard; add standard, such as "ISO 5208"')
         return

@@ -18,6 +18,9 @@ from fem_seal.case.words import problem
 from fem_seal.errors import Problem, QuantityError
 from fem_seal.units import DIMENSIONS, exact_quantity, parse_quantity
 
+# Other keys that say the same: one takes the place of the other.
+_OTHER = {"angle": "included_angle", "applied_force": "set_pressure"}
+_OTHER |= {other: key for key, other in _OTHER.items()}
 # A rounding has an R on every drawing.
 _ROUNDING = "edge_radius"
 _BODIES = ("closure", "seat", "gasket")
@@ -110,8 +113,8 @@ def partner(key: str) -> str | None:
     >>> partner("radius"), partner("included_angle"), partner("height")
     ('diameter', 'angle', None)
     """
-    if key in ("angle", "included_angle"):
-        return "included_angle" if key == "angle" else "angle"
+    if key in _OTHER:
+        return _OTHER[key]
     stem, _, last = key.rpartition("_")
     other = {"radius": "diameter", "diameter": "radius"}.get(last)
     return None if other is None else f"{stem}_{other}" if stem else other

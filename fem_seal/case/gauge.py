@@ -21,7 +21,9 @@ _LONGEST = 60
 _DIFFERENCES = (
     ("load", "fluid_pressure"),
     ("load", "largest_earlier_pressure"),
+    ("load", "set_pressure"),
     ("requirement", "fluid_pressure"),
+    ("requirement", "rated_pressure"),
 )
 # By how much the outlet may differ from one atmosphere for a gauge pressure to be the difference across the seal.
 _NEAR = 0.05

@@ -37,11 +37,14 @@ from fem_seal.case.temperature import Temperature
 from fem_seal.case.words import problem
 from fem_seal.errors import InputError, Problem
 from fem_seal.former_names import say_once
+from fem_seal.loads import blow_off_of_sealed_area, contact_force
 from fem_seal.materials import HardeningCurve, Material, effective_modulus
 from meshes import ContactGeometry, Shape
 
 if TYPE_CHECKING:
     from collections.abc import Collection
+
+    from leak.standards import ClosureTest
 
 
 SEPARATION = Quantity("length", "1e-3 nm", "1 mm")
@@ -64,6 +67,7 @@ class Load(Table):
 
     fluid_pressure: Annotated[tuple[float, ...], Pressures(FLUID_PRESSURE)]
     applied_force: Annotated[float | tuple[float, ...], OneOrMany("force", "-1e9 N", "1e9 N")] = 0.0
+    set_pressure: Annotated[float, FLUID_PRESSURE] | None = None
     closing: Literal["sealed-area", "penetration"] = "sealed-area"
     pressure_side: Literal["outer", "inner"] = "outer"
     largest_earlier_force: Annotated[float, EARLIER_FORCE] | None = None
@@ -79,6 +83,19 @@ class Load(Table):
             # set during construction, before the model is shared
             object.__setattr__(self, "fluid_pressure", self.fluid_pressure * len(self.applied_force))
         return self
+
+    @model_validator(mode="after")
+    def _one_force(self) -> Load:
+        if self.set_pressure is not None and "applied_force" in self.model_fields_set:
+            raise ValueError("has set_pressure, which gives the force of the spring, and applied_force; remove one")
+        if self.set_pressure is not None and self.pressure_side != "inner":
+            raise ValueError('has set_pressure, at which the fluid lifts the closure; add pressure_side = "inner"')
+        return self
+
+    def with_spring(self, sealing_radius: float) -> Load:
+        """The same with the force of a spring that holds the set pressure on a circle [m]."""
+        assert self.set_pressure is not None
+        return self.model_copy(update={"applied_force": contact_force(sealing_radius, self.set_pressure)})
 
     @property
     def axial_force(self) -> float | tuple[float, ...]:
@@ -223,6 +240,8 @@ class Uncertainty(Table):
         return {name for name, value in given.items() if getattr(value, "varies", "") == "part"}
 
 
+# The standard of pressure relief valves.
+RELIEF = "API 527"
 # Pressures that are written in other units than those of the loads are the same up to rounding.
 _SAME = 1e-6
 
@@ -232,6 +251,8 @@ class _Requirement(Table):
 
     leak_rate: Annotated[float, LeakRate("leak rate", "1e-30 m^3/s", "1e3 m^3/s")] | None = None
     standard: str | None = Field(None, max_length=40)
+    test: Literal["service", "standard"] = "service"
+    rated_pressure: Annotated[float, FLUID_PRESSURE] | None = None
     rated_capacity: Annotated[float, LeakRate("leak rate", "1e-12 m^3/s", "1e6 m^3/s")] | None = None
     bubble_volume: Annotated[float, Quantity("volume", "1e-6 ml", "100 ml")] | None = None
     fluid_pressure: Annotated[float | tuple[float, ...], OneOrMany("pressure", "0 Pa", "10 GPa")] | None = (
@@ -253,7 +274,7 @@ class _Requirement(Table):
             return None
         known = dict.fromkeys((*classes_of(standard, gas=True), *classes_of(standard, gas=False)))
         if self.class_name is None:
-            # API 598 has but one
+            # some have but one
             return (standard, next(iter(known))) if len(known) == 1 else None
         found = [one for one in known if one.lower() == self.class_name.strip().lower()]
         return (standard, found[0]) if found else None
@@ -267,6 +288,13 @@ class _Requirement(Table):
         if self.bubble_volume is not None or standard is None:
             return self.bubble_volume
         return STANDARDS[standard].bubble_volume
+
+    def tests(self, *, gas: bool) -> tuple[ClosureTest, ...]:
+        """The tests of its standard for its class, of a valve for gas or for a liquid; empty without them."""
+        from leak.standards import closure_tests
+
+        wanted = self.standard_and_class
+        return () if wanted is None else closure_tests(*wanted, gas=gas)
 
     @property
     def pressures(self) -> tuple[float, ...]:
@@ -409,6 +437,21 @@ class CaseTables(Table):
         if wrong:
             raise InputError(*wrong)
         return found
+
+    @property
+    def set_pressure(self) -> float | None:
+        """Fluid pressure that the spring holds on the circle of first touch [Pa]; None where there is no such spring.
+
+        That of the case, or that of its largest force where a relief valve is required (API 527).
+        """
+        required, load = self.requirement, self.load
+        if load.set_pressure is not None or required is None or self.bolts is not None:
+            return load.set_pressure
+        wanted, force = required.standard_and_class, max(one for _, one in load.points)
+        if wanted is None or wanted[0] != RELIEF:
+            return None
+        found = blow_off_of_sealed_area(self.initial_contact_radius, force, load.pressure_side)
+        return found if math.isfinite(found) else None
 
     def thermal_strain(self, name: str) -> float:
         """Strain by which the body "closure" or "seat" grows freely [-]; zero where its temperature is not given."""

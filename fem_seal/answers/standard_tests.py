@@ -1,0 +1,214 @@
+"""A valve in the tests of its standard, and a relief valve up to its set pressure: the case under other loads."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+from fem_seal.answers.accuracy import ACCURACY
+from fem_seal.answers.answer import Answer, Inquiry
+from fem_seal.answers.findings import FINDINGS
+from fem_seal.answers.judgement import Judgement, Verdict, severity
+from fem_seal.answers.opening import OPENING
+from fem_seal.answers.uncertainty import UNCERTAINTY
+from fem_seal.answers.verdict import VERDICT, of_missing
+from fem_seal.case.case import Case
+from fem_seal.case.tables import RELIEF
+from fem_seal.seal.bounds import Bounds
+from fem_seal.seal.load_result import SolvedSeal
+from leak.standards import ClosureTest
+
+# What a verdict on a load needs.
+_ANSWERS = (ACCURACY, OPENING, FINDINGS, UNCERTAINTY, VERDICT)
+# Shares of the set pressure at which the leak rate of a relief valve is told.
+SHARES = (0.5, 0.7, 0.8, 0.9, 0.95, 0.98)
+
+
+@dataclass(frozen=True)
+class TestedLoad:
+    """A valve under one load of a test.
+
+    Parameters
+    ----------
+    test : str
+        Name of the test; empty for a load that is none.
+    medium : str
+        Name of the fluid.
+    fluid_pressure, applied_force : float
+        [Pa], [N]
+    leak_rate : float
+        Infinite where the seal is open, NaN if not known [m^3/s].
+    ends : Bounds
+        Of its interval [m^3/s].
+    judgement : Judgement or None
+        None where nothing is required.
+    """
+
+    test: str
+    medium: str
+    fluid_pressure: float
+    applied_force: float
+    leak_rate: float
+    ends: Bounds
+    judgement: Judgement | None
+
+    __test__ = False  # no test of pytest
+
+
+@dataclass(frozen=True)
+class SetPressure:
+    """A relief valve up to its set pressure, in its own fluid.
+
+    Parameters
+    ----------
+    pressure : float
+        That the spring holds on the circle of first touch [Pa].
+    radius : float
+        Of this circle [m].
+    force : float
+        Of the spring, pressure times the area of the circle [N].
+    opens : float or None
+        Fluid pressure that lifts the closure by the calculation [Pa]; None if not known.
+    loads : tuple of TestedLoad
+        At shares of the set pressure, judged by API 527.
+    """
+
+    pressure: float
+    radius: float
+    force: float
+    opens: float | None
+    loads: tuple[TestedLoad, ...]
+
+
+def worst_of(loads: Sequence[TestedLoad]) -> Verdict | None:
+    """The worst verdict of some loads; None of none.
+
+    Parameters
+    ----------
+    loads : sequence of TestedLoad
+    """
+    judged = [one.judgement for one in loads if one.judgement is not None]
+    return max(judged, key=severity).verdict if judged else None
+
+
+def under_test(case: Case, test: ClosureTest) -> Case:
+    """A case as a standard tests it: its fluid at room temperature, its pressure, and its class alone required.
+
+    The applied force is that of the load whose fluid pressure is nearest.
+
+    Parameters
+    ----------
+    case : Case
+        That requires a class of the standard.
+    test : ClosureTest
+
+    Raises
+    ------
+    InputError
+        If the seal cannot be calculated with this fluid.
+    """
+    required = case.requirement
+    rated = case.set_pressure if required is None or required.rated_pressure is None else required.rated_pressure
+    assert required is not None and rated is not None  # of the checks
+    pressure = test.pressure(rated)
+    _, force = min(case.load.points, key=lambda point: abs(point[0] - pressure))
+    tables = case.written
+    tables.pop("temperature", None)
+    # water and air are known
+    spread = tables.get("uncertainty")
+    if spread is not None and spread.pop("viscosity", None) is not None and not _says_spread(spread):
+        del tables["uncertainty"]
+    keys = ("standard", "class", "bubble_volume") if test.gas else ("standard", "class")
+    required_only = {key: value for key, value in tables["requirement"].items() if key in (*keys, "rated_capacity")}
+    return Case(
+        **{
+            **tables,
+            "fluid": {"name": test.medium},
+            "requirement": required_only,
+            "load": _load_of(tables["load"], [pressure], force),
+        }
+    )
+
+
+def _says_spread(table: Mapping[str, Any]) -> bool:
+    return not table.keys() <= {"samples", "seed", "confidence"}
+
+
+def _load_of(written: Mapping[str, Any], pressures: Sequence[float], force: float) -> dict[str, Any]:
+    """A table [load] with other loads under one force."""
+    given = {"set_pressure", "target_leak_rate", "largest_earlier_pressure"}
+    kept = {key: value for key, value in written.items() if key not in given}
+    return {**kept, "fluid_pressure": [f"{one!r} Pa" for one in pressures], "applied_force": f"{force!r} N"}
+
+
+def _solved(case: Case, test: str, ask: Inquiry) -> tuple[SolvedSeal, tuple[TestedLoad, ...]]:
+    assert ask.solve is not None and case.fluid is not None
+    seal, name = ask.solve(case, _ANSWERS), case.fluid.name
+    found = [
+        TestedLoad(
+            test,
+            name,
+            *load.point,
+            math.nan if load.leak is None else load.leak.leak_rate,
+            Bounds(*(load.leak_interval or (math.nan, math.nan))),
+            getattr(load, "judgement", None),
+        )
+        for load in seal.loads
+    ]
+    for point, problem in seal.missing.items():
+        rate = math.inf if problem.kind == "open" else math.nan
+        found.append(TestedLoad(test, name, *point, rate, Bounds(rate, rate), of_missing(case, point, problem)))
+    return seal, tuple(sorted(found, key=lambda one: one.fluid_pressure))
+
+
+def _tests(seal: SolvedSeal, ask: Inquiry) -> tuple[TestedLoad, ...]:
+    case = seal.case
+    assert case.requirement is not None and case.fluid is not None
+
+    def pressed(test: ClosureTest) -> tuple[TestedLoad, ...]:
+        return _solved(under_test(case, test), test.name, ask)[1]
+
+    tests = case.requirement.tests(gas=case.fluid.gas is not None)
+    return tuple(
+        load
+        for test in tests
+        for load in ask.steps.compute(f"the {test.name} of the standard", partial(pressed, test), ())
+    )
+
+
+STANDARD_TESTS = Answer[tuple[TestedLoad, ...]](
+    "standard_tests",
+    "tests of the standard",
+    _tests,
+    (),
+    lambda seal, wanted: seal.case.requirement is not None and seal.case.requirement.test == "standard",
+    doing="tests of the standard",
+)
+
+
+def _up_to_opening(seal: SolvedSeal, ask: Inquiry) -> SetPressure:
+    case, pressure = seal.case, seal.case.set_pressure
+    assert pressure is not None
+    force = max(one for _, one in case.load.points)
+    tables = case.written
+    load = _load_of(tables["load"], [share * pressure for share in SHARES], force)
+    if case.fluid is None or case.roughness is None:
+        tables.pop("requirement", None)
+    else:
+        tables["requirement"] = {"standard": RELIEF}
+    solved, loads = _solved(Case(**{**tables, "load": load}), "", ask)
+    opens = solved.loads[-1].blow_off_pressure
+    return SetPressure(pressure, case.initial_contact_radius, force, opens, loads)
+
+
+SET_PRESSURE = Answer[SetPressure | None](
+    "set_pressure",
+    "leak rate up to the set pressure",
+    _up_to_opening,
+    None,
+    lambda seal, wanted: seal.case.set_pressure is not None and seal.problem.leaks,
+    doing="leak rate up to the set pressure",
+)
