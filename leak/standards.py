@@ -119,7 +119,7 @@ _FCI_SHARES = (("IV", 1e-4), ("III", 1e-3), ("II", 5e-3))
 # Class V: 5e-12 m^3/s of water per mm of seat diameter and bar; 4.7 ml/min of air per inch of orifice.
 _FCI_V_LIQUID = 5e-12 / (1e-3 * 1e5)
 _FCI_V_GAS = 4.7e-6 / _MINUTE / _INCH
-# MSS SP-61, per inch of nominal pipe size: 10 ml/h of liquid, 0.1 ft^3/h of gas. API 527: ml/h of water per inch of inlet.
+# MSS SP-61, per inch of nominal pipe size: 10 ml/h of liquid, 0.1 ft^3/h of gas. API 527: 10 ml/h of water.
 _MSS_LIQUID, _MSS_GAS = 10e-6 / _HOUR, 0.1 * (12.0 * _INCH) ** 3 / _HOUR
 _API_527_WATER = 10e-6 / _HOUR
 # A row holds for diameters that differ by no more from its own [mm].

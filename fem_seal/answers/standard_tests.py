@@ -111,7 +111,9 @@ def under_test(case: Case, test: ClosureTest) -> Case:
         If the seal cannot be calculated with this fluid.
     """
     required = case.requirement
-    rated = case.set_pressure if required is None or required.rated_pressure is None else required.rated_pressure
+    rated = (
+        case.set_pressure if required is None or required.rated_pressure is None else required.rated_pressure
+    )
     assert required is not None and rated is not None  # of the checks
     pressure = test.pressure(rated)
     _, force = min(case.load.points, key=lambda point: abs(point[0] - pressure))
@@ -122,7 +124,9 @@ def under_test(case: Case, test: ClosureTest) -> Case:
     if spread is not None and spread.pop("viscosity", None) is not None and not _says_spread(spread):
         del tables["uncertainty"]
     keys = ("standard", "class", "bubble_volume") if test.gas else ("standard", "class")
-    required_only = {key: value for key, value in tables["requirement"].items() if key in (*keys, "rated_capacity")}
+    required_only = {
+        key: value for key, value in tables["requirement"].items() if key in (*keys, "rated_capacity")
+    }
     return Case(
         **{
             **tables,
@@ -160,7 +164,9 @@ def _solved(case: Case, test: str, ask: Inquiry) -> tuple[SolvedSeal, tuple[Test
     ]
     for point, problem in seal.missing.items():
         rate = math.inf if problem.kind == "open" else math.nan
-        found.append(TestedLoad(test, name, *point, rate, Bounds(rate, rate), of_missing(case, point, problem)))
+        found.append(
+            TestedLoad(test, name, *point, rate, Bounds(rate, rate), of_missing(case, point, problem))
+        )
     return seal, tuple(sorted(found, key=lambda one: one.fluid_pressure))
 
 

@@ -87,9 +87,13 @@ class Load(Table):
     @model_validator(mode="after")
     def _one_force(self) -> Load:
         if self.set_pressure is not None and "applied_force" in self.model_fields_set:
-            raise ValueError("has set_pressure, which gives the force of the spring, and applied_force; remove one")
+            raise ValueError(
+                "has set_pressure, which gives the force of the spring, and applied_force; remove one"
+            )
         if self.set_pressure is not None and self.pressure_side != "inner":
-            raise ValueError('has set_pressure, at which the fluid lifts the closure; add pressure_side = "inner"')
+            raise ValueError(
+                'has set_pressure, at which the fluid lifts the closure; add pressure_side = "inner"'
+            )
         return self
 
     def with_spring(self, sealing_radius: float) -> Load:

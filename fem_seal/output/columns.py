@@ -355,4 +355,10 @@ MEANINGS["around"] = MEANINGS["around"] | {
 TEXT_COLUMNS, PROFILE_COLUMNS, IMPRINT_COLUMNS, AROUND_COLUMNS, VARIANT_COLUMNS, PARTICLE_COLUMNS = (
     tuple(MEANINGS[table]) for table in ("words", "profile", "imprint", "around", "variants", "particles")
 )
-CONTACT_COLUMNS, COMPRESSION_COLUMNS = (tuple(MEANINGS[table]) for table in ("contacts", "compression"))
+# the same loads: by the name of a test, and by the share of the set pressure
+MEANINGS["set_pressure"] |= {
+    name: text for name, text in MEANINGS["standard_tests"].items() if name != "test"
+}
+CONTACT_COLUMNS, COMPRESSION_COLUMNS, STANDARD_TEST_COLUMNS, SET_PRESSURE_COLUMNS = (
+    tuple(MEANINGS[table]) for table in ("contacts", "compression", "standard_tests", "set_pressure")
+)

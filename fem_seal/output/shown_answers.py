@@ -8,6 +8,7 @@ from fem_seal.output.answers import (
     lands,
     particles,
     sensitivities,
+    standard_tests,
     target,
     theories,
     uncertainty,
@@ -29,6 +30,7 @@ _ANSWERS = (
     uncertainty,
     error_shares,
     verdict,
+    standard_tests,
     sensitivities,
 )
 SHOWN: tuple[Shown, ...] = tuple(one.SHOWN for one in _ANSWERS)

@@ -100,9 +100,9 @@ def _own_sources(result: SealSolution, what: str) -> Iterator[Source]:
     fluid = result.case.fluid
     if what == "standards":
         for standard in standards_used(result):
-            yield Source(
-                standard.name, f"{standard.revision}; {standard.source}", f"leakage class of {standard.name}"
-            )
+            memory = f"; from memory: {standard.from_memory}" if standard.from_memory else ""
+            what = f"{standard.revision}; {standard.source}{memory}"
+            yield Source(standard.name, what, f"leakage class of {standard.name}")
     elif fluid is not None and fluid.library_entry is not None:
         yield Source(fluid.name, fluid.library_entry.source, "properties of the fluid")
 

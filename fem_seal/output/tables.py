@@ -209,9 +209,10 @@ def leakage_table(result: SealSolution) -> list[dict[str, Any]]:
 
 
 def standards_used(result: SealSolution) -> list[Standard]:
-    """The standards whose classes the leak rates are given."""
-    classes = (one for load in result.loads for one in leakage_classes(result.case, load))
-    return [STANDARDS[name] for name in dict.fromkeys(one.standard for one in classes)]
+    """The standards whose classes the leak rates are given, and that which is required."""
+    named = [one.standard for load in result.loads for one in leakage_classes(result.case, load)]
+    required = result.case.requirement and result.case.requirement.standard_and_class
+    return [STANDARDS[name] for name in dict.fromkeys([*named, *(required or ())[:1]])]
 
 
 def write_rows(rows: Sequence[Mapping[str, Any]], path: Path) -> None:

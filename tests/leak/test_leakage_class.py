@@ -150,7 +150,7 @@ def test_en_12266_1_has_the_rates_of_iso_5208_with_one_letter(gas):
 
 
 def test_mss_sp_61():
-    """Drops/min and bubbles/min of 0.04 ml per inch, as a comparison of the standards prints them (piping-world.com)."""
+    """Drops/min and bubbles/min of 0.04 ml per inch, as a comparison of standards prints them (piping-world.com)."""
     name = ("MSS SP-61", "metal-seated")
     for dn, nps in ((50, 2), (80, 3), (100, 4), (150, 6)):
         liquid, gas = (limits(dn * 1e-3, gas=gas)[name] for gas in (False, True))
@@ -164,8 +164,10 @@ def test_mss_sp_61():
 
 @pytest.mark.parametrize(
     ("psi", "small", "large"),
-    [(15, 40, 20), (1000, 40, 20), (1499, 40, 20), (1500, 60, 30), (2000, 80, 40), (2500, 100, 50)]
-    + [(3000, 100, 60), (4000, 100, 80), (5000, 100, 100), (6000, 100, 100)],
+    [
+        *((15, 40, 20), (1000, 40, 20), (1499, 40, 20), (1500, 60, 30), (2000, 80, 40), (2500, 100, 50)),
+        *((3000, 100, 60), (4000, 100, 80), (5000, 100, 100), (6000, 100, 100)),
+    ],
 )
 def test_api_527(psi, small, large):
     """Bubbles/min of 0.3 ml by set pressure; 0.60 ft^3 in 24 h are 40 of them to 2 %."""

@@ -1,0 +1,171 @@
+"""A valve in the tests of its standard, and a relief valve up to its set pressure: words, tables and a picture."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+from fem_seal.answers.leakage_class import volume_of
+from fem_seal.answers.standard_tests import worst_of
+from fem_seal.output.columns import SET_PRESSURE_COLUMNS, STANDARD_TEST_COLUMNS
+from fem_seal.output.pictures.style import BLUE, GREY, ORANGE, Picture, captioned, label, logarithmic, panels
+from fem_seal.output.prose import phrase
+from fem_seal.output.shown import ReadableTable, Section, Shown, worded_section, worded_table
+from fem_seal.units import LIQUID, leak_range_text, unit_for
+from leak.standards import STANDARDS
+
+if TYPE_CHECKING:
+    from fem_seal.answers.solution import SealSolution
+    from fem_seal.answers.standard_tests import TestedLoad
+
+
+def in_words(result: SealSolution) -> list[str]:
+    """What the tests of the standard say, and spring and opening of a relief valve; empty without them."""
+    return [*_of_tests(result), *_of_spring(result)]
+
+
+def _of_tests(result: SealSolution) -> Iterator[str]:
+    tests, required = result.standard_tests, result.case.requirement
+    wanted = None if required is None else required.standard_and_class
+    if wanted is None:
+        return
+    if tests:
+        yield phrase("standard_tests.says", "verdict", required=" ".join(wanted), verdict=worst_of(tests))
+    for one in tests:
+        how = {math.inf: "open"}.get(one.leak_rate, "unknown" if math.isnan(one.leak_rate) else "test")
+        limit, verdict = _limit(one), None if one.judgement is None else one.judgement.verdict
+        name = one.test[0].upper() + one.test[1:]
+        yield phrase(
+            "standard_tests.says", how, name=name, one=one, rate=_rate(one), limit=limit, verdict=verdict
+        )
+    memory = STANDARDS[wanted[0]].from_memory
+    if tests and memory:
+        yield phrase("standard_tests.says", "memory", standard=wanted[0], memory=memory)
+
+
+def _of_spring(result: SealSolution) -> Iterator[str]:
+    found = result.set_pressure
+    if found is not None:
+        opens = "" if found.opens is None or math.isinf(found.opens) else "opens"
+        yield phrase("standard_tests.says", "spring", opens, found=found, diameter=2.0 * found.radius)
+
+
+def allowed(load: TestedLoad) -> float:
+    """Largest allowed leak rate in the fluid of the load [m^3/s]; NaN if there is none."""
+    limit = None if load.judgement is None else load.judgement.limit
+    return math.nan if limit is None else limit.leak_rate / limit.ratio[1]
+
+
+def _limit(load: TestedLoad) -> str:
+    limit = allowed(load)
+    if limit == 0.0:
+        return "none visible"
+    return "–" if math.isnan(limit) else leak_range_text(limit, 2, beside=load.ends)
+
+
+def _rate(load: TestedLoad) -> str:
+    if not math.isfinite(load.leak_rate):
+        return "open" if math.isinf(load.leak_rate) else "–"
+    return leak_range_text(load.ends, 2, beside=(load.leak_rate, allowed(load)))
+
+
+def tests_table(result: SealSolution) -> ReadableTable:
+    """The tests of the standard; no rows without them."""
+    rows = [
+        {"one": one, "rate": _rate(one), "limit": _limit(one), "verdict": _verdict(one)}
+        for one in result.standard_tests
+    ]
+    return worded_table("standard_tests", rows)
+
+
+def set_pressure_table(result: SealSolution) -> ReadableTable:
+    """Leak rate up to the set pressure; no rows unless the valve is a relief valve."""
+    found = result.set_pressure
+    rows = [
+        {
+            "one": one,
+            "share": one.fluid_pressure / found.pressure,
+            "rate": _rate(one),
+            "limit": _limit(one),
+            "verdict": _verdict(one),
+        }
+        for one in (() if found is None else found.loads)
+    ]
+    return worded_table("set_pressure", rows)
+
+
+def _verdict(load: TestedLoad) -> str:
+    known = load.judgement is not None and not math.isnan(load.judgement.limit.leak_rate)
+    return str(load.judgement.verdict) if known and load.judgement is not None else "–"
+
+
+def _row(one: TestedLoad) -> tuple[float | str, ...]:
+    load = one.medium, one.fluid_pressure, one.applied_force, one.leak_rate
+    return (*load, *one.ends, allowed(one), _verdict(one))
+
+
+def set_pressure_picture(result: SealSolution) -> Picture | None:
+    """Leak rate over the share of the set pressure; None unless the valve is a relief valve."""
+    found = result.set_pressure
+    known = [] if found is None else [one for one in found.loads if 0 < one.leak_rate < math.inf]
+    if found is None or len(known) < 2:
+        return None
+    shares = [one.fluid_pressure / found.pressure for one in known]
+    unit = unit_for("flow", max(one.leak_rate for one in known))
+    volume = volume_of(result.case)
+    unit = unit if volume is LIQUID else volume.named(unit)
+    figure, (axes,) = panels(1)
+    low, high = ([unit.of(one.ends[end]) for one in known] for end in (0, 1))
+    axes.fill_between(shares, low, high, color=BLUE, alpha=0.15, linewidth=0)
+    axes.plot(shares, [unit.of(one.leak_rate) for one in known], "o-", color=BLUE, ms=3.2, label="leak rate")
+    limit = allowed(known[0])
+    if limit > 0:
+        axes.axhline(unit.of(limit), color=ORANGE, linestyle="--", label="allowed by API 527")
+    if found.opens is not None and math.isfinite(found.opens):
+        axes.axvline(found.opens / found.pressure, color=GREY, label="opens")
+    logarithmic(axes, "y")
+    axes.legend(loc="upper left")
+    label(
+        axes, "Leak up to the set pressure", "fluid pressure over set pressure", f"leak rate  [{unit.name}]"
+    )
+    return captioned(figure, "set_pressure", "all", found=found)
+
+
+def _summary(result: SealSolution) -> dict[str, Any]:
+    found = result.set_pressure
+    return {
+        "standard_tests": [asdict(one) | {"allowed": allowed(one)} for one in result.standard_tests],
+        "standard_verdict": worst_of(result.standard_tests),
+        "set_pressure": None if found is None else asdict(found),
+    }
+
+
+def _section(result: SealSolution) -> Section | None:
+    return worded_section("standard_tests", in_words(result), tests_table(result), set_pressure_table(result))
+
+
+def _lines(result: SealSolution) -> list[str]:
+    first, *others = in_words(result) or [""]
+    return [*([first] if first else []), *(f"  {one}" for one in others)]
+
+
+SHOWN = Shown(
+    summary=_summary,
+    tables={
+        "standard_tests.csv": lambda result: (
+            STANDARD_TEST_COLUMNS,
+            [(one.test, *_row(one)) for one in result.standard_tests],
+        ),
+        "set_pressure.csv": lambda result: (
+            SET_PRESSURE_COLUMNS,
+            []
+            if (found := result.set_pressure) is None
+            else [(one.fluid_pressure / found.pressure, *_row(one)) for one in found.loads],
+        ),
+    },
+    section=_section,
+    pictures=lambda result: (set_pressure_picture(result),),
+    lines=_lines,
+)
