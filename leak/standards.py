@@ -1,13 +1,13 @@
 """Leakage classes of closed valves, of flanges and stems, with their tests, and the units of leak testing.
 
-Valves are judged by ISO 5208, EN 12266-1, API 598, MSS SP-61 and FCI 70-2, pressure relief valves by API 527. Flanges are
-judged per length of their seal (VDI 2440, EN 13555 with EN 1591-1), the seals of valve stems per diameter
-of the stem (ISO 15848-1), each with helium.
+Valves are judged by ISO 5208, EN 12266-1, API 598, MSS SP-61 and FCI 70-2, pressure relief valves by API 527. Flanges
+are judged per length of their seal (VDI 2440, EN 13555 with EN 1591-1), the seals of valve stems per diameter of the
+stem (ISO 15848-1), each with helium.
 
 The numbers are those of the revisions named in `STANDARDS`, taken from secondary literature (tables of manufacturers
 and of trade sites), not from the standards themselves: for acceptance read the standard. `Standard.source` says where
-two of them disagree, `Standard.from_memory` which numbers stand in none that could be opened. A class says what the leak
-rate allows under the conditions calculated; the test pressures and fluids of a standard are its `ClosureTest`.
+two of them disagree, `Standard.from_memory` which numbers stand in none that could be opened. A class says what the
+leak rate allows under the conditions calculated; the test pressures and fluids of a standard are its `ClosureTest`.
 """
 
 from __future__ import annotations

@@ -8,7 +8,6 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, Generic, TypeVar, overload
 
-from fem_seal.case.case import Case
 from fem_seal.seal.lazy import OptionalSteps
 from fem_seal.seal.load_result import LoadResult, SolvedSeal
 from fem_seal.seal.load_solver import Clock, LoadSolver
@@ -48,7 +47,7 @@ class Inquiry:
     answers : dict
         Those before it, by name.
     solve : callable
-        Solves another case for some answers, as a run of its own would.
+        Solves another case, which it is given with a sequence of answers, as a run of its own would.
     """
 
     solver: LoadSolver
@@ -56,7 +55,7 @@ class Inquiry:
     wanted: Wanted = NOTHING_ELSE
     steps: OptionalSteps = field(default_factory=OptionalSteps)
     answers: dict[str, Any] = field(default_factory=dict)
-    solve: Callable[[Case, Sequence[Answer[Any]]], SolvedSeal] | None = None
+    solve: Callable[..., SolvedSeal] | None = None
 
 
 @dataclass(frozen=True)

@@ -73,27 +73,19 @@ def _rate(load: TestedLoad) -> str:
 
 def tests_table(result: SealSolution) -> ReadableTable:
     """The tests of the standard; no rows without them."""
-    rows = [
-        {"one": one, "rate": _rate(one), "limit": _limit(one), "verdict": _verdict(one)}
-        for one in result.standard_tests
-    ]
-    return worded_table("standard_tests", rows)
+    return worded_table("standard_tests", map(_cells, result.standard_tests))
 
 
 def set_pressure_table(result: SealSolution) -> ReadableTable:
     """Leak rate up to the set pressure; no rows unless the valve is a relief valve."""
     found = result.set_pressure
-    rows = [
-        {
-            "one": one,
-            "share": one.fluid_pressure / found.pressure,
-            "rate": _rate(one),
-            "limit": _limit(one),
-            "verdict": _verdict(one),
-        }
-        for one in (() if found is None else found.loads)
-    ]
+    shares = {} if found is None else {one.fluid_pressure / found.pressure: one for one in found.loads}
+    rows = [{"share": share, **_cells(one)} for share, one in shares.items()]
     return worded_table("set_pressure", rows)
+
+
+def _cells(load: TestedLoad) -> dict[str, object]:
+    return {"one": load, "rate": _rate(load), "limit": _limit(load), "verdict": _verdict(load)}
 
 
 def _verdict(load: TestedLoad) -> str:
