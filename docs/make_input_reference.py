@@ -1,7 +1,8 @@
-"""Write docs/reference/ from the data of the program: input.md and input/, columns.md, materials.md, processes.md."""
+"""Write docs/reference/ from the data: input.md, input/, columns.md, materials.md, processes.md and standards.md."""
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator
 from inspect import cleandoc
@@ -25,7 +26,8 @@ from fem_seal.output.library import material_cells, material_rows, over_temperat
 from fem_seal.studies.cost import FORCE_FOR_VERDICT, INTERVAL, is_target
 from fem_seal.studies.tables import study_schema
 from fem_seal.units import DIMENSIONS, split_unit
-from leak import FLUIDS, GASES
+from leak import FLUIDS, GASES, leakage_limits
+from leak.standards import STANDARDS, ClosureTest
 from leak.surfaces.finish import PROCESSES, SHORTEST_WAVE, SOURCES, Spread
 
 MANUAL = Path(__file__).parent
@@ -33,6 +35,7 @@ FILE = MANUAL / "reference" / "input.md"
 PAGES = MANUAL / "reference" / "input"
 COLUMNS_FILE = MANUAL / "reference" / "columns.md"
 FINISHES_FILE = MANUAL / "reference" / "processes.md"
+STANDARDS_FILE = MANUAL / "reference" / "standards.md"
 SCHEMAS = Path(__file__).parent.parent / "fem_seal" / "templates"
 MATERIALS_FILE = MANUAL / "reference" / "materials.md"
 
@@ -384,6 +387,47 @@ def _material_table() -> Iterator[str]:
     yield ""
 
 
+def standards_reference() -> str:
+    """Markdown page with the standards, their tests and classes, and where their numbers come from."""
+    sizes = {"DN 15": 0.015, "DN 50": 0.05, "DN 100": 0.1, "DN 200": 0.2}
+    lines = [
+        "# Standards\n",
+        "The standards that `requirement.standard` knows ([verdict](../guide/verdict.md)). Their numbers come from "
+        "secondary literature: for acceptance read the standard.\n",
+        "| standard | revision | one bubble [ml] | tests | source | from memory |",
+        "|---|---|---|---|---|---|",
+    ]
+    for one in STANDARDS.values():
+        tests = "; ".join(_test_in_words(test) for test in one.tests) or "none known here"
+        cells = (f"{1e6 * one.bubble_volume:.2g}", tests, one.source.strip(), one.from_memory)
+        lines.append(f"| {one.name} | {one.revision} | {' | '.join(cells)} |")
+    lines.append(
+        "\n## Largest leak rates\n\nIn ml/min, of gas at 101325 Pa; for a bore as large as the nominal size,"
+    )
+    lines.append("class V of FCI 70-2 for 10 bar, API 527 for a set pressure of 60 bar.\n")
+    headings = (f"{name} {kind}" for kind in ("liquid", "gas") for name in sizes)
+    lines.append(f"| standard | class | {' | '.join(headings)} |")
+    lines.append("|---|---|" + "---|" * 2 * len(sizes))
+    columns = [
+        {(one.standard, one.name): 6e7 * one.leak_rate for one in found}
+        for gas in (False, True)
+        for size in sizes.values()
+        for found in [leakage_limits(size, gas=gas, pressure_drop=10e5, set_pressure=60e5)]
+    ]
+    for key in dict.fromkeys(key for column in columns for key in column):
+        cells = (f"{column[key]:.3g}" if key in column else "–" for column in columns)
+        lines.append(f"| {' | '.join(key)} | {' | '.join(cells)} |")
+    return "\n".join([*lines, ""])
+
+
+def _test_in_words(test: ClosureTest) -> str:
+    of = "set" if test.below > 0 else "rated"
+    least = f", at least {test.below / 6894.757:.0f} psi below it" if test.below > 0 else ""
+    most = f", at most {test.most / 1e5:.3g} bar" if math.isfinite(test.most) else ""
+    classes = f" (classes {', '.join(test.classes)})" if test.classes else ""
+    return f"{test.name}: {test.medium} at {test.share:g} times the {of} pressure{least}{most}{classes}"
+
+
 def finishes_reference() -> str:
     """Markdown page with the library of processes and where its numbers come from."""
     return "\n".join(
@@ -525,4 +569,5 @@ if __name__ == "__main__":
         (PAGES / f"{page}.md").write_text(task(page), encoding="utf-8")
     COLUMNS_FILE.write_text(columns_reference(), encoding="utf-8")
     MATERIALS_FILE.write_text(materials_reference(), encoding="utf-8")
+    STANDARDS_FILE.write_text(standards_reference(), encoding="utf-8")
     FINISHES_FILE.write_text(finishes_reference(), encoding="utf-8")

@@ -1,0 +1,133 @@
+"""Tests of a standard and the leak up to the set pressure: each row is that of a run of its own."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+
+import pytest
+
+import fem_seal
+from fem_seal import InputError, load_case
+from fem_seal.answers.standard_tests import under_test, worst_of
+from leak.standards import STANDARDS
+
+VALVE = {
+    "closure": {"shape": "ball", "radius": "5 mm", "material": "steel"},
+    "seat": {"shape": "cone", "angle": "45 deg", "material": "steel"},
+    "roughness": {
+        "spectrum": {
+            "kind": "self-affine",
+            "rms_height": "0.05 um",
+            "hurst": 0.8,
+            "q_low": "1e4 1/m",
+            "q_rolloff": "1e5 1/m",
+            "q_high": "6e6 1/m",
+        }
+    },
+    "fluid": {"viscosity": "32 mPa s"},
+    "load": {"fluid_pressure": ["10 bar", "40 bar"], "applied_force": ["300 N", "500 N"]},
+    "leak": {"plasticity": False},
+    "requirement": {"standard": "ISO 5208", "class": "C", "test": "standard", "rated_pressure": "40 bar"},
+}
+RELIEF = {
+    **VALVE,
+    "load": {"fluid_pressure": "30 bar", "set_pressure": "60 bar", "pressure_side": "inner"},
+    "requirement": {"standard": "API 527", "test": "standard"},
+}
+RADIUS = 5e-3 / math.sqrt(2.0)
+
+
+@pytest.fixture(scope="module")
+def tested():
+    return fem_seal.run(VALVE, sensitivities=False)
+
+
+@pytest.fixture(scope="module")
+def relief():
+    return fem_seal.run(RELIEF, sensitivities=False)
+
+
+def test_a_standard_tests_with_its_own_fluids_and_pressures(tested) -> None:
+    liquid, gas = tested.standard_tests
+    assert (liquid.medium, gas.medium) == ("water", "air")
+    assert liquid.fluid_pressure == pytest.approx(44e5) and gas.fluid_pressure == pytest.approx(6e5)
+    # of the load with the nearest fluid pressure
+    assert (liquid.applied_force, gas.applied_force) == (500.0, 300.0)
+    for one, of_gas in ((liquid, False), (gas, True)):
+        # 0.03 and 3 mm^3/s per mm of DN; the bore is estimated as DN 8
+        assert one.judgement.limit.leak_rate == pytest.approx((3.0 if of_gas else 0.03) * 8e-9)
+        assert one.judgement.limit.test_fluid == ""
+        assert one.ends.low <= one.leak_rate <= one.ends.high
+    assert worst_of(tested.standard_tests) is not None
+    # the loads of the case stay those of the case
+    assert [load.fluid_pressure for load in tested.loads] == [10e5, 40e5]
+
+
+def test_a_test_is_a_run_of_its_own(tested) -> None:
+    for one, test in zip(tested.standard_tests, STANDARDS["ISO 5208"].tests, strict=True):
+        (load,) = fem_seal.run(under_test(tested.case, test), sensitivities=False).loads
+        assert load.leak.leak_rate == one.leak_rate
+        assert tuple(load.leak_interval) == tuple(one.ends)
+        assert load.judgement == one.judgement
+
+
+def test_spring_and_set_pressure_are_force_over_area(relief) -> None:
+    found = relief.set_pressure
+    assert found.radius == pytest.approx(RADIUS)
+    assert found.force == pytest.approx(math.pi * RADIUS**2 * 60e5)
+    assert found.opens == pytest.approx(60e5)
+    back = load_case(RELIEF).replace({"load.applied_force": found.force})
+    assert back.load.set_pressure is None and back.set_pressure == pytest.approx(60e5)
+    larger = load_case(RELIEF).replace({"closure.radius": "10 mm"})
+    assert larger.load.applied_force == pytest.approx(4.0 * found.force)
+    assert load_case(VALVE).set_pressure is None
+
+
+def test_the_leak_grows_up_to_the_set_pressure(relief) -> None:
+    loads = relief.set_pressure.loads
+    shares = [one.fluid_pressure / 60e5 for one in loads]
+    assert shares == pytest.approx([0.5, 0.7, 0.8, 0.9, 0.95, 0.98])
+    rates = [one.leak_rate for one in loads]
+    assert rates == sorted(rates) and rates[0] > 0.0
+    assert relief.loads[0].leak.leak_rate == pytest.approx(rates[0], rel=1e-2)
+    (test,) = relief.standard_tests
+    assert test.fluid_pressure == pytest.approx(54e5) and test.medium == "water"
+    assert test.judgement.limit.leak_rate * 3600e6 == pytest.approx(10.0)
+
+
+def test_files_and_words_have_them(tested, relief, tmp_path) -> None:
+    relief.write(tmp_path / "relief")
+    tested.write(tmp_path / "tested")
+    for name, count in (
+        ("relief/standard_tests", 1),
+        ("relief/set_pressure", 6),
+        ("tested/standard_tests", 2),
+    ):
+        with (tmp_path / f"{name}.csv").open() as file:
+            assert len(list(csv.DictReader(file))) == count
+    assert not (tmp_path / "tested" / "set_pressure.csv").exists()
+    summary = json.loads((tmp_path / "tested" / "summary.json").read_text())
+    assert [one["test"] for one in summary["standard_tests"]] == [one.test for one in tested.standard_tests]
+    assert summary["standard_verdict"] == worst_of(tested.standard_tests)
+    report = (tmp_path / "relief" / "report.html").read_text()
+    assert "Tests of the standard and set pressure" in report and "one bubble of 0.3 ml" in report
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"requirement": {**VALVE["requirement"], "rated_pressure": None}}, "rated_pressure: is missing"),
+        ({"requirement": {**VALVE["requirement"], "test": "service"}}, "gives the pressures of the tests"),
+        ({"requirement": {"leak_rate": "1 ml/min", "test": "standard"}}, "needs a standard of valves"),
+        ({"requirement": {"standard": "API 527"}}, "by its set pressure"),
+        ({"load": {**VALVE["load"], "set_pressure": "60 bar", "pressure_side": "inner"}}, "remove one"),
+        ({"load": {"fluid_pressure": "1 bar", "set_pressure": "60 bar"}}, 'pressure_side = "inner"'),
+        ({**RELIEF, "requirement": {**RELIEF["requirement"], "rated_pressure": "1 bar"}}, "is not used"),
+    ],
+)
+def test_what_does_not_go_together_is_said(changes, said) -> None:
+    tables = {name: {k: v for k, v in table.items() if v is not None} for name, table in changes.items()}
+    with pytest.raises(InputError, match=said):
+        load_case({**VALVE, **tables})
