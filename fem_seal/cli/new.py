@@ -18,9 +18,8 @@ if TYPE_CHECKING:
 
 NAMES = "ball-valve, check-valve, relief-valve, needle, flat-seat, knife-edge, flange or gasket"
 CLASSES = (
-    "ISO 5208 A, AA, B, C, CC, D, E, EE, F, G; EN 12266-1 A, B, C, D, E, F, G; FCI 70-2 II, III, IV, V, VI; API 598; MSS SP-61; "
-    "API 527 of relief valves; "
-    "EN 13555 L0.01, L0.1, L1.0; VDI 2440; ISO 15848-1 AH, BH, CH"
+    "ISO 5208 A, AA, B, C, CC, D, E, EE, F, G; EN 12266-1 A, B, C, D, E, F, G; FCI 70-2 II, III, IV, V, VI; "
+    "API 598; MSS SP-61; API 527 of relief valves; EN 13555 L0.01, L0.1, L1.0; VDI 2440; ISO 15848-1 AH, BH, CH"
 )
 
 
