@@ -1,4 +1,4 @@
-"""Write docs/reference/ from the data: input.md, input/, columns.md, materials.md, processes.md and standards.md."""
+"""Write the generated pages of docs/reference/ from the data of the program."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from fem_seal.output.columns import COLUMNS, MEANINGS, PROFILE_LEAK_COLUMNS
 from fem_seal.output.library import material_cells, material_rows, over_temperature_lines
 from fem_seal.studies.cost import FORCE_FOR_VERDICT, INTERVAL, is_target
 from fem_seal.studies.tables import study_schema
-from fem_seal.units import DIMENSIONS, split_unit
+from fem_seal.units import DIMENSIONS, format_digits, split_unit
 from leak import FLUIDS, GASES, leakage_limits
 from leak.standards import STANDARDS, ClosureTest
 from leak.surfaces.finish import PROCESSES, SHORTEST_WAVE, SOURCES, Spread
@@ -415,9 +415,15 @@ def standards_reference() -> str:
         for found in [leakage_limits(size, gas=gas, pressure_drop=10e5, set_pressure=60e5)]
     ]
     for key in dict.fromkeys(key for column in columns for key in column):
-        cells = (f"{column[key]:.3g}" if key in column else "–" for column in columns)
+        cells = (_litres(column.get(key)) for column in columns)
         lines.append(f"| {' | '.join(key)} | {' | '.join(cells)} |")
     return "\n".join([*lines, ""])
+
+
+def _litres(rate: float | None) -> str:
+    if rate is None:
+        return "–"
+    return format_digits(rate, 3) if rate else "none visible"
 
 
 def _test_in_words(test: ClosureTest) -> str:

@@ -31,8 +31,6 @@ def _of_tests(result: SealSolution) -> Iterator[str]:
     wanted = None if required is None else required.standard_and_class
     if wanted is None:
         return
-    if tests:
-        yield phrase("standard_tests.says", "verdict", required=" ".join(wanted), verdict=worst_of(tests))
     for one in tests:
         how = {math.inf: "open"}.get(one.leak_rate, "unknown" if math.isnan(one.leak_rate) else "test")
         limit, verdict = _limit(one), None if one.judgement is None else one.judgement.verdict
@@ -138,11 +136,6 @@ def _section(result: SealSolution) -> Section | None:
     return worded_section("standard_tests", in_words(result), tests_table(result), set_pressure_table(result))
 
 
-def _lines(result: SealSolution) -> list[str]:
-    first, *others = in_words(result) or [""]
-    return [*([first] if first else []), *(f"  {one}" for one in others)]
-
-
 SHOWN = Shown(
     summary=_summary,
     tables={
@@ -159,5 +152,5 @@ SHOWN = Shown(
     },
     section=_section,
     pictures=lambda result: (set_pressure_picture(result),),
-    lines=_lines,
+    lines=lambda result: [f"  {one}" for one in in_words(result)],
 )

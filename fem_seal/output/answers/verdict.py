@@ -16,6 +16,7 @@ from fem_seal.answers.leakage_class import (
     next_class,
     volume_of,
 )
+from fem_seal.answers.standard_tests import worst_of
 from fem_seal.case.fields import Bubbles, NormalVolume, Throughput
 from fem_seal.output.prose import phrase
 from fem_seal.output.shown import Shown
@@ -79,7 +80,7 @@ def verdict_sentences(result: SealSolution) -> list[str]:
     found = result.judgement
     if found is None:
         return []
-    place = _place(result, found)
+    place, tests = _place(result, found), worst_of(result.standard_tests)
     doubted = found.worst.verdict != "inconclusive" and _doubt(result, found)
     if found.number is not None and result.loads[found.number].tested:
         place = f"{place} after the leak test"
@@ -88,7 +89,8 @@ def verdict_sentences(result: SealSolution) -> list[str]:
         _verdict(found, at, _digits(result, found), volume_of(result.case)),
         _pass_sentence(result),
     )
-    return [first, *([likely] if likely else []), *_further_sentences(result, found)]
+    tested = phrase("standard_tests.says", "verdict", verdict=tests) if tests else ""
+    return [first, *filter(None, (tested, likely)), *_further_sentences(result, found)]
 
 
 def _digits(result: SealSolution, found: SealJudgement) -> int:
