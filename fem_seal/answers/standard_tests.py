@@ -204,7 +204,10 @@ def _up_to_opening(seal: SolvedSeal, ask: Inquiry) -> SetPressure:
     if case.fluid is None or case.roughness is None:
         tables.pop("requirement", None)
     else:
-        tables["requirement"] = {"standard": RELIEF}
+        given = tables.get("requirement", {})
+        tables["requirement"] = {"standard": RELIEF} | {
+            key: given[key] for key in given if key == "bubble_volume"
+        }
     solved, loads = _solved(Case(**{**tables, "load": load}), "", ask)
     opens = solved.loads[-1].blow_off_pressure
     return SetPressure(pressure, case.initial_contact_radius, force, opens, loads)
