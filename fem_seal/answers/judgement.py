@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Protocol
 
 from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.findings import VALID, Validity
@@ -173,6 +175,26 @@ def severity(judged: Judgement) -> tuple[int, float]:
     judged : Judgement
     """
     return RANK[judged.verdict], -math.inf if math.isnan(judged.margin) else -judged.margin
+
+
+def worst_of(loads: Iterable[Judged]) -> Verdict | None:
+    """The worst verdict of some loads; None of none.
+
+    Parameters
+    ----------
+    loads : iterable
+        Each with its judgement, None where nothing is required of it.
+    """
+    judged = [one.judgement for one in loads if one.judgement is not None]
+    return max(judged, key=severity).verdict if judged else None
+
+
+class Judged(Protocol):
+    """Something that has a judgement."""
+
+    @property
+    def judgement(self) -> Judgement | None:
+        """None where nothing is required."""
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from typing import Any
 from fem_seal.answers.accuracy import ACCURACY
 from fem_seal.answers.answer import Answer, Inquiry
 from fem_seal.answers.findings import FINDINGS
-from fem_seal.answers.judgement import Judgement, Verdict, severity
+from fem_seal.answers.judgement import Judgement
 from fem_seal.answers.opening import OPENING
 from fem_seal.answers.uncertainty import UNCERTAINTY
 from fem_seal.answers.verdict import VERDICT, of_missing
@@ -81,17 +81,6 @@ class SetPressure:
     force: float
     opens: float | None
     loads: tuple[TestedLoad, ...]
-
-
-def worst_of(loads: Sequence[TestedLoad]) -> Verdict | None:
-    """The worst verdict of some loads; None of none.
-
-    Parameters
-    ----------
-    loads : sequence of TestedLoad
-    """
-    judged = [one.judgement for one in loads if one.judgement is not None]
-    return max(judged, key=severity).verdict if judged else None
 
 
 def under_test(case: Case, test: ClosureTest) -> Case:

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
+from fem_seal.answers.judgement import worst_of
 from fem_seal.answers.leakage_class import volume_of
-from fem_seal.answers.standard_tests import worst_of
 from fem_seal.output.columns import SET_PRESSURE_COLUMNS, STANDARD_TEST_COLUMNS
 from fem_seal.output.pictures.style import BLUE, GREY, ORANGE, Picture, captioned, label, logarithmic, panels
 from fem_seal.output.prose import phrase

@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from fem_seal.answers.judgement import Limit, SealJudgement, Utilisation, VerdictReason
+from fem_seal.answers.judgement import Limit, SealJudgement, Utilisation, VerdictReason, worst_of
 from fem_seal.answers.leakage_class import (
     OF_LEAK_RATE,
     PER_LENGTH,
@@ -16,7 +16,6 @@ from fem_seal.answers.leakage_class import (
     next_class,
     volume_of,
 )
-from fem_seal.answers.standard_tests import worst_of
 from fem_seal.case.fields import Bubbles, NormalVolume, Throughput
 from fem_seal.output.prose import phrase
 from fem_seal.output.shown import Shown

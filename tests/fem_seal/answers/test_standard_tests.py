@@ -10,7 +10,8 @@ import pytest
 
 import fem_seal
 from fem_seal import InputError, load_case
-from fem_seal.answers.standard_tests import under_test, worst_of
+from fem_seal.answers.judgement import worst_of
+from fem_seal.answers.standard_tests import under_test
 from leak.standards import STANDARDS
 
 VALVE = {
