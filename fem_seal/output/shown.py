@@ -6,7 +6,6 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from fem_seal.answers.leakage_class import volume_of
 from fem_seal.output.columns import COLUMNS, Column
 from fem_seal.output.prose import filled, prose
 from fem_seal.seal.readings import FURTHER
@@ -16,6 +15,7 @@ if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
     from fem_seal.output.pictures.style import Picture
     from fem_seal.output.tables import CsvTable
+    from fem_seal.seal.load_result import LoadResult
 
 
 @dataclass(frozen=True)
@@ -163,12 +163,15 @@ class ReportColumn:
         Significant digits of the values.
     volume : LeakVolume
         State of the leaking volume.
+    given_unit : Unit, optional
+        That for the largest of the values unless given.
     """
 
     column: Column
     values: list[float | None]
     digits: list[int]
     volume: LeakVolume = LIQUID
+    given_unit: Unit | None = None
 
     @property
     def some(self) -> bool:
@@ -177,29 +180,30 @@ class ReportColumn:
 
     @property
     def unit(self) -> Unit:
-        """Unit for the largest of the values."""
+        """Unit of all values."""
+        if self.given_unit is not None:
+            return self.given_unit
         largest = max(abs(value) for value in self.values if value is not None)
         found = unit_for(self.column.kind, largest)
         return self.volume.named(found) if self.column.kind == "flow" else found
 
 
-def filled_column(name: str, result: SealSolution) -> ReportColumn:
-    """A column of leak.csv with the values of a result."""
+def filled_column(name: str, loads: Sequence[LoadResult], volume: LeakVolume = LIQUID) -> ReportColumn:
+    """A column of leak.csv with the values of loads."""
     column = COLUMNS[name]
     return ReportColumn(
-        column,
-        [column.of(load) for load in result.loads],
-        [column.digits(load) for load in result.loads],
-        volume_of(result.case),
+        column, [column.of(load) for load in loads], [column.digits(load) for load in loads], volume
     )
 
 
-def columns_table(columns: Sequence[ReportColumn]) -> ReadableTable:
+def columns_table(columns: Sequence[ReportColumn], none: str = "none measurable") -> ReadableTable:
     """Columns side by side, one unit in each, without empty ones.
 
     Parameters
     ----------
-    columns : sequence of Filled
+    columns : sequence of ReportColumn
+    none : str
+        Word for what is too little to be measured.
     """
     shown = [one for one in columns if one.some]
     own = {one.column.name: one.unit for one in shown}
@@ -207,18 +211,18 @@ def columns_table(columns: Sequence[ReportColumn]) -> ReadableTable:
     return ReadableTable(
         tuple(f"{one.column.heading} [{unit.name}]" for one, unit in zip(shown, units, strict=True)),
         tuple(
-            tuple(_cell(one, unit, n) for one, unit in zip(shown, units, strict=True))
+            tuple(_cell(one, unit, n, none) for one, unit in zip(shown, units, strict=True))
             for n in range(len(columns[0].values))
         ),
     )
 
 
-def _cell(column: ReportColumn, unit: Unit, n: int) -> str:
+def _cell(column: ReportColumn, unit: Unit, n: int, none: str) -> str:
     value = column.values[n]
     if value is None:
         return "–"
     if column.column.name == "fluid_pressure_Pa":
         return trimmed(unit.of(value))
     if column.column.kind == "flow" and value and not column.volume.measurable(value):
-        return "none measurable"
+        return none
     return format_digits(unit.of(value), column.digits[n])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import asdict
+from operator import itemgetter
 from typing import TYPE_CHECKING
 
 from fem_seal.answers.measurements import LEAK_TEST, Measurement, instruments, line_scans
@@ -62,9 +63,42 @@ def error_sentence(result: SealSolution) -> str:
     )
 
 
-def _highest(result: SealSolution) -> ErrorShares | None:
-    number = highest_load(result.loads)
+def largest_share(result: SealSolution, number: int) -> str:
+    """The largest source of error of a load with its share, "yielding of asperities (89 %)"; empty where all are small.
+
+    Parameters
+    ----------
+    result : SealSolution
+    number : int
+        Of the load.
+    """
+    found = _of_load(result, number)
+    if found is None or found.factor < _NARROW or not found.of_width:
+        return ""
+    name, share = next(iter(found.of_width.items()))
+    return f"{input_name(name)} ({percent(share, 1)})"
+
+
+def measurement_in_brief(result: SealSolution, number: int) -> str:
+    """The measurement that narrows the interval of a load most; empty without one.
+
+    Parameters
+    ----------
+    result : SealSolution
+    number : int
+        Of the load.
+    """
+    found = _of_load(result, number)
+    what, left = min([] if found is None else _told(result, found), key=itemgetter(1), default=("", 0.0))
+    return phrase("brief.second", "measure", what=what, left=left, now=found.factor) if what and found else ""
+
+
+def _of_load(result: SealSolution, number: int) -> ErrorShares | None:
     return result.error_shares[number] if number < len(result.error_shares) else None
+
+
+def _highest(result: SealSolution) -> ErrorShares | None:
+    return _of_load(result, highest_load(result.loads))
 
 
 def _told(result: SealSolution, found: ErrorShares) -> Iterator[tuple[str, float]]:

@@ -126,13 +126,15 @@ def _target_force(load: LoadResult, force: float) -> str:
 
 def valve_table(result: SealSolution) -> ReadableTable:
     """Opening and target force at each load; no rows if not calculated."""
-    asked = {name: filled_column(name, result) for name in SHOWN_COLUMNS["asked"]}
+    given, asked = (
+        {name: filled_column(name, result.loads) for name in SHOWN_COLUMNS[key]} for key in ("given", "asked")
+    )
     # the pressure that lifts the closure off, also where leak.csv has the one that lifts the surfaces apart
     opens = [_finite(load.blow_off_pressure) for load in result.loads]
     asked["blow_off_pressure_Pa"] = replace(asked["blow_off_pressure_Pa"], values=opens)
     if not any(one.some for one in asked.values()):
         return ReadableTable((), ())
-    return columns_table([*(filled_column(name, result) for name in SHOWN_COLUMNS["given"]), *asked.values()])
+    return columns_table([*given.values(), *asked.values()])
 
 
 def _finite(value: float | None) -> float | None:

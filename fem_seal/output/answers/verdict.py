@@ -79,17 +79,20 @@ def verdict_sentences(result: SealSolution) -> list[str]:
     found = result.judgement
     if found is None:
         return []
-    place, tests = _place(result, found), worst_of(result.standard_tests)
-    doubted = found.worst.verdict != "inconclusive" and _doubt(result, found)
-    if found.number is not None and result.loads[found.number].tested:
-        place = f"{place} after the leak test"
-    at = f"{place}, with doubt" if doubted else place
-    first, likely = (
-        _verdict(found, at, _digits(result, found), volume_of(result.case)),
-        _pass_sentence(result),
-    )
+    first, likely = _verdict(result, found, "verdict.sentences"), _pass_sentence(result)
+    tests = worst_of(result.standard_tests)
     tested = phrase("standard_tests.says", "verdict", verdict=tests) if tests else ""
     return [first, *filter(None, (tested, likely)), *_further_sentences(result, found)]
+
+
+def verdict_in_brief(result: SealSolution) -> str:
+    """The verdict in one line: by how much, and at which load; empty without a requirement.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    return "" if result.judgement is None else _verdict(result, result.judgement, "brief.verdict")
 
 
 def _digits(result: SealSolution, found: SealJudgement) -> int:
@@ -126,8 +129,13 @@ def _place(result: SealSolution, found: SealJudgement) -> str:
     )
 
 
-def _verdict(found: SealJudgement, load: str, digits: int, volume: LeakVolume) -> str:
+def _verdict(result: SealSolution, found: SealJudgement, sentences: str) -> str:
     judged, limit, key = found.worst, found.worst.limit, _sentence(found)
+    digits, volume, load = _digits(result, found), volume_of(result.case), _place(result, found)
+    if found.number is not None and result.loads[found.number].tested:
+        load = f"{load} after the leak test"
+    if judged.verdict != "inconclusive" and _doubt(result, found):
+        load = f"{load}, with doubt"
     measured = [volume.measurable(end) for end in judged.ends]
     if key == "pass" and not measured[1]:
         key = "unmeasurable"
@@ -138,15 +146,17 @@ def _verdict(found: SealJudgement, load: str, digits: int, volume: LeakVolume) -
     over = [end / limit.leak_rate if limit.leak_rate else math.nan for end in measured]
     none = leak_rate_text(judged.ends[1], volume=volume)
     at_most = _amount(high, digits, limit.leak_rate) if high else none
+    own = limit.name == OF_LEAK_RATE
     return phrase(
-        "verdict.sentences",
+        sentences,
         key,
         load=load,
+        who="the requirement" if own else limit.name,
         low=_amount(low, digits, limit.leak_rate),
         high=at_most,
         range=_range(low, high, digits, limit.leak_rate),
         allowed=_limit_text(limit.leak_rate, beside=beside),
-        limit=f"required{_as_written(limit.leak_rate)}" if limit.name == OF_LEAK_RATE else limit.name,
+        limit=f"required{_as_written(limit.leak_rate)}" if own else limit.name,
         factor=factor_text(judged.margin, digits),
         times_low=factor_text(over[0], digits),
         times_range=range_text(*(factor_text(one, digits) for one in over)),
@@ -201,28 +211,37 @@ def _further_sentences(result: SealSolution, found: SealJudgement) -> Iterator[s
         from fem_seal.output.answers.uncertainty import told_after_test
 
         yield phrase("verdict.sentences", "tested", rate=told_after_test(load, volume))
-    yield from _to_measure(result, found)
+    if measured := would_pass(result, "verdict.sentences"):
+        yield measured
     yield from _other_theory(result, found)
     count = len(found.judged) + found.left_out
     if count > 1:
         yield phrase("verdict.sentences", "several", count=count)
 
 
-def _to_measure(result: SealSolution, found: SealJudgement) -> Iterator[str]:
-    """Measurement that may turn an inconclusive verdict into a pass."""
-    if found.number is None or found.worst.why not in (VerdictReason.INTERVAL, VerdictReason.ACCURACY):
-        return
-    known = result.error_shares
+def would_pass(result: SealSolution, sentences: str) -> str:
+    """Measurement that may turn an inconclusive verdict into a pass; empty if there is none.
+
+    Parameters
+    ----------
+    result : SealSolution
+    sentences : str
+        Table of words.toml with the sentence "profile".
+    """
+    found, known = result.judgement, result.error_shares
+    undecided = (VerdictReason.INTERVAL, VerdictReason.ACCURACY)
+    if found is None or found.number is None or found.worst.why not in undecided:
+        return ""
     profiles = known[found.number].by_profiles if found.number < len(known) else None
     if profiles is None:
-        return
+        return ""
     ends = result.loads[found.number].leak_interval
     assert ends is not None  # they are judged
     height = profiles.passing_height(found.margin * ends.high)
-    if height >= _LOWEST_HEIGHT:
-        yields = any(one.kind == YIELD_STRESS for one in result.loads[found.number].validity.cautions)
-        curve = "curve" if yields else ""
-        yield phrase("verdict.sentences", "profile", curve, length=profiles.length, height=height)
+    if height < _LOWEST_HEIGHT:
+        return ""
+    yields = any(one.kind == YIELD_STRESS for one in result.loads[found.number].validity.cautions)
+    return phrase(sentences, "profile", "curve" if yields else "", length=profiles.length, height=height)
 
 
 def _other_theory(result: SealSolution, found: SealJudgement) -> Iterator[str]:

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
 from fem_seal.answers.closed_forms import Sizes, closed_form_limits, derive
+from fem_seal.answers.leakage_class import volume_of
 from fem_seal.answers.solution import SealSolution
 from fem_seal.contact.load_path import ElastoplasticContact
 from fem_seal.contact.solution import PlasticZone, yielding_of
@@ -36,7 +37,8 @@ def load_table(result: SealSolution) -> ReadableTable:
         names = [name for name in names if "_elastic_" not in name]
     twice = own_theory(loads)
     names = [name for name in names if name not in twice]
-    columns = [one for one in (filled_column(name, result) for name in names) if one.some]
+    volume = volume_of(result.case)
+    columns = [one for one in (filled_column(name, loads, volume) for name in names) if one.some]
     for name in _SPARED:
         if len(columns) > _WIDEST:
             columns = [one for one in columns if one.column.name != name]

@@ -338,10 +338,8 @@ def _leak_sentence(result: SealSolution) -> str:
     span = load_values(highest, loads)
     rates = [rate_of(load) for load in shown if load.leak is not None]
     if not rates:
-        missing = "roughness" if result.surface is None else "fluid"
         after = f"; after {span}, {_contact(last)} at {load_values(last, loads)}" if changed else ""
-        contact = _contact(highest) + after
-        return phrase("notes.headline", "contact", load=span, contact=contact, missing=missing)
+        return contact_alone(result, after)
     if all(load.validity.outside for load in shown):
         return phrase("notes.headline", "not_claimed", load=span)
     if all(load.leak and rate_of(load) in (0, (0, 0)) and not load.validity.outside for load in loads):
@@ -367,6 +365,20 @@ def _leak_sentence(result: SealSolution) -> str:
     state = f" ({state_in_words(volume)})" if volume.state else ""
     who = phrase("notes.headline", "tested" if highest.tested else "leaks")
     return " ".join([f"{who} {' and '.join(leaks)}{then}{state}.", *held])
+
+
+def contact_alone(result: SealSolution, after: str = "") -> str:
+    """Width and peak pressure of the contact of a case without a leak rate, and why it has none.
+
+    Parameters
+    ----------
+    result : SealSolution
+    after : str
+        The contact at another load.
+    """
+    missing, load = "roughness" if result.surface is None else "fluid", result.highest
+    at, contact = load_values(load, result.loads), _contact(load) + after
+    return phrase("notes.headline", "contact", load=at, contact=contact, missing=missing)
 
 
 def has_finish(case: Case) -> bool:

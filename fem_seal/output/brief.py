@@ -1,0 +1,238 @@
+"""A result in brief, as terminal, report and its page begin: the verdict, what decides it, and a table of six columns."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from fem_seal.answers.findings import FINDINGS
+from fem_seal.answers.judgement import JudgedLoad, Verdict
+from fem_seal.answers.leakage_class import leakage_classes, volume_of
+from fem_seal.output.answers.error_shares import largest_share, measurement_in_brief
+from fem_seal.output.answers.sensitivities import in_words, strongest
+from fem_seal.output.answers.uncertainty import told_after_test
+from fem_seal.output.answers.verdict import (
+    force_to_pass,
+    next_class_in_words,
+    used_in_words,
+    verdict_in_brief,
+    would_pass,
+)
+from fem_seal.output.columns import COLUMNS, PROFILE_LEAK_COLUMNS, SHOWN_COLUMNS
+from fem_seal.output.pictures.style import few
+from fem_seal.output.prose import phrase
+from fem_seal.output.report.words import contact_alone, leakage_text
+from fem_seal.output.shown import ReadableTable, ReportColumn, columns_table, filled_column
+from fem_seal.seal.findings import Level
+from fem_seal.seal.load_names import load_axis, load_values
+from fem_seal.seal.load_result import GivenLoad, LoadResult, highest_load, rate_of
+from fem_seal.units import fixed_unit, flow_unit, leak_range_text, unit_for
+from leak.standards import STANDARD_PRESSURE
+
+if TYPE_CHECKING:
+    from fem_seal.answers.solution import SealSolution
+    from fem_seal.case.case import Case
+
+# Columns and rows of the table, rows of one that is shortened, and digits.
+_COLUMNS, _ROWS, _FEW_ROWS, _DIGITS = 6, 8, 4, 3
+
+
+def decisive(result: SealSolution) -> JudgedLoad:
+    """The load that decides the verdict; without a requirement that with the highest fluid pressure.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    found = result.judgement
+    return result.highest if found is None or found.number is None else result.loads[found.number]
+
+
+def first_line(result: SealSolution) -> str:
+    """The verdict in one line; without a requirement the leak rate and its class.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    if result.highest.leak is None and result.judgement is None:
+        return contact_alone(result)
+    return verdict_in_brief(result) or leak_in_brief(result.case, result.highest, result.loads)
+
+
+def leak_in_brief(case: Case, load: LoadResult, loads: Sequence[LoadResult]) -> str:
+    """Leak rate of a load with its interval, and its classes.
+
+    Parameters
+    ----------
+    case : Case
+    load : LoadResult
+    loads : sequence of LoadResult
+        All of them.
+    """
+    at, found, volume = load_values(load, loads), load.validity, volume_of(case)
+    if load.leak is None:
+        return phrase("brief.first", "none", load=at)
+    if found.outside:
+        return phrase("brief.first", "outside", load=at, reason=found.reasons[0])
+    gas = case.fluid is not None and case.fluid.gas is not None
+    rate = (
+        leakage_text(load, volume).split(" = ")[0]
+        if gas
+        else leak_range_text(rate_of(load), load.leak_digits, volume=volume)
+    )
+    classes = leakage_classes(case, load)
+    met = ", ".join(str(one) for one in classes if one.name)
+    missed = ", ".join(one.standard for one in classes)
+    sealed = not volume.measurable(max(rate_of(load) if isinstance(rate_of(load), tuple) else (rate_of(load),)))
+    key = "tested" if load.tested else "tight" if sealed else "leaks"
+    told = phrase(
+        "brief.first",
+        key,
+        load=f"{at}, with doubt" if found.level is Level.DOUBTFUL else at,
+        rate=told_after_test(load, volume, rate) if load.tested else rate,
+    )
+    return f"{told}; {phrase('brief.first', 'classes' if met else 'no_class', met=met, missed=missed)}"
+
+
+def second_line(result: SealSolution) -> str:
+    """What would decide the verdict, or helps most, in one line; empty where nothing is known to.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    load = decisive(result)
+    told = (_ADVICE[key](result, load) for key in _ORDER[result.verdict])
+    return next(filter(None, told), "")
+
+
+def _helps(result: SealSolution, load: JudgedLoad) -> str:
+    found = next((one for one in strongest(result.sensitivities) if max(one.ratio) < 1.0), None)
+    return "" if found is None else phrase("brief.second", "helps", what=in_words(result.case, found))
+
+
+def _force(result: SealSolution, load: JudgedLoad) -> str:
+    found = load.verdict_force
+    if found is None or found.force is None:
+        return ""
+    return phrase("brief.second", "force", load=load, force=force_to_pass(found.force))
+
+
+def _share(result: SealSolution, load: JudgedLoad) -> str:
+    share = largest_share(result, result.loads.index(load))
+    return phrase("brief.second", "share", share=share) if share else ""
+
+
+def _used(result: SealSolution, load: JudgedLoad) -> str:
+    used = "" if result.judgement is None else used_in_words(result, result.judgement.shares)
+    return phrase("brief.second", "used", used=used) if used else ""
+
+
+_ADVICE: dict[str, Callable[[SealSolution, JudgedLoad], str]] = {
+    "profile": lambda result, load: would_pass(result, "brief.second"),
+    "measure": lambda result, load: measurement_in_brief(result, result.loads.index(load)),
+    "helps": _helps,
+    "force": _force,
+    "class": lambda result, load: next_class_in_words(result.case, load),
+    "share": _share,
+    "used": _used,
+}
+# What is told after each verdict, the first that is known.
+_ORDER: dict[Verdict | None, Sequence[str]] = {
+    Verdict.PASS: ("share", "used"),
+    Verdict.INCONCLUSIVE: ("profile", "measure", "helps", "force", "share", "used"),
+    Verdict.FAIL: ("helps", "force", "measure", "used"),
+    None: ("helps", "measure", "class", "share", "force"),
+}
+
+
+def loads_in_brief(case: Case, loads: Sequence[LoadResult], most: int = _ROWS) -> tuple[ReadableTable, int]:
+    """The loads with the columns that matter most, at most six, and the number of loads that are left out.
+
+    Of many loads the first, the last and the one with the highest fluid pressure or the smallest margin are among those
+    that are kept.
+
+    Parameters
+    ----------
+    case : Case
+    loads : sequence of LoadResult
+    most : int
+        Rows from which on the table is shortened.
+    """
+    kept = list(range(len(loads)))
+    if len(loads) > most:
+        margins = [load.margin if isinstance(load, JudgedLoad) else None for load in loads]
+        known = [n for n in kept if margins[n] is not None and not math.isnan(margins[n] or 0.0)]
+        worst = min(known, key=lambda n: margins[n] or 0.0) if known else highest_load(loads)
+        kept = sorted({*few(len(loads), _FEW_ROWS), worst})
+    shown = [loads[n] for n in kept]
+    columns = _most_telling(case, shown)
+    table = columns_table(columns, none="none")
+    numbered = load_axis(loads).returns
+    marks = [load.validity.level.mark for load in shown]
+    rows = (
+        (f"{mark} {n + 1}: {first}" if numbered else f"{mark} {first}".lstrip(), *others)
+        for n, mark, (first, *others) in zip(kept, marks, table.rows, strict=True)
+    )
+    return ReadableTable(table.headings, tuple(rows)), len(loads) - len(kept)
+
+
+def _most_telling(case: Case, loads: Sequence[LoadResult]) -> list[ReportColumn]:
+    """Columns that have a value and tell something of their own, without those that are spared first."""
+    names = [
+        name
+        for name in SHOWN_COLUMNS["brief"]
+        if not isinstance(loads[0], GivenLoad) or name in PROFILE_LEAK_COLUMNS
+    ]
+    if len({load.applied_force for load in loads}) == 1:
+        names.remove("applied_force_N")
+    names.remove("leak_rate_m3_per_s" if loads[0].tested else "leak_rate_p50_m3_per_s")
+    filled = (filled_column(name, loads, volume_of(case)) for name in names)
+    columns = [one for one in _leaks_in_one_unit(case, map(_finite, filled)) if one.some]
+    ends = [one.values for one in columns if one.column.name in _ENDS]
+    columns = [one for one in columns if one.column.name in _ENDS or not any(_alike(one, end) for end in ends)]
+    for name in SHOWN_COLUMNS["spared"]:
+        if len(columns) > _COLUMNS:
+            columns = [one for one in columns if one.column.name != name]
+    return columns
+
+
+_ENDS = ("leak_rate_low_m3_per_s", "leak_rate_high_m3_per_s")
+
+
+def _finite(column: ReportColumn) -> ReportColumn:
+    values = [value if value is not None and math.isfinite(value) else None for value in column.values]
+    return replace(column, values=values, digits=[min(one, _DIGITS) for one in column.digits])
+
+
+def _alike(column: ReportColumn, end: Sequence[float | None]) -> bool:
+    """Whether a column repeats an end of the interval."""
+    pairs = zip(column.values, end, strict=True)
+    return all(a == b or (a is not None and b is not None and math.isclose(a, b, rel_tol=1e-3)) for a, b in pairs)
+
+
+def _leaks_in_one_unit(case: Case, columns: Iterable[ReportColumn]) -> Iterator[ReportColumn]:
+    """Columns whose leak rates share the unit of the sentences; that of a gas is one of throughput."""
+    known = list(columns)
+    rates = [rate for one in known if one.column.kind == "flow" for rate in one.values if rate is not None]
+    unit = flow_unit(rates) or unit_for("flow", max(rates, default=0.0))
+    if case.fluid is not None and case.fluid.gas is not None:
+        throughput = fixed_unit("mbar l/s")
+        unit = replace(throughput, size=throughput.size / STANDARD_PRESSURE)
+    for one in known:
+        yield replace(one, given_unit=unit) if one.column.kind == "flow" else one
+
+
+def remarks_in_brief(result: SealSolution) -> list[str]:
+    """The warnings as clauses, the worst first.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    cautions = FINDINGS.of(result.answers).cautions
+    short = {one.text: one.reason for one in cautions}
+    return list(dict.fromkeys(short.get(text, text) for text in result.warnings))
