@@ -23,6 +23,7 @@ from fem_seal.cli.table import table
 from fem_seal.cli.terminal import (
     CaseFile,
     Debug,
+    Details,
     Json,
     Quiet,
     ResultsFolder,
@@ -33,11 +34,15 @@ from fem_seal.cli.terminal import (
     progress_of,
     say,
     say_json,
-    show_answers,
+    say_where,
     show_derived,
+    show_first,
     show_leak_table,
     show_leakage,
+    show_loads,
+    show_result,
     show_table,
+    tell,
     warn,
 )
 from fem_seal.errors import ConvergenceError, InputError, NoLoadLeftError, SealError, unexpected
@@ -142,6 +147,7 @@ def run(
     variants: Annotated[bool, option("run", "variants")] = False,
     sensitivities: Annotated[bool | None, option("run", "sensitivities")] = None,
     levers: Annotated[bool | None, option("run", "levers")] = None,
+    details: Details = False,
     quiet: Quiet = False,
     json: Json = False,
     debug: Debug = False,
@@ -155,8 +161,8 @@ def run(
         case = case.replace({"leak.variants": True})
     folder = _results_folder(output, case)
     from fem_seal import result as seal_result
-    from fem_seal.answers.leakage_class import volume_of
     from fem_seal.output import files
+    from fem_seal.output.brief import remarks_in_brief
     from fem_seal.output.folders import folder_lock
     from fem_seal.output.tables import leak_rows
 
@@ -164,16 +170,17 @@ def run(
         result = seal_result.run(case, progress=progress, sensitivities=sensitivities)
         progress("writing results")
         failures = files.write(result, folder)
-    warnings = (*result.warnings, *failures)
-    warn(warnings)
-    rows = leak_rows(result)
     if json:
-        say_json({"folder": str(folder), "loads": rows, "warnings": warnings})
+        warnings = (*result.warnings, *failures)
+        say_json({"folder": str(folder), "loads": leak_rows(result), "warnings": warnings})
     elif not quiet:
-        show_leak_table(rows, case.title, result.loads, volume_of(case))
-        show_leakage(case, result.loads)
-        show_answers(result)
-        _list_files(folder)
+        show_result(result, details=details)
+    warn(
+        (*(result.warnings if details else remarks_in_brief(result)), *failures),
+        "" if details else "report.html",
+    )
+    if not (json or quiet):
+        say_where(folder)
 
 
 class _PictureNamedOrNot(TyperCommand):
@@ -193,6 +200,7 @@ class _PictureNamedOrNot(TyperCommand):
 def check(
     case_file: CaseFile,
     picture: Annotated[str | None, option("check", "picture")] = None,
+    details: Details = False,
     quiet: Quiet = False,
     json: Json = False,
     debug: Debug = False,
@@ -217,16 +225,15 @@ def check(
     numbers["contact_size_m"] = sizing(problem).contact_size
     numbers["requirement"] = requirement_numbers(case)
     limits = [nearly_open(derived), strain_limit(derived), closed_form_limits(case, derived)]
-    warn([*_remarks(case), *filter(None, limits)])
     if json:
         say_json(numbers)
     elif not quiet:
-        say(f"{case_file} is valid: {case.title}")
+        tell(f"{case_file} is valid: {case.title}", bold=True)
+        tell(*(f"judged: {line}" for line in requirement_lines(case)))
         for name, text in (*finish_rows(case), *temperature_rows(case, problem)):
-            say(f"  {name:30}{text}")
-        show_derived(numbers)
-        for line in requirement_lines(case):
-            say(f"judged: {line}")
+            tell(f"  {name:30}{text}", indent=32)
+        show_derived(numbers, details=details)
+    warn([*_remarks(case), *filter(None, limits)], "" if details or quiet or json else "--details")
     if drawn is not None and not (json or quiet):
         say(f"picture in {drawn}")
 
@@ -267,6 +274,7 @@ def leak(
     profile_file: Annotated[Path, argument("leak", "profile_file")],
     case_file: CaseFile,
     output: Annotated[Path | None, output_option("PROFILE.leak")] = None,
+    details: Details = False,
     quiet: Quiet = False,
     json: Json = False,
     debug: Debug = False,
@@ -274,8 +282,11 @@ def leak(
     """Leak rate of a given pressure profile, such as one exported from another finite-element code."""
     from fem_seal.answers.leakage_class import volume_of
     from fem_seal.answers.profile_leak import leak_of_profiles, read_profiles
+    from fem_seal.output.answers.verdict import next_class_in_words
+    from fem_seal.output.brief import leak_in_brief
     from fem_seal.output.folders import folder_lock, replaced_together
     from fem_seal.output.tables import profile_leak_rows, write_rows
+    from fem_seal.seal.load_result import highest_load
     from fem_seal.seal.problem import SealProblem
 
     case = fem_seal.load_case(case_file)
@@ -289,9 +300,14 @@ def leak(
     if json:
         say_json({"folder": str(folder), "loads": rows})
     elif not quiet:
-        show_leak_table(rows, f"{profile_file.name}: {case.title}", loads, volume_of(case))
-        show_leakage(case, loads)
-        _list_files(folder)
+        title, highest = f"{profile_file.name}: {case.title}", loads[highest_load(loads)]
+        show_first(leak_in_brief(case, highest, loads), next_class_in_words(case, highest))
+        if details:
+            show_leak_table(rows, title, loads, volume_of(case))
+            show_leakage(case, loads)
+        else:
+            show_loads(case, loads, title)
+        say_where(folder)
 
 
 @app.command()
@@ -333,10 +349,9 @@ def direct(
     if json:
         say_json({"folder": str(folder), **numbers})
     elif not quiet:
-        for line in lines:
-            say(line)
+        tell(*lines)
         show_table(f"{title}: {case.title}", *shown, keys=keys)
-        _list_files(folder)
+        say_where(folder)
 
 
 @app.command()
@@ -383,7 +398,7 @@ def surface(
     elif not quiet:
         for name, text in surface_lines(measured):
             say(f"  {name:24}{text}")
-        _list_files(folder)
+        say_where(folder)
 
 
 @app.command()
@@ -465,14 +480,6 @@ def _warn_of_unfinished(folder: Path) -> None:
 
     said = unfinished(folder)
     warn([f"{folder}: {said}"] if said else [])
-
-
-def _list_files(folder: Path) -> None:
-    names = sorted(path.name for path in folder.iterdir() if path.is_file() and not path.name.startswith("."))
-    steps = [name for name in names if name.endswith((".vtu", ".vtp"))]
-    others = [name for name in names if name not in steps]
-    listed = ", ".join(others) + (f" and {len(steps)} VTK files" if steps else "")
-    say(f"Results in {os.path.join(folder, '')}: {listed}")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -9,11 +9,12 @@ from __future__ import annotations
 import math
 import shutil
 import sys
+import textwrap
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, TextIO
 
 import typer
 
@@ -66,6 +67,7 @@ CaseFile = Annotated[Path, argument("common", "case_file")]
 ResultsFolder = Annotated[Path, argument("common", "results_folder")]
 Quiet = Annotated[bool, option("common", "quiet")]
 Json = Annotated[bool, json_option()]
+Details = Annotated[bool, option("common", "details")]
 Debug = Annotated[bool, option("common", "debug")]
 
 
@@ -98,6 +100,37 @@ def say(*lines: str, bold: bool = False) -> None:
         typer.secho(printable(line), bold=bold or None)
 
 
+def room_of(stream: TextIO) -> int:
+    """Characters in a line: as many as the terminal is wide, 80 in a file or pipe."""
+    return shutil.get_terminal_size().columns if stream.isatty() else _USUAL_WIDTH
+
+
+def tell(*sentences: str, bold: bool = False, indent: int | None = None) -> None:
+    """Print sentences, each broken between words to the width of the terminal.
+
+    Parameters
+    ----------
+    *sentences : str
+    bold : bool
+    indent : int, optional
+        Blanks before all lines but the first; two more than before the first unless given.
+    """
+    for sentence in sentences:
+        before = len(sentence) - len(sentence.lstrip()) + 2 if indent is None else indent
+        say(*_broken(sentence, sys.stdout, before), bold=bold)
+
+
+def _broken(text: str, stream: TextIO, indent: int) -> list[str]:
+    """A text in lines, broken between words only."""
+    return textwrap.wrap(
+        printable(text),
+        max(room_of(stream), 2 * indent),
+        subsequent_indent=" " * indent,
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
+
+
 def say_json(value: object) -> None:
     """Print a value as JSON."""
     say(*as_json(value).split("\n"))
@@ -108,20 +141,30 @@ def note(line: str) -> None:
     typer.secho(printable(line), err=True)
 
 
-def warn(warnings: Iterable[str]) -> None:
-    """Print warnings on standard error."""
-    for warning in warnings:
-        _print_after("warning: ", warning, typer.colors.YELLOW)
+def warn(warnings: Iterable[str], rest: str = "") -> None:
+    """Print warnings on standard error.
+
+    Parameters
+    ----------
+    warnings : iterable of str
+    rest : str
+        Where those after the first three can be read; all are printed without it.
+    """
+    texts = list(warnings)
+    # one more takes no more room than the line that counts it
+    most = _WARNINGS if rest and len(texts) > _WARNINGS + 1 else len(texts)
+    for text in (*texts[:most], *([f"{len(texts) - most} more, see {rest}"] if texts[most:] else [])):
+        for line in _broken(f"warning: {text}", sys.stderr, len("warning: ")):
+            typer.secho(line, err=True, fg=typer.colors.YELLOW)
 
 
 def complain(message: str, word: str = "error: ") -> None:
     """Print an error on standard error, with a word before each of its lines."""
-    _print_after(word, message, typer.colors.RED)
-
-
-def _print_after(word: str, message: str, colour: str) -> None:
     for line in message.split("\n"):
-        typer.secho(f"{word}{printable(line)}", err=True, fg=colour)
+        text = f"{word}{printable(line)}"
+        # a file keeps each entry of the case in a line of its own
+        for part in _broken(text, sys.stderr, len(word)) if sys.stderr.isatty() else [text]:
+            typer.secho(part, err=True, fg=typer.colors.RED)
 
 
 def cell(text: str) -> str:
@@ -180,8 +223,83 @@ def prompt(words: str, default: str) -> str:
     return default if answer == printable(default) else str(answer).strip()
 
 
-# Wider than any table.
-_ENDLESS = 100_000
+# Wider than any table; width of a file; warnings that are told before the rest is counted; of a word in a heading.
+_ENDLESS, _USUAL_WIDTH, _WARNINGS, _WORD = 100_000, 80, 3, 10
+
+
+def show_result(result: SealSolution, *, details: bool) -> None:
+    """Print the verdict, what decides it, and the loads in brief; or everything that can be said.
+
+    Parameters
+    ----------
+    result : SealSolution
+    details : bool
+        Everything: the whole table and the sentences of all answers.
+    """
+    from fem_seal.answers.leakage_class import volume_of
+    from fem_seal.output import brief
+    from fem_seal.output.tables import leak_rows
+
+    case = result.case
+    lines = brief.first_line(result), brief.second_line(result)
+    show_first(*(told_of(line, faces=case.faces) for line in lines))
+    if not details:
+        show_loads(case, result.loads)
+        return
+    show_leak_table(leak_rows(result), case.title, result.loads, volume_of(case))
+    show_leakage(case, result.loads)
+    show_answers(result)
+
+
+def show_first(first: str, second: str) -> None:
+    """Print what is said first: the verdict, and what decides it."""
+    tell(first, bold=True)
+    if second:
+        tell(f"{second[0].upper()}{second[1:]}")
+    say()
+
+
+def show_loads(case: Case, loads: Sequence[LoadResult], title: str = "") -> None:
+    """Print the loads in brief.
+
+    Parameters
+    ----------
+    case : Case
+    loads : sequence of LoadResult
+    title : str
+        That of the case unless given.
+    """
+    from fem_seal.answers.leakage_class import volume_of
+    from fem_seal.output.brief import loads_in_brief, of_throughput
+
+    table, left_out = loads_in_brief(case, loads)
+    headings = []
+    for heading in table.headings:
+        words, _, unit = heading.rstrip("]").partition(" [")
+        headings.append([*textwrap.wrap(words, _WORD), unit])
+    most = max(map(len, headings))
+    tell(title or case.title)
+    show(
+        numbers_table(
+            ["\n".join([""] * (most - len(one)) + one) for one in headings], [list(row) for row in table.rows]
+        )
+    )
+    marks = {load.validity.level.mark: load.validity.level for load in loads}
+    notes = [f"{mark} {level}" for mark, level in marks.items() if mark]
+    notes += [f"{left_out} more loads in leak.csv"] if left_out else []
+    state = volume_of(case).state
+    notes += [f"volumes of gas at {state}"] if state and not of_throughput(case, loads) else []
+    tell(*([f"  {'; '.join(notes)}"] if notes else []))
+
+
+def say_where(folder: Path) -> None:
+    """Print where the results are."""
+    names = sorted(path.name for path in folder.iterdir() if path.is_file() and not path.name.startswith("."))
+    first = [name for name in ("report.html", "leak.csv") if name in names]
+    others = [] if first else [name for name in names if not name.endswith((".vtu", ".vtp"))]
+    more = len(names) - len(first) - len(others)
+    listed = ", ".join([*first, *others]) + (f" and {more} more files" if more else "")
+    tell(f"Results in {folder / '_'}"[:-1] + f": {listed}")
 
 
 def show_leak_table(
@@ -237,9 +355,9 @@ def show_leak_table(
     for level in Level:
         if level.mark and level in levels:
             what = "nothing may be claimed" if level is Level.OUTSIDE else "uncertain"
-            say(f"  {level.mark} {level}: {what}; for the reasons see validity_reasons in leak.csv")
+            tell(f"  {level.mark} {level}: {what}; for the reasons see validity_reasons in leak.csv")
     for text in volume_notes(volume, flows, unmeasured=unmeasured):
-        say(f"  {text}")
+        tell(f"  {text}")
 
 
 def _leak_cell(value: float | None, shown: TerminalColumn, load: LoadResult, volume: LeakVolume) -> str:
@@ -268,8 +386,7 @@ def show_leakage(case: Case, loads: Sequence[LoadResult]) -> None:
     from fem_seal.output.report.words import leakage_lines
     from fem_seal.seal.load_result import highest_load
 
-    for line in leakage_lines(case, loads[highest_load(loads)], loads):
-        say(line)
+    tell(*leakage_lines(case, loads[highest_load(loads)], loads))
 
 
 def show_answers(result: SealSolution) -> None:
@@ -284,13 +401,13 @@ def show_answers(result: SealSolution) -> None:
 
     groups = (remembered(result), *(one.lines(result) for one in shown_answers.SHOWN))
     for line in chain.from_iterable(groups):
-        say(told_of(line, faces=result.case.faces))
+        tell(told_of(line, faces=result.case.faces))
 
 
 def show_table(title: str, headings: Sequence[str], rows: Sequence[Sequence[str]], keys: int = 1) -> None:
     """Print a table, numbers aligned to the right and never cut.
 
-    On a narrow terminal its parts are printed below each other; a file or pipe has no width limit.
+    Where it is wider than the terminal, or than 80 characters of a file, its parts are printed below each other.
 
     Parameters
     ----------
@@ -306,7 +423,7 @@ def show_table(title: str, headings: Sequence[str], rows: Sequence[Sequence[str]
     # the width of the terminal limits the columns of a part, never the digits of a number
     console = Console(width=_ENDLESS, highlight=False)
     # not the title of the rich table, which would be broken to the width of the table
-    say(title, bold=True)
+    tell(title, bold=True)
     widths = [
         max(len(line) for cell in (heading, *column) for line in cell.split("\n"))
         for heading, *column in zip(headings, *rows, strict=True)
@@ -317,7 +434,7 @@ def show_table(title: str, headings: Sequence[str], rows: Sequence[Sequence[str]
 
 def _parts(widths: Sequence[int], keys: int) -> Iterator[list[int]]:
     """Columns of each part: the keys and as many others as fit, at least one."""
-    room = shutil.get_terminal_size().columns if sys.stdout.isatty() else _ENDLESS
+    room = room_of(sys.stdout)
     # each column has a blank on either side and one more after it; one blank begins the line
     taken = [width + 3 for width in widths]
     alone = 1 + sum(taken[:keys])
@@ -351,23 +468,26 @@ def _dimension(key: str, value: float) -> str:
     return f"{math.degrees(value):.4g} deg" if key.endswith("angle") else f"{1e3 * value:.4g} mm"
 
 
-def show_derived(numbers: Mapping[str, Any]) -> None:
-    """Print the derived numbers of a case."""
+def show_derived(numbers: Mapping[str, Any], *, details: bool) -> None:
+    """Print the derived numbers of a case, of the loads six columns or all that are known."""
     from fem_seal.output.case_words import section_text
-    from fem_seal.output.columns import CHECK_OF_CASE, CHECK_ON_TERMINAL
+    from fem_seal.output.columns import CHECK_OF_CASE, CHECK_ON_TERMINAL, MOST_COLUMNS, SHOWN_COLUMNS
 
     for body, lengths in numbers["dimensions"].items():
         shown = [f"{key} {_dimension(key, value)}" for key, value in lengths.items()]
         if body in numbers["sections"]:
             shown += section_text(numbers["sections"][body]).values()
         name = told_of(body, faces=1 + ("gasket" in numbers["dimensions"]))
-        say(f"  {name:10}" + ", ".join(shown))
+        tell(f"  {name:10}" + ", ".join(shown), indent=12)
     for name, (words, unit) in CHECK_OF_CASE.items():
         value = numbers[name]
         if value is not None and math.isfinite(value):
             say(f"  {words:30}{_cell(value, fixed_unit(unit))} {unit}".rstrip())
     rows = numbers["loads"]
     columns = [column for column in CHECK_ON_TERMINAL if any(row[column.name] is not None for row in rows)]
+    for name in () if details else SHOWN_COLUMNS["check_spared"]:
+        if len(columns) > MOST_COLUMNS:
+            columns = [column for column in columns if column.name != name]
     closed = any(row["hertz_peak_pressure_Pa"] is not None for row in rows)
     show_table(
         "Closed-form pressure profiles" if closed else "Loads (no closed-form profiles: the faces conform)",

@@ -1,4 +1,4 @@
-"""A result in brief, as terminal, report and its page begin: the verdict, what decides it, and a table of six columns."""
+"""A result in brief, with which terminal and report begin: verdict, what decides it, and a table of six columns."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from fem_seal.answers.findings import FINDINGS
 from fem_seal.answers.judgement import JudgedLoad, Verdict
 from fem_seal.answers.leakage_class import leakage_classes, volume_of
+from fem_seal.case.fields import Throughput
 from fem_seal.output.answers.error_shares import largest_share, measurement_in_brief
 from fem_seal.output.answers.sensitivities import in_words, strongest
 from fem_seal.output.answers.uncertainty import told_after_test
@@ -20,7 +21,7 @@ from fem_seal.output.answers.verdict import (
     verdict_in_brief,
     would_pass,
 )
-from fem_seal.output.columns import COLUMNS, PROFILE_LEAK_COLUMNS, SHOWN_COLUMNS
+from fem_seal.output.columns import MOST_COLUMNS, PROFILE_LEAK_COLUMNS, SHOWN_COLUMNS
 from fem_seal.output.pictures.style import few
 from fem_seal.output.prose import phrase
 from fem_seal.output.report.words import contact_alone, leakage_text
@@ -35,8 +36,8 @@ if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
     from fem_seal.case.case import Case
 
-# Columns and rows of the table, rows of one that is shortened, and digits.
-_COLUMNS, _ROWS, _FEW_ROWS, _DIGITS = 6, 8, 4, 3
+# Rows of the table, those of one that is shortened, and digits.
+_ROWS, _FEW_ROWS, _DIGITS = 8, 4, 3
 
 
 def decisive(result: SealSolution) -> JudgedLoad:
@@ -77,16 +78,16 @@ def leak_in_brief(case: Case, load: LoadResult, loads: Sequence[LoadResult]) -> 
         return phrase("brief.first", "none", load=at)
     if found.outside:
         return phrase("brief.first", "outside", load=at, reason=found.reasons[0])
-    gas = case.fluid is not None and case.fluid.gas is not None
     rate = (
         leakage_text(load, volume).split(" = ")[0]
-        if gas
+        if of_throughput(case, [load])
         else leak_range_text(rate_of(load), load.leak_digits, volume=volume)
     )
     classes = leakage_classes(case, load)
     met = ", ".join(str(one) for one in classes if one.name)
-    missed = ", ".join(one.standard for one in classes)
-    sealed = not volume.measurable(max(rate_of(load) if isinstance(rate_of(load), tuple) else (rate_of(load),)))
+    sealed = not volume.measurable(
+        max(rate_of(load) if isinstance(rate_of(load), tuple) else (rate_of(load),))
+    )
     key = "tested" if load.tested else "tight" if sealed else "leaks"
     told = phrase(
         "brief.first",
@@ -94,7 +95,7 @@ def leak_in_brief(case: Case, load: LoadResult, loads: Sequence[LoadResult]) -> 
         load=f"{at}, with doubt" if found.level is Level.DOUBTFUL else at,
         rate=told_after_test(load, volume, rate) if load.tested else rate,
     )
-    return f"{told}; {phrase('brief.first', 'classes' if met else 'no_class', met=met, missed=missed)}"
+    return f"{told}; {phrase('brief.first', 'classes' if met else 'no_class', met=met)}"
 
 
 def second_line(result: SealSolution) -> str:
@@ -139,12 +140,13 @@ _ADVICE: dict[str, Callable[[SealSolution, JudgedLoad], str]] = {
     "class": lambda result, load: next_class_in_words(result.case, load),
     "share": _share,
     "used": _used,
+    "ask": lambda result, load: "" if result.sensitivities else phrase("brief.second", "ask"),
 }
 # What is told after each verdict, the first that is known.
 _ORDER: dict[Verdict | None, Sequence[str]] = {
     Verdict.PASS: ("share", "used"),
     Verdict.INCONCLUSIVE: ("profile", "measure", "helps", "force", "share", "used"),
-    Verdict.FAIL: ("helps", "force", "measure", "used"),
+    Verdict.FAIL: ("helps", "force", "measure", "ask", "used"),
     None: ("helps", "measure", "class", "share", "force"),
 }
 
@@ -191,11 +193,14 @@ def _most_telling(case: Case, loads: Sequence[LoadResult]) -> list[ReportColumn]
         names.remove("applied_force_N")
     names.remove("leak_rate_m3_per_s" if loads[0].tested else "leak_rate_p50_m3_per_s")
     filled = (filled_column(name, loads, volume_of(case)) for name in names)
-    columns = [one for one in _leaks_in_one_unit(case, map(_finite, filled)) if one.some]
+    known = (one for one in map(_finite, filled) if any(one.values) or one.column.kind == "flow" and one.some)
+    columns = list(_leaks_in_one_unit(case, loads, known))
     ends = [one.values for one in columns if one.column.name in _ENDS]
-    columns = [one for one in columns if one.column.name in _ENDS or not any(_alike(one, end) for end in ends)]
+    columns = [
+        one for one in columns if one.column.name in _ENDS or not any(_alike(one, end) for end in ends)
+    ]
     for name in SHOWN_COLUMNS["spared"]:
-        if len(columns) > _COLUMNS:
+        if len(columns) > MOST_COLUMNS:
             columns = [one for one in columns if one.column.name != name]
     return columns
 
@@ -211,15 +216,36 @@ def _finite(column: ReportColumn) -> ReportColumn:
 def _alike(column: ReportColumn, end: Sequence[float | None]) -> bool:
     """Whether a column repeats an end of the interval."""
     pairs = zip(column.values, end, strict=True)
-    return all(a == b or (a is not None and b is not None and math.isclose(a, b, rel_tol=1e-3)) for a, b in pairs)
+    return all(
+        a == b or (a is not None and b is not None and math.isclose(a, b, rel_tol=1e-3)) for a, b in pairs
+    )
 
 
-def _leaks_in_one_unit(case: Case, columns: Iterable[ReportColumn]) -> Iterator[ReportColumn]:
+def of_throughput(case: Case, loads: Sequence[LoadResult]) -> bool:
+    """Whether leak rates are told in mbar l/s: of a gas, unless its limit is a volume.
+
+    Parameters
+    ----------
+    case : Case
+    loads : sequence of LoadResult
+    """
+    judged = [load.judgement for load in loads if isinstance(load, JudgedLoad)]
+    limits = [one.limit.leak_rate for one in judged if one is not None]
+    return (
+        case.fluid is not None
+        and case.fluid.gas is not None
+        and all(isinstance(one, Throughput) for one in limits)
+    )
+
+
+def _leaks_in_one_unit(
+    case: Case, loads: Sequence[LoadResult], columns: Iterable[ReportColumn]
+) -> Iterator[ReportColumn]:
     """Columns whose leak rates share the unit of the sentences; that of a gas is one of throughput."""
     known = list(columns)
     rates = [rate for one in known if one.column.kind == "flow" for rate in one.values if rate is not None]
     unit = flow_unit(rates) or unit_for("flow", max(rates, default=0.0))
-    if case.fluid is not None and case.fluid.gas is not None:
+    if of_throughput(case, loads):
         throughput = fixed_unit("mbar l/s")
         unit = replace(throughput, size=throughput.size / STANDARD_PRESSURE)
     for one in known:

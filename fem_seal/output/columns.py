@@ -272,6 +272,8 @@ def _worded(name: str, kind: str, of: Callable[[LoadResult], float | None], word
 
 # Names of the columns of each table; empty ones are left out.
 SHOWN_COLUMNS: dict[str, list[str]] = _SAID["shown"]
+# Of a table in brief.
+MOST_COLUMNS = 6
 COLUMNS = {column.name: column for column in _columns()}
 
 

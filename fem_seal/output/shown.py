@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from fem_seal.output.columns import COLUMNS, Column
 from fem_seal.output.prose import filled, prose
 from fem_seal.seal.readings import FURTHER
-from fem_seal.units import LIQUID, LeakVolume, Unit, format_digits, trimmed, unit_for
+from fem_seal.units import LIQUID, LeakVolume, Unit, fixed_unit, format_digits, trimmed, unit_for
 
 if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
@@ -183,6 +183,8 @@ class ReportColumn:
         """Unit of all values."""
         if self.given_unit is not None:
             return self.given_unit
+        if not self.column.kind:
+            return fixed_unit("")
         largest = max(abs(value) for value in self.values if value is not None)
         found = unit_for(self.column.kind, largest)
         return self.volume.named(found) if self.column.kind == "flow" else found
@@ -209,7 +211,10 @@ def columns_table(columns: Sequence[ReportColumn], none: str = "none measurable"
     own = {one.column.name: one.unit for one in shown}
     units = [own.get(one.column.unit_like, own[one.column.name]) for one in shown]
     return ReadableTable(
-        tuple(f"{one.column.heading} [{unit.name}]" for one, unit in zip(shown, units, strict=True)),
+        tuple(
+            f"{one.column.heading} [{unit.name}]" if unit.name else one.column.heading
+            for one, unit in zip(shown, units, strict=True)
+        ),
         tuple(
             tuple(_cell(one, unit, n, none) for one, unit in zip(shown, units, strict=True))
             for n in range(len(columns[0].values))

@@ -80,7 +80,9 @@ def bolt_table(result: SealSolution) -> ReadableTable:
     """Bolts at each load; no rows without them."""
     if result.bolts is None:
         return ReadableTable((), ())
-    return columns_table([filled_column(name, result.loads, volume_of(result.case)) for name in SHOWN_COLUMNS["bolts"]])
+    return columns_table(
+        [filled_column(name, result.loads, volume_of(result.case)) for name in SHOWN_COLUMNS["bolts"]]
+    )
 
 
 def _numbers(result: SealSolution) -> dict[str, Any] | None:

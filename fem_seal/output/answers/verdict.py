@@ -23,7 +23,6 @@ from fem_seal.seal.findings import YIELD_STRESS, Level
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.readings import THEORIES
 from fem_seal.units import (
-    LeakVolume,
     digits_beside,
     flow_unit,
     format_digits,
@@ -151,7 +150,7 @@ def _verdict(result: SealSolution, found: SealJudgement, sentences: str) -> str:
         sentences,
         key,
         load=load,
-        who="the requirement" if own else limit.name,
+        who="the limit" if own else limit.name,
         low=_amount(low, digits, limit.leak_rate),
         high=at_most,
         range=_range(low, high, digits, limit.leak_rate),
