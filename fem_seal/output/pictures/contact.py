@@ -8,16 +8,19 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fem_seal.files import told_of
 from fem_seal.output.case_words import law_word
 from fem_seal.output.pictures.style import (
     BLUE,
     GREEN,
     GREY,
+    INK,
     ORANGE,
     WIDTH,
     Picture,
     captioned,
     few,
+    inches,
     label,
     load_colours,
     logarithmic,
@@ -41,6 +44,9 @@ _NAMED_LOADS = 6
 _NARROW = 6.4
 # More lines than this cannot be told apart.
 _DRAWN_LOADS = 40
+# Size of the picture of the enlarged contact [inch]; height of its section over the widest gap; colours of the bodies.
+_ENLARGED, _HEADROOM = (10.4, 4.2), 1.25
+_FACES = {"closure": "#c9dcf0", "seat": "#e6dcc6"}
 _CLOSED_FORMS = {
     "hertz": ("Hertz", GREY, (0, (1, 1.2))),
     "gaussian": ("Gaussian", GREEN, (0, (5, 1.5, 1, 1.5))),
@@ -285,6 +291,63 @@ def _label_across(axes: Axes, loads: Sequence[LoadResult], title: str, y: str) -
     label(axes, title, f"x  [{length.name}]", y)
     axes.set_xlim(*(end / length.size for end in _shown(loads)))
     axes.legend(title=load_axis(loads).name, loc="best", handlelength=1.4)
+
+
+def contact_picture(result: SealSolution, load: LoadResult) -> Picture:
+    """The contact enlarged: its pressure, and below it the section with the gap through which the fluid leaks.
+
+    Parameters
+    ----------
+    result : SealSolution
+    load : LoadResult
+        The load that is shown.
+    """
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=_ENLARGED)
+    above, below = figure.subplots(
+        2, 1, sharex=True, gridspec_kw={"left": 0.075, "right": 0.985, "bottom": 0.13, "top": 0.92, "hspace": 0.0}
+    )
+    low, high = _shown([load])
+    length, pressure = unit_for("length", max(-low, high)), unit_for("contact pressure", load.peak_pressure)
+    seen = [one.gap[(one.x >= low) & (one.x <= high)] for one in load.profiles]
+    top = _HEADROOM * max(float(part.max(initial=0.0)) for part in seen) or 1e-6
+    gap, flows = unit_for("length", top), load.leak is not None and 0 < load.leak.leak_rate < np.inf
+    share = np.zeros(load.whole.x.size)
+    if flows and load.leak is not None:
+        share = load.leak.fluid_pressure / max(float(load.leak.fluid_pressure.max()), 1e-300)
+    ends = np.cumsum([one.x.size for one in load.profiles])
+    for profile, fluid in zip(load.profiles, np.split(share, ends[:-1]), strict=True):
+        x, u = profile.x / length.size, np.minimum(profile.gap, 2.0 * top) / gap.size
+        above.fill_between(x, profile.pressure / pressure.size, color=ORANGE, alpha=0.35, linewidth=0)
+        above.plot(x, profile.pressure / pressure.size, color=ORANGE)
+        below.fill_between(x, -top / gap.size, 0.0, color=_FACES["seat"], linewidth=0)
+        below.fill_between(x, u, 2.0 * top / gap.size, color=_FACES["closure"], linewidth=0)
+        # one colour between two points
+        filled = below.pcolormesh(
+            np.stack([x, x]), np.stack([0.0 * u, u]), fluid[None, 1:], cmap="Blues", vmin=-0.1, vmax=1.3
+        )
+        filled.set_rasterized(True)
+        below.plot(x, u, color=INK, linewidth=0.8)
+        below.plot(x, 0.0 * x, color=INK, linewidth=0.8)
+    above.set_ylim(0.0, 1.08 * load.peak_pressure / pressure.size)
+    below.set_xlim(low / length.size, high / length.size)
+    below.set_ylim(-0.3 * top / gap.size, top / gap.size)
+    width, height = inches(below)
+    times = (high - low) / width / (1.3 * top / height)
+    for at, name in ((0.93, "closure"), (0.06, "seat")):
+        text = told_of(name, faces=result.case.faces)
+        below.text(0.5, at, text, transform=below.transAxes, ha="center", va="center", color=INK)
+    if flows:
+        left = share[0] > share[-1]
+        side = (0.01, "left") if left else (0.99, "right")
+        name = quantity("fluid pressure", load.fluid_pressure)
+        text = f"{name} →" if left else f"← {name}"
+        below.text(side[0], 0.24, text, transform=below.transAxes, ha=side[1], va="bottom", color=BLUE)
+    label(above, "", "", f"contact pressure  [{pressure.name}]")
+    label(below, "", f"x  [{length.name}]", f"gap  [{gap.name}]")
+    name = load_name(load, result.loads)
+    return captioned(figure, "contact", "all", "flow" if flows else "", load=name, times=times)
 
 
 def _shown(loads: Sequence[LoadResult]) -> tuple[float, float]:
