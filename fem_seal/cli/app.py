@@ -86,6 +86,7 @@ def _version(
 def pdf(
     folder: ResultsFolder,
     output: Annotated[Path | None, output_option("DIR/report.pdf", "PDF file.", "FILE")] = None,
+    one_page: Annotated[bool, option("pdf", "one_page")] = False,
     quiet: Quiet = False,
     debug: Debug = False,
 ) -> None:
@@ -95,7 +96,8 @@ def pdf(
     page = folder / "report.html"
     if not page.is_file():
         raise InputError.at(str(folder), "holds no report.html; `fem-seal run CASE.toml -o DIR` writes one")
-    written = print_pdf(page, output or folder / "report.pdf")
+    written = output or folder / ("page.pdf" if one_page else "report.pdf")
+    print_pdf(page, written, one_page=one_page)
     if not quiet:
         say(f"PDF in {written}")
 

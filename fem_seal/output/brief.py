@@ -13,18 +13,20 @@ from fem_seal.answers.leakage_class import leakage_classes, volume_of
 from fem_seal.case.fields import Throughput
 from fem_seal.output.answers.error_shares import largest_share, measurement_in_brief
 from fem_seal.output.answers.sensitivities import in_words, strongest
+from fem_seal.output.answers.target import OPENS
 from fem_seal.output.answers.uncertainty import told_after_test
 from fem_seal.output.answers.verdict import (
     force_to_pass,
     next_class_in_words,
     used_in_words,
+    verdict_facts,
     verdict_in_brief,
     would_pass,
 )
 from fem_seal.output.columns import MOST_COLUMNS, PROFILE_LEAK_COLUMNS, SHOWN_COLUMNS
 from fem_seal.output.pictures.style import few
 from fem_seal.output.prose import phrase
-from fem_seal.output.report.words import contact_alone, leakage_text
+from fem_seal.output.report.words import PEAK, Fact, contact_alone, facts, leakage_text
 from fem_seal.output.shown import ReadableTable, ReportColumn, columns_table, filled_column
 from fem_seal.seal.findings import Level
 from fem_seal.seal.load_names import load_axis, load_values
@@ -123,8 +125,8 @@ def _force(result: SealSolution, load: JudgedLoad) -> str:
 
 
 def _share(result: SealSolution, load: JudgedLoad) -> str:
-    share = largest_share(result, result.loads.index(load))
-    return phrase("brief.second", "share", share=share) if share else ""
+    found = largest_share(result, result.loads.index(load))
+    return "" if found is None else phrase("brief.second", "share", name=found[0], share=found[1])
 
 
 def _used(result: SealSolution, load: JudgedLoad) -> str:
@@ -149,6 +151,24 @@ _ORDER: dict[Verdict | None, Sequence[str]] = {
     Verdict.FAIL: ("helps", "force", "measure", "ask", "used"),
     None: ("helps", "measure", "class", "share", "force"),
 }
+
+
+def three_numbers(result: SealSolution) -> list[Fact]:
+    """Leak rate, opening or peak pressure, and what decides, at the decisive load.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    load = decisive(result)
+    first, *others = facts(result, load)
+    second = next((one for name in (OPENS, PEAK) for one in others if one.name == name), first)
+    share, margin = largest_share(result, result.loads.index(load)), verdict_facts(result)[:1]
+    third = (
+        [Fact(phrase("brief.fact", "share"), share[1], share[0])] if share else [Fact(*one) for one in margin]
+    )
+    rest = [one for one in others if one != second]
+    return list(dict.fromkeys([first, second, *third, *rest]))[:3]
 
 
 def loads_in_brief(case: Case, loads: Sequence[LoadResult], most: int = _ROWS) -> tuple[ReadableTable, int]:

@@ -26,7 +26,7 @@ def find_browser() -> str | None:
     return next(filter(None, (os.environ.get(_NAMED), *map(shutil.which, known["commands"]), *found)), None)
 
 
-def print_pdf(page: Path, pdf: Path, browser: str | None = None) -> Path:
+def print_pdf(page: Path, pdf: Path, browser: str | None = None, *, one_page: bool = False) -> Path:
     """Print a page into a PDF file, which replaces an old one when it is complete.
 
     Parameters
@@ -36,6 +36,8 @@ def print_pdf(page: Path, pdf: Path, browser: str | None = None) -> Path:
     pdf : pathlib.Path
     browser : str, optional
         Program based on Chromium; the one that is found unless given.
+    one_page : bool
+        Of a report, its beginning and its case alone, on one page.
 
     Raises
     ------
@@ -52,8 +54,12 @@ def print_pdf(page: Path, pdf: Path, browser: str | None = None) -> Path:
         )
     # with its own profile, independent of an open browser
     with TemporaryDirectory(prefix="fem-seal-") as folder:
-        draft = Path(folder) / "report.pdf"
-        messages = _printed(browser, page, draft, Path(folder) / "profile")
+        draft, printed = Path(folder) / "report.pdf", page
+        if one_page:
+            printed = Path(folder) / "page.html"
+            text = page.read_text(encoding="utf-8")
+            printed.write_text(text.replace("<html ", '<html class="one-page" ', 1), encoding="utf-8")
+        messages = _printed(browser, printed, draft, Path(folder) / "profile")
         if not draft.is_file() or not draft.read_bytes().startswith(b"%PDF"):
             raise DrawingError(
                 f"{browser} printed nothing{messages}; open {page} in a browser and print it there"

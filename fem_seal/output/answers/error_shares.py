@@ -63,8 +63,8 @@ def error_sentence(result: SealSolution) -> str:
     )
 
 
-def largest_share(result: SealSolution, number: int) -> str:
-    """The largest source of error of a load with its share, "yielding of asperities (89 %)"; empty where all are small.
+def largest_share(result: SealSolution, number: int) -> tuple[str, str] | None:
+    """The largest source of error of a load with its share of the interval; None where the interval is narrow.
 
     Parameters
     ----------
@@ -74,9 +74,9 @@ def largest_share(result: SealSolution, number: int) -> str:
     """
     found = _of_load(result, number)
     if found is None or found.factor < _NARROW or not found.of_width:
-        return ""
+        return None
     name, share = next(iter(found.of_width.items()))
-    return f"{input_name(name)} ({percent(share, 1)})"
+    return input_name(name), percent(share, 1)
 
 
 def measurement_in_brief(result: SealSolution, number: int) -> str:

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 _DIGITS = 4
 
 
-TARGET_FORCE = "Force for the target leak rate"
+OPENS, TARGET_FORCE = "Opens at", "Force for the target leak rate"
 
 
 def opens_at(load: LoadResult) -> str | None:
@@ -37,7 +37,7 @@ def opens_at(load: LoadResult) -> str | None:
 def valve_facts(result: SealSolution, load: JudgedLoad) -> Iterator[tuple[str, str, str]]:
     """Name, value and remark of the pressure that opens the seal and of the force for the target leak rate."""
     if opens := opens_at(load):
-        yield "Opens at", opens, phrase("facts.remark", "opens", load=load)
+        yield OPENS, opens, phrase("facts.remark", "opens", load=load)
     target = result.case.load.target_leak_rate
     if target is not None and load.force_for_target is not None:
         every = (load.force_for_target, *_other_forces(load).values())

@@ -29,7 +29,7 @@ from fem_seal.output.pictures.style import (
     spans_decades,
 )
 from fem_seal.seal.load_names import LoadAxis, different, load_axis, load_name
-from fem_seal.units import Unit, quantity, unit_for
+from fem_seal.units import Unit, format_quantity, quantity, unit_for
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -44,8 +44,9 @@ _NAMED_LOADS = 6
 _NARROW = 6.4
 # More lines than this cannot be told apart.
 _DRAWN_LOADS = 40
-# Size of the picture of the enlarged contact [inch]; height of its section over the widest gap; colours of the bodies.
-_ENLARGED, _HEADROOM = (10.4, 4.2), 1.25
+# Size of the picture of the enlarged contact [inch]; height of its section over the widest gap that is shown whole, of one
+# contact and of lands; share of the peak pressure from which on a land presses; colours of the bodies.
+_ENLARGED, _HEADROOM, _PRESSED = (10.4, 3.9), (1.3, 4.0), 0.01
 _FACES = {"closure": "#c9dcf0", "seat": "#e6dcc6"}
 _CLOSED_FORMS = {
     "hertz": ("Hertz", GREY, (0, (1, 1.2))),
@@ -306,12 +307,20 @@ def contact_picture(result: SealSolution, load: LoadResult) -> Picture:
 
     figure = Figure(figsize=_ENLARGED)
     above, below = figure.subplots(
-        2, 1, sharex=True, gridspec_kw={"left": 0.075, "right": 0.985, "bottom": 0.13, "top": 0.92, "hspace": 0.0}
+        2,
+        1,
+        sharex=True,
+        gridspec_kw={"left": 0.075, "right": 0.985, "bottom": 0.13, "top": 0.92, "hspace": 0.0},
     )
     low, high = _shown([load])
     length, pressure = unit_for("length", max(-low, high)), unit_for("contact pressure", load.peak_pressure)
-    seen = [one.gap[(one.x >= low) & (one.x <= high)] for one in load.profiles]
-    top = _HEADROOM * max(float(part.max(initial=0.0)) for part in seen) or 1e-6
+    # between lands the gap is that of a chamber
+    several, headroom = len(load.profiles) > 1, _HEADROOM[len(load.profiles) > 1]
+    seen = [
+        one.gap[one.pressure > _PRESSED * load.peak_pressure if several else (one.x >= low) & (one.x <= high)]
+        for one in load.profiles
+    ]
+    top = headroom * max(float(part.max(initial=0.0)) for part in seen) or 1e-6
     gap, flows = unit_for("length", top), load.leak is not None and 0 < load.leak.leak_rate < np.inf
     share = np.zeros(load.whole.x.size)
     if flows and load.leak is not None:
@@ -330,6 +339,7 @@ def contact_picture(result: SealSolution, load: LoadResult) -> Picture:
         filled.set_rasterized(True)
         below.plot(x, u, color=INK, linewidth=0.8)
         below.plot(x, 0.0 * x, color=INK, linewidth=0.8)
+    above.tick_params(bottom=False, labelbottom=False)
     above.set_ylim(0.0, 1.08 * load.peak_pressure / pressure.size)
     below.set_xlim(low / length.size, high / length.size)
     below.set_ylim(-0.3 * top / gap.size, top / gap.size)
@@ -341,9 +351,9 @@ def contact_picture(result: SealSolution, load: LoadResult) -> Picture:
     if flows:
         left = share[0] > share[-1]
         side = (0.01, "left") if left else (0.99, "right")
-        name = quantity("fluid pressure", load.fluid_pressure)
+        name = format_quantity("fluid pressure", load.fluid_pressure)
         text = f"{name} →" if left else f"← {name}"
-        below.text(side[0], 0.24, text, transform=below.transAxes, ha=side[1], va="bottom", color=BLUE)
+        below.text(side[0], 0.93, text, transform=below.transAxes, ha=side[1], va="center", color=BLUE)
     label(above, "", "", f"contact pressure  [{pressure.name}]")
     label(below, "", f"x  [{length.name}]", f"gap  [{gap.name}]")
     name = load_name(load, result.loads)

@@ -17,7 +17,7 @@ from fem_seal.answers.leakage_class import volume_of
 from fem_seal.case.tables import curves
 from fem_seal.contact.laws import HardContact
 from fem_seal.files import told_of, write_text
-from fem_seal.output import shown_answers
+from fem_seal.output import brief, shown_answers
 from fem_seal.output.case_words import (
     BODIES,
     celsius,
@@ -28,13 +28,13 @@ from fem_seal.output.case_words import (
     section_text,
     temperature_rows,
 )
-from fem_seal.output.pictures.contact import gap_picture, profile_picture, size_picture
+from fem_seal.output.pictures.contact import contact_picture, gap_picture, profile_picture, size_picture
 from fem_seal.output.pictures.fields import imprint_picture, mesh_picture, stress_picture, temperature_picture
 from fem_seal.output.pictures.leak import leak_picture, memory_picture
 from fem_seal.output.pictures.section import sketch
 from fem_seal.output.pictures.style import Picture, style
 from fem_seal.output.pictures.surface import law_picture, separation_picture, surface_picture
-from fem_seal.output.prose import prose, template
+from fem_seal.output.prose import phrase, prose, template
 from fem_seal.output.report import tables, words
 from fem_seal.output.sources import sources
 from fem_seal.seal.problem import exponential_law
@@ -124,6 +124,7 @@ def pictures(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes])
 
 def _drawn(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes]) -> Iterator[Picture | None]:
     top = result.highest
+    yield contact_picture(result, brief.decisive(result))
     yield mesh_picture(result, top)
     yield profile_picture(result, derived)
     yield size_picture(result, sizes)
@@ -201,7 +202,13 @@ def _of_case(result: SealSolution) -> dict[str, Any]:
 
 
 def _words(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes]) -> dict[str, Any]:
+    load, (in_brief, left_out) = brief.decisive(result), brief.loads_in_brief(result.case, result.loads)
     return {
+        "first_lines": [line for line in (brief.first_line(result), brief.second_line(result)) if line],
+        "three_numbers": brief.three_numbers(result),
+        "loads_in_brief": in_brief,
+        "brief_caption": phrase("brief.table", "some" if left_out else "all", left_out=left_out),
+        "assumed": [*words.held_in_words(result.case, load), *brief.remarks_in_brief(result)],
         "headline": words.headline(result),
         "facts": words.facts(result),
         "reasons": words.reasons(result, derived),

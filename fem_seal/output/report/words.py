@@ -52,6 +52,7 @@ if TYPE_CHECKING:
     from leak.theory.line_contact import HertzLine
 
 
+PEAK = "Peak contact pressure"
 # Part of the pressure drop whose strip of the contact does the sealing: its middle 80 %.
 _MIDDLE = (0.1, 0.9)
 # Peak over Hertz's peak above which mesh and curved faces do not explain the difference.
@@ -79,9 +80,9 @@ class Fact:
     level: Level = Level.VALID
 
 
-def facts(result: SealSolution) -> list[Fact]:
-    """The main numbers at the highest load, each with the level of its validity."""
-    load = result.highest
+def facts(result: SealSolution, load: JudgedLoad | None = None) -> list[Fact]:
+    """The main numbers at a load, that with the highest fluid pressure unless given, with the level of their validity."""
+    load = load or result.highest
     of_target = load.target_validity or load.validity
     return [
         replace(fact, level=(of_target if fact.name == TARGET_FORCE else load.validity).level)
@@ -99,9 +100,9 @@ def _facts(result: SealSolution, load: JudgedLoad) -> Iterator[Fact]:
     uneven = load.formed is not None and load.formed.form.felt
     if uneven:
         remark = f"around the axis; {_peak(load)} at the mean line load"
-        yield Fact("Peak contact pressure", in_words(load, "peak_pressure_max_Pa"), remark)
+        yield Fact(PEAK, in_words(load, "peak_pressure_max_Pa"), remark)
     else:
-        yield Fact("Peak contact pressure", _peak(load))
+        yield Fact(PEAK, _peak(load))
     width = in_words(load, "fwhm_m")
     yield Fact("Width of the contact", width, "full width at half of the peak pressure")
     if load.critical_separation is not None:
