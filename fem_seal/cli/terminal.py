@@ -255,7 +255,7 @@ def show_first(first: str, second: str) -> None:
     """Print what is said first: the verdict, and what decides it."""
     tell(first, bold=True)
     if second:
-        tell(f"{second[0].upper()}{second[1:]}")
+        tell(second)
     say()
 
 

@@ -213,7 +213,9 @@ def _most_telling(case: Case, loads: Sequence[LoadResult]) -> list[ReportColumn]
         names.remove("applied_force_N")
     names.remove("leak_rate_m3_per_s" if loads[0].tested else "leak_rate_p50_m3_per_s")
     filled = (filled_column(name, loads, volume_of(case)) for name in names)
-    known = (one for one in map(_finite, filled) if any(one.values) or one.column.kind == "flow" and one.some)
+    known = (
+        one for one in map(_finite, filled) if any(one.values) or (one.column.kind == "flow" and one.some)
+    )
     columns = list(_leaks_in_one_unit(case, loads, known))
     ends = [one.values for one in columns if one.column.name in _ENDS]
     columns = [

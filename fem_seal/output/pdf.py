@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -15,6 +16,8 @@ from fem_seal.files import own_tables
 _NAMED = "FEM_SEAL_BROWSER"
 # A report takes some two seconds; a browser that starts for the first time a few more [s].
 _PATIENCE = 120.0
+# Sizes of one page, the first at which everything fits; pages of a PDF file.
+_ZOOMS, _PAGES = (1.0, 0.9, 0.8, 0.7, 0.6), re.compile(rb"/Type\s*/Page\b")
 
 
 def find_browser() -> str | None:
@@ -54,12 +57,15 @@ def print_pdf(page: Path, pdf: Path, browser: str | None = None, *, one_page: bo
         )
     # with its own profile, independent of an open browser
     with TemporaryDirectory(prefix="fem-seal-") as folder:
-        draft, printed = Path(folder) / "report.pdf", page
-        if one_page:
-            printed = Path(folder) / "page.html"
-            text = page.read_text(encoding="utf-8")
-            printed.write_text(text.replace("<html ", '<html class="one-page" ', 1), encoding="utf-8")
-        messages = _printed(browser, printed, draft, Path(folder) / "profile")
+        draft, profile = Path(folder) / "report.pdf", Path(folder) / "profile"
+        messages = "" if one_page else _printed(browser, page, draft, profile)
+        for zoom in _ZOOMS if one_page else ():
+            shrunk = Path(folder) / "page.html"
+            how = f'<html class="one-page" style="zoom: {zoom}" '
+            shrunk.write_text(page.read_text(encoding="utf-8").replace("<html ", how, 1), encoding="utf-8")
+            messages = _printed(browser, shrunk, draft, profile)
+            if not draft.is_file() or len(_PAGES.findall(draft.read_bytes())) == 1:
+                break
         if not draft.is_file() or not draft.read_bytes().startswith(b"%PDF"):
             raise DrawingError(
                 f"{browser} printed nothing{messages}; open {page} in a browser and print it there"

@@ -44,8 +44,8 @@ _NAMED_LOADS = 6
 _NARROW = 6.4
 # More lines than this cannot be told apart.
 _DRAWN_LOADS = 40
-# Size of the picture of the enlarged contact [inch]; height of its section over the widest gap that is shown whole, of one
-# contact and of lands; share of the peak pressure from which on a land presses; colours of the bodies.
+# Size of the picture of the enlarged contact [inch]; height of its section over the gap, of one contact and of lands;
+# share of the peak pressure from which on a land presses; colours of the bodies.
 _ENLARGED, _HEADROOM, _PRESSED = (10.4, 3.9), (1.3, 4.0), 0.01
 _FACES = {"closure": "#c9dcf0", "seat": "#e6dcc6"}
 _CLOSED_FORMS = {
@@ -339,10 +339,12 @@ def contact_picture(result: SealSolution, load: LoadResult) -> Picture:
         filled.set_rasterized(True)
         below.plot(x, u, color=INK, linewidth=0.8)
         below.plot(x, 0.0 * x, color=INK, linewidth=0.8)
-    above.tick_params(bottom=False, labelbottom=False)
+    above.set_xlim(low / length.size, high / length.size)
+    above.set_xticks([])
     above.set_ylim(0.0, 1.08 * load.peak_pressure / pressure.size)
     below.set_xlim(low / length.size, high / length.size)
     below.set_ylim(-0.3 * top / gap.size, top / gap.size)
+    below.set_yticks([one for one in below.get_yticks() if 0.0 <= one <= top / gap.size])
     width, height = inches(below)
     times = (high - low) / width / (1.3 * top / height)
     for at, name in ((0.93, "closure"), (0.06, "seat")):

@@ -81,7 +81,7 @@ class Fact:
 
 
 def facts(result: SealSolution, load: JudgedLoad | None = None) -> list[Fact]:
-    """The main numbers at a load, that with the highest fluid pressure unless given, with the level of their validity."""
+    """The main numbers at a load, the highest unless given, each with the level of its validity."""
     load = load or result.highest
     of_target = load.target_validity or load.validity
     return [
