@@ -162,6 +162,9 @@ def three_numbers(result: SealSolution) -> list[Fact]:
     """
     load = decisive(result)
     first, *others = facts(result, load)
+    if load.leak is not None and of_throughput(result.case, [load]) and not load.validity.outside:
+        rate, *units = leakage_text(load, volume_of(result.case)).split(" = ")
+        first = replace(first, value=rate, remark=" = ".join(units))
     second = next((one for name in (OPENS, PEAK) for one in others if one.name == name), first)
     share, margin = largest_share(result, result.loads.index(load)), verdict_facts(result)[:1]
     third = (

@@ -48,6 +48,7 @@ _DRAWN_LOADS = 40
 # share of the peak pressure from which on a land presses; colours of the bodies.
 _ENLARGED, _HEADROOM, _PRESSED = (10.4, 3.9), (1.3, 4.0), 0.01
 _FACES = {"closure": "#c9dcf0", "seat": "#e6dcc6"}
+_ON_FLUID = {"facecolor": "white", "alpha": 0.7, "edgecolor": "none", "pad": 1.5}
 _CLOSED_FORMS = {
     "hertz": ("Hertz", GREY, (0, (1, 1.2))),
     "gaussian": ("Gaussian", GREEN, (0, (5, 1.5, 1, 1.5))),
@@ -309,7 +310,6 @@ def contact_picture(result: SealSolution, load: LoadResult) -> Picture:
     above, below = figure.subplots(
         2,
         1,
-        sharex=True,
         gridspec_kw={"left": 0.075, "right": 0.985, "bottom": 0.13, "top": 0.92, "hspace": 0.0},
     )
     low, high = _shown([load])
@@ -349,13 +349,24 @@ def contact_picture(result: SealSolution, load: LoadResult) -> Picture:
     times = (high - low) / width / (1.3 * top / height)
     for at, name in ((0.93, "closure"), (0.06, "seat")):
         text = told_of(name, faces=result.case.faces)
-        below.text(0.5, at, text, transform=below.transAxes, ha="center", va="center", color=INK)
+        below.text(
+            0.5, at, text, transform=below.transAxes, ha="center", va="center", color=INK, bbox=_ON_FLUID
+        )
     if flows:
         left = share[0] > share[-1]
         side = (0.01, "left") if left else (0.99, "right")
         name = format_quantity("fluid pressure", load.fluid_pressure)
         text = f"{name} →" if left else f"← {name}"
-        below.text(side[0], 0.93, text, transform=below.transAxes, ha=side[1], va="center", color=BLUE)
+        below.text(
+            side[0],
+            0.93,
+            text,
+            transform=below.transAxes,
+            ha=side[1],
+            va="center",
+            color=BLUE,
+            bbox=_ON_FLUID,
+        )
     label(above, "", "", f"contact pressure  [{pressure.name}]")
     label(below, "", f"x  [{length.name}]", f"gap  [{gap.name}]")
     name = load_name(load, result.loads)
