@@ -135,7 +135,7 @@ def _used(result: SealSolution, load: JudgedLoad) -> str:
 
 
 _ADVICE: dict[str, Callable[[SealSolution, JudgedLoad], str]] = {
-    "profile": lambda result, load: would_pass(result, "brief.second"),
+    "profile": lambda result, load: would_pass(result, brief=True),
     "measure": lambda result, load: measurement_in_brief(result, result.loads.index(load)),
     "helps": _helps,
     "force": _force,

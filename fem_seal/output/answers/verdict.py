@@ -78,7 +78,7 @@ def verdict_sentences(result: SealSolution) -> list[str]:
     found = result.judgement
     if found is None:
         return []
-    first, likely = _verdict(result, found, "verdict.sentences"), _pass_sentence(result)
+    first, likely = _verdict(result, found), _pass_sentence(result)
     tests = worst_of(result.standard_tests)
     tested = phrase("standard_tests.says", "verdict", verdict=tests) if tests else ""
     return [first, *filter(None, (tested, likely)), *_further_sentences(result, found)]
@@ -91,7 +91,7 @@ def verdict_in_brief(result: SealSolution) -> str:
     ----------
     result : SealSolution
     """
-    return "" if result.judgement is None else _verdict(result, result.judgement, "brief.verdict")
+    return "" if result.judgement is None else _verdict(result, result.judgement, brief=True)
 
 
 def _digits(result: SealSolution, found: SealJudgement) -> int:
@@ -128,7 +128,7 @@ def _place(result: SealSolution, found: SealJudgement) -> str:
     )
 
 
-def _verdict(result: SealSolution, found: SealJudgement, sentences: str) -> str:
+def _verdict(result: SealSolution, found: SealJudgement, *, brief: bool = False) -> str:
     judged, limit, key = found.worst, found.worst.limit, _sentence(found)
     digits, volume, load = _digits(result, found), volume_of(result.case), _place(result, found)
     if found.number is not None and result.loads[found.number].tested:
@@ -147,7 +147,7 @@ def _verdict(result: SealSolution, found: SealJudgement, sentences: str) -> str:
     at_most = _amount(high, digits, limit.leak_rate) if high else none
     own = limit.name == OF_LEAK_RATE
     return phrase(
-        sentences,
+        "brief.verdict" if brief else "verdict.sentences",
         key,
         load=load,
         who="the limit" if own else limit.name,
@@ -210,7 +210,7 @@ def _further_sentences(result: SealSolution, found: SealJudgement) -> Iterator[s
         from fem_seal.output.answers.uncertainty import told_after_test
 
         yield phrase("verdict.sentences", "tested", rate=told_after_test(load, volume))
-    if measured := would_pass(result, "verdict.sentences"):
+    if measured := would_pass(result):
         yield measured
     yield from _other_theory(result, found)
     count = len(found.judged) + found.left_out
@@ -218,14 +218,14 @@ def _further_sentences(result: SealSolution, found: SealJudgement) -> Iterator[s
         yield phrase("verdict.sentences", "several", count=count)
 
 
-def would_pass(result: SealSolution, sentences: str) -> str:
+def would_pass(result: SealSolution, *, brief: bool = False) -> str:
     """Measurement that may turn an inconclusive verdict into a pass; empty if there is none.
 
     Parameters
     ----------
     result : SealSolution
-    sentences : str
-        Table of words.toml with the sentence "profile".
+    brief : bool
+        In one line.
     """
     found, known = result.judgement, result.error_shares
     undecided = (VerdictReason.INTERVAL, VerdictReason.ACCURACY)
@@ -240,7 +240,8 @@ def would_pass(result: SealSolution, sentences: str) -> str:
     if height < _LOWEST_HEIGHT:
         return ""
     yields = any(one.kind == YIELD_STRESS for one in result.loads[found.number].validity.cautions)
-    return phrase(sentences, "profile", "curve" if yields else "", length=profiles.length, height=height)
+    where = "brief.second" if brief else "verdict.sentences"
+    return phrase(where, "profile", "curve" if yields else "", length=profiles.length, height=height)
 
 
 def _other_theory(result: SealSolution, found: SealJudgement) -> Iterator[str]:

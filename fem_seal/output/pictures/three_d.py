@@ -41,7 +41,7 @@ IntArray = NDArray[np.int64]
 # face of the seat is visible.
 _CLOSURE, _SEAT = (90.0, 180.0), (0.0, 270.0)
 _FROM = -45.0, 40.0  # Azimuth and elevation of the camera [deg].
-_STEP = 1.5  # Angular step of the surfaces around the axis [deg].
+_STEP = 1.0  # Angular step of the surfaces around the axis [deg].
 _COLOURS = {"closure": ("#8fb3d9", "#c9dcf0"), "seat": ("#b9a883", "#e6dcc6")}  # face and cut
 _INK = "#1c2430"
 _COLOUR_MAP = "YlOrRd"
@@ -49,6 +49,8 @@ _COLOUR_MAP = "YlOrRd"
 _FAINT = 0.02
 # Height of the drawn pressure above the seat's face, over the size of the seal.
 _ABOVE = 4e-4
+# The contact is drawn so many times wider that it takes this share of the size of the seal, at most so often.
+_VISIBLE, _WIDEST = 0.02, 8.0
 # A corner of a section gets an edge if the outline turns by more than this [deg].
 _CORNER = 25.0
 _SIZE = 1200, 820
@@ -303,7 +305,7 @@ def _draw(plotter: Any, files: LoadFiles, scale: bool) -> None:
         meshes = _swept(_section(grid, number), turn)
         for what, mesh, colour in zip(("face", "cut", "edges"), meshes, (face, cut, _INK), strict=True):
             plotter.add_mesh(mesh, color=colour, name=f"{name} {what}", render=False, **layout[what])
-    surface = _pressure(files, size)
+    surface, times = _pressure(files, size)
     unit = unit_for("contact pressure", float(surface["pressure"].max()))
     surface["pressure"] = unit.of(1.0) * surface["pressure"]
     highest = float(surface["pressure"].max())
@@ -326,6 +328,7 @@ def _draw(plotter: Any, files: LoadFiles, scale: bool) -> None:
             float(_array(grid.field_data, name)[0]) for name in ("fluid_pressure_Pa", "contact_force_N")
         )
         text = f"{format_quantity('fluid pressure', pressure)}, contact force {quantity('force', force)}"
+        text += "" if times == 1.0 else f", contact drawn {times:.2g} times as wide"
         plotter.add_text(
             text, position=(0.02, 0.94), viewport=True, font_size=12, color=_INK, name="load", render=False
         )
@@ -366,8 +369,8 @@ def _array(data: Any, name: str) -> FloatArray:
     return np.asarray(data[next((one for one in tried if one in data), name)])
 
 
-def _pressure(files: LoadFiles, size: float) -> Any:
-    """The seat's face with its contact pressure, over the drawn part of the turn, a little raised."""
+def _pressure(files: LoadFiles, size: float) -> tuple[Any, float]:
+    """The seat's face with its contact pressure, over the drawn part of the turn, a little raised, and drawn wider."""
     import pyvista
 
     line = pyvista.read(files.line)
@@ -384,10 +387,15 @@ def _pressure(files: LoadFiles, size: float) -> Any:
         )
         kept = angle[:, 0] <= math.radians(_SEAT[1]) * (1 + 1e-6)
         angles, pressure = angle[kept, 0], pressure[kept]
+    highest = pressure.max(axis=0)
+    width = float(np.linalg.norm(np.ptp(section[highest > 0.5 * highest.max()], axis=0)))
+    times = float(np.clip(_VISIBLE * size / max(width, 1e-3 * _VISIBLE * size), 1.0, _WIDEST))
+    middle = section[highest.argmax()]
+    section = middle + times * (section - middle)
     tangent = section[-1] - section[0]
     up = np.array([-tangent[1], tangent[0]]) / np.linalg.norm(tangent)
     r, z = (section + _ABOVE * size * up).T
     across = np.outer(z, np.ones(len(angles)))
     surface = pyvista.StructuredGrid(np.outer(r, np.cos(angles)), np.outer(r, np.sin(angles)), across)
     surface["pressure"] = pressure.ravel().astype(float)
-    return surface
+    return surface, times

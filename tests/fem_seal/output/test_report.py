@@ -31,6 +31,7 @@ from leak import Reading
 
 FETCHING = {"src", "href", "srcset", "data", "action", "poster", "background"}
 ALL_PICTURES = {
+    "contact",
     "sketch",
     "mesh",
     "profiles",
@@ -159,7 +160,7 @@ def test_user_text_is_escaped():
 @pytest.mark.usefixtures("unrendered")
 def test_warnings_stand_at_the_top_and_absence_is_said(page):
     warned = Page(report(replace(rough_result(), warnings=("the seat yields", "mesh too coarse")))).text
-    assert warned.index("2 warnings") < warned.index("the seat yields") < warned.index("Leak rate")
+    assert warned.index("2 warnings") < warned.index("the seat yields") < warned.index("Width of the contact")
     assert "No warnings" in page.text
 
 
@@ -186,7 +187,7 @@ def test_links_lead_somewhere(page):
 
 def test_a_smooth_contact_has_no_leak_section():
     page = Page(told(smooth_result))
-    assert set(page.pictures) == {"sketch", "mesh", "profiles", "sizes", "gap", "stress"}
+    assert set(page.pictures) == {"contact", "sketch", "mesh", "profiles", "sizes", "gap", "stress"}
     assert "There is no leak rate because the case has no roughness" in page.text
     assert b"Gaussian" not in page.pictures["profiles"]
 
