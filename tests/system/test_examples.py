@@ -1,6 +1,7 @@
 """Every file in examples/ does what it says."""
 
 import importlib.util
+import re
 import sys
 import tomllib
 
@@ -13,6 +14,8 @@ import gallery
 
 from fem_seal import load_case, run
 from fem_seal.answers.closed_forms import derive
+from fem_seal.cli.terminal import show_result, warn
+from fem_seal.output.brief import loads_in_brief, remarks_in_brief
 
 CASES = sorted(EXAMPLES.glob("*.toml"))
 
@@ -56,8 +59,9 @@ def test_case_is_valid_and_says_what_it_is(path):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("path", CASES, ids=lambda path: path.name)
-def test_case_runs_and_is_resolved(path):
+def test_case_runs_and_is_resolved(path, capsys):
     result = run(load_case(path))
+    _is_told_in_brief(result, capsys)
     assert len(result.loads) == len(result.case.load.points)
     for load in result.loads:
         assert abs(load.contact.force_error) < 1e-9
@@ -70,6 +74,27 @@ def test_case_runs_and_is_resolved(path):
     assert result.discretisation_error.peak_pressure < (1e-2 if result.unloaded else 5e-4)
     # the manual shows what is solved here
     assert (gallery.keep(result, path) / "report.html").exists()
+
+
+def _is_told_in_brief(result, capsys):
+    """The verdict first, what decides it, at most six columns; all of it in lines of 80 characters."""
+    show_result(result, details=False)
+    warn(remarks_in_brief(result), "report.html")
+    said = capsys.readouterr()
+    verdict, second, *rest = said.out.splitlines()
+    assert re.match(r"(Pass|Fail|Inconclusive|Leaks|Sealed|After the leak test|At) ", verdict)
+    assert second
+    table, left_out = loads_in_brief(result.case, result.loads)
+    assert 2 <= len(table.headings) <= 6
+    assert len(table.rows) + left_out == len(result.loads) and len(table.rows) <= 8
+    # every cell is whole
+    printed = " ".join(rest).split()
+    assert all(set(cell.split()) <= set(printed) for row in table.rows for cell in row)
+    assert said.err.count("warning: ") <= 4
+    show_result(result, details=True)
+    everything = capsys.readouterr().out
+    assert everything.startswith(verdict)
+    assert max(map(len, (said.out + said.err + everything).splitlines())) <= 80
 
 
 def test_the_main_example_is_the_case_of_the_paper():

@@ -159,6 +159,23 @@ def test_forces_tell_rows_of_one_pressure_apart_in_every_part(capsys, monkeypatc
     assert parts == [["20.00", "100.0"], ["20.00", "200.0"]] * (len(parts) // 2) and len(parts) > 2
 
 
+def test_a_few_warnings_are_told_and_the_rest_is_counted(capsys):
+    texts = [
+        f"the {n}th word is followed by so many more that they fill more than one line of 80"
+        for n in range(6)
+    ]
+    terminal.warn(texts, "report.html")
+    few = capsys.readouterr().err
+    assert few.splitlines()[-1] == "warning: 3 more, see report.html"
+    assert max(map(len, few.splitlines())) <= 80 and few.count("warning: ") == 4
+    # no word is broken
+    assert set(" ".join(texts).split()) - {"3th", "4th", "5th"} <= set(few.split())
+    terminal.warn(texts)
+    assert capsys.readouterr().err.count("warning: ") == 6
+    terminal.warn(texts[:4], "report.html")
+    assert "more, see" not in capsys.readouterr().err
+
+
 def test_marks_have_a_legend_and_valid_rows_none(capsys, monkeypatch):
     clean = shown(capsys, monkeypatch, [row()])
     assert "!" not in clean and "?" not in clean and "validity" not in clean
