@@ -142,6 +142,7 @@ _ADVICE: dict[str, Callable[[SealSolution, JudgedLoad], str]] = {
     "class": lambda result, load: next_class_in_words(result.case, load),
     "share": _share,
     "used": _used,
+    "none": lambda result, load: phrase("brief.second", "none"),
     "ask": lambda result, load: "" if result.sensitivities else phrase("brief.second", "ask"),
 }
 # What is told after each verdict, the first that is known.
@@ -149,7 +150,7 @@ _ORDER: dict[Verdict | None, Sequence[str]] = {
     Verdict.PASS: ("share", "used"),
     Verdict.INCONCLUSIVE: ("profile", "measure", "helps", "force", "share", "used"),
     Verdict.FAIL: ("helps", "force", "measure", "ask", "used"),
-    None: ("helps", "measure", "class", "share", "force"),
+    None: ("helps", "measure", "class", "share", "force", "none"),
 }
 
 
