@@ -237,7 +237,7 @@ def show_result(result: SealSolution, *, details: bool) -> None:
         Everything: the whole table and the sentences of all answers.
     """
     from fem_seal.answers.leakage_class import volume_of
-    from fem_seal.output import brief
+    from fem_seal.output.report import brief
     from fem_seal.output.tables import leak_rows
 
     case = result.case
@@ -270,7 +270,7 @@ def show_loads(case: Case, loads: Sequence[LoadResult], title: str = "") -> None
         That of the case unless given.
     """
     from fem_seal.answers.leakage_class import volume_of
-    from fem_seal.output.brief import loads_in_brief, of_throughput
+    from fem_seal.output.report.brief import loads_in_brief, of_throughput
 
     table, left_out = loads_in_brief(case, loads)
     headings = []

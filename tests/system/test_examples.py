@@ -15,7 +15,7 @@ import gallery
 from fem_seal import load_case, run
 from fem_seal.answers.closed_forms import derive
 from fem_seal.cli.terminal import show_result, warn
-from fem_seal.output.brief import loads_in_brief, remarks_in_brief
+from fem_seal.output.report.brief import loads_in_brief, remarks_in_brief
 
 CASES = sorted(EXAMPLES.glob("*.toml"))
 

@@ -17,7 +17,7 @@ from fem_seal.answers.leakage_class import volume_of
 from fem_seal.case.tables import curves
 from fem_seal.contact.laws import HardContact
 from fem_seal.files import told_of, write_text
-from fem_seal.output import brief, shown_answers
+from fem_seal.output import shown_answers
 from fem_seal.output.case_words import (
     BODIES,
     celsius,
@@ -35,7 +35,7 @@ from fem_seal.output.pictures.section import sketch
 from fem_seal.output.pictures.style import Picture, style
 from fem_seal.output.pictures.surface import law_picture, separation_picture, surface_picture
 from fem_seal.output.prose import phrase, prose, template
-from fem_seal.output.report import tables, words
+from fem_seal.output.report import brief, tables, words
 from fem_seal.output.sources import sources
 from fem_seal.seal.problem import exponential_law
 from fem_seal.version import __version__

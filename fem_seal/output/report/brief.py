@@ -87,9 +87,8 @@ def leak_in_brief(case: Case, load: LoadResult, loads: Sequence[LoadResult]) -> 
     )
     classes = leakage_classes(case, load)
     met = ", ".join(str(one) for one in classes if one.name)
-    sealed = not volume.measurable(
-        max(rate_of(load) if isinstance(rate_of(load), tuple) else (rate_of(load),))
-    )
+    ends = load.leak_interval or (load.leak.leak_rate,)
+    sealed = not volume.measurable(max(ends))
     key = "tested" if load.tested else "tight" if sealed else "leaks"
     told = phrase(
         "brief.first",
