@@ -164,8 +164,8 @@ def run(
     folder = _results_folder(output, case)
     from fem_seal import result as seal_result
     from fem_seal.output import files
-    from fem_seal.output.report.brief import remarks_in_brief
     from fem_seal.output.folders import folder_lock
+    from fem_seal.output.report.brief import remarks_in_brief
     from fem_seal.output.tables import leak_rows
 
     with folder_lock(folder), progress_of(quiet) as progress:
@@ -285,8 +285,8 @@ def leak(
     from fem_seal.answers.leakage_class import volume_of
     from fem_seal.answers.profile_leak import leak_of_profiles, read_profiles
     from fem_seal.output.answers.verdict import next_class_in_words
-    from fem_seal.output.report.brief import leak_in_brief
     from fem_seal.output.folders import folder_lock, replaced_together
+    from fem_seal.output.report.brief import leak_in_brief
     from fem_seal.output.tables import profile_leak_rows, write_rows
     from fem_seal.seal.load_result import highest_load
     from fem_seal.seal.problem import SealProblem

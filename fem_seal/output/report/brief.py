@@ -23,7 +23,7 @@ from fem_seal.output.answers.verdict import (
     verdict_in_brief,
     would_pass,
 )
-from fem_seal.output.columns import MOST_COLUMNS, PROFILE_LEAK_COLUMNS, SHOWN_COLUMNS
+from fem_seal.output.columns import COLUMNS, MOST_COLUMNS, PROFILE_LEAK_COLUMNS, SHOWN_COLUMNS
 from fem_seal.output.pictures.style import few
 from fem_seal.output.prose import phrase
 from fem_seal.output.report.words import PEAK, Fact, contact_alone, facts, leakage_text
@@ -207,19 +207,16 @@ def loads_in_brief(case: Case, loads: Sequence[LoadResult], most: int = _ROWS) -
 
 def _most_telling(case: Case, loads: Sequence[LoadResult]) -> list[ReportColumn]:
     """Columns that have a value and tell something of their own, without those that are spared first."""
-    names = [
-        name
-        for name in SHOWN_COLUMNS["brief"]
-        if not isinstance(loads[0], GivenLoad) or name in PROFILE_LEAK_COLUMNS
-    ]
+    without = {"leak_rate_m3_per_s" if loads[0].tested else "leak_rate_p50_m3_per_s"}
     if len({load.applied_force for load in loads}) == 1:
-        names.remove("applied_force_N")
-    names.remove("leak_rate_m3_per_s" if loads[0].tested else "leak_rate_p50_m3_per_s")
+        without.add("applied_force_N")
+    known = PROFILE_LEAK_COLUMNS if isinstance(loads[0], GivenLoad) else COLUMNS
+    names = [name for name in SHOWN_COLUMNS["brief"] if name in known and name not in without]
     filled = (filled_column(name, loads, volume_of(case)) for name in names)
-    known = (
-        one for one in map(_finite, filled) if any(one.values) or (one.column.kind == "flow" and one.some)
+    told = (
+        one for one in map(_finite, filled) if one.some and (any(one.values) or one.column.kind == "flow")
     )
-    columns = list(_leaks_in_one_unit(case, loads, known))
+    columns = list(_leaks_in_one_unit(case, loads, told))
     ends = [one.values for one in columns if one.column.name in _ENDS]
     columns = [
         one for one in columns if one.column.name in _ENDS or not any(_alike(one, end) for end in ends)
