@@ -468,7 +468,7 @@ def _dimension(key: str, value: float) -> str:
     return f"{math.degrees(value):.4g} deg" if key.endswith("angle") else f"{1e3 * value:.4g} mm"
 
 
-def show_derived(numbers: Mapping[str, Any], *, details: bool) -> None:
+def show_derived(numbers: Mapping[str, Any], *, details: bool = False) -> None:
     """Print the derived numbers of a case, of the loads six columns or all that are known."""
     from fem_seal.output.case_words import section_text
     from fem_seal.output.columns import CHECK_OF_CASE, CHECK_ON_TERMINAL, MOST_COLUMNS, SHOWN_COLUMNS

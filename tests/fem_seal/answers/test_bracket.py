@@ -213,7 +213,7 @@ def test_file_terminal_report_and_study_tell_the_same_interval(capsys):
     assert table[HIGH].tolist() == [row[HIGH] for row in rows]
     show_leak_table(rows, "", result.loads)
     show_leakage(result.case, result.loads)
-    terminal = capsys.readouterr().out
+    terminal = " ".join(capsys.readouterr().out.split())
     for row in rows:
         assert {f"{row[name] * 1e9:#.4g}".removesuffix(".") for name in (LOW, HIGH)} <= set(terminal.split())
     (ends,) = re.findall(r"Leak rate at 20 bar: ([\d.]+) to ([\d.]+) ml/min", terminal)

@@ -280,5 +280,5 @@ def test_the_terminal_tells_it(tmp_path, capsys):
         + '}\n[leak]\nplasticity = false\n[fluid]\nname = "water"\n'
         '[fluid.particles]\niso_4406 = "15/13/10"\n[load]\nfluid_pressure = "20 bar"\n'
     )
-    assert main(["run", str(file)]) == 0
+    assert main(["run", "--details", str(file)]) == 0
     assert "Estimate: at 20 bar" in capsys.readouterr().out

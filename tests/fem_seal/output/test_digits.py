@@ -202,7 +202,7 @@ def test_a_run_on_a_coarse_mesh_tells_the_digits_of_its_table_everywhere(tmp_pat
     """Smooth bodies on as few elements as are allowed: the width of their contact is good to some per cent."""
     path, out = tmp_path / "coarse.toml", tmp_path / "out"
     path.write_text(COARSE)
-    assert cli.main(["run", str(path), "-o", str(out)]) == 0
+    assert cli.main(["run", "--details", str(path), "-o", str(out)]) == 0
     said = json.loads((out / "summary.json").read_text())
     error = said["discretisation_error"]
     page = html.unescape(re.sub(r"<[^>]+>", " ", (out / "report.html").read_text()))
