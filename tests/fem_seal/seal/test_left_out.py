@@ -383,7 +383,7 @@ def test_near_opening_fewer_digits_are_shown(tmp_path, capsys):
     path = example(tmp_path, 'fluid_pressure = "15.9 bar"\napplied_force = "1 kN"')
     assert cli.main(["run", "--details", str(path), "-o", str(tmp_path / "out")]) == 0
     shown = capsys.readouterr().out
-    (line,) = [line for line in shown.splitlines() if line.strip().startswith("15.90")]
+    line, *_ = [line for line in shown.splitlines() if line.strip().startswith("15.90")]
     # 0.97 N of 1000 N are left
     force = next(cell for cell in line.split()[1:] if cell not in "?!")
     assert force == "1.0" or force == "1"
