@@ -143,17 +143,18 @@ def test_deformation_is_not_exaggerated(folder):
 def test_pressure_in_space_is_that_of_the_files(folder, oval):
     pytest.importorskip("pyvista")
     files = three_d.loads_in(folder)[-1]
-    surface = three_d._pressure(files, 0.04)
+    surface, _ = three_d._pressure(files, 0.04)
     profile = rough_result().loads[-1].contact.profile
     assert surface["pressure"].max() == pytest.approx(profile.pressure.max())
-    around = three_d._pressure(three_d.loads_in(oval)[-1], 0.04)
+    around, times = three_d._pressure(three_d.loads_in(oval)[-1], 0.04)
     pressure, _ = oval_result().loads[-1].around.pressure_and_gap()
     kept = oval_result().loads[-1].around.angle <= 1.5 * np.pi + 1e-9
     np.testing.assert_allclose(around["pressure"], pressure[kept].ravel(), rtol=1e-6)
-    # above the face of the seat
-    assert (
-        around.points[:, 2] > np.tile(oval_result().seal_mesh.contact.height(profile.x), kept.sum())
-    ).all()
+    # above the face of the seat, and wider around the place of the peak
+    middle = profile.x[pressure.max(axis=0).argmax()]
+    x = middle + times * (profile.x - middle)
+    assert times > 1.0
+    assert (around.points[:, 2] > np.tile(oval_result().seal_mesh.contact.height(x), kept.sum())).all()
 
 
 def test_errors_name_what_is_missing(tmp_path, call, folder, monkeypatch):
