@@ -21,6 +21,7 @@ from fem_seal.errors import InputError
 from fem_seal.former_names import formerly
 from fem_seal.processes import given_back
 from fem_seal.seal.problem import SealProblem
+from fem_seal.units import shown_in
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -101,13 +102,15 @@ class SealResult(SealSolution):
     def __repr__(self) -> str:
         from fem_seal.output.notebook import result_text
 
-        return f"<{type(self).__name__} of {result_text(self)}>"
+        with shown_in(self.case.report.units):
+            return f"<{type(self).__name__} of {result_text(self)}>"
 
     def _repr_html_(self) -> str:
         """What a notebook shows: the table of the loads, leak rates and pressure profiles."""
         from fem_seal.output.notebook import result_html
 
-        return result_html(self)
+        with shown_in(self.case.report.units):
+            return result_html(self)
 
     def __dir__(self) -> list[str]:
         return sorted(
@@ -152,7 +155,7 @@ class SealResult(SealSolution):
         from fem_seal.output.files import write
         from fem_seal.output.folders import folder_lock
 
-        with folder_lock(Path(folder)), given_back():
+        with folder_lock(Path(folder)), given_back(), shown_in(self.case.report.units):
             for failure in write(self, Path(folder)):
                 warnings.warn(failure, stacklevel=2)
         return Path(folder)
@@ -227,9 +230,10 @@ class SealResult(SealSolution):
         """
         from fem_seal.output.plots import plot, result_figure
 
-        if ax is None and (what is None or not isinstance(what, str)):
-            return result_figure(self, what or figure)
-        return plot(self, what if isinstance(what, str) else None, ax)
+        with shown_in(self.case.report.units):
+            if ax is None and (what is None or not isinstance(what, str)):
+                return result_figure(self, what or figure)
+            return plot(self, what if isinstance(what, str) else None, ax)
 
     def view(self, png: str | os.PathLike[str] | None = None, load: int | None = None) -> None:
         """Show the seal in space, cut open, with the contact pressure on the seat's face.
@@ -260,7 +264,7 @@ class SealResult(SealSolution):
 
         from fem_seal.output.pictures.three_d import view, write_for_view
 
-        with TemporaryDirectory(prefix="fem-seal-") as folder:
+        with TemporaryDirectory(prefix="fem-seal-") as folder, shown_in(self.case.report.units):
             write_for_view(self, Path(folder))
             view(Path(folder), None if png is None else Path(png), load)
 
@@ -320,8 +324,9 @@ def run(
     >>> print(f"{result.loads[0].contact.profile.peak_pressure / 1e6:.0f} MPa")
     192 MPa
     """
-    with given_back():
-        solution = solve(case_of(case), progress, Wanted(sensitivities, verdict_force))
+    case = case_of(case)
+    with given_back(), shown_in(case.report.units):
+        solution = solve(case, progress, Wanted(sensitivities, verdict_force))
     return SealResult(**{field.name: getattr(solution, field.name) for field in fields(solution)})
 
 

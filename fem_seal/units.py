@@ -9,12 +9,14 @@ import difflib
 import math
 import re
 import tomllib
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cache, lru_cache
 from importlib.resources import files
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from fem_seal.errors import QuantityError
 from leak.standards import STANDARD_PRESSURE
@@ -44,6 +46,8 @@ class Dimension:
 
 DIMENSIONS = {name: Dimension(name, **entries) for name, entries in _TABLES["dimensions"].items()}
 
+# A pressure from here on is one of a solid [Pa].
+_HARD = 5e8
 # Significant digits of numbers in tables.
 DIGITS = 4
 # ... and of those that are as good as the limit beside which they stand.
@@ -250,11 +254,44 @@ class Unit:
         return (value - self.zero) / self.size
 
 
-_UNITS = {kind: tuple(Unit(**one) for one in several) for kind, several in _TABLES["display"].items()}
-# The smallest figure before the next smaller unit reads better: 0.31 mm, but 90 µm; 1200 N, but 12 kN.
-_SMALLEST = {"length": 0.1, "fluid pressure": 0.1, "flow": 0.1, "force": 10.0}
-# For a value of zero, which has no size.
-_USUAL = {"fluid pressure": 0, "flow": 2, "force": 2}
+System = Literal["SI", "field", "US"]
+"""Units of display: SI with its prefixes, those of the field (bar, mm, ml/min), those of the United States."""
+# What a system does not have of its own it has of the field.
+_SYSTEMS: dict[str, dict[str, tuple[Unit, ...]]] = {
+    system: {
+        kind: tuple(Unit(**one) for one in several)
+        for kind, several in (_TABLES["display"]["field"] | own).items()
+    }
+    for system, own in _TABLES["display"].items()
+}
+_shown_in: ContextVar[System] = ContextVar("_shown_in", default="field")
+
+
+@contextmanager
+def shown_in(system: System | None) -> Iterator[None]:
+    """Texts that are made meanwhile have their quantities in the units of a system.
+
+    Parameters
+    ----------
+    system : {"SI", "field", "US"} or None
+        None leaves it as it is.
+
+    Examples
+    --------
+    >>> with shown_in("US"):
+    ...     quantity("fluid pressure", 2e6), quantity("length", 0.3e-3), quantity("flow", 1e-9)
+    ('290 psi', '0.0118 in', '0.220 in³/h')
+    """
+    before = _shown_in.set(system or _shown_in.get())
+    try:
+        yield
+    finally:
+        _shown_in.reset(before)
+
+
+def show_in(system: System | None) -> None:
+    """The same for all that follows, up to the end of the `shown_in` around it."""
+    _shown_in.set(system or _shown_in.get())
 
 
 def unit_for(kind: str, value: float) -> Unit:
@@ -269,10 +306,11 @@ def unit_for(kind: str, value: float) -> Unit:
     value : float
         Usually the largest of those shown together.
     """
-    units = _UNITS[kind]
+    system = _shown_in.get()
+    units = _SYSTEMS[system][kind]
     if not (math.isfinite(value) and value):
-        return units[min(_USUAL.get(kind, 1), len(units) - 1)]
-    smallest = _SMALLEST.get(kind, 1.0)
+        return units[min(_TABLES["usual"].get(kind, 1), len(units) - 1)]
+    smallest = (_TABLES["smallest"]["field"] | _TABLES["smallest"].get(system, {})).get(kind, 1.0)
     # A rounding error below the limit must not change the unit: 1 MPa is not 1000 kPa.
     return next((unit for unit in units if abs(value) >= smallest * unit.size * (1 - 1e-9)), units[-1])
 
@@ -283,8 +321,41 @@ def fixed_unit(name: str) -> Unit:
     Parameters
     ----------
     name : {"", "bar", "MPa", "GPa", "N", "kN/m", "mm", "um", "deg", "mPa s", "mm³/s", "mbar l/s"}
+        That of the field; the system of display has another one in its place.
     """
-    return Unit(name, _TABLES["fixed"][name])
+    other = _TABLES["fixed_in"].get(_shown_in.get(), {}).get(name)
+    return Unit(**other) if other else Unit(name, _TABLES["fixed"][name])
+
+
+def unit_like(written: str, dimension: str, value: float, system: System) -> Unit | None:
+    """The unit of a system in which a quantity of a case file is shown.
+
+    Parameters
+    ----------
+    written : str
+        Unit in the case file; one that the system has stays.
+    dimension : str
+        One of `DIMENSIONS`.
+    value : float
+        [SI]
+    system : {"SI", "field", "US"}
+
+    Returns
+    -------
+    Unit or None
+        None where the unit stays as it is.
+
+    Examples
+    --------
+    >>> unit_like("bar", "pressure", 2e6, "US").name, unit_like("bar", "pressure", 2e6, "field")
+    ('psi', None)
+    """
+    kinds = ("fluid pressure", "contact pressure") if dimension == "pressure" else (dimension,)
+    own = {one.name for kind in kinds for one in _SYSTEMS[system].get(kind, ())}
+    if written.replace("um", "µm") in own or kinds[0] not in _SYSTEMS[system] or dimension == "angle":
+        return None
+    with shown_in(system):
+        return unit_for(kinds[-1] if value >= _HARD else kinds[0], value)
 
 
 def number(value: float | None, digits: int = 3) -> str:
@@ -455,7 +526,9 @@ class LeakVolume:
         ('20 °C and 1.01325 bar', '1.11e-29')
         """
         volume = _BOLTZMANN * temperature / STANDARD_PRESSURE
-        state = f"{trimmed(round(temperature - 273.15, 6))} °C and 1.01325 bar"
+        unit = unit_for("temperature", temperature)
+        at = format_quantity("fluid pressure", STANDARD_PRESSURE)
+        state = f"{trimmed(round(unit.of(temperature), 6))} {unit.name} and {at}"
         return cls(state, volume / 3600.0, "a molecule per hour")
 
     def measurable(self, leak_rate: float) -> float:
@@ -579,7 +652,7 @@ def flow_unit(leak_rates: Collection[float]) -> Unit | None:
     smallest, largest = min(known), max(known)
     if smallest < _TOGETHER * largest:
         return None
-    units = _UNITS["flow"]
+    units = _SYSTEMS[_shown_in.get()]["flow"]
     for unit in units[units.index(unit_for("flow", largest)) :]:
         if unit.of(smallest) >= (_READABLE if unit.of(largest) >= 1.0 else _READABLE_OF_LITTLE):
             return unit

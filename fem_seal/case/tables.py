@@ -39,6 +39,7 @@ from fem_seal.errors import InputError, Problem
 from fem_seal.former_names import say_once
 from fem_seal.loads import blow_off_of_sealed_area, contact_force
 from fem_seal.materials import HardeningCurve, Material, effective_modulus
+from fem_seal.units import System
 from meshes import ContactGeometry, Shape
 
 if TYPE_CHECKING:
@@ -157,6 +158,12 @@ class Output(Table):
     """[output]: where the results are written."""
 
     folder: str | None = None
+
+
+class Report(Table):
+    """[report]: how results are shown."""
+
+    units: System | None = None
 
 
 Asperities = Literal["elastic", "capped", "von-mises"]
@@ -360,6 +367,7 @@ class CaseTables(Table):
     form: Form | None = None
     uncertainty: Uncertainty | None = None
     mesh: Mesh = Mesh()
+    report: Report = Report()
     output: Output = Output()
 
     _file: Path | None = PrivateAttr(default=None)

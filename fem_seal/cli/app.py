@@ -28,6 +28,7 @@ from fem_seal.cli.terminal import (
     Quiet,
     ResultsFolder,
     argument,
+    case_of_command,
     complain,
     option,
     output_option,
@@ -47,6 +48,7 @@ from fem_seal.cli.terminal import (
 )
 from fem_seal.errors import ConvergenceError, InputError, NoLoadLeftError, SealError, unexpected
 from fem_seal.former_names import said_to, say_once
+from fem_seal.units import shown_in
 from fem_seal.version import __version__
 
 if TYPE_CHECKING:
@@ -158,7 +160,7 @@ def run(
     if levers is not None:
         say_once("--levers", "--sensitivities")
         sensitivities = levers if sensitivities is None else sensitivities
-    case = fem_seal.load_case(case_file)
+    case = case_of_command(case_file)
     if variants:
         case = case.replace({"leak.variants": True})
     folder = _results_folder(output, case)
@@ -213,7 +215,7 @@ def check(
     from fem_seal.output.case_words import derived_numbers, finish_rows, requirement_numbers, temperature_rows
     from fem_seal.seal.heating import warmed
 
-    case = warmed(fem_seal.load_case(case_file))
+    case = warmed(case_of_command(case_file))
     drawn = None
     if picture is not None:
         from fem_seal.output.pictures.section import write_section
@@ -251,7 +253,7 @@ def mesh(
     """Mesh a case, write mesh.msh and print the quality of the elements."""
     from dataclasses import asdict
 
-    case = fem_seal.load_case(case_file)
+    case = case_of_command(case_file)
     folder = _results_folder(output, case)
     from fem_seal.output.folders import folder_lock, replaced_together
     from fem_seal.seal.problem import SealProblem, build_mesh
@@ -291,7 +293,7 @@ def leak(
     from fem_seal.seal.load_result import highest_load
     from fem_seal.seal.problem import SealProblem
 
-    case = fem_seal.load_case(case_file)
+    case = case_of_command(case_file)
     profiles = read_profiles(profile_file)
     folder = _created(output or profile_file.with_suffix(".leak"))
     loads = leak_of_profiles(SealProblem.of(case), profiles)
@@ -327,7 +329,7 @@ def direct(
     from fem_seal.output import direct as samples
     from fem_seal.output.folders import folder_lock
 
-    case = fem_seal.load_case(case_file)
+    case = case_of_command(case_file)
     given = None if case.direct is None else case.direct.folder
     folder = _created(output or (Path(given) if given else case_file.with_suffix(".direct")))
     processes = jobs or os.cpu_count() or 1
@@ -499,7 +501,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
     try:
-        with said_to(lambda text: warn([text])):
+        with said_to(lambda text: warn([text])), shown_in(None):
             app(args=words, prog_name="fem-seal")
         sys.stdout.flush()
     except SystemExit as leave:

@@ -10,6 +10,7 @@ from fem_seal.cli.terminal import (
     Debug,
     Quiet,
     argument,
+    case_of_command,
     json_option,
     output_option,
     progress_of,
@@ -32,7 +33,7 @@ def calibrate(
     from fem_seal.output import calibration as files
     from fem_seal.output.folders import folder_lock, replaced_together
 
-    case = fem_seal.load_case(case_file)
+    case = case_of_command(case_file)
     folder = output or case_file.with_suffix(".calibrated")
     with folder_lock(folder), progress_of(quiet) as progress:
         found = fem_seal.calibrate(case, measured, progress)

@@ -9,6 +9,7 @@ from fem_seal.cli.terminal import (
     CaseFile,
     Debug,
     Quiet,
+    case_of_command,
     json_option,
     numbers_table,
     option,
@@ -36,11 +37,10 @@ def table(
 ) -> None:
     """Leak rate and equivalent leakage area over pressure and force: CSV, Modelica and MATLAB tables."""
     from fem_seal.answers.leak_map import leak_map
-    from fem_seal.case.case import load_case
     from fem_seal.output.folders import folder_lock, replaced_together
     from fem_seal.output.leak_map import map_rows, write_map
 
-    case = load_case(case_file)
+    case = case_of_command(case_file)
     pressures = None if pressure is None else grid(pressure, "pressure")
     forces = None if force is None else grid(force, "force")
     folder = output or case_file.with_suffix(".table")

@@ -18,9 +18,10 @@ from typing import TYPE_CHECKING, Annotated, Any, TextIO
 
 import typer
 
+import fem_seal
 from fem_seal.errors import printable
 from fem_seal.files import as_json, own_tables, told_of
-from fem_seal.units import DIGITS, LIQUID, LeakVolume, Unit, fixed_unit, rounded
+from fem_seal.units import DIGITS, LIQUID, LeakVolume, Unit, fixed_unit, rounded, show_in
 from leak.standards import STANDARD_PRESSURE
 
 if TYPE_CHECKING:
@@ -465,7 +466,15 @@ def _cell(value: float | None, unit: Unit, digits: int = DIGITS) -> str:
 
 
 def _dimension(key: str, value: float) -> str:
-    return f"{math.degrees(value):.4g} deg" if key.endswith("angle") else f"{1e3 * value:.4g} mm"
+    unit = fixed_unit("deg" if key.endswith("angle") else "mm")
+    return f"{unit.of(value):.4g} {unit.name}"
+
+
+def case_of_command(path: Path) -> Case:
+    """The case of a command, in whose units all that follows is shown."""
+    case = fem_seal.load_case(path)
+    show_in(case.report.units)
+    return case
 
 
 def show_derived(numbers: Mapping[str, Any], *, details: bool = False) -> None:
@@ -482,7 +491,8 @@ def show_derived(numbers: Mapping[str, Any], *, details: bool = False) -> None:
     for name, (words, unit) in CHECK_OF_CASE.items():
         value = numbers[name]
         if value is not None and math.isfinite(value):
-            say(f"  {words:30}{_cell(value, fixed_unit(unit))} {unit}".rstrip())
+            shown = fixed_unit(unit)
+            say(f"  {words:30}{_cell(value, shown)} {shown.name}".rstrip())
     rows = numbers["loads"]
     columns = [column for column in CHECK_ON_TERMINAL if any(row[column.name] is not None for row in rows)]
     for name in () if details else SHOWN_COLUMNS["check_spared"]:

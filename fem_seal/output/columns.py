@@ -35,12 +35,18 @@ class TerminalColumn:
     name : str
         In leak.csv or in ``check --json``.
     heading : str
-    unit : Unit
+    shown_in : str
+        Unit, see `fem_seal.units.fixed_unit`.
     """
 
     name: str
     heading: str
-    unit: Unit
+    shown_in: str
+
+    @property
+    def unit(self) -> Unit:
+        """The unit in the system of display."""
+        return fixed_unit(self.shown_in)
 
 
 @dataclass(frozen=True)
@@ -102,7 +108,7 @@ class Column:
     @property
     def on_terminal(self) -> TerminalColumn:
         """The column on the terminal."""
-        return TerminalColumn(self.name, self.short, fixed_unit(self.shown_in))
+        return TerminalColumn(self.name, self.short, self.shown_in)
 
     def number(self, load: LoadResult) -> float:
         """Number of a load, NaN where nothing was calculated."""
@@ -341,10 +347,7 @@ CHECK_OF_CASE: dict[str, tuple[str, str]] = _SAID["of_the_case"]
 # Columns of `fem-seal check` for the loads: those known before a solve, and the closed forms.
 CHECK_ON_TERMINAL = (
     *(COLUMNS[name].on_terminal for name in ("fluid_pressure_Pa", "contact_force_N", "line_load_N_per_m")),
-    *(
-        TerminalColumn(name, heading, fixed_unit(unit))
-        for name, (heading, unit) in _SAID["closed_forms"].items()
-    ),
+    *(TerminalColumn(name, heading, unit) for name, (heading, unit) in _SAID["closed_forms"].items()),
     *(COLUMNS[name].on_terminal for name in ("blow_off_pressure_Pa", "force_for_target_leak_N")),
 )
 
