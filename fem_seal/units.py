@@ -320,7 +320,7 @@ def fixed_unit(name: str) -> Unit:
 
     Parameters
     ----------
-    name : {"", "bar", "MPa", "GPa", "N", "kN/m", "mm", "um", "deg", "mPa s", "mm³/s", "mbar l/s"}
+    name : {"", "bar", "MPa", "GPa", "N", "kN/m", "mm", "um", "deg", "mPa s", "ml/min", "mm³/s", "mbar l/s"}
         That of the field; the system of display has another one in its place.
     """
     other = _TABLES["fixed_in"].get(_shown_in.get(), {}).get(name)

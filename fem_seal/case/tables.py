@@ -160,7 +160,7 @@ class Output(Table):
     folder: str | None = None
 
 
-class Report(Table):
+class ReportTable(Table):
     """[report]: how results are shown."""
 
     units: System | None = None
@@ -367,7 +367,7 @@ class CaseTables(Table):
     form: Form | None = None
     uncertainty: Uncertainty | None = None
     mesh: Mesh = Mesh()
-    report: Report = Report()
+    report: ReportTable = ReportTable()
     output: Output = Output()
 
     _file: Path | None = PrivateAttr(default=None)

@@ -95,20 +95,25 @@ def _show(found: LeakMap) -> None:
     """Print the leak rates, one line per pressure, marked where they are not valid."""
     from fem_seal.output.report.words import volumes_of_gas
     from fem_seal.seal.findings import Level
-    from fem_seal.units import digits_within, rounded
+    from fem_seal.units import digits_within, fixed_unit, rounded
 
     # a volume too small to be seen in ml is read in its power of ten
-    headings = ["p fluid\nbar", *(f"{force:.4g} N\nml/min" for force in found.applied_force.tolist())]
+    fluid, flow, newton = (fixed_unit(name) for name in ("bar", "ml/min", "N"))
+    forces = map(newton.of, found.applied_force.tolist())
+    headings = [
+        f"p fluid\n{fluid.name}",
+        *(f"{force:.4g} {newton.name}\n{flow.name}" for force in forces),
+    ]
     rows = []
     for m, pressure in enumerate(found.fluid_pressure.tolist()):
-        rows.append([f"{pressure / 1e5:.4g}"])
+        rows.append([f"{fluid.of(pressure):.4g}"])
         for n, one in enumerate(found.validity[m]):
             if one is None:
                 rows[m].append("-")
                 continue
             # as in the tables of a run: no more digits than the error of the theory allows
             digits = min(3, digits_within(one.leak_error))
-            rate = rounded(float(found.leak_rate[m, n]) * 6e7, digits)
+            rate = rounded(flow.of(float(found.leak_rate[m, n])), digits)
             rows[m].append(f"{rate:.3g}{Level(one.level).mark}")
     say(f"Leak rate of {found.fluid}{volumes_of_gas(found.is_gas)}: {found.title}")
     show(numbers_table(headings, rows, narrow=True))

@@ -491,8 +491,8 @@ def show_derived(numbers: Mapping[str, Any], *, details: bool = False) -> None:
     for name, (words, unit) in CHECK_OF_CASE.items():
         value = numbers[name]
         if value is not None and math.isfinite(value):
-            shown = fixed_unit(unit)
-            say(f"  {words:30}{_cell(value, shown)} {shown.name}".rstrip())
+            own = fixed_unit(unit)
+            say(f"  {words:30}{_cell(value, own)} {own.name}".rstrip())
     rows = numbers["loads"]
     columns = [column for column in CHECK_ON_TERMINAL if any(row[column.name] is not None for row in rows)]
     for name in () if details else SHOWN_COLUMNS["check_spared"]:

@@ -15,7 +15,7 @@ from fem_seal.output.columns import in_words
 from fem_seal.output.pictures.style import BLUE, INK, ORANGE, Picture, captioned, label, panels
 from fem_seal.output.prose import phrase
 from fem_seal.seal.load_names import load_name
-from fem_seal.units import unit_for
+from fem_seal.units import fixed_unit, unit_for
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -48,22 +48,22 @@ def mesh_picture(result: SealSolution, load: LoadResult) -> Picture:
     load : LoadResult
         Its width sets how much of the contact zone is shown.
     """
-    seal_mesh, quality = result.seal_mesh, result.seal_mesh.quality
+    seal_mesh, quality, size = result.seal_mesh, result.seal_mesh.quality, fixed_unit("mm")
     mesh, contact = seal_mesh.mesh, seal_mesh.contact
     figure, (whole, zone) = panels(2, height=4.4, ratios=(1.0, 1.35))
     for name, colour in (("closure", BLUE), ("seat", "#8a6d3b")):
         edges = _edges(mesh.t[:, (mesh.subdomains or {})[name]])
         # an image: a drawing of so many lines is larger
         many = edges.shape[1] > _MOST_LINES
-        whole.plot(*_polyline(1e3 * mesh.p, edges), color=colour, linewidth=0.25, rasterized=many)
+        whole.plot(*_polyline(mesh.p / size.size, edges), color=colour, linewidth=0.25, rasterized=many)
         place = turned(seal_mesh, mesh.p.T).T
         half = half_width(load)
         close = (np.abs(place[:, edges]).min(axis=1) < 1.8 * half).all(axis=0)
         unit = unit_for("length", 2 * half)
         zone.plot(*_polyline(place / unit.size, edges[:, close]), color=colour, linewidth=0.55)
     whole.set_aspect("equal")
-    label(whole, "Both bodies", "r  [mm]", "z  [mm]")
-    whole.plot(1e3 * contact.initial_contact_radius, 0.0, "o", mfc="none", mec=ORANGE, ms=9, mew=1.6)
+    label(whole, "Both bodies", f"r  [{size.name}]", f"z  [{size.name}]")
+    whole.plot(contact.initial_contact_radius / size.size, 0.0, "o", mfc="none", mec=ORANGE, ms=9, mew=1.6)
     frame_zone(zone, half / unit.size, unit.name, "Contact zone, turned so that the contact lies flat")
     smallest = min(float(np.diff(line.vertices).min()) for line in result.model.lines)
     return captioned(
@@ -122,7 +122,8 @@ def temperature_picture(result: SealSolution, load: LoadResult) -> Picture | Non
         Its width sets how much of the contact zone is shown.
     """
     fields = load.contact.fields
-    degrees = {name: f.temperature - 273.15 for name, f in fields.items() if f.temperature is not None}
+    size, degree = fixed_unit("mm"), unit_for("temperature", 300.0)
+    degrees = {name: (f.temperature - degree.zero) / degree.size for name, f in fields.items() if f.temperature is not None}
     if result.problem.heating is None or len(degrees) < len(fields):
         return None
     low, high = (end(float(end(values)) for values in degrees.values()) for end in (min, max))
@@ -130,12 +131,12 @@ def temperature_picture(result: SealSolution, load: LoadResult) -> Picture | Non
     levels = even_levels(low, max(high, low + 1e-3))
     figure, axes = panels(2, height=4.4, side=SCALE_ROOM)
     for name, field in fields.items():
-        _fill_bands(axes[0], 1e3 * field.points, field, degrees[name], levels, "inferno")
+        _fill_bands(axes[0], field.points / size.size, field, degrees[name], levels, "inferno")
     axes[0].set_aspect("equal")
-    label(axes[0], "Both bodies", "r  [mm]", "z  [mm]")
+    label(axes[0], "Both bodies", f"r  [{size.name}]", f"z  [{size.name}]")
     reach = 8.0 * half_width(load)
     bands = _draw_zone(axes[1], result, fields, degrees, levels, reach, "Around the contact", "inferno")
-    scale_of_colours(axes, bands, "temperature  [°C]")
+    scale_of_colours(axes, bands, f"temperature  [{degree.name}]")
     contact = load.contact_temperature
     assert contact is not None  # both fields are known
     low, high = low + 273.15, high + 273.15

@@ -30,7 +30,7 @@ from fem_seal.output.pictures.style import (
     outside_text,
     style,
 )
-from fem_seal.units import number, quantity, rounded, trimmed
+from fem_seal.units import fixed_unit, number, quantity, rounded, trimmed
 from meshes.geometry.curve import Curve
 from meshes.geometry.segment import Point, Segment
 
@@ -105,7 +105,7 @@ def section_figure(case: Case) -> Figure:
     _draw_whole(whole, case)
     _draw_detail(detail, case)
     _list(listed, case)
-    text = "dimensions in mm; grey: left open by the case, chosen by the program"
+    text = f"dimensions in {fixed_unit('mm').name}; grey: left open by the case, chosen by the program"
     figure.text(0.02, 0.015, text, color=GREY, fontsize=8)
     return figure
 
@@ -217,10 +217,15 @@ def _diameter(axes: Axes, one: _Diameter, z: float, scale: float) -> None:
     _on_both_sides(axes, [one.radius] * 2, [one.z, z], color=one.colour, lw=0.5, zorder=4, alpha=0.7)
     arrow = {"arrowstyle": "<|-|>", "color": one.colour, "lw": 0.8, "mutation_scale": 9, **_TO_THE_END}
     axes.annotate("", (-one.radius, z), (one.radius, z), arrowprops=arrow)
-    text = f"{one.name} ⌀{trimmed(rounded(2 * one.radius, 4))}"
+    text = f"{one.name} ⌀{_in_unit(2 * one.radius)}"
     fits = 2 * one.radius / scale > _CHARACTER * len(text) + 0.35
     place = (0.0 if fits else one.radius + 0.08 * scale, z)
     _note(axes, place, text, one.colour, 0.8, ha="center" if fits else "left", va="center")
+
+
+def _in_unit(size: float, digits: int = 4) -> str:
+    """A size [mm] in the unit of the drawing."""
+    return trimmed(rounded(fixed_unit("mm").of(1e-3 * size), digits))
 
 
 def _on_both_sides(axes: Axes, r: ArrayLike, z: ArrayLike, **how: Any) -> None:
@@ -276,7 +281,9 @@ def _draw_detail(axes: Axes, case: Case) -> None:
     axes.set(
         xlim=(r0 - 1.45 * half, r0 + 1.45 * half), ylim=(-half, half), aspect="equal", xticks=[], yticks=[]
     )
-    axes.set_title(f"contact, enlarged; picture {trimmed(rounded(2.9 * half, 2))} mm wide", fontsize=9)
+    axes.set_title(
+        f"contact, enlarged; picture {_in_unit(2.9 * half, 2)} {fixed_unit('mm').name} wide", fontsize=9
+    )
     axes.plot(r0, 0, "o", color=ORANGE, ms=5, zorder=6)
     normal = 0.75 * half
     end = r0 - normal * math.sin(theta), normal * math.cos(theta)
@@ -290,7 +297,7 @@ def _draw_detail(axes: Axes, case: Case) -> None:
     _note(axes, (0.02, 0.97), angle, INK, 1.5, 0.85, va="top", **at)
     radius = contact.relative_radius
     conform = "faces conform: contact over a finite length"
-    bend = conform if math.isinf(radius) else f"relative curvature R {trimmed(rounded(1e3 * radius, 4))}"
+    bend = conform if math.isinf(radius) else f"relative curvature R {_in_unit(1e3 * radius)}"
     _note(axes, (0.98, 0.03), bend, INK, 1.5, 0.85, ha="right", **at)
 
 
@@ -328,7 +335,7 @@ def _list(axes: Axes, case: Case) -> None:
                 lines.append((key if row == 0 else "", part, INK, "normal"))
         for key, (value, chosen) in listed_dimensions(case, name).items():
             angle = key.endswith("angle")
-            size = math.degrees(value) if angle else 1e3 * value
+            size = fixed_unit("deg" if angle else "mm").of(value)
             text = trimmed(rounded(size, 4) if chosen else size) + ("°" if angle else "")
             mark = "⌀" if key.endswith("diameter") else "R " if key.endswith("radius") else ""
             lines.append((key.replace("_", " "), mark + text, GREY if chosen else INK, "normal"))

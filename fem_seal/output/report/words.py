@@ -28,6 +28,7 @@ from fem_seal.units import (
     LIQUID,
     LeakVolume,
     digits_beside,
+    fixed_unit,
     format_digits,
     leak_range_text,
     percent,
@@ -40,8 +41,6 @@ from leak import (
     LeakResult,
     Reading,
     drops_per_minute,
-    millibar_litres_per_second,
-    millilitres_per_minute,
 )
 
 if TYPE_CHECKING:
@@ -600,12 +599,14 @@ def leakage_text(
 
 
 def _in_units(found: LeakResult, volume: LeakVolume) -> Iterator[tuple[float, str]]:
+    volumes = fixed_unit("ml/min")
     if found.throughput is not None:
-        yield millibar_litres_per_second(found.throughput), "mbar l/s"
-        yield found.throughput, "Pa m³/s"
-        yield millilitres_per_minute(found.leak_rate), f"ml/min ({volume.state})"
+        usual = fixed_unit("mbar l/s")
+        yield usual.of(found.throughput), usual.name
+        yield from [(found.throughput, "Pa m³/s")] if usual.name != "Pa m³/s" else []
+        yield volumes.of(found.leak_rate), f"{volumes.name} ({volume.state})"
     else:
-        yield millilitres_per_minute(found.leak_rate), "ml/min"
+        yield volumes.of(found.leak_rate), volumes.name
         yield drops_per_minute(found.leak_rate), "drops/min"
     if found.mass_flow is not None:
         yield found.mass_flow, "kg/s"
