@@ -18,6 +18,7 @@ from fem_seal.files import own_tables
 from fem_seal.output.answers.sensitivities import in_words, shown_sensitivities
 from fem_seal.output.answers.verdict import next_class_in_words, verdict_facts, verdict_sentences
 from fem_seal.output.columns import COLUMNS
+from fem_seal.output.pictures.section import contact_window
 from fem_seal.output.report.words import state_in_words
 from fem_seal.seal.findings import Level
 from fem_seal.seal.load_result import highest_load
@@ -117,6 +118,10 @@ class Section:
     angle : float
         Between the axis and the contact normal [rad].
     pressure_side : str
+    half : float
+        Half the height of the enlarged picture of the contact [m].
+    middle : float or None
+        Height of the mid-plane of a gasket [m].
     """
 
     closure: list[tuple[float, float]]
@@ -124,6 +129,17 @@ class Section:
     initial_contact_radius: float
     angle: float
     pressure_side: str
+    half: float = 0.0
+    middle: float | None = None
+
+    @property
+    def rings(self) -> tuple[list[list[tuple[float, float]]], list[list[tuple[float, float]]]]:
+        """Corners of closure and seat; of a gasket both flanges, and both halves."""
+        both = ([self.closure], [self.seat])
+        if self.middle is not None:
+            for rings in both:
+                rings.append([(r, 2 * self.middle - z) for r, z in rings[0]])
+        return both
 
 
 @dataclass(frozen=True)
@@ -333,24 +349,32 @@ def section_of(case: Case) -> Section:
     ----------
     case : Case
     """
-    contact = case.contact
+    contact, half = case.contact, contact_window(case)
+    touch = complex(contact.initial_contact_radius)
     return Section(
-        _corners(contact.closure),
-        _corners(contact.seat),
+        _corners(contact.closure, touch, half),
+        _corners(contact.seat, touch, half),
         contact.initial_contact_radius,
         contact.angle,
         case.load.pressure_side,
+        half,
+        contact.seat.extent[1][0] if case.gasket is not None else None,
     )
 
 
-def _corners(outline: Outline) -> list[tuple[float, float]]:
-    """Corners of an outline, arcs in short chords."""
+def _corners(outline: Outline, touch: complex, half: float) -> list[tuple[float, float]]:
+    """Corners of an outline, arcs in short chords; around the touch, which is enlarged, in shorter ones."""
     found: list[tuple[float, float]] = []
     for segment in outline.segments:
-        centre, steps = (segment.start, 1) if segment.centre is None else (segment.centre, _ARC_STEPS)
+        if segment.centre is None:
+            found.append((float(segment.start[0]), float(segment.start[1])))
+            continue
         # r + i z, turned about the centre
-        turns = np.exp(1j * segment.sweep * np.arange(steps) / steps)
-        points = complex(*centre) + (complex(*segment.start) - complex(*centre)) * turns
+        centre, arm = complex(*segment.centre), complex(*segment.start) - complex(*segment.centre)
+        at = float(np.angle((touch - centre) / arm)) / segment.sweep if touch != centre else 0.0
+        near = at + np.linspace(-2, 2, 4 * _ARC_STEPS) * half / abs(arm * segment.sweep)
+        shares = np.union1d(np.arange(_ARC_STEPS) / _ARC_STEPS, near[(near > 0) & (near < 1)])
+        points = centre + arm * np.exp(1j * segment.sweep * shares)
         found += zip(points.real.tolist(), points.imag.tolist(), strict=True)
     return found
 

@@ -123,7 +123,11 @@ def temperature_picture(result: SealSolution, load: LoadResult) -> Picture | Non
     """
     fields = load.contact.fields
     size, degree = fixed_unit("mm"), unit_for("temperature", 300.0)
-    degrees = {name: (f.temperature - degree.zero) / degree.size for name, f in fields.items() if f.temperature is not None}
+    degrees = {
+        name: (f.temperature - degree.zero) / degree.size
+        for name, f in fields.items()
+        if f.temperature is not None
+    }
     if result.problem.heating is None or len(degrees) < len(fields):
         return None
     low, high = (end(float(end(values)) for values in degrees.values()) for end in (min, max))

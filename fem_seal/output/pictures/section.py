@@ -277,7 +277,7 @@ def _draw_detail(axes: Axes, case: Case) -> None:
     """The contact of the faces, enlarged, with the contact normal and its angle to the axis."""
     contact = case.contact
     _bodies(axes, contact, mirrored=False)
-    r0, theta, half = 1e3 * contact.initial_contact_radius, contact.angle, 1e3 * _window(case)
+    r0, theta, half = 1e3 * contact.initial_contact_radius, contact.angle, 1e3 * contact_window(case)
     axes.set(
         xlim=(r0 - 1.45 * half, r0 + 1.45 * half), ylim=(-half, half), aspect="equal", xticks=[], yticks=[]
     )
@@ -301,8 +301,13 @@ def _draw_detail(axes: Axes, case: Case) -> None:
     _note(axes, (0.98, 0.03), bend, INK, 1.5, 0.85, ha="right", **at)
 
 
-def _window(case: Case) -> float:
-    """Half the height of the enlarged picture [m]: the contact with its edges if they are near."""
+def contact_window(case: Case) -> float:
+    """Half the height of the enlarged picture [m]: the contact with its edges if they are near.
+
+    Parameters
+    ----------
+    case : Case
+    """
     contact, seat = case.contact, cast(Any, case.bodies[1])
     width = getattr(seat, "land_width", None)
     if hasattr(seat, "land_outer_radius"):

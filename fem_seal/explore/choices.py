@@ -1,0 +1,327 @@
+"""Choices of the page that make another case: shapes by picture, materials, finish, requirement, form, units."""
+
+from __future__ import annotations
+
+import base64
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+from fem_seal.case.case import Case, load_case
+from fem_seal.case.finish import HEIGHTS, ProcessName
+from fem_seal.case.material_library import ALIASES, LIBRARY
+from fem_seal.case.roughness import read_roughness
+from fem_seal.errors import InputError, NoLoadLeftError, SealError
+from fem_seal.explore.screen import section_of
+from fem_seal.files import own_tables
+from fem_seal.units import System
+from meshes import MeshesError
+
+if TYPE_CHECKING:
+    from fem_seal.explore.screen import Section
+
+_SHAPES = own_tables("shapes.toml")
+# Bodies of the case by the rows of pictures.
+ROWS = {"closure": "Closure", "seat": "Seat", "gasket": "Gasket"}
+NONE, LEAK_RATE = "none", "leak rate"
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A choice of the page.
+
+    Parameters
+    ----------
+    key : str
+        Unique on the page.
+    label : str
+        For people.
+    value : str
+        What the case has; empty for nothing.
+    options : sequence of dict
+        To choose from: label, value and words that are searched; empty where a text is typed.
+    hint : str
+        An example of what may be typed.
+    """
+
+    key: str
+    label: str
+    value: str
+    options: Sequence[Mapping[str, str]] = field(default=())
+    hint: str = ""
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A shape to choose: its key, name, picture, and whether the case has it."""
+
+    key: str
+    name: str
+    source: str
+    chosen: bool
+
+
+def pictures_of(case: Case) -> dict[str, list[Picture]]:
+    """Shapes to choose from, in rows.
+
+    Parameters
+    ----------
+    case : Case
+    """
+    has = {"closure": case.closure.shape, case.key_of("seat"): case.lower.shape}
+    return {
+        row: [
+            Picture(f"{row}.{shape}", one["name"], _drawn(row, shape), has.get(row) == shape)
+            for shape, one in _SHAPES[row].items()
+        ]
+        for row in ROWS
+    }
+
+
+def choices_of(case: Case) -> dict[str, list[Choice]]:
+    """All other choices by the heading that they stand under.
+
+    Parameters
+    ----------
+    case : Case
+    """
+    lower = case.key_of("seat")
+    materials = [
+        Choice(f"{body}.material", f"material, {body}", name, _materials(name))
+        for body, name in (("closure", case.closure.material.name), (lower, case.lower.material.name))
+    ]
+    system: list[dict[str, str]] = _options(System.__args__)  # type: ignore[attr-defined]
+    return {
+        "units": [Choice("report.units", "units", case.report.units or "field", system)],
+        "surface": [*materials, *_finishes(case)],
+        "demand": [*_requirement(case), *_form(case, lower)],
+    }
+
+
+def changed(case: Case, key: str, value: str) -> Case:
+    """The case after a choice.
+
+    Parameters
+    ----------
+    case : Case
+    key : str
+        Of a `Choice` or a `Picture`.
+    value : str
+        Chosen or typed.
+
+    Raises
+    ------
+    InputError
+        If there is no such case; it says why.
+    """
+    row, _, shape = key.partition(".")
+    if row in ROWS and shape in _SHAPES[row]:
+        return _reshaped(case, row, shape)
+    known = {one.key: one for several in choices_of(case).values() for one in several}
+    if key not in known or (known[key].options and value not in {o["value"] for o in known[key].options}):
+        raise InputError.at(key, "is no choice of the page")
+    if key == "requirement":
+        return _requiring(case, value)
+    if key.endswith(" height"):
+        path = key.removesuffix(" height")
+        table = _face(case, path)
+        own = next(one for one in HEIGHTS if one in table)
+        return case.replace_written({f"{path}.{own}": None, f"{path}.{value}": table[own]})
+    return case.replace_written({key: value.strip() or None})
+
+
+def _options(values: Sequence[str]) -> list[dict[str, str]]:
+    return [{"label": one, "value": one, "search": one} for one in values]
+
+
+def _materials(own: str) -> list[dict[str, str]]:
+    """The library with the words by which `fem-seal materials` finds them, and the case's own if it has another."""
+    words: dict[str, list[str]] = {}
+    for word, name in ALIASES.items():
+        words.setdefault(name, []).append(word)
+    found = [
+        {"label": name, "value": name, "search": " ".join([name, one.condition, *words.get(name, ())])}
+        for name, one in LIBRARY.items()
+    ]
+    return found if own in LIBRARY else [*_options([own]), *found]
+
+
+def _face(case: Case, path: str) -> Mapping[str, Any]:
+    """The finish at a path of [roughness], as keys."""
+    written: Any = read_roughness(case.written["roughness"])
+    for part in path.split(".")[1:]:
+        written = written[part]
+    return written if isinstance(written, Mapping) else {}
+
+
+def _finishes(case: Case) -> Iterator[Choice]:
+    """Height and process of each face whose finish is that of a drawing."""
+    if case.roughness is None:
+        return
+    written: Any = read_roughness(case.written["roughness"])
+    for key, name in (("", "both faces"), *((one, one) for one in ("seat", "closure", "gasket"))):
+        table = written if not key else written.get(key)
+        height = next((one for one in HEIGHTS if isinstance(table, Mapping) and one in table), None)
+        if height is None:
+            continue
+        path = f"roughness.{key}".rstrip(".")
+        processes = ProcessName.__args__  # type: ignore[attr-defined]
+        yield Choice(f"{path} height", f"finish, {name}", height, _options(HEIGHTS))
+        yield Choice(
+            f"{path}.process", f"process, {name}", table.get("process", "unspecified"), _options(processes)
+        )
+
+
+def _requirement(case: Case) -> Iterator[Choice]:
+    from leak.standards import STANDARDS, classes_of
+
+    if case.roughness is None or case.fluid is None:
+        return
+    gas, own = case.fluid.gas is not None, case.requirement
+    classes = [f"{standard} {one}" for standard in STANDARDS for one in classes_of(standard, gas=gas)]
+    required = " ".join(own.required) if own and own.required else None
+    value = NONE if own is None else required or LEAK_RATE
+    yield Choice("requirement", "requirement", value, _options(list(dict.fromkeys([NONE, value, *classes]))))
+    rate = str(case.written.get("requirement", {}).get("leak_rate", ""))
+    yield Choice("requirement.leak_rate", "allowed leak rate", rate, hint="1 ml/min")
+
+
+def _requiring(case: Case, value: str) -> Case:
+    from fem_seal.case.new_case import required_class
+
+    if value == NONE:
+        return case.replace_written({"requirement": None})
+    if value == LEAK_RATE:
+        return case
+    entries = required_class(case_toml(case), value)
+    return case.replace_written({**entries, "requirement.leak_rate": None})
+
+
+def case_toml(case: Case) -> str:
+    """The case as a file."""
+    from pathlib import Path
+
+    from fem_seal.case.case_file import case_text
+
+    return case_text(case, Path.cwd())
+
+
+def _form(case: Case, lower: str) -> Iterator[Choice]:
+    """Roundness of both faces, where the case has nothing else there."""
+    if lower == "gasket":
+        return
+    form = case.written.get("form", {})
+    for body in ("closure", "seat"):
+        table = form.get(body, {})
+        if not table or "tolerance" in table:
+            own = str(table.get("tolerance", ""))
+            yield Choice(f"form.{body}.tolerance", f"roundness, {body}", own, hint="round")
+
+
+def _scaled(entry: Any, factor: float) -> Any:
+    """Lengths of a table times a factor, as they would be written."""
+    if isinstance(entry, Mapping):
+        return {key: _scaled(one, factor) for key, one in entry.items()}
+    if isinstance(entry, list):
+        return [_scaled(one, factor) for one in entry]
+    number, _, unit = str(entry).partition(" ")
+    return f"{float(number) * factor:.4g} mm" if unit == "mm" else entry
+
+
+def _tables(row: str, shape: str, factor: float = 1.0) -> dict[str, dict[str, Any]]:
+    """Both bodies of a shape and of the one that it is shown with."""
+    one = _SHAPES[row][shape]
+    own, other = {"shape": shape, **one["table"]}, one["with"]
+    if row == "gasket":
+        found = {"closure": _SHAPES["flange"][other], "gasket": own}
+    else:
+        beside = "seat" if row == "closure" else "closure"
+        found = {row: own, beside: {"shape": other, **_SHAPES[beside][other]["table"]}}
+    return {body: _scaled(table, factor) for body, table in found.items()}
+
+
+@cache
+def _shown_with(row: str, shape: str) -> Case:
+    """A case with a shape, of usual dimensions."""
+    inner = {"load": {"fluid_pressure": "1 bar", "applied_force": "10 kN", "pressure_side": "inner"}}
+    tables = {body: {**table, "material": "steel"} for body, table in _tables(row, shape).items()}
+    return load_case({**tables, "interface": {"law": "smooth"}, **inner})
+
+
+def _reshaped(case: Case, row: str, shape: str) -> Case:
+    """The case with another shape: the other body stays if they fit together, else both have usual dimensions.
+
+    The circle of first touch, loads, materials and surfaces stay; a force that would not close the seal is doubled to
+    what does.
+    """
+    lower = case.key_of("seat")
+    materials = {
+        body: case.written[own]["material"]
+        for body, own in (("closure", "closure"), ("seat", lower), ("gasket", lower))
+    }
+    both = _tables(row, shape, case.initial_contact_radius / _shown_with(row, shape).initial_contact_radius)
+    new = {body: {**table, "material": materials[body]} for body, table in both.items()}
+    alone = {row: new[row]}
+    fits = row == lower or (row == "closure" and lower == "seat")
+    failure: Exception | None = None
+    for tables in (alone, new) if fits else (new,):
+        gone = {
+            body: None for body in ("seat", "gasket") if body not in {lower, *tables} or _ends(body, tables)
+        }
+        try:
+            return _closed(case, {**gone, **tables})
+        except (SealError, MeshesError, ValueError) as error:
+            failure = error
+    raise failure if isinstance(failure, InputError) else InputError.at(row, str(failure))
+
+
+def _ends(body: str, tables: Mapping[str, Any]) -> bool:
+    return {"seat": "gasket", "gasket": "seat"}[body] in tables
+
+
+def _closed(case: Case, tables: Mapping[str, Any]) -> Case:
+    """The case with other bodies, and with a force that closes them."""
+    bodies = dict(tables)
+    if "gasket" in bodies and bodies["gasket"] is not None:
+        bodies["load.pressure_side"] = "inner"
+    roughness = case.written.get("roughness")
+    kept, lost = ("gasket", "seat") if bodies.get("gasket") else ("seat", "gasket")
+    if isinstance(roughness, Mapping) and lost in roughness and lost in tables and tables[lost] is None:
+        bodies |= {f"roughness.{lost}": None, f"roughness.{kept}": roughness[lost]}
+    try:
+        made = case.replace_written(bodies)
+    except NoLoadLeftError:
+        area = math.pi * case.initial_contact_radius**2
+        bodies["load.applied_force"] = f"{2 * area * max(case.load.fluid_pressure):.3g} N"
+        made = case.replace_written(bodies)
+    _ = made.contact
+    return made
+
+
+# Colours of the pictures, fit for light and dark.
+_CLOSURE, _SEAT, _LINE = "#8fb4dd", "#d3b98c", "#5b6675"
+
+
+@cache
+def _drawn(row: str, shape: str) -> str:
+    """A small section of a shape with its partner, as the source of an image."""
+    case = _shown_with(row, shape)
+    section: Section = section_of(case)
+    r0 = section.initial_contact_radius
+    wide, high = 1.5 * r0, 1.0 * r0
+    colours = (_CLOSURE, _SEAT) if row == "closure" else (_CLOSURE + "66", _SEAT)
+    bodies = "".join(
+        f'<path d="{_path(ring, side)}" fill="{colour}" stroke="{_LINE}" stroke-width="{0.03 * r0:.3g}"/>'
+        for colour, rings in zip(colours, section.rings, strict=True)
+        for ring in rings
+        for side in (1, -1)
+    )
+    box = f"{-wide:.5g} {-high - (section.middle or 0.0):.5g} {2 * wide:.5g} {2 * high:.5g}"
+    svg = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{box}">{bodies}</svg>'
+    return f"data:image/svg+xml;base64,{base64.b64encode(svg.encode()).decode()}"
+
+
+def _path(ring: Sequence[tuple[float, float]], side: int) -> str:
+    return "M" + "L".join(f"{side * r:.5g},{-z:.5g}" for r, z in ring) + "Z"
