@@ -106,7 +106,7 @@ def pdf(
 
 @app.command()
 def explore(
-    case_file: CaseFile,
+    case_file: Annotated[Path | None, argument("explore", "case_file")] = None,
     port: Annotated[int, option("explore", "port")] = 8050,
     no_browser: Annotated[bool, option("explore", "no_browser")] = False,
     output: Annotated[
@@ -119,8 +119,10 @@ def explore(
     debug: Debug = False,
 ) -> None:
     """Open a live page of a case on this machine: sliders, and the leak rate that follows them. Ctrl-C ends it."""
-    case = fem_seal.load_case(case_file)
-    folder = (output or case_file.parent).absolute()
+    from fem_seal.case.new_case import TEMPLATES, read_text_case, template
+
+    case = read_text_case(template(TEMPLATES[0])) if case_file is None else fem_seal.load_case(case_file)
+    folder = (output or (case_file or Path("case.toml")).parent).absolute()
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:

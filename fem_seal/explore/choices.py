@@ -180,8 +180,12 @@ def _requirement(case: Case) -> Iterator[Choice]:
     if case.roughness is None or case.fluid is None:
         return
     gas, own = case.fluid.gas is not None, case.requirement
-    classes = [f"{standard} {one}" for standard in STANDARDS for one in classes_of(standard, gas=gas)]
-    required = " ".join(own.required) if own and own.required else None
+    classes = [
+        f"{standard} {one}"
+        for standard in STANDARDS
+        for one in classes_of(standard, gas=gas, rated_capacity=False)
+    ]
+    required = " ".join(own.standard_and_class) if own and own.standard_and_class else None
     value = NONE if own is None else required or LEAK_RATE
     yield Choice("requirement", "requirement", value, _options(list(dict.fromkeys([NONE, value, *classes]))))
     rate = str(case.written.get("requirement", {}).get("leak_rate", ""))
@@ -285,7 +289,7 @@ def _closed(case: Case, tables: Mapping[str, Any]) -> Case:
     """The case with other bodies, and with a force that closes them."""
     bodies = dict(tables)
     if "gasket" in bodies and bodies["gasket"] is not None:
-        bodies["load.pressure_side"] = "inner"
+        bodies |= {"load.pressure_side": "inner", "load.closing": None}
     roughness = case.written.get("roughness")
     kept, lost = ("gasket", "seat") if bodies.get("gasket") else ("seat", "gasket")
     if isinstance(roughness, Mapping) and lost in roughness and lost in tables and tables[lost] is None:

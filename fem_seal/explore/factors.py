@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal
 
 from fem_seal.case.drawing_words import same_entry
@@ -18,7 +18,7 @@ from fem_seal.case.paths import entry_at, entry_paths, with_open_materials
 from fem_seal.case.roughness import read_roughness
 from fem_seal.errors import InputError, Problem
 from fem_seal.files import own_tables
-from fem_seal.units import DIMENSIONS, parse_quantity, unit_for
+from fem_seal.units import DIMENSIONS, System, parse_quantity, unit_for, unit_like
 
 if TYPE_CHECKING:
     from fem_seal.case.case import Case
@@ -193,9 +193,23 @@ def factors_of(case: Case) -> Factors:
     case : Case
     """
     found = [one for find in (_pressure, _force, _finishes, _hardness, _dimensions) for one in find(case)]
-    sliders = [one for one in found if isinstance(one, Factor)]
+    system = case.report.units
+    sliders = [_in_system(one, system) if system else one for one in found if isinstance(one, Factor)]
     left_out = [one for one in found if isinstance(one, str)]
     return Factors(tuple(sliders), _fluids(case), tuple(left_out))
+
+
+def _in_system(factor: Factor, system: System) -> Factor:
+    """A factor with its texts in the units of a system; its own value stays the very one of the case."""
+    written, value = factor.given.partition(" ")[2], factor.value(factor.given)
+    unit = unit_like(written, factor.dimension, value or factor.value(factor.stops[-1]), system)
+    if unit is None:
+        return factor
+    stops = [f"{float(f'{unit.of(factor.value(one)):.3g}'):g}" for one in factor.stops]
+    stops[factor.place] = f"{unit.of(value):.6g}"
+    name = unit.name.replace("µ", "u")
+    texts = tuple(dict.fromkeys(f"{one} {name}" for one in stops))
+    return replace(factor, stops=texts, given=f"{stops[factor.place]} {name}")
 
 
 def opened(case: Case) -> Case:

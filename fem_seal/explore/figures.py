@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import product
 from typing import TYPE_CHECKING, Any
 
 from fem_seal.explore.screen import LEAK, Shown, preliminary_words
 from fem_seal.files import own_tables
-from fem_seal.units import Unit, unit_for
+from fem_seal.units import Unit, fixed_unit, unit_for
 
 if TYPE_CHECKING:
     from fem_seal.explore.screen import Screen, Section, ShownLoad, ShownProfile
@@ -97,47 +98,93 @@ def figures(shown: Sequence[Shown], dark: bool) -> dict[str, Figure]:
         For a dark page.
     """
     return {
-        "section": section_figure(shown[0].screen.section, dark),
+        "section": section_figure(shown[0].screen.section, dark, shown[0].screen.profile),
         "leak": leak_figure(shown, dark),
         "profile": _over_x(shown, dark, "pressure"),
         "gap": _over_x(shown, dark, "gap"),
     }
 
 
-def section_figure(section: Section | None, dark: bool) -> Figure:
-    """Closure and seat in section, the circle of first touch and the side of the pressure.
+def section_figure(section: Section | None, dark: bool, profile: ShownProfile | None = None) -> Figure:
+    """Closure and seat in section to scale, the circle of first touch and the side of the pressure, and the contact.
 
     Parameters
     ----------
     section : Section or None
     dark : bool
+    profile : ShownProfile, optional
+        Pressure of the contact.
     """
     figure = Figure(dark)
     figure.update("xaxis", visible=False, scaleanchor="y", constrain="domain")
     figure.update("yaxis", visible=False)
     if section is None:
         return figure
-    for name, corners in (("seat", section.seat), ("closure", section.closure)):
-        fill = figure.colours[name]
-        ring = [*corners, corners[0]]
-        for side in (1, -1):
-            x, y = [1e3 * side * r for r, _ in ring], [1e3 * z for _, z in ring]
-            figure.add("outline", x, y, figure.ink, fillcolor=fill, name=name)
-    low = 1e3 * min(z for _, z in section.seat)
-    high = 1e3 * max(z for _, z in section.closure)
+    unit = fixed_unit("mm")
+    whole = list(zip(("closure", "seat"), section.rings, strict=True))[::-1]
+    for name, rings in whole:
+        for ring, side in product(rings, (1, -1)):
+            _outline(figure, name, ring, side, unit)
+    heights = [unit.of(z) for _, rings in whole for ring in rings for _, z in ring]
+    low, high = min(heights), max(heights)
     figure.add("axis", [0, 0], [low, high], _GREY)
-    r0 = 1e3 * section.initial_contact_radius
-    hover = f"circle of first touch, radius {r0:.4g} mm<extra></extra>"
+    r0 = unit.of(section.initial_contact_radius)
+    hover = f"circle of first touch, radius {r0:.4g} {unit.name}<extra></extra>"
     figure.add("touch", [-r0, r0], [0, 0], PINS[0], hovertemplate=hover)
-    outer = 1e3 * max(r for r, _ in section.seat)
+    outer = unit.of(max(r for r, _ in section.seat))
     above, below = ("high pressure", LIVE), ("low pressure", _GREY)
     if section.pressure_side != "outer":
         above, below = below, above
     figure.add_note(outer, high, *above, xanchor="right", yanchor="top")
     figure.add_note(0, low, *below, xanchor="center", yanchor="bottom")
-    touch = f"r₀ = {r0:.4g} mm, contact angle {math.degrees(section.angle):.4g}°"
-    figure.add_note(0, 0, touch, PINS[0], yshift=10)
+    touch = f"r₀ = {r0:.4g} {unit.name}, contact angle {math.degrees(section.angle):.4g}°"
+    figure.add_note(0, 1, touch, figure.ink, xref="x domain", yref="paper", xanchor="left", yanchor="top")
+    _add_detail(figure, section, profile, unit)
     return figure
+
+
+def _outline(
+    figure: Figure, name: str, ring: Sequence[tuple[float, float]], side: int, unit: Unit, **more: Any
+) -> None:
+    """A body in section, filled."""
+    x, y = ([unit.of(value) for value in values] for values in zip(*ring, ring[0], strict=True))
+    figure.add(
+        "outline", [side * r for r in x], y, figure.ink, fillcolor=figure.colours[name], name=name, **more
+    )
+
+
+def _add_detail(figure: Figure, section: Section, profile: ShownProfile | None, unit: Unit) -> None:
+    """The contact enlarged, beside the section, with the stretch that carries the load."""
+    r0, half = unit.of(section.initial_contact_radius), unit.of(section.half)
+    beside: dict[str, Any] = {"xaxis": "x2", "yaxis": "y2"}
+    _outline(figure, "seat", section.seat, 1, unit, **beside)
+    _outline(figure, "closure", section.closure, 1, unit, **beside)
+    if profile is not None:
+        carries = [
+            x for x, p in zip(profile.x, profile.pressure, strict=True) if p > 1e-3 * max(profile.pressure)
+        ]
+        way = math.cos(section.angle), math.sin(section.angle)
+        ends = [[unit.of(x) * part for x in (carries[0], carries[-1])] for part in way]
+        hover = f"carries over {unit.of(carries[-1] - carries[0]):.3g} {unit.name}<extra></extra>"
+        figure.add("carries", [r0 + x for x in ends[0]], ends[1], PINS[0], hovertemplate=hover, **beside)
+    frame = {
+        "x0": r0 - half,
+        "x1": r0 + half,
+        "y0": -half,
+        "y1": half,
+        "line": {"color": PINS[0], "width": 1.2},
+    }
+    edge = {"x0": 0, "x1": 1, "y0": 0, "y1": 1, "xref": "x2 domain", "yref": "y2 domain"}
+    figure.layout["shapes"] = [
+        {"type": "rect", **frame},
+        {"type": "rect", **edge, "line": {"color": PINS[0], "width": 1.2}},
+    ]
+    hidden: dict[str, Any] = {"visible": False, "constrain": "domain"}
+    figure.update("xaxis", domain=[0, 0.6])
+    figure.layout["xaxis2"] = {**hidden, "domain": [0.64, 1], "range": [r0 - half, r0 + half], "anchor": "y2"}
+    figure.layout["yaxis2"] = {**hidden, "range": [-half, half], "scaleanchor": "x2", "anchor": "x2"}
+    said = f"contact enlarged, {2 * half:.2g} {unit.name} wide"
+    figure.add_note(0.5, 0, said, figure.ink, 11, xref="x2 domain", yref="y2 domain", yanchor="bottom")
 
 
 def _over_force(screen: Screen) -> bool:

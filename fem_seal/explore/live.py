@@ -30,6 +30,7 @@ from fem_seal.seal.leak_model import MARGIN, Conductivity, FlowModel, theory_tab
 from fem_seal.seal.load_result import highest_load
 from fem_seal.seal.problem import SealProblem, sizing
 from fem_seal.seal.sources import Bodies, Kept, Rounding, Shared
+from fem_seal.units import shown_in
 from fem_seal.validity.checks import validity_of
 from leak import LeakError, RoughContact
 from meshes import MeshesError
@@ -149,6 +150,10 @@ class Session:
     case : Case
     waits : bool
         Whether a table that is missing is made at once, instead of leaving the leak rate open.
+    name : str
+        Of the case among those of the page; empty for that with which it was opened.
+    like : Session, optional
+        Another one, whose bodies and tables serve this one, too.
 
     Examples
     --------
@@ -165,11 +170,17 @@ class Session:
     271
     """
 
-    def __init__(self, case: Case, *, waits: bool = True) -> None:
+    def __init__(
+        self, case: Case, *, waits: bool = True, name: str = "", like: Session | None = None
+    ) -> None:
+        self.name = name
         self.given = case
         self.base = opened(case)
         self.waits = waits
-        self.bodies, self.tables = Kept(_MODELS), Kept(_TABLES)
+        if like is not None:
+            self.bodies, self.tables, self.waits = like.bodies, like.tables, like.waits
+        else:
+            self.bodies, self.tables = Kept(_MODELS), Kept(_TABLES)
         # contacts of the last design, for when a table that it waits for is there
         self._last: tuple[dict[str, str], Evaluation, int] | None = None
 
@@ -191,7 +202,7 @@ class Session:
 
     def design(self, design: Mapping[str, str]) -> dict[str, str]:
         """A design with all that it leaves out."""
-        own = self.factors.given
+        own = self.factors.given | ({"case": self.name} if self.name else {})
         return own | {key: text.strip() for key, text in design.items() if key in own}
 
     def case(self, design: Mapping[str, str]) -> Case:
@@ -221,10 +232,10 @@ class Session:
         design = self.design(design)
         try:
             case = self.case(design)
-            section = section_of(case)
-            if slow := self.slow(case):
-                return Screen(design, section=section, waiting=slow_words(slow))
-            return self._answer(design, case)
+            with shown_in(case.report.units):
+                if slow := self.slow(case):
+                    return Screen(design, section=section_of(case), waiting=slow_words(slow))
+                return self._answer(design, case)
         except InputError as error:
             return Screen(
                 design,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import threading
+from collections.abc import Mapping
 from contextlib import suppress
 from html import escape
 from importlib import resources
@@ -16,15 +17,19 @@ from dash import ALL, Dash, Input, Output, State, ctx, dcc, html, no_update
 from dash.exceptions import PreventUpdate
 from flask import Response, abort, send_file
 
-from fem_seal.case.case_file import free_name, write_case
+from fem_seal.case.case_file import case_text, free_name, write_case
 from fem_seal.errors import SealError
+from fem_seal.explore.choices import ROWS, changed, choices_of, pictures_of
 from fem_seal.explore.figures import PINS, designs_shown, figures
 from fem_seal.explore.gate import Asked, Design, Entered, answered, checked, place_of, refuse
 from fem_seal.explore.screen import not_taken_words, preliminary_words, refused_words, slow_words, still_words
 from fem_seal.files import own_tables
 from fem_seal.output.prose import template
+from fem_seal.units import shown_in
 
 if TYPE_CHECKING:
+    from fem_seal.case.case import Case
+    from fem_seal.explore.live import Session
     from fem_seal.explore.screen import Screen
     from fem_seal.explore.worker import Answers
 
@@ -100,11 +105,12 @@ def page_of(answers: Answers, folder: Path, title: str) -> Dash:
     )
     app.index_string = _template("explore.html").replace("STYLE", _template("explore.css"))
     stem = answers.session.given.file.stem if answers.session.given.file else "case"
-    app.layout = _layout(answers, title, f"{stem}-explored")
+    app.layout = lambda: _layout(answers, title, f"{stem}-explored")
     # callbacks that run in the browser, by their names
     scripts = dict(re.findall(r"(?ms)^(?=function (\w+))(.+?^})", _template("explore.js")))
     _follow(app, answers, scripts)
     _type(app, answers, scripts)
+    _choose(app, answers)
     _pin(app, answers)
     _files(app, answers, folder)
     return app
@@ -115,24 +121,39 @@ def _template(name: str) -> str:
 
 
 def _layout(answers: Answers, title: str, name: str) -> Any:
-    factors = answers.session.factors
-    slow = answers.session.slow(answers.session.base)
     (layout,) = elements(
         "page",
         title=title,
         name=name,
-        meta={
-            "keys": [one.key for one in factors.sliders],
-            "stops": {one.key: one.stops for one in factors.sliders},
-        },
-        factors=factors,
-        remarks=[*factors.left_out, *([slow_words(slow)] if slow else [])],
+        meta=_meta(answers.newest),
         pictures=_PICTURES,
         height=own_tables("explore.toml")["layout"]["height"],
-        # sliders of Dash 4 come with a field for their number, which here would be that of a stop
-        own_input="allow_direct_input" in dcc.Slider().available_properties,
+        **_controls(answers.newest, answers.newest.given),
     )
     return layout
+
+
+def _meta(session: Session) -> dict[str, Any]:
+    """What the scripts of the page know of a case."""
+    sliders = session.factors.sliders
+    return {
+        "case": session.name,
+        "keys": [one.key for one in sliders],
+        "stops": {one.key: one.stops for one in sliders},
+    }
+
+
+def _controls(session: Session, case: Case) -> dict[str, Any]:
+    """What the controls of a case are made of."""
+    factors, slow = session.factors, session.slow(session.base)
+    return {
+        "factors": factors,
+        "remarks": [*factors.left_out, *([slow_words(slow)] if slow else [])],
+        # sliders of Dash 4 come with a field for their number, which here would be that of a stop
+        "own_input": "allow_direct_input" in dcc.Slider().available_properties,
+        "choices": choices_of(case),
+        "shapes": {ROWS[row]: several for row, several in pictures_of(case).items()},
+    }
 
 
 def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
@@ -145,6 +166,16 @@ def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
         Input("poke", "data"),
         State("meta", "data"),
         State("asked", "data"),
+    )
+    app.clientside_callback(
+        scripts["remember"],
+        Output("history", "data"),
+        Input("asked", "data"),
+        State("history", "data"),
+        prevent_initial_call=True,
+    )
+    app.clientside_callback(
+        scripts["steps"], Output("undo", "disabled"), Output("redo", "disabled"), Input("history", "data")
     )
     app.clientside_callback(scripts["answered"], Input("shown", "data"))
     app.clientside_callback(scripts["dark"], Output("dark", "data"), Input("meta", "data"))
@@ -179,8 +210,9 @@ def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
     def follow(sent: Any, _: Any, pins: Any, dark: Any, shown: Any) -> Any:
         if not sent or dark is None:
             raise PreventUpdate
-        asked, factors = checked(Asked, sent, "asked"), answers.session.factors
-        pinned_designs = _pinned(pins)
+        asked = checked(Asked, sent, "asked")
+        session = _session(answers, asked.design)
+        factors, pinned_designs = session.factors, [one for one in _pinned(pins) if answers.has(one)]
         shown = checked(dict[str, Any], shown or {}, "shown")
         before = checked(Design, shown.get("design") or {}, "shown")
         screen = answers.answer(asked.design, asked.page, asked.number)
@@ -192,7 +224,10 @@ def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
         kinds.append(screen.sensitivities)
         signature = json.dumps([screen.design, state, *kinds])
         now = {"signature": signature, "number": asked.number, "design": before}
-        several = {"figures": len(_PICTURES), "wrong": len(factors.sliders), "rows": len(factors.sliders)}
+        # those of the page, which may have other sliders by now
+        every = [one for several in ctx.outputs_list if isinstance(several, list) for one in several]
+        keys = [one["id"]["key"] for one in every if one["id"]["kind"] == "row"]
+        several = {"figures": len(_PICTURES), "wrong": len(keys), "rows": len(keys)}
         unchanged = {n: [no_update] * several[n] if n in several else no_update for n in outputs}
         if signature == shown.get("signature"):
             return {**unchanged, "shown": now}
@@ -201,8 +236,8 @@ def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
         wrong = {**refused_words(screen, before), **factors.wrong(asked.wrong)}
         found = {
             **unchanged,
-            "wrong": [wrong.get(one.key, "") for one in factors.sliders],
-            "rows": ["row not-taken" if one.key in wrong else "row" for one in factors.sliders],
+            "wrong": [wrong.get(key, "") for key in keys],
+            "rows": ["row not-taken" if key in wrong else "row" for key in keys],
             "lost": lost,
             "state": state,
             "again": _ASK_AT_REST if screen.complete or answers.given_up(screen.design) else _ASK_AGAIN,
@@ -214,21 +249,22 @@ def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
             problem = " ".join(filter(None, said))
             return {**found, "problem": problem, "results": "results stale", "warnings": [], "shown": now}
         designs = designs_shown(screen, pinned)
-        drawn = figures(designs, bool(dark))
-        return {
-            **found,
-            "figures": [drawn[key].plain() for key in _PICTURES],
-            **{
-                name: elements(name, now=designs[0])
-                for name in ("verdict", "numbers", "sensitivities", "warnings")
-            },
-            "compare": elements(
-                "compare", now=designs[0], pinned=designs[1:], labels=factors.labels, most=len(PINS)
-            ),
-            "problem": not_taken_words(factors, screen.design, asked.wrong),
-            "results": "results",
-            "shown": {**now, "design": screen.design},
-        }
+        with shown_in(session.given.report.units):
+            drawn = figures(designs, bool(dark))
+            return {
+                **found,
+                "figures": [drawn[key].plain() for key in _PICTURES],
+                **{
+                    name: elements(name, now=designs[0])
+                    for name in ("verdict", "numbers", "sensitivities", "warnings")
+                },
+                "compare": elements(
+                    "compare", now=designs[0], pinned=designs[1:], labels=factors.labels, most=len(PINS)
+                ),
+                "problem": not_taken_words(factors, screen.design, asked.wrong),
+                "results": "results",
+                "shown": {**now, "design": screen.design},
+            }
 
 
 def _settle_later(answers: Answers, asked: Asked) -> None:
@@ -257,8 +293,6 @@ def _state(screen: Screen, answers: Answers) -> str:
 
 
 def _type(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
-    factors = answers.session.factors
-
     app.clientside_callback(
         scripts["enter"],
         Output("entered", "data"),
@@ -271,14 +305,17 @@ def _type(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
         prevent_initial_call=True,
     )
 
-    @app.callback(Output("judged", "data"), Input("entered", "data"), prevent_initial_call=True)
+    @app.callback(
+        Output("judged", "data"), Input("entered", "data"), State("meta", "data"), prevent_initial_call=True
+    )
     @answered
-    def judge(entered: Any) -> Any:
+    def judge(entered: Any, meta: Any) -> Any:
         if not entered:
             raise PreventUpdate
         entered = checked(dict[str, Any], entered, "entered")
         fields = checked(dict[str, Entered], entered.get("fields"), "entered")
         typed: dict[str, Any] = {}
+        factors = _session(answers, checked(dict[str, Any], meta, "meta")).factors
         for factor in factors.sliders:
             if (one := fields.get(factor.key)) is None:
                 continue
@@ -301,27 +338,85 @@ def _type(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
         prevent_initial_call=True,
     )
 
+
+def _choose(app: Dash, answers: Answers) -> None:
+    """Everything that makes the controls anew: another case, or another design than that of the sliders."""
+
     @app.callback(
+        Output("controls", "children"),
+        Output("meta", "data"),
         Output("typed", "data", allow_duplicate=True),
-        Output({"kind": "slider", "key": ALL}, "value", allow_duplicate=True),
-        Output("fluid", "value"),
         Output("entered", "data", allow_duplicate=True),
+        Output("history", "data", allow_duplicate=True),
+        Input({"kind": "choice", "key": ALL}, "value"),
+        Input({"kind": "shape", "key": ALL}, "n_clicks"),
         Input({"kind": "take", "number": ALL}, "n_clicks"),
         Input("reset", "n_clicks"),
+        Input("undo", "n_clicks"),
+        Input("redo", "n_clicks"),
         State("pins", "data"),
+        State("asked", "data"),
+        State("history", "data"),
         prevent_initial_call=True,
     )
     @answered
-    def take(_a: Any, _b: Any, pins: Any) -> Any:
-        who, pinned, design = _who(), _pinned(pins), factors.given
-        if who != "reset":
-            design |= pinned[_number_of(who, pinned)]
-        if factors.wrong(design):
-            refuse("pins")
-        at = [one.nearest(design[one.key]) for one in factors.sliders]
-        keys = (one.key for one in factors.sliders)
-        own = {key: {"at": place, "text": design[key]} for key, place in zip(keys, at, strict=True)}
-        return own, at, design.get("fluid", no_update), {}
+    def choose(*sent: Any) -> Any:
+        pins, asked, history = sent[-3:]
+        who, said = _who(empty=True), ""
+        design = checked(Asked, asked, "asked").design
+        session = _session(answers, design)
+        if isinstance(who, dict) and who.get("kind") in ("choice", "shape"):
+            key, value = str(who.get("key")), str(ctx.triggered[0].get("value") or "")
+            try:
+                case = session.case(design)
+                if value in [
+                    o.value for several in choices_of(case).values() for o in several if o.key == key
+                ]:
+                    raise PreventUpdate
+                if who["kind"] == "shape" and not value:
+                    raise PreventUpdate
+                session = answers.opened(changed(case, key, value))
+                design = session.design({})
+            except SealError as error:
+                said = str(error)
+        elif who == "reset":
+            session = answers.session
+            design = session.design({})
+        elif who in ("undo", "redo"):
+            past = checked(
+                list[Design], checked(dict[str, Any], history, "history").get("designs"), "history"
+            )
+            at = history.get("at")
+            at = place_of(at + (1 if who == "redo" else -1) if isinstance(at, int) else None, past, "history")
+            design, history = past[at], {**history, "at": at, "moved": ""}
+            session = _session(answers, design)
+        else:
+            pinned = _pinned(pins)
+            taken = pinned[_number_of(who, pinned)]
+            session = _session(answers, taken)
+            design = session.design(taken)
+        return *_shown_controls(session, design, said), {}, history
+
+
+def _shown_controls(
+    session: Session, design: Design, said: str
+) -> tuple[Any, dict[str, Any], dict[str, Any]]:
+    """Controls of a design, what scripts know of its case, and its texts."""
+    factors = session.factors
+    design = session.design(design)
+    if factors.wrong(design) or design.get("fluid", "") not in (*factors.fluids, ""):
+        refuse("design")
+    at = {one.key: one.nearest(design[one.key]) for one in factors.sliders}
+    typed = {key: {"at": place, "text": design[key]} for key, place in at.items()}
+    made = elements("controls", **_controls(session, session.case(design)), said=said, at=at, texts=design)
+    return made, _meta(session), typed
+
+
+def _session(answers: Answers, design: Mapping[str, Any]) -> Session:
+    """The session of the case that a design belongs to."""
+    if not answers.has(design):
+        refuse("case")
+    return answers.of(design)
 
 
 def _pinned(sent: Any) -> list[Design]:
@@ -332,14 +427,14 @@ def _pinned(sent: Any) -> list[Design]:
     return pinned
 
 
-def _who() -> Any:
-    """Which element something was done with: its id, a text or a table."""
+def _who(*, empty: bool = False) -> Any:
+    """Which element something was done with: its id, a text or a table; with `empty` also one without a value."""
     try:
         who, done = ctx.triggered_id, any(one.get("value") for one in ctx.triggered)
     except (AttributeError, LookupError, TypeError, ValueError):
         # dash reads what the browser says of it only now
         refuse("changedPropIds")
-    if not who or not done:
+    if not who or not (done or (empty and isinstance(who, dict) and who.get("kind") == "choice")):
         raise PreventUpdate
     return who
 
@@ -362,7 +457,8 @@ def _pin(app: Dash, answers: Answers) -> None:
     def pin(_: Any, removes: Any, pins: Any, asked: Any) -> Any:
         who, pins = _who(), _pinned(pins)
         if who == "pin":
-            design = answers.session.design(checked(Asked, asked, "asked").design)
+            sent = checked(Asked, asked, "asked").design
+            design = _session(answers, sent).design(sent)
             # the fifth takes the place of the first
             return pins if design in pins else [*pins, design][-len(PINS) :]
         gone = _number_of(who, pins)
@@ -381,7 +477,8 @@ def _files(app: Dash, answers: Answers, folder: Path) -> None:
     )
     @answered
     def write(_: Any, name: Any, sent: Any) -> str:
-        session, asked = answers.session, checked(Asked, sent, "asked")
+        asked = checked(Asked, sent, "asked")
+        session = _session(answers, asked.design)
         try:
             source = session.given.file
             remark = f"Written by fem-seal explore from {source.name if source else 'a case'}."
@@ -390,6 +487,19 @@ def _files(app: Dash, answers: Answers, folder: Path) -> None:
             return f"Not written: {error}"
         not_taken = not_taken_words(session.factors, session.design(asked.design), asked.wrong)
         return f"Written: {path}. It runs with: fem-seal run {path.name}. {not_taken}".strip()
+
+    @app.callback(
+        Output("download", "data"),
+        Input("take-away", "n_clicks"),
+        State("name", "value"),
+        State("asked", "data"),
+        prevent_initial_call=True,
+    )
+    @answered
+    def take_away(_: Any, name: Any, sent: Any) -> Any:
+        asked = checked(Asked, sent, "asked")
+        text = case_text(_session(answers, asked.design).case(asked.design), folder)
+        return {"content": text, "filename": f"{str(name or 'case').removesuffix('.toml')}.toml"}
 
     @app.callback(
         Output("report-folder", "data"),
@@ -402,7 +512,8 @@ def _files(app: Dash, answers: Answers, folder: Path) -> None:
     )
     @answered
     def report(_: Any, name: Any, sent: Any) -> Any:
-        session, asked = answers.session, checked(Asked, sent, "asked")
+        asked = checked(Asked, sent, "asked")
+        session = _session(answers, asked.design)
         try:
             target = free_name(folder, str(name or ""), ".out")
             session.case(asked.design)

@@ -11,7 +11,7 @@ import signal
 import time
 from collections.abc import Callable, Hashable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import chain
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
@@ -27,6 +27,7 @@ from fem_seal.explore.live import WRONG, Session
 from fem_seal.explore.screen import Screen, lost_words, screen_of, sensitivity_words, without_interval
 from fem_seal.seal.load_solver import Clock, LoadSolver, Progress
 from fem_seal.seal.sources import Kept
+from fem_seal.units import shown_in
 
 if TYPE_CHECKING:
     from fem_seal.case.case import Case
@@ -48,10 +49,18 @@ class Ask:
     design : dict
     folder : str
         Where the report of a complete run is to be written; empty for no report.
+    case : Case, optional
+        That the design belongs to; that of the process unless given.
     """
 
     design: dict[str, str]
     folder: str = ""
+    case: Case | None = field(default=None, compare=False, repr=False)
+
+    def session(self, last: Session) -> Session:
+        """The session of its case, another one than the last where the case is."""
+        name = self.design.get("case", "")
+        return last if self.case is None or name == last.name else Session(self.case, name=name, like=last)
 
 
 @dataclass(frozen=True)
@@ -220,6 +229,7 @@ def make_ahead(conn: Connection, case: Case) -> None:
     try:
         while True:
             ask = _next(conn, [])
+            session = ask.session(session)
             for name in chain.from_iterable(map(session.needs, session.neighbours(ask.design))):
                 if conn.poll():
                     break
@@ -251,6 +261,7 @@ def run_to_the_end(conn: Connection, case: Case) -> None:
     try:
         while True:
             ask = _next(conn, waiting)
+            session = ask.session(session)
 
             def aside(_: str, ask: Ask = ask) -> None:
                 if not ask.folder and conn.poll():
@@ -308,15 +319,16 @@ def complete_screen(design: Mapping[str, str], result: SealResult, *, follow: bo
     follow : bool
         Whether its sensitivities are still being calculated.
     """
-    return screen_of(
-        result.case,
-        design,
-        result.loads,
-        result.judgement,
-        complete=True,
-        warnings=result.warnings,
-        sensitivities=sensitivity_words(result, follow=follow),
-    )
+    with shown_in(result.case.report.units):
+        return screen_of(
+            result.case,
+            design,
+            result.loads,
+            result.judgement,
+            complete=True,
+            warnings=result.warnings,
+            sensitivities=sensitivity_words(result, follow=follow),
+        )
 
 
 class Answers:
@@ -328,7 +340,8 @@ class Answers:
     """
 
     def __init__(self, session: Session) -> None:
-        self.session = session
+        self.session = self.newest = session
+        self._sessions = {"": session}
         self._complete, self._pinned = Kept(_SCREENS), Kept(_SCREENS)
         self._written: dict[str, Written] = {}
         self._lock, self._answering = RLock(), RLock()
@@ -345,6 +358,27 @@ class Answers:
         self._ahead = Worker(session.given, make_ahead, self._told_ahead)
         self._runner = Worker(session.given, run_to_the_end, self._receive)
 
+    def of(self, design: Mapping[str, str]) -> Session:
+        """The session of the case that a design belongs to.
+
+        Raises
+        ------
+        KeyError
+            If the page has no such case.
+        """
+        return self._sessions[design.get("case", "")]
+
+    def opened(self, case: Case) -> Session:
+        """The session of another case."""
+        with self._lock:
+            name = str(len(self._sessions))
+            self.newest = self._sessions[name] = Session(case, name=name, like=self.session)
+            return self.newest
+
+    def has(self, design: Mapping[str, str]) -> bool:
+        """Whether the case that a design belongs to is one of this page."""
+        return design.get("case", "") in self._sessions
+
     def answer(self, design: Mapping[str, str], page: str = "", number: int = 0) -> Screen | None:
         """What is shown of a design; None if the page has asked for a newer one.
 
@@ -356,13 +390,13 @@ class Answers:
         number : int
             Of its question, counted up.
         """
-        design = self.session.design(design)
+        design = self.of(design).design(design)
         with self._lock:
             self._newest[page] = max(number, self._newest.get(page, 0))
         with self._answering:
             if number < self._newest[page]:
                 return None
-            live = self.session.answer(design)
+            live = self.of(design).answer(design)
             self._waits = bool(live.waiting)
         if self._warm:
             self._make_ahead(design)
@@ -370,18 +404,18 @@ class Answers:
 
     def screen(self, design: Mapping[str, str]) -> Screen:
         """What is shown of a design that no slider moves, such as a pinned one."""
-        design = self.session.design(design)
+        design = self.of(design).design(design)
         live = self._pinned.known(_name(design))
         if live is None:
             with self._answering:
-                live = self.session.answer(design)
+                live = self.of(design).answer(design)
             if not live.waiting:
                 self._pinned.put(_name(design), live)
         return self._with_run(live)
 
     def _make_ahead(self, design: dict[str, str]) -> None:
         self._warm = True
-        self._ahead.ask(Ask(design))
+        self._ahead.ask(Ask(design, case=self.of(design).given))
 
     def is_newest(self, page: str, number: int) -> bool:
         """Whether a page has asked for nothing newer."""
@@ -391,7 +425,7 @@ class Answers:
     def given_up(self, design: Mapping[str, str]) -> str:
         """Why no complete run of a design follows; empty if one may."""
         with self._lock:
-            return self._given_up.get(_name(self.session.design(design)), "")
+            return self._given_up.get(_name(self.of(design).design(design)), "")
 
     @property
     def lost(self) -> str:
@@ -417,18 +451,19 @@ class Answers:
 
     def settle(self, design: Mapping[str, str]) -> None:
         """Begin with the complete run of a design."""
-        design = self.session.design(design)
+        design = self.of(design).design(design)
         if self.complete(design) is None and not self.given_up(design):
-            self._runner.ask(Ask(design))
+            self._runner.ask(Ask(design, case=self.of(design).given))
 
     def complete(self, design: Mapping[str, str]) -> Screen | None:
         """The screen of a design's complete run, if it is there."""
-        found: Screen | None = self._complete.known(_name(self.session.design(design)))
+        found: Screen | None = self._complete.known(_name(self.of(design).design(design)))
         return found
 
     def report(self, design: Mapping[str, str], folder: Path) -> None:
         """Begin with the report of a design."""
-        self._runner.ask(Ask(self.session.design(design), str(folder)))
+        session = self.of(design)
+        self._runner.ask(Ask(session.design(design), str(folder), session.given))
 
     def written(self, folder: Path) -> Written | None:
         """A report that was asked for, if it is there."""

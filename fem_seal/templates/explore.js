@@ -10,6 +10,7 @@ function gather(places, fluid, typed, _, meta, before) {
         if (stands && own.wrong !== undefined) { wrong[key] = own.wrong; }
     });
     if (fluid) { design.fluid = fluid; }
+    if (meta.case) { design.case = meta.case; }
     // a field that is being typed in is not changed
     meta.keys.forEach(key => {
         const text = key in wrong ? wrong[key] : design[key];
@@ -53,6 +54,22 @@ function judged(judged, entered, places, meta) {
     const none = window.dash_clientside.no_update;
     if (!judged || !entered || judged.number !== entered.number) { return [none, places.map(() => none)]; }
     return [judged.typed, meta.keys.map((key, n) => judged.typed[key] ? judged.typed[key].at : places[n])];
+}
+
+function remember(asked, history) {
+    // Designs in their order, for undo and redo; moves of one slider in quick succession are one step.
+    const none = window.dash_clientside.no_update;
+    if (!asked) { return none; }
+    const design = asked.design, kept = history.designs.slice(0, history.at + 1), last = kept[kept.length - 1];
+    if (last && JSON.stringify(last) === JSON.stringify(design)) { return none; }
+    const moved = last ? Object.keys(design).filter(key => last[key] !== design[key]).join() : "first";
+    const same = moved === history.moved && Date.now() - history.since < 1500;
+    const designs = [...(same ? kept.slice(0, -1) : kept), design].slice(-200);
+    return {designs: designs, at: designs.length - 1, moved: moved, since: Date.now()};
+}
+
+function steps(history) {
+    return [history.at < 1, history.at >= history.designs.length - 1];
 }
 
 function answered(shown) {
