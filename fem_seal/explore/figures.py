@@ -184,7 +184,7 @@ def _add_detail(figure: Figure, section: Section, profile: ShownProfile | None, 
     figure.layout["xaxis2"] = {**hidden, "domain": [0.64, 1], "range": [r0 - half, r0 + half], "anchor": "y2"}
     figure.layout["yaxis2"] = {**hidden, "range": [-half, half], "scaleanchor": "x2", "anchor": "x2"}
     said = f"contact enlarged, {2 * half:.2g} {unit.name} wide"
-    figure.add_note(0.5, 0, said, figure.ink, 11, xref="x2 domain", yref="y2 domain", yanchor="bottom")
+    figure.add_note(0.5, 0, said, figure.ink, 11, xref="x2 domain", yref="y2 domain", yanchor="top")
 
 
 def _over_force(screen: Screen) -> bool:

@@ -178,6 +178,7 @@ def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
         scripts["steps"], Output("undo", "disabled"), Output("redo", "disabled"), Input("history", "data")
     )
     app.clientside_callback(scripts["answered"], Input("shown", "data"))
+    app.clientside_callback(scripts["named"], Input("meta", "data"))
     app.clientside_callback(scripts["dark"], Output("dark", "data"), Input("meta", "data"))
 
     @app.callback(Output("news", "data"), Input("again", "n_intervals"), State("news", "data"))

@@ -79,6 +79,22 @@ function answered(shown) {
     }
 }
 
+function named(_) {
+    // What screen readers call the handles of sliders, which dash leaves without a name; its hidden fields take no focus.
+    const name = () => {
+        document.querySelectorAll("[role=slider]:not([aria-label])").forEach(handle => {
+            const row = handle.closest(".row");
+            if (row) { handle.setAttribute("aria-label", row.querySelector("label").innerText); }
+        });
+        document.querySelectorAll("input[aria-hidden=true][tabindex='0']").forEach(one => { one.tabIndex = -1; });
+    };
+    if (!window.naming) {
+        window.naming = new MutationObserver(name);
+        window.naming.observe(document.body, {childList: true, subtree: true});
+    }
+    name();
+}
+
 function dark(_) {
     const query = window.matchMedia("(prefers-color-scheme: dark)");
     query.onchange = () => window.dash_clientside.set_props("dark", {data: query.matches});

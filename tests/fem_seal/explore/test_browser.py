@@ -242,6 +242,46 @@ def test_each_wrong_field_keeps_its_text_and_its_message(browser, folder):
     assert field.get_attribute("value") == "1 um"
 
 
+def chosen(browser, body):
+    script = "const one = document.querySelector(`.shape.chosen[id*='\"${arguments[0]}.']`); return one && one.innerText"
+    return waited(browser, script, body)
+
+
+def test_a_case_is_made_by_choosing_and_taken_back(browser):
+    assert (chosen(browser, "closure"), chosen(browser, "seat")) == ("ball", "cone")
+    browser.find_element("css selector", "button[id*='seat.sharp-edge']").click()
+    waited(browser, "return document.querySelector('.shape.chosen[id*=sharp-edge]')")
+    waited(browser, "return document.querySelector('#slider-seat_bore_radius') && 1")
+    choice = "window.dash_clientside.set_props({kind: 'choice', key: 'report.units'}, {value: 'US'})"
+    browser.execute_script(choice)
+    waited(browser, "return document.getElementById('numbers').innerText.includes('ksi')")
+    field = browser.find_element("css selector", "input[id*=fluid_pressure]")
+    assert field.get_attribute("value") == "290.075 psi"
+    for _ in range(2):
+        browser.find_element("id", "undo").click()
+        time.sleep(0.5)
+    waited(browser, "return document.querySelector('.shape.chosen[id*=\"seat.cone\"]') && 1")
+    waited(browser, "return document.querySelector('input[id*=fluid_pressure]').value === '20 bar'")
+    browser.find_element("id", "redo").click()
+    waited(browser, "return document.querySelector('.shape.chosen[id*=sharp-edge]')")
+    browser.find_element("id", "reset").click()
+    waited(browser, "return document.querySelector('.shape.chosen[id*=\"seat.cone\"]') && 1")
+
+
+@pytest.mark.parametrize("width", [1400, 400])
+def test_the_page_is_for_everybody_wide_and_narrow(browser, width):
+    axe = pytest.importorskip("axe_core_python.selenium", reason="axe-core judges the page")
+    numbers(browser, pressure="20 bar", at_rest=False)
+    size = {"width": width, "height": 1000, "deviceScaleFactor": 1, "mobile": False}
+    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+    try:
+        assert browser.execute_script("return document.documentElement.scrollWidth") <= width
+        found = axe.Axe().run(browser)["violations"]
+        assert [(one["id"], [node["html"] for node in one["nodes"]]) for one in found] == []
+    finally:
+        browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+
+
 def workers(page):
     listed = subprocess.run(
         ["ps", "-ww", "--ppid", str(page.pid), "-o", "pid=,args="], capture_output=True, text=True, check=True
