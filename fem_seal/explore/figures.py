@@ -183,8 +183,10 @@ def _add_detail(figure: Figure, section: Section, profile: ShownProfile | None, 
     figure.update("xaxis", domain=[0, 0.6])
     figure.layout["xaxis2"] = {**hidden, "domain": [0.64, 1], "range": [r0 - half, r0 + half], "anchor": "y2"}
     figure.layout["yaxis2"] = {**hidden, "range": [-half, half], "scaleanchor": "x2", "anchor": "x2"}
-    said = f"contact enlarged, {2 * half:.2g} {unit.name} wide"
-    figure.add_note(0.5, 0, said, figure.ink, 11, xref="x2 domain", yref="y2 domain", yanchor="top")
+    figure.update("yaxis", domain=[0, 0.92])
+    figure.layout["yaxis2"]["domain"] = [0, 0.92]
+    said = f"{2 * half:.2g} {unit.name} wide"
+    figure.add_note(0.5, 1, said, figure.ink, 12, xref="x2 domain", yref="paper", yanchor="top")
 
 
 def _over_force(screen: Screen) -> bool:

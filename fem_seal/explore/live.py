@@ -176,11 +176,9 @@ class Session:
         self.name = name
         self.given = case
         self.base = opened(case)
-        self.waits = waits
-        if like is not None:
-            self.bodies, self.tables, self.waits = like.bodies, like.tables, like.waits
-        else:
-            self.bodies, self.tables = Kept(_MODELS), Kept(_TABLES)
+        self.waits: bool = waits if like is None else like.waits
+        self.bodies: Kept = Kept(_MODELS) if like is None else like.bodies
+        self.tables: Kept = Kept(_TABLES) if like is None else like.tables
         # contacts of the last design, for when a table that it waits for is there
         self._last: tuple[dict[str, str], Evaluation, int] | None = None
 

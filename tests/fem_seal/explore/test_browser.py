@@ -139,6 +139,7 @@ def shown_by(result):
 def test_the_page_shows_what_a_run_gives_and_writes_it(browser, folder):
     first = numbers(browser, pressure="20 bar", at_rest=False)
     browser.find_element("id", "pin").click()
+    waited(browser, "return document.querySelector('#slider-fluid_pressure [role=slider]') && 1")
     thumb = browser.find_element("css selector", "#slider-fluid_pressure [role=slider]")
     for _ in range(5):
         thumb.send_keys("\ue014")  # arrow to the right
@@ -243,8 +244,9 @@ def test_each_wrong_field_keeps_its_text_and_its_message(browser, folder):
 
 
 def chosen(browser, body):
-    script = "const one = document.querySelector(`.shape.chosen[id*='\"${arguments[0]}.']`); return one && one.innerText"
-    return waited(browser, script, body)
+    """Name of the shape that the page shows as chosen."""
+    one = "document.querySelector(`.shape.chosen[id*='\"${arguments[0]}.']`)"
+    return waited(browser, f"return {one} && {one}.innerText", body)
 
 
 def test_a_case_is_made_by_choosing_and_taken_back(browser):
