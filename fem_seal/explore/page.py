@@ -226,8 +226,7 @@ def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
         signature = json.dumps([screen.design, state, *kinds])
         now = {"signature": signature, "number": asked.number, "design": before}
         # those of the page, which may have other sliders by now
-        every = [one for several in ctx.outputs_list if isinstance(several, list) for one in several]
-        keys = [one["id"]["key"] for one in every if one["id"]["kind"] == "row"]
+        keys = [one["id"]["key"] for one in ctx.outputs_grouping["rows"]]
         several = {"figures": len(_PICTURES), "wrong": len(keys), "rows": len(keys)}
         unchanged = {n: [no_update] * several[n] if n in several else no_update for n in outputs}
         if signature == shown.get("signature"):
