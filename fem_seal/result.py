@@ -175,7 +175,7 @@ class SealResult(SealSolution):
         """
         from fem_seal.output.report.page import write_report
 
-        with given_back():
+        with given_back(), shown_in(self.case.report.units):
             return write_report(self, Path(path))
 
     @overload

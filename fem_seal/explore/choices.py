@@ -209,7 +209,7 @@ def case_toml(case: Case) -> str:
 
     from fem_seal.case.case_file import case_text
 
-    return case_text(case, Path.cwd())
+    return case_text(case.written, Path.cwd())
 
 
 def _form(case: Case, lower: str) -> Iterator[Choice]:

@@ -498,7 +498,7 @@ def _files(app: Dash, answers: Answers, folder: Path) -> None:
     @answered
     def take_away(_: Any, name: Any, sent: Any) -> Any:
         asked = checked(Asked, sent, "asked")
-        text = case_text(_session(answers, asked.design).case(asked.design), folder)
+        text = case_text(_session(answers, asked.design).case(asked.design).written, folder)
         return {"content": text, "filename": f"{str(name or 'case').removesuffix('.toml')}.toml"}
 
     @app.callback(
