@@ -238,11 +238,12 @@ def show_result(result: SealSolution, *, details: bool) -> None:
         Everything: the whole table and the sentences of all answers.
     """
     from fem_seal.answers.leakage_class import volume_of
+    from fem_seal.output.answers.standard_tests import standard_in_brief
     from fem_seal.output.report import brief
     from fem_seal.output.tables import leak_rows
 
     case = result.case
-    lines = brief.first_line(result), brief.second_line(result)
+    lines = brief.first_line(result), standard_in_brief(result), brief.second_line(result)
     show_first(*(told_of(line, faces=case.faces) for line in lines))
     if not details:
         show_loads(case, result.loads)
@@ -252,11 +253,10 @@ def show_result(result: SealSolution, *, details: bool) -> None:
     show_answers(result)
 
 
-def show_first(first: str, second: str) -> None:
+def show_first(first: str, *others: str) -> None:
     """Print what is said first: the verdict, and what decides it."""
     tell(first, bold=True)
-    if second:
-        tell(second)
+    tell(*filter(None, others))
     say()
 
 

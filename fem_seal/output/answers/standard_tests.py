@@ -26,6 +26,24 @@ def in_words(result: SealSolution) -> list[str]:
     return [*_of_tests(result), *_of_spring(result)]
 
 
+def standard_in_brief(result: SealSolution) -> str:
+    """The verdict of all tests of the standard in one line, with the test that decides it; empty without them."""
+    worst, required = worst_of(result.standard_tests), result.case.requirement
+    if not worst or required is None or required.standard_and_class is None:
+        return ""
+    one = next(test for test in result.standard_tests if _verdict(test) == worst)
+    known = "" if worst == "pass" or not math.isfinite(one.leak_rate) else "but"
+    return phrase(
+        "standard_tests.brief",
+        known or "alone",
+        standard=required.standard_and_class[0],
+        verdict=worst,
+        one=one,
+        rate=_rate(one),
+        limit=_limit(one),
+    )
+
+
 def _of_tests(result: SealSolution) -> Iterator[str]:
     tests, required = result.standard_tests, result.case.requirement
     wanted = None if required is None else required.standard_and_class

@@ -12,6 +12,7 @@ import fem_seal
 from fem_seal import InputError, load_case
 from fem_seal.answers.judgement import worst_of
 from fem_seal.answers.standard_tests import under_test
+from fem_seal.output.answers.standard_tests import standard_in_brief
 from leak.standards import STANDARDS
 
 VALVE = {
@@ -114,6 +115,9 @@ def test_files_and_words_have_them(tested, relief, tmp_path) -> None:
     assert summary["standard_verdict"] == worst_of(tested.standard_tests)
     report = (tmp_path / "relief" / "report.html").read_text()
     assert "Tests of the standard and set pressure" in report and "one bubble of 0.3 ml" in report
+    worst = worst_of(tested.standard_tests)
+    assert standard_in_brief(tested).startswith(f"Tests of ISO 5208: {worst}")
+    assert standard_in_brief(fem_seal.run({**VALVE, "requirement": None}, sensitivities=False)) == ""
 
 
 @pytest.mark.parametrize(
