@@ -16,7 +16,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property, partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -169,7 +169,7 @@ def line_load_around(
 
     def tried(iterate: Iteration, share: float, begin: FloatArray) -> Found | None:
         try:
-            return iterate(local, ring, share * gap, mean, begin)
+            return iterate(_Sought(local, ring, share * gap, mean), begin)
         except ConvergenceError as error:
             # it asks for a contact that cannot be solved
             refused.append(error)
@@ -188,7 +188,7 @@ def line_load_around(
 
 
 Found = tuple[FloatArray, FloatArray]
-Iteration = Callable[["LocalContact", "_Ring", FloatArray, float, FloatArray], Found | None]
+Iteration = Callable[["_Sought", FloatArray], Found | None]
 
 
 def _put_on(tried: Callable[[float, FloatArray], Found | None], start: FloatArray) -> Found | None:
@@ -277,13 +277,21 @@ class _Ring:
         return own + size @ by_motion, size @ self.rigid
 
 
-def _in_logarithms(
-    local: LocalContact, ring: _Ring, gap: FloatArray, mean: float, start: FloatArray
-) -> Found | None:
+class _Sought(NamedTuple):
+    """What is to be solved: the line load of contacts around a ring that closes a gap's change, of a given mean."""
+
+    local: LocalContact
+    ring: _Ring
+    gap: FloatArray
+    mean: float
+
+
+def _in_logarithms(sought: _Sought, start: FloatArray) -> Found | None:
     """Newton's method in ln f, for a contact that never opens; None if it does not converge.
 
     Where the line load rises, a step is taken as log(1 + dv), so that the exponential cannot run away.
     """
+    local, ring, gap, mean = sought
     v = np.log(start)
     motion = np.full(len(gap), np.mean(local.approach(start)[0] + gap))
     for _ in range(_MAX_STEPS):
@@ -322,19 +330,18 @@ def _solvable(local: LocalContact, v: FloatArray, step: FloatArray) -> float:
     return share
 
 
-def _in_line_loads(
-    local: LocalContact, ring: _Ring, gap: FloatArray, mean: float, start: FloatArray
-) -> Found | None:
+def _in_line_loads(sought: _Sought, start: FloatArray) -> Found | None:
     """Newton's method for a line load that may be nothing at some places; None if it fails."""
+    local, ring, gap, mean = sought
     motion = np.full(len(gap), np.mean(local.approach(start)[0] + gap))
-    here = _Balance.of(local, ring, gap, mean, start, motion)
+    here = _Balance.of(sought, start, motion)
     for _ in range(_MAX_STEPS):
         if here.off_by < _TOLERANCE * mean:
             return here.line_load, here.approach
         change = ring.step(here.tangent, here.off, ring.missing(here.guess, mean))
         if change is None or not (np.isfinite(change[0]).all() and np.isfinite(change[1]).all()):
             return None
-        here = here.after(*change, local, ring, gap, mean)
+        here = here.after(*change, sought)
     return None
 
 
@@ -351,15 +358,8 @@ class _Balance:
     """What the guess lacks of the given resultants [N/m]."""
 
     @classmethod
-    def of(
-        cls,
-        local: LocalContact,
-        ring: _Ring,
-        gap: FloatArray,
-        mean: float,
-        guess: FloatArray,
-        motion: FloatArray,
-    ) -> _Balance:
+    def of(cls, sought: _Sought, guess: FloatArray, motion: FloatArray) -> _Balance:
+        local, ring, gap, mean = sought
         approach = motion - ring.opening(guess) - gap
         with np.errstate(over="ignore"):
             line_load, tangent = local.line_load(approach)
@@ -384,22 +384,12 @@ class _Balance:
         worst = max(self.off_by, 1e-300)
         return math.hypot(worst * math.sqrt(np.mean((self.off / worst) ** 2)), self.lacks)
 
-    def after(
-        self,
-        change: FloatArray,
-        moved: FloatArray,
-        local: LocalContact,
-        ring: _Ring,
-        gap: FloatArray,
-        mean: float,
-    ) -> _Balance:
+    def after(self, change: FloatArray, moved: FloatArray, sought: _Sought) -> _Balance:
         """The balance after a step, or after the share of it that leads nearer."""
         best, refused = None, None
         for share in _OF_STEP:
             try:
-                one = _Balance.of(
-                    local, ring, gap, mean, self.guess + share * change, self.motion + share * moved
-                )
+                one = _Balance.of(sought, self.guess + share * change, self.motion + share * moved)
             except ConvergenceError as error:
                 refused = error
                 continue

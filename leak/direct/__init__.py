@@ -14,45 +14,7 @@ Examples
 True
 """
 
-from leak.direct.contact import ContactState, PeriodicHalfSpace, press
-from leak.direct.elastoplastic import ElastoplasticState, press_elastoplastic
-from leak.direct.flow import Flow, Streams, patch_flow, periodic_flow, rarefied_gap, streams
-from leak.direct.patch import Patch, periodic_map, refined, smoothed
-from leak.direct.simulation import (
-    DirectBranch,
-    DirectResult,
-    PressedPatch,
-    cutoff_study,
-    grid_study,
-    simulate,
-    size_study,
-)
-from leak.direct.strip import Strip, StripState, rest_gap
+from lazy_loader import attach_stub
 
-__all__ = [
-    "ContactState",
-    "DirectBranch",
-    "DirectResult",
-    "ElastoplasticState",
-    "Flow",
-    "Patch",
-    "PeriodicHalfSpace",
-    "PressedPatch",
-    "Streams",
-    "Strip",
-    "StripState",
-    "cutoff_study",
-    "grid_study",
-    "patch_flow",
-    "periodic_flow",
-    "periodic_map",
-    "press",
-    "press_elastoplastic",
-    "rarefied_gap",
-    "refined",
-    "rest_gap",
-    "simulate",
-    "size_study",
-    "smoothed",
-    "streams",
-]
+# a name is loaded with its first use, so that a program loads only what it calls
+__getattr__, __dir__, __all__ = attach_stub(__name__, __file__)

@@ -30,7 +30,7 @@ class MadeOnce:
 
     def patch(self, patch: pytest.MonkeyPatch) -> None:
         """Meshes, bodies before and after their factorisation, and what is factorised of them around the axis."""
-        for name in ("meshes.build.triangulate", "fem_seal.contact.model.constrained_body"):
+        for name in ("meshes.meshing.triangulate", "fem_seal.contact.model.constrained_body"):
             self._patch(patch, name, _bytes_of)
         for name in ("fem_seal.contact.model._condense_body", "fem_seal.contact.model.HarmonicBody"):
             # of things that are kept here themselves

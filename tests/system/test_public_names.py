@@ -28,11 +28,13 @@ def test_every_public_name_is_there():
 
 def test_completion_offers_what_is_meant_and_nothing_else():
     # submodules and helpers are attributes of the package as soon as something loads them
-    for package in (fem_seal, fem_seal.contact, leak):
+    for package in (fem_seal, fem_seal.contact, leak, leak.direct, meshes):
         assert dir(package) == sorted(package.__all__)
 
 
-LAZY = pytest.mark.parametrize("package", [fem_seal, fem_seal.contact, leak], ids=lambda one: one.__name__)
+LAZY = pytest.mark.parametrize(
+    "package", [fem_seal, fem_seal.contact, leak, leak.direct, meshes], ids=lambda one: one.__name__
+)
 
 
 @LAZY
