@@ -7,17 +7,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, NamedTuple, overload
+from typing import Any, NamedTuple, overload
 
 import numpy as np
+from numpy.typing import NDArray
 
+from fem_seal.arrays import FloatArray
 from fem_seal.errors import InputError
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from fem_seal.arrays import FloatArray
-
 
 # Where the numbers of a material hold unless a temperature is said [K].
 ROOM_TEMPERATURE = 293.15

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from fem_seal.arrays import FloatArray
+from fem_seal.arrays import FloatArray
 
 # Normal and lognormal inputs of a study are not drawn further out than this many standard deviations: a hardness has
 # no tail down to zero.

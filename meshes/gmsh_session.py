@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import threading
+import tomllib
 from collections.abc import Iterator
 from contextlib import contextmanager
+from importlib.resources import files
 from types import ModuleType
 
 from meshes.errors import MeshingError
@@ -12,34 +14,12 @@ from meshes.errors import MeshingError
 # gmsh keeps one model for the whole process: two threads that mesh at once would share it.
 _LOCK = threading.Lock()
 
-# Every option that decides about the mesh and its file is named here, so that no ~/.gmshrc changes a result.
 _OPTIONS = {
-    "General.Terminal": 0,
-    "General.Verbosity": 2,
-    "General.NumThreads": 1,
-    "Geometry.Tolerance": 1e-12,
-    "Geometry.AutoCoherence": 0,
-    "Mesh.Algorithm": 6,
-    "Mesh.ElementOrder": 1,
-    # gmsh's own 1e-9 takes two thirds of the time that meshing the curves takes
-    "Mesh.LcIntegrationPrecision": 1e-6,
-    "Mesh.MeshSizeFromPoints": 0,
-    "Mesh.MeshSizeFromCurvature": 0,
-    "Mesh.MeshSizeExtendFromBoundary": 0,
-    "Mesh.MeshSizeFactor": 1.0,
-    "Mesh.MeshSizeMin": 0.0,
-    "Mesh.MeshSizeMax": 1e22,
-    "Mesh.Optimize": 1,
-    # `meshes.mesh.triangles.smoothed` does it in a tenth of the time
-    "Mesh.Smoothing": 0,
-    "Mesh.RandomSeed": 1,
-    "Mesh.RandomFactor": 1e-9,
-    "Mesh.RecombineAll": 0,
-    "Mesh.Renumber": 1,
-    # the format that every reader knows
-    "Mesh.MshFileVersion": 2.2,
-    "Mesh.Binary": 0,
-    "Mesh.SaveAll": 0,
+    f"{table}.{option}": value
+    for table, options in tomllib.loads(
+        files("meshes").joinpath("gmsh_options.toml").read_text(encoding="utf-8")
+    ).items()
+    for option, value in options.items()
 }
 
 SYSTEM_LIBRARIES = (

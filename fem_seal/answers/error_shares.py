@@ -22,11 +22,10 @@ from fem_seal.answers.measurements import (
     instruments,
     line_scans,
 )
-from fem_seal.answers.uncertainty import UNCERTAINTY
+from fem_seal.answers.uncertainty import UNCERTAINTY, LeakInterval
 from fem_seal.seal.findings import Validity
 
 if TYPE_CHECKING:
-    from fem_seal.answers.uncertainty import LeakInterval
     from fem_seal.arrays import FloatArray
     from fem_seal.case.case import Case
     from fem_seal.seal.bounds import Bounds

@@ -28,7 +28,7 @@ from fem_seal.case.roughness import (
 )
 from fem_seal.case.tables import Uncertainty
 from fem_seal.contact.laws import HardContact, Law, ScaledLaw
-from fem_seal.contact.solution import ContactSettings
+from fem_seal.contact.solution import ContactSettings, ContactSolution
 from fem_seal.errors import ConvergenceError, InputError
 from fem_seal.processes import fork_map
 from fem_seal.sampling import UncertainInput, sobol_points
@@ -42,7 +42,6 @@ from fem_seal.seal.sources import Kept
 if TYPE_CHECKING:
     from fem_seal.case.case import Case
     from fem_seal.contact.model import ContactModel
-    from fem_seal.contact.solution import ContactSolution
     from fem_seal.materials import Material
     from leak import FlowError, NearbyTables, PowerSpectrum, Reading, RoughContact
 

@@ -18,8 +18,6 @@ from fem_seal.materials import Material
 from fem_seal.units import DIMENSIONS, Unit, fixed_unit, kind_of, unit_for
 
 if TYPE_CHECKING:
-    from pydantic import BaseModel
-
     from fem_seal.case.case import Case
 
 Value = float | str | bool

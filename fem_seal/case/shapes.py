@@ -14,10 +14,8 @@ from fem_seal.case.fields import Quantity, Table
 from fem_seal.case.material_table import MaterialField
 from fem_seal.case.words import problem
 from fem_seal.errors import Problem
+from fem_seal.materials import Material
 from meshes import GeometryError, Shape
-
-if TYPE_CHECKING:
-    from fem_seal.materials import Material
 
 Length = Annotated[float, Quantity("length", "10 um", "10 m")]
 # Of a rounding that has to be there.

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from fem_seal.arrays import FloatArray
 from fem_seal.case.words import sentence
 from fem_seal.errors import QuantityError, TextTableError
 from fem_seal.files import (
@@ -21,11 +22,6 @@ from fem_seal.files import (
 )
 from fem_seal.form import Trace
 from fem_seal.units import parse_quantity
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from fem_seal.arrays import FloatArray
 
 # Rows of numbers that make a trace; an instrument's list of results has fewer.
 _FEWEST_ROWS = 8

@@ -6,11 +6,11 @@ import math
 from collections.abc import Iterator
 from dataclasses import astuple
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from fem_seal.answers.calibration import Prediction
+from fem_seal.answers.calibration import Calibration, LearnedInput, NextTest, Percentiles, Prediction
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.case.case_file import case_text
 from fem_seal.files import as_json, write_text
@@ -31,9 +31,6 @@ from fem_seal.output.prose import phrase, template
 from fem_seal.output.tables import write_rows_csv
 from fem_seal.units import format_quantity, leak_range_text, number, percent, quantity, unit_for
 from fem_seal.version import __version__
-
-if TYPE_CHECKING:
-    from fem_seal.answers.calibration import Calibration, LearnedInput, NextTest, Percentiles
 
 POSTERIOR, CASE = "posterior.csv", "calibrated.toml"
 PREDICTION_COLUMNS = (

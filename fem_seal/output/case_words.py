@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fem_seal.answers.closed_forms import widths
+from fem_seal.answers.closed_forms import Derived, widths
 from fem_seal.answers.leakage_class import limits
 from fem_seal.case.drawing_words import words_of
 from fem_seal.case.drawn import ProfileSource
@@ -15,7 +15,6 @@ from fem_seal.output.prose import prose, worded_rows, written
 from fem_seal.units import format_quantity, number, quantity, trimmed, unit_for
 
 if TYPE_CHECKING:
-    from fem_seal.answers.closed_forms import Derived
     from fem_seal.case.case import Case
     from fem_seal.case.fields import Table
     from fem_seal.case.finish import FinishTable

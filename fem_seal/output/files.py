@@ -6,9 +6,10 @@ from collections.abc import Callable
 from dataclasses import asdict, replace
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from fem_seal.answers.closed_forms import derive
+from fem_seal.answers.solution import SealSolution
 from fem_seal.case.case import input_tables
 from fem_seal.contact.load_path import ElastoplasticContact, Unloaded
 from fem_seal.contact.solution import PlasticZone, YieldedZone, yielding_of
@@ -31,12 +32,9 @@ from fem_seal.output.tables import (
 )
 from fem_seal.output.vtk import write_around, write_contact, write_contact_line, write_unloaded
 from fem_seal.seal.lazy import OptionalSteps
+from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.problem import exponential_law
 from fem_seal.version import __version__
-
-if TYPE_CHECKING:
-    from fem_seal.answers.solution import SealSolution
-    from fem_seal.seal.load_result import LoadResult
 
 
 def write(result: SealSolution, folder: Path) -> tuple[str, ...]:

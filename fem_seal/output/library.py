@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from fem_seal.case.material_library import ALIASES, LIBRARY
 from fem_seal.files import own_tables
+from fem_seal.materials import Material
 from leak.fluids.library import (
     ENTRIES,
     ROOM_TEMPERATURE,
@@ -17,9 +18,6 @@ from leak.fluids.library import (
     known_name,
     liquid,
 )
-
-if TYPE_CHECKING:
-    from fem_seal.materials import Material
 
 _SAID = own_tables("library.toml")
 ONE_CONDITION, CREEPS = _SAID["one_condition"], _SAID["creeps"]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from html import escape
@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 
 from fem_seal.former_names import former_attribute
-from fem_seal.profile import joined
+from fem_seal.profile import PressureProfile, joined
 from fem_seal.seal.bounds import AGREE, EXACT, Bounds
 from fem_seal.seal.findings import DIRECT_SCATTER, VALID, Finding, Level, Validity
 from fem_seal.seal.lazy import ByReading, variant
@@ -21,8 +21,6 @@ from fem_seal.units import DIGITS, digits_within, format_quantity, leak_range_te
 from leak import Reading
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from numpy.typing import NDArray
 
     from fem_seal.case.case import Case
@@ -30,7 +28,6 @@ if TYPE_CHECKING:
     from fem_seal.contact.model import ContactModel
     from fem_seal.contact.solution import ContactSolution
     from fem_seal.errors import LoadProblem
-    from fem_seal.profile import PressureProfile
     from fem_seal.seal.circumference import Circumference
     from fem_seal.seal.problem import SealProblem
     from leak import FlowError, LeakResult, RoughContact

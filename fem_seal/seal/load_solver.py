@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem_seal.bolts import held_force
+from fem_seal.bolts import Bolts, held_force
 from fem_seal.contact.load_path import (
     ElastoplasticContact,
     LoadPath,
@@ -53,7 +53,6 @@ from meshes import Sizing, build_contact
 
 if TYPE_CHECKING:
     from fem_seal.arrays import FloatArray
-    from fem_seal.bolts import Bolts
     from fem_seal.contact.laws import Law
     from fem_seal.contact.model import ContactModel
     from fem_seal.seal.circumference import Circumference

@@ -7,10 +7,11 @@ import io
 import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem_seal.arrays import FloatArray
+from fem_seal.case.case import Case
 from fem_seal.case.drawing_words import said_twice
 from fem_seal.case.fields import Quantity, shown
 from fem_seal.case.paths import Entry, Value, entry_at, with_open_materials
@@ -19,10 +20,6 @@ from fem_seal.files import UnreadableFileError, read_text
 from fem_seal.former_names import in_present_words
 from fem_seal.sampling import LogNormal, Normal
 from fem_seal.studies.tables import MOST_POINTS, Design, Parameter
-
-if TYPE_CHECKING:
-    from fem_seal.arrays import FloatArray
-    from fem_seal.case.case import Case
 
 # Kinds whose designs are points for sensitivity indices.
 SENSITIVITY = ("sobol-sensitivity", "morris")

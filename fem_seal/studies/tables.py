@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import Field
 
+from fem_seal.arrays import FloatArray
 from fem_seal.case.fields import Quantity, Table, Whole, shown
 from fem_seal.case.paths import Entry, Value
 from fem_seal.case.schema import as_schema
@@ -18,9 +19,6 @@ from fem_seal.errors import InputError
 from fem_seal.output.columns import LEAK_COLUMNS
 from fem_seal.sampling import Distribution, LogNormal, LogUniform, Normal, Uniform
 from fem_seal.units import parse_quantity
-
-if TYPE_CHECKING:
-    from fem_seal.arrays import FloatArray
 
 _MOST_LEVELS = 100_000
 RANGE_KEYS = ("start", "stop", "num", "spacing")

@@ -104,7 +104,8 @@ class DesignSpec:
     def key(self, point: Sequence[float] | FloatArray) -> str:
         """Hash of the full input of a design."""
         entries = sorted(zip((one.name for one in self.parameters), self.inputs(point), strict=True))
-        text = json.dumps([self.fingerprint, [[name, _content(name, value)] for name, value in entries]])
+        told = [[name, _contents(str(value)) if _is_file(name) else value] for name, value in entries]
+        text = json.dumps([self.fingerprint, told])
         return hashlib.blake2b(text.encode(), digest_size=16).hexdigest()
 
     def files_of(self, point: Sequence[float] | FloatArray) -> dict[str, str]:
@@ -263,10 +264,6 @@ def with_files(entry: Any, change: Callable[[str], str], name: str = "") -> Any:
 def _is_file(name: str) -> bool:
     """Whether an entry of this name is a file, or several."""
     return name.split(".")[-1] in ("file", "files")
-
-
-def _content(name: str, value: float | str | bool) -> float | str | bool:
-    return _contents(str(value)) if _is_file(name) else value
 
 
 def contents_of_files(case: Case, parameters: Sequence[Parameter]) -> dict[str, str]:

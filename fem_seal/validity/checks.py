@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem_seal.contact.load_path import yielding_bodies
-from fem_seal.contact.solution import PlasticZone, YieldedZone, yielding_of
+from fem_seal.contact.solution import ContactSolution, PlasticZone, YieldedZone, yielding_of
 from fem_seal.materials import creep_remarks
 from fem_seal.seal.bounds import EXACT, Bounds
 from fem_seal.seal.findings import ORDERS_OF_MAGNITUDE, Finding, Level, Validity
@@ -27,7 +27,6 @@ from leak import ConductivityTable
 from leak.numerics.roots import root_between
 
 if TYPE_CHECKING:
-    from fem_seal.contact.solution import ContactSolution
     from fem_seal.seal.direct import DirectTable
     from fem_seal.seal.evaluate import Evaluation
     from fem_seal.seal.leak_model import FlowModel

@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from meshes.arrays import FloatArray
 from meshes.errors import GeometryError, mm
 from meshes.geometry.curve import Curve
 from meshes.geometry.segment import Segment, as_point
-
-if TYPE_CHECKING:
-    from meshes.arrays import FloatArray
 
 # Halvings of a piece of curve before it is refused.
 _DEEPEST = 24

@@ -7,18 +7,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import groupby
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from meshes.arrays import different
+from meshes.arrays import FloatArray, different
 from meshes.errors import GeometryError, mm
 from meshes.geometry.curve import Curve
 from meshes.geometry.outline import Outline
 from meshes.geometry.touch import at_a_corner, first_touch, with_faces
-
-if TYPE_CHECKING:
-    from meshes.arrays import FloatArray
 
 # Points of the seat's face between which the contact normal turns evenly, and rounds in which it settles.
 _PER_FACE, _ROUNDS = 400, 4

@@ -5,15 +5,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from meshes.arrays import FloatArray
 from meshes.geometry.segment import Segment, as_point
-
-if TYPE_CHECKING:
-    from meshes.arrays import FloatArray
 
 # Change of direction [rad] and relative change of curvature that count in `Curve.bends`.
 _CORNER, _JUMP = 1e-4, 0.3

@@ -5,16 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from meshes.arrays import FloatArray
 from meshes.errors import GeometryError, mm
 from meshes.geometry.curve import Curve
 from meshes.geometry.segment import Point, Segment, as_point
-
-if TYPE_CHECKING:
-    from meshes.arrays import FloatArray
 
 # A smaller change of direction [rad] is no corner.
 _SMOOTH = 1e-9

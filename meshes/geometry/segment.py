@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from meshes.arrays import FloatArray
+from meshes.arrays import FloatArray
 
 Point = tuple[float, float]
 

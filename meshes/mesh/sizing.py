@@ -6,14 +6,11 @@ import math
 from collections.abc import Collection
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from meshes.arrays import FloatArray
 from meshes.errors import GeometryError, MeshingError, mm
-
-if TYPE_CHECKING:
-    from meshes.arrays import FloatArray
 
 # Far more than any contact that can be solved.
 _MOST = 100_000

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,11 +11,6 @@ from skfem import MeshTri
 
 from meshes.arrays import FloatArray
 from meshes.errors import MeshingError
-
-if TYPE_CHECKING:
-    from skfem import MeshTri
-
-    from meshes.arrays import FloatArray
 
 # Rounds of smoothing: the second one makes far fewer poor triangles, a third one hardly any difference.
 _ROUNDS = 2

@@ -107,7 +107,7 @@ class ConicalLand:
             First touch + 1.5 L and 1.5 L unless given [m], with L the radius of the closure.
         """
         check.angle("seat", "angle", angle)
-        partner = Partner.of(closure)
+        partner = Partner(closure.outline)
         touch = partner.touch_on_cone(angle)
         radius = touch if land_radius is None else land_radius
         width = 0.1 * radius if land_width is None else land_width

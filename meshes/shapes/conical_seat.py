@@ -85,7 +85,7 @@ class ConicalSeat:
             As of the class [m].
         """
         check.angle("seat", "angle", angle)
-        partner = Partner.of(closure)
+        partner = Partner(closure.outline)
         touch = partner.touch_on_cone(angle)
         face = face_radius or touch + 0.6 * partner.size * math.cos(angle)
         if outer_radius is not None and face_radius is None:

@@ -106,7 +106,7 @@ class FlatLand:
         check.positive("seat", land_inner_radius=land_inner_radius, land_outer_radius=land_outer_radius)
         _check_land(land_inner_radius, land_outer_radius)
         width = land_outer_radius - land_inner_radius
-        partner = Partner.of(closure)
+        partner = Partner(closure.outline)
         edge = 0.05 * width if edge_radius is None else edge_radius
         raised = max(0.5 * width, edge) if land_height is None else land_height
         middle = 0.5 * (land_inner_radius + land_outer_radius)

@@ -47,7 +47,7 @@ class FlatSeat(SharpEdge):
         GeometryError
             If `bore_radius` is not given and the closure touches a plane on the axis.
         """
-        partner = Partner.of(closure)
+        partner = Partner(closure.outline)
         touch = partner.touch_on_cone(0.0)
         if bore_radius is None and not touch > 0:
             raise GeometryError(

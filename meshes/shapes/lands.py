@@ -140,7 +140,7 @@ class Lands:
                     f"seat lands: one ends at r = {mm(before.ends[1][0])}, the next begins at {mm(after.ends[0][0])}; "
                     f"the roundings need {mm(room)} between them: change a land_width or a radius"
                 )
-        partner, end = Partner.of(closure), ordered[-1].ends[1][0]
+        partner, end = Partner(closure.outline), ordered[-1].ends[1][0]
         depth = _DEPTH * min(distances) if chamber_depth is None else chamber_depth
         return cls(
             ordered,
@@ -163,7 +163,7 @@ class Lands:
     @property
     def edges(self) -> tuple[tuple[Point, Point], ...]:
         """Edges of every land before rounding, where the closure touches them [m]; the first land begins at z = 0."""
-        partner = Partner.of(self.closure)
+        partner = Partner(self.closure.outline)
         levels = []
         for land in self.lands:
             try:

@@ -202,11 +202,6 @@ class Partner:
 
     outline: Outline
 
-    @classmethod
-    def of(cls, closure: Shape) -> Partner:
-        """The closure as partner."""
-        return cls(closure.outline)
-
     @property
     def size(self) -> float:
         """Radius L of the closure [m], of a ball its own."""
@@ -214,7 +209,7 @@ class Partner:
 
     def touch_on(self, face: Curve) -> float:
         """Radius of first touch on a seat's face [m]."""
-        return self._touch(face)[1]
+        return self._met(face)[1].radius
 
     def drop_on(self, face: Curve) -> float:
         """Way of the closure along -z from where it is drawn to first touch on a seat's face [m]."""
@@ -227,12 +222,8 @@ class Partner:
 
     def curvature_on(self, face: Curve) -> float:
         """Curvature of the closure where it first touches a seat's face [1/m], positive where it bulges."""
-        closure, touch = self._touch(face)
-        return closure.curvature(closure.project_radius(touch))
-
-    def _touch(self, face: Curve) -> tuple[Curve, float]:
         closure, touch = self._met(face)
-        return closure, touch.radius
+        return closure.curvature(closure.project_radius(touch.radius))
 
     def _met(self, face: Curve) -> tuple[Curve, Touch]:
         closure, seat = with_faces(self.outline, Outline("seat", face.reversed.segments))

@@ -81,7 +81,7 @@ class SharpEdge:
             Bore + 1.5 L and 1.5 L unless given [m], with L the radius of the closure.
         """
         check.positive("seat", bore_radius=bore_radius)
-        partner = Partner.of(closure)
+        partner = Partner(closure.outline)
         outer = partner.housing_radius(bore_radius, bore_radius) if outer_radius is None else outer_radius
         # A top that falls outwards needs a housing below it.
         fall = (outer - bore_radius) * max(-math.tan(top_angle), 0.0)

@@ -114,7 +114,7 @@ class SphericalSeat:
             If no seat of this radius touches the closure at `contact_angle`.
         """
         check.positive("seat", radius=radius)
-        partner = Partner.of(closure)
+        partner = Partner(closure.outline)
         offset, touch = 0.0, 0.7 * min(partner.size, radius)
         bore, face = 0.5 * min(partner.size, radius), 0.9 * min(partner.size, radius)
         if contact_angle is not None:

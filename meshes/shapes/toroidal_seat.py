@@ -104,7 +104,7 @@ class ToroidalSeat:
             Outer end of the ring + 1.5 L and 1.5 L unless given [m], with L the radius of the closure.
         """
         check.positive("seat", centre_radius=centre_radius, radius=radius)
-        partner = Partner.of(closure)
+        partner = Partner(closure.outline)
         depth = radius / 2 if recess is None else recess
         end = centre_radius + math.sqrt(max(depth * (2 * radius - depth), 0.0))
         return cls(

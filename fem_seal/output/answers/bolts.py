@@ -4,18 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from fem_seal.answers.leakage_class import is_flange, seal_length, volume_of
+from fem_seal.answers.solution import SealSolution
 from fem_seal.output.answers.target import target_text
 from fem_seal.output.columns import SHOWN_COLUMNS
 from fem_seal.output.prose import phrase
 from fem_seal.output.shown import ReadableTable, Section, Shown, columns_table, filled_column, worded_section
 from fem_seal.seal.load_names import load_name
 from fem_seal.units import leak_range_text
-
-if TYPE_CHECKING:
-    from fem_seal.answers.solution import SealSolution
 
 
 def bolts_in_words(result: SealSolution) -> list[str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
-from fem_seal.answers.compression import COMPRESSION
+from fem_seal.answers.compression import COMPRESSION, Compression
 from fem_seal.output.columns import COMPRESSION_COLUMNS
 from fem_seal.output.pictures.style import BLUE, GREY, Picture, captioned, label, number_dots, panels
 from fem_seal.output.prose import phrase
@@ -13,7 +13,6 @@ from fem_seal.output.shown import Section, Shown, worded_section, worded_table
 from fem_seal.units import unit_for
 
 if TYPE_CHECKING:
-    from fem_seal.answers.compression import Compression
     from fem_seal.answers.solution import SealSolution
     from fem_seal.output.tables import CsvTable
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem_seal.answers.leakage_class import volume_of
-from fem_seal.answers.particles import KEPT, answers_of
+from fem_seal.answers.particles import KEPT, ParticleAnswers, answers_of
 from fem_seal.output.columns import PARTICLE_COLUMNS
 from fem_seal.output.pictures.style import (
     BLUE,
@@ -29,7 +29,6 @@ from fem_seal.seal.load_names import load_name
 from fem_seal.units import quantity, unit_for
 
 if TYPE_CHECKING:
-    from fem_seal.answers.particles import ParticleAnswers
     from fem_seal.answers.solution import SealSolution
 
 

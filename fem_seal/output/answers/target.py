@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
+from fem_seal.answers.judgement import JudgedLoad
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.answers.solution import SealSolution
 from fem_seal.case.fields import Throughput
@@ -16,11 +16,7 @@ from fem_seal.output.prose import other_reading, phrase
 from fem_seal.output.shown import ReadableTable, Shown, columns_table, filled_column
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.units import format_digits, format_quantity, number, quantity, range_text, unit_for
-
-if TYPE_CHECKING:
-    from fem_seal.answers.judgement import JudgedLoad
-    from leak import Reading
-
+from leak import Reading
 
 _DIGITS = 4
 
