@@ -6,7 +6,6 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -23,13 +22,11 @@ from fem_seal.answers.measurements import (
     line_scans,
 )
 from fem_seal.answers.uncertainty import UNCERTAINTY, LeakInterval
+from fem_seal.arrays import FloatArray
+from fem_seal.case.case import Case
+from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.findings import Validity
-
-if TYPE_CHECKING:
-    from fem_seal.arrays import FloatArray
-    from fem_seal.case.case import Case
-    from fem_seal.seal.bounds import Bounds
-    from fem_seal.seal.load_result import LoadResult, SolvedSeal
+from fem_seal.seal.load_result import LoadResult, SolvedSeal
 
 
 @dataclass(frozen=True)

@@ -4,23 +4,18 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from fem_seal.answers.judgement import Limit
+from fem_seal.case.case import Case
 from fem_seal.case.fields import Bubbles
-from fem_seal.case.tables import RELIEF
+from fem_seal.case.fluid import Fluid
+from fem_seal.case.tables import RELIEF, Requirement
 from fem_seal.files import told_of
 from fem_seal.seal.leak_model import ROOM_TEMPERATURE, TEST_GASES, TEST_TEMPERATURES, gas_of_test
+from fem_seal.seal.load_result import LoadResult
 from fem_seal.units import LIQUID, LeakVolume, quantity
+from leak import LeakageClass
 from leak.standards import STANDARD_PRESSURE
-
-if TYPE_CHECKING:
-    from fem_seal.case.case import Case
-    from fem_seal.case.fluid import Fluid
-    from fem_seal.case.tables import Requirement
-    from fem_seal.seal.load_result import LoadResult
-    from leak import LeakageClass
-
 
 # Standards whose limits are per length of the seal.
 PER_LENGTH = frozenset({"VDI 2440", "EN 13555", "ISO 15848-1"})

@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import islice
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,16 +17,14 @@ from fem_seal.answers.posterior import Posterior
 from fem_seal.answers.response_surface import IntArray, Polynomials, ResponseSurface, fit_with_prior
 from fem_seal.answers.uncertainty import SampledSeal, UncertainScans
 from fem_seal.arrays import FloatArray
+from fem_seal.case.case import Case
+from fem_seal.case.tables import Uncertainty
 from fem_seal.errors import ConvergenceError
 from fem_seal.sampling import sobol_points
+from fem_seal.seal.load_result import LoadResult, SolvedSeal
 from fem_seal.seal.sources import Kept
 from fem_seal.validity.words import sentence
 from leak import FlowError
-
-if TYPE_CHECKING:
-    from fem_seal.case.case import Case
-    from fem_seal.case.tables import Uncertainty
-    from fem_seal.seal.load_result import LoadResult, SolvedSeal
 
 # Samples that are counted; a polynomial through a few runs gives them.
 _SAMPLES = 4096

@@ -5,10 +5,11 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from pydantic import BaseModel
 
+from fem_seal.case.case import Case
 from fem_seal.case.drawing_words import same_entry, words_of
 from fem_seal.case.fields import Number, Quantity, Table, shown, values_of
 from fem_seal.case.material_table import MaterialTable, inheriting, library_table
@@ -16,9 +17,6 @@ from fem_seal.case.messages import tables_of
 from fem_seal.errors import InputError
 from fem_seal.materials import Material
 from fem_seal.units import DIMENSIONS, Unit, fixed_unit, kind_of, unit_for
-
-if TYPE_CHECKING:
-    from fem_seal.case.case import Case
 
 Value = float | str | bool
 

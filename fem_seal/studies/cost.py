@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from typing import TYPE_CHECKING
 
+from fem_seal.case.case import Case
 from fem_seal.seal.cost import OWN, load_seconds, seconds
-
-if TYPE_CHECKING:
-    from fem_seal.case.case import Case
 
 # What takes the interval of the leak rate, and with it what the calculation may be off by.
 INTERVAL = frozenset(

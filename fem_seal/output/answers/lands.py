@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from fem_seal.answers.solution import SealSolution
 from fem_seal.output.prose import phrase
 from fem_seal.output.shown import Section, Shown, worded_section, worded_table
 from fem_seal.output.tables import contact_rows
 from fem_seal.seal.load_names import load_name
-
-if TYPE_CHECKING:
-    from fem_seal.answers.solution import SealSolution
 
 _PER_MM = 1e-3
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import asdict
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.answers.particles import KEPT, ParticleAnswers, answers_of
+from fem_seal.answers.solution import SealSolution
 from fem_seal.output.columns import PARTICLE_COLUMNS
 from fem_seal.output.pictures.style import (
     BLUE,
@@ -27,10 +27,6 @@ from fem_seal.output.prose import phrase
 from fem_seal.output.shown import ReadableTable, Section, Shown, worded_section, worded_table
 from fem_seal.seal.load_names import load_name
 from fem_seal.units import quantity, unit_for
-
-if TYPE_CHECKING:
-    from fem_seal.answers.solution import SealSolution
-
 
 _PER_ML = 1e-6
 

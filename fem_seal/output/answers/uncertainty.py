@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from fem_seal.answers.leakage_class import volume_of
+from fem_seal.answers.solution import SealSolution
+from fem_seal.answers.uncertainty import LeakInterval
 from fem_seal.output.answers.error_shares import input_name
 from fem_seal.output.prose import phrase
 from fem_seal.output.shown import ReadableTable, Shown
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.load_result import LoadResult, rate_of
 from fem_seal.units import LIQUID, LeakVolume, format_digits, leak_range_text, percent, unit_for
-
-if TYPE_CHECKING:
-    from fem_seal.answers.solution import SealSolution
-    from fem_seal.answers.uncertainty import LeakInterval
 
 
 def told_after_test(load: LoadResult, volume: LeakVolume = LIQUID, interval: str = "") -> str:
