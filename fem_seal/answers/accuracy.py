@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import TYPE_CHECKING
 
 from fem_seal.answers.answer import Answer, Inquiry
 from fem_seal.bodies.supports import Supports
@@ -19,11 +18,8 @@ from fem_seal.profile import tightest
 from fem_seal.seal.load_result import DiscretisationError, SolvedSeal, strongest_load
 from fem_seal.seal.load_solver import LoadSolver, solve_load
 from fem_seal.seal.problem import SealProblem, condensed
+from leak import LeakResult, Reading
 from meshes import GeometryError, MeshingError, SealMesh, Sizing, build_contact
-
-if TYPE_CHECKING:
-    from leak import LeakResult, Reading
-
 
 # Of a result whose estimate failed.
 NOT_ESTIMATED = DiscretisationError(math.nan, math.nan, math.nan, None)

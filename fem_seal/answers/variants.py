@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 from fem_seal.answers.accuracy import Comparison
 from fem_seal.answers.answer import Answer, Inquiry
@@ -21,11 +21,7 @@ from fem_seal.seal.load_solver import (
 )
 from fem_seal.seal.problem import SealProblem
 from fem_seal.units import format_quantity
-from leak import Reading
-
-if TYPE_CHECKING:
-    from leak import RoughContact
-
+from leak import Reading, RoughContact
 
 # Loads by theory, in the order of the result; None where a theory has no contact.
 ByTheory = Mapping[str, Sequence[LoadResult | None]]

@@ -16,16 +16,14 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from fem_seal.arrays import FloatArray
+from fem_seal.contact.local_contact import LocalContact
 from fem_seal.contact.model import ContactModel
 from fem_seal.errors import ConvergenceError
-
-if TYPE_CHECKING:
-    from fem_seal.contact.local_contact import LocalContact
 
 
 @dataclass(frozen=True)

@@ -5,18 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import asdict
 from operator import itemgetter
-from typing import TYPE_CHECKING
 
+from fem_seal.answers.error_shares import ErrorShares
 from fem_seal.answers.measurements import LEAK_TEST, Measurement, instruments, line_scans
+from fem_seal.answers.solution import SealSolution
 from fem_seal.output.prose import filled, phrase, prose
 from fem_seal.output.shown import ReadableTable, Shown, worded_table
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.load_result import highest_load
 from fem_seal.units import format_digits, percent
-
-if TYPE_CHECKING:
-    from fem_seal.answers.error_shares import ErrorShares
-    from fem_seal.answers.solution import SealSolution
 
 # Sources of error are named from this factor of the interval on; their largest number, and smallest share.
 _NARROW, _NAMED, _LEAST = 1.25, 4, 0.01

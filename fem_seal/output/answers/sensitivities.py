@@ -3,23 +3,18 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import asdict
-from typing import TYPE_CHECKING
 
+from fem_seal.answers.sensitivities import Sensitivity
+from fem_seal.answers.solution import SealSolution
+from fem_seal.case.case import Case
 from fem_seal.case.drawing_words import partner
 from fem_seal.case.material_table import UNNAMED
 from fem_seal.output.prose import phrase
 from fem_seal.output.shown import ReadableTable, Shown, worded_table
 from fem_seal.seal.load_names import load_name
 from fem_seal.units import format_digits, range_text, trimmed, unit_for
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from fem_seal.answers.sensitivities import Sensitivity
-    from fem_seal.answers.solution import SealSolution
-    from fem_seal.case.case import Case
-
 
 # So many are told, and none that changes the leak by less.
 _TOLD, _SMALLEST = 3, 0.03
