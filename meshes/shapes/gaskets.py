@@ -290,7 +290,7 @@ class OctagonalRing:
     >>> import meshes
     >>> ring = meshes.OctagonalRing(0.047625, 11.13e-3, 16e-3, 7.75e-3, edge_radius=1.5e-3)
     >>> print(f"sides {ring.side_height * 1e3:.1f} mm high, {2 * ring.outline.area * 1e6:.0f} mm^2 of section")
-    sides 8.0 mm high, 163 mm^2 of section
+    sides 8.0 mm high, 164 mm^2 of section
     """
 
     mean_radius: float

@@ -96,7 +96,7 @@ def leak_in_brief(case: Case, load: LoadResult, loads: Sequence[LoadResult]) -> 
         load=f"{at}, with doubt" if found.level is Level.DOUBTFUL else at,
         rate=told_after_test(load, volume, rate) if load.tested else rate,
     )
-    return f"{told}; {phrase('brief.first', 'classes' if met else 'no_class', met=met)}"
+    return f"{told}; " + phrase("brief.first", "classes" if met else "no_class", met=met)
 
 
 def second_line(result: SealSolution) -> str:

@@ -201,7 +201,7 @@ def tables(**form: Any) -> dict[str, Any]:
 
 
 def sealed(**form: Any) -> Case:
-    return Case(**tables(**form))
+    return load_case(tables(**form))
 
 
 def error_of(case: Case) -> FormError:
