@@ -17,7 +17,8 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from fem_seal.answers.answer import Inquiry, answered
 from fem_seal.answers.opening import OPENING
-from fem_seal.answers.verdict import seal_judgement, with_judgements
+from fem_seal.answers.solution import SealSolution
+from fem_seal.answers.verdict import VERDICT, Judgements, seal_judgement, with_judgements
 from fem_seal.case.load_limits import refused_loads
 from fem_seal.errors import InputError, SealError
 from fem_seal.explore.factors import Factors, factors_of, opened
@@ -262,20 +263,22 @@ class Session:
                 waiting="the flow conductivity of this surface",
             )
         problem, required = found.problem, case.requirement
-        loads = answered(found.seal(case), Inquiry(found.solver, SILENT), [OPENING]).loads
-        between = tuple(shown_load(load, case) for load in loads[own:])
+        seal = answered(found.seal(case), Inquiry(found.solver, SILENT), [OPENING])
+        between = tuple(shown_load(load, case) for load in seal.loads[own:])
         judged = with_judgements(
             case,
             [
                 load.with_values(validity=validity_of(found, load))
                 if n == number or (required and required.judges(load.fluid_pressure))
                 else load
-                for n, load in enumerate(loads[:own])
+                for n, load in enumerate(seal.loads[:own])
             ],
         )
         missing = {case.load.points[n]: one for n, one in refused_loads(case).items()} | found.missing
-        judgement = seal_judgement(case, judged, missing, problem.hardness)
-        return screen_of(case, design, judged, judgement, between=between)
+        # the page calculates by the theory of its case alone
+        verdict = Judgements(seal_judgement(case, judged, missing, problem.hardness))
+        solution = SealSolution(**vars(seal.with_loads(judged)), answers={VERDICT.name: verdict})
+        return screen_of(solution, design, between=between)
 
     def _problem(self, case: Case) -> tuple[SealProblem, int]:
         """The problem of a design with the loads that follow the sliders, and how many of them are the case's.

@@ -8,7 +8,6 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,7 +15,7 @@ import numpy as np
 from fem_seal.answers.leakage_class import leakage_classes, limits, volume_of
 from fem_seal.files import own_tables
 from fem_seal.output.answers.sensitivities import in_words, shown_sensitivities
-from fem_seal.output.answers.verdict import next_class_in_words, verdict_facts, verdict_sentences
+from fem_seal.output.answers.verdict import next_class_of, verdict_facts, verdict_sentences
 from fem_seal.output.columns import COLUMNS
 from fem_seal.output.pictures.section import contact_window
 from fem_seal.output.report.words import state_in_words
@@ -33,7 +32,6 @@ from fem_seal.units import (
 )
 
 if TYPE_CHECKING:
-    from fem_seal.answers.judgement import SealJudgement
     from fem_seal.answers.solution import SealSolution
     from fem_seal.arrays import FloatArray
     from fem_seal.case.case import Case
@@ -208,25 +206,17 @@ class Screen:
         return self.loads[self.shown] if self.loads else None
 
 
-def screen_of(
-    case: Case,
-    design: Mapping[str, str],
-    loads: Sequence[LoadResult],
-    judgement: SealJudgement | None = None,
-    **more: Any,
-) -> Screen:
-    """What is shown of some loads of a case.
+def screen_of(solution: SealSolution, design: Mapping[str, str], **more: Any) -> Screen:
+    """What is shown of a solved case.
 
     Parameters
     ----------
-    case : Case
+    solution : SealSolution
     design : mapping
-    loads : sequence of LoadResult
-    judgement : SealJudgement, optional
-        What is said of the requirement.
     more
         Further fields of the screen.
     """
+    case, loads = solution.case, solution.loads
     number = highest_load(loads)
     # what is not known of a case widens the interval of a complete run, so that no verdict comes before it
     unknown = case.uncertainty is not None or bool(case.roughness and case.roughness.finishes)
@@ -237,7 +227,7 @@ def screen_of(
         number,
         profile_of(loads[number]),
         section_of(case),
-        **({} if widens else _judged(case, loads, judgement)),
+        **({} if widens else _judged(solution)),
         widens=widens,
         limits=tuple(
             (one.name, one.leak_rate / one.ratio[1])
@@ -264,19 +254,14 @@ def sensitivity_words(result: SealSolution, *, follow: bool = False) -> tuple[st
     return found or (own_tables("explore.toml")["sensitivities"][reason],)
 
 
-def _judged(case: Case, loads: Sequence[LoadResult], judgement: SealJudgement | None) -> dict[str, Any]:
-    highest = loads[highest_load(loads)]
-    if judgement is None:
-        told = "" if highest.leak is None else next_class_in_words(case, highest)
+def _judged(solution: SealSolution) -> dict[str, Any]:
+    if solution.judgement is None:
+        told = "" if solution.highest.leak is None else next_class_of(solution)
         return {"told": (told,) if told else ()}
-    # as much of a solution as its verdict is told from; the page calculates by the theory of its case alone
-    found: Any = SimpleNamespace(
-        case=case, loads=loads, judgement=judgement, judgement_by_theory={}, highest=highest
-    )
     return {
-        "verdict": str(judgement.verdict),
-        "told": tuple(verdict_sentences(found)),
-        "facts": tuple(verdict_facts(found)),
+        "verdict": str(solution.verdict),
+        "told": tuple(verdict_sentences(solution)),
+        "facts": tuple(verdict_facts(solution)),
     }
 
 

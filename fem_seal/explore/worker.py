@@ -321,10 +321,8 @@ def complete_screen(design: Mapping[str, str], result: SealResult, *, follow: bo
     """
     with shown_in(result.case.report.units):
         return screen_of(
-            result.case,
+            result,
             design,
-            result.loads,
-            result.judgement,
             complete=True,
             warnings=result.warnings,
             sensitivities=sensitivity_words(result, follow=follow),
