@@ -252,6 +252,8 @@ def chosen(browser, body):
 
 @pytest.mark.slow
 def test_a_case_is_made_by_choosing_and_taken_back(browser):
+    numbers(browser, pressure="20 bar")
+    browser.find_element("id", "pin").click()
     assert (chosen(browser, "closure"), chosen(browser, "seat")) == ("ball", "cone")
     browser.find_element("css selector", "button[id*='seat.sharp-edge']").click()
     waited(browser, "return document.querySelector('.shape.chosen[id*=sharp-edge]')")
