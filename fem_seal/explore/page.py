@@ -362,23 +362,26 @@ def _choose(app: Dash, answers: Answers) -> None:
     @answered
     def choose(*sent: Any) -> Any:
         pins, asked, history = sent[-3:]
-        who, said = _who(empty=True), ""
+        done, said = _done(), ""
         design = checked(Asked, asked, "asked").design
         session = _session(answers, design)
+        who, value = next(iter(done), (None, None))
         if isinstance(who, dict) and who.get("kind") in ("choice", "shape"):
-            key, value = str(who.get("key")), str(ctx.triggered[0].get("value") or "")
             try:
                 case = session.case(design)
-                if value in [
-                    o.value for several in choices_of(case).values() for o in several if o.key == key
-                ]:
-                    raise PreventUpdate
-                if who["kind"] == "shape" and not value:
+                shown = {one.key: one.value for several in choices_of(case).values() for one in several}
+                asks = (
+                    (str(one.get("key")), str(value or "")) for one, value in done if isinstance(one, dict)
+                )
+                key, value = next((ask for ask in asks if shown.get(ask[0]) != ask[1]), ("", ""))
+                if not key:
                     raise PreventUpdate
                 session = answers.opened(changed(case, key, value))
                 design = session.design({})
             except SealError as error:
                 said = str(error)
+        elif who is None:
+            raise PreventUpdate
         elif who == "reset":
             session = answers.session
             design = session.design({})
@@ -427,16 +430,22 @@ def _pinned(sent: Any) -> list[Design]:
     return pinned
 
 
-def _who(*, empty: bool = False) -> Any:
-    """Which element something was done with: its id, a text or a table; with `empty` also one without a value."""
+def _done() -> list[tuple[Any, Any]]:
+    """Elements with which something was done, ids with their values: those that were clicked before choices.
+
+    Controls that were made anew are told with them, buttons without a value and choices as they are.
+    """
     try:
-        who, done = ctx.triggered_id, any(one.get("value") for one in ctx.triggered)
+        names = ctx.triggered_prop_ids
+        done = [(names[one["prop_id"]], one.get("value")) for one in ctx.triggered if one["prop_id"] in names]
     except (AttributeError, LookupError, TypeError, ValueError):
         # dash reads what the browser says of it only now
         refuse("changedPropIds")
-    if not who or not (done or (empty and isinstance(who, dict) and who.get("kind") == "choice")):
-        raise PreventUpdate
-    return who
+    return sorted((one for one in done if one[1] or _is_choice(one[0])), key=lambda one: _is_choice(one[0]))
+
+
+def _is_choice(who: Any) -> bool:
+    return isinstance(who, dict) and who.get("kind") == "choice"
 
 
 def _number_of(who: Any, several: list[Any]) -> int:
@@ -455,7 +464,9 @@ def _pin(app: Dash, answers: Answers) -> None:
     )
     @answered
     def pin(_: Any, removes: Any, pins: Any, asked: Any) -> Any:
-        who, pins = _who(), _pinned(pins)
+        (who, _), pins = next(iter(_done()), (None, None)), _pinned(pins)
+        if who is None:
+            raise PreventUpdate
         if who == "pin":
             sent = checked(Asked, asked, "asked").design
             design = _session(answers, sent).design(sent)
