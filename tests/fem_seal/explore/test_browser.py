@@ -282,7 +282,8 @@ def test_the_page_is_for_everybody_wide_and_narrow(browser, width):
     size = {"width": width, "height": 1000, "deviceScaleFactor": 1, "mobile": False}
     browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
     try:
-        assert browser.execute_script("return document.documentElement.scrollWidth") <= width
+        # pictures take their new width in a moment
+        waited(browser, "return document.documentElement.scrollWidth <= arguments[0]", width)
         found = axe.Axe().run(browser)["violations"]
         assert [(one["id"], [node["html"] for node in one["nodes"]]) for one in found] == []
     finally:
