@@ -444,7 +444,7 @@ def _own_tests(case: CaseTables, required: Requirement, *, gas: bool) -> Iterato
             yield problem("rated_pressure_unused")
         return
     if case.bolts is not None or not required.tests(gas=gas):
-        yield problem("no_tests", standard=standard or "which is not given")
+        yield problem("no_tests", standard=standard or "not given")
     elif standard == RELIEF and required.rated_pressure is not None:
         yield problem("rated_pressure_of_relief")
     elif standard != RELIEF and required.rated_pressure is None:

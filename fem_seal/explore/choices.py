@@ -199,17 +199,8 @@ def _requiring(case: Case, value: str) -> Case:
         return case.replace_written({"requirement": None})
     if value == LEAK_RATE:
         return case
-    entries = required_class(case_toml(case), value)
+    entries = required_class(str(case), value)
     return case.replace_written({**entries, "requirement.leak_rate": None})
-
-
-def case_toml(case: Case) -> str:
-    """The case as a file."""
-    from pathlib import Path
-
-    from fem_seal.case.case_file import case_text
-
-    return case_text(case.written, Path.cwd())
 
 
 def _form(case: Case, lower: str) -> Iterator[Choice]:

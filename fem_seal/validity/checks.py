@@ -734,7 +734,19 @@ def _chamber_lifts(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterato
         ((_chamber_force(load) / load.contact_force, load) for load in of_lands), key=lambda one: one[0]
     )
     if share > _CHAMBER_LIFTS:
-        yield caution("chamber_lifts", load, loads, outside=share > 1.0, share=share_text(share))
+        more = Bounds(1.0, _leaks_more(load, share))
+        yield caution(
+            "chamber_lifts", load, loads, outside=share >= 1.0, leak_factor=more, share=share_text(share)
+        )
+
+
+def _leaks_more(load: LoadResult, share: float) -> float:
+    """How many times as much leaks if a share of the contact pressure is missing at every place."""
+    pressed = None if share >= 1.0 or load.rough is None else load.whole.times(1.0 - share)
+    less = None if pressed is None or load.rough is None else load.rough.leak(pressed, load.fluid_pressure)
+    if less is None or load.leak_round is None or not load.leak_round.leak_rate > 0.0:
+        return math.inf
+    return max(less.leak_rate / load.leak_round.leak_rate, 1.0)
 
 
 def _chamber_force(load: LoadResult) -> float:

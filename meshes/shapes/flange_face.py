@@ -184,6 +184,12 @@ class FlangeFace:
         bottom_edge_radius, outer_radius, height : float, optional
             A tenth of the depth, the groove's outer edge and as much again as the face inside the groove, five times
             the depth unless given [m].
+
+        Raises
+        ------
+        GeometryError
+            If a dimension is not positive, the groove does not lie between bore and outer radius, or its flanks meet
+            above its bottom.
         """
         r, half = groove_mean_radius, 0.5 * groove_width
         check.positive(
@@ -191,7 +197,7 @@ class FlangeFace:
         )
         check.angle("closure", "angle", angle)
         check.exceeds(
-            "closure", "groove_mean_radius", r - half, bore_radius, "bore_radius + half groove_width,"
+            "closure", "groove_mean_radius", r, bore_radius + half, "bore_radius + half groove_width,"
         )
         bottom = half - groove_depth / math.tan(angle)
         if not bottom > 0:

@@ -343,3 +343,15 @@ def test_under_a_test_port_the_opening_pressure_rises_with_the_force_as_two_circ
     assert circle * pressure + at_rest == pytest.approx(forces, rel=1e-3)
     assert 20e-3 < np.sqrt(circle / np.pi) < 21.5e-3
     assert np.pi * (23e-3**2 - 21.5e-3**2) * 12e5 < at_rest < np.pi * (24.2e-3**2 - 20e-3**2) * 12e5
+
+
+@pytest.mark.parametrize("force", ["2 kN", "4 kN"])
+def test_the_interval_covers_the_chamber_that_the_sealed_area_leaves_out(force: str) -> None:
+    """Against the same seal with the fluid between its faces, which lifts the closure."""
+    loads = {"chamber_pressure": "12 bar", "applied_force": force, "fluid_pressure": "1 bar"}
+    (left_out,) = fem_seal.run(lands_case(INNER, OUTER, **loads), sensitivities=False).loads
+    (with_it,) = evaluate(SealProblem.of(lands_case(INNER, OUTER, closing="penetration", **loads))).loads
+    assert left_out.leak is not None and with_it.leak is not None
+    (finding,) = (one for one in left_out.validity.cautions if one.kind == "chamber lifts")
+    more = with_it.leak.leak_rate / left_out.leak.leak_rate
+    assert 1.05 < more < finding.leak_factor[1] == pytest.approx(more, rel=0.02)
