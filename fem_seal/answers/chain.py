@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from typing import Any, TypeVar
@@ -16,6 +16,7 @@ from fem_seal.answers.error_shares import ERROR_SHARES
 from fem_seal.answers.findings import FINDINGS
 from fem_seal.answers.form import FORM
 from fem_seal.answers.judgement import JudgedLoad
+from fem_seal.answers.lower_flange import BOTH_FACES, LOWER_FLANGE
 from fem_seal.answers.opening import OPENING
 from fem_seal.answers.particles import PARTICLES
 from fem_seal.answers.pass_probability import PASS_PROBABILITY
@@ -37,11 +38,12 @@ from fem_seal.seal.load_solver import Clock, LoadSolver, Progress
 from fem_seal.seal.problem import SealProblem
 from fem_seal.seal.readings import WORDS
 from fem_seal.units import format_quantity
-from fem_seal.validity.words import left_out, of_bodies
+from fem_seal.validity.words import left_out, of_bodies, sentence
 from leak import LeakError, Reading
 
 # All that is asked of a solved seal, each after those whose answers it uses.
 ANSWERS: tuple[Answer[Any], ...] = (
+    LOWER_FLANGE,
     ACCURACY,
     COMPRESSION,
     OPENING,
@@ -54,6 +56,7 @@ ANSWERS: tuple[Answer[Any], ...] = (
     FINDINGS,
     THEORY_VARIANTS,
     UNCERTAINTY,
+    BOTH_FACES,
     ERROR_SHARES,
     PASS_PROBABILITY,
     VERDICT_FORCE,
@@ -113,12 +116,20 @@ def solve(
     seal = seal.with_loads([JudgedLoad.of(load) for load in seal.loads])
     ask = Inquiry(LoadSolver(seal.problem, seal.model), clock, wanted, steps, solve=_again)
     seal = answered(seal, ask, ANSWERS if answers is None else answers)
-    texts = (caution.text for caution in FINDINGS.of(ask.answers).cautions)
-    warnings = (*texts, *steps.failures)
+    texts = [caution.text for caution in FINDINGS.of(ask.answers).cautions]
+    warnings = (*texts, *_of_lower_flange(ask.answers, texts), *steps.failures)
     return SealSolution(**vars(seal), answers=ask.answers, warnings=warnings, timings=clock.timings)
 
 
-def _again(case: Case, answers: Sequence[Answer[Any]]) -> SealSolution:
+def _of_lower_flange(answers: Mapping[str, Any], said: Collection[str]) -> Iterator[str]:
+    """What is said against the lower flange, where it is another one, and not against the upper."""
+    lower = LOWER_FLANGE.of(answers)
+    for text in () if lower is None else lower.warnings:
+        if text not in said:
+            yield sentence("lower_flange", said=text)
+
+
+def _again(case: Case, answers: Sequence[Answer[Any]] | None) -> SealSolution:
     return solve(case, answers=answers)
 
 

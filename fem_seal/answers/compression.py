@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from fem_seal.answers.answer import Answer, Inquiry
+from fem_seal.answers.lower_flange import LOWER_FLANGE
 from fem_seal.contact.load_path import Unloaded
 from fem_seal.seal.load_result import SolvedSeal
 
@@ -60,6 +61,21 @@ class Compression:
         """By how much the gasket springs back from its largest compression [m]; None where that is not known."""
         return None if self.left is None else self.largest.compression - self.left
 
+    def mean(self, other: Compression) -> Compression:
+        """Of a gasket one of whose faces is pressed as here and the other as in another compression.
+
+        Parameters
+        ----------
+        other : Compression
+            Under the same loads.
+        """
+        steps = [
+            replace(one, compression=0.5 * (one.compression + two.compression))
+            for one, two in zip(self.steps, other.steps, strict=True)
+        ]
+        left = None if self.left is None or other.left is None else 0.5 * (self.left + other.left)
+        return Compression(tuple(steps), left)
+
 
 def _lasting(unloaded: Unloaded) -> float:
     """Approach at which faces touch that lasting imprints have moved away from each other, along the axis [m]."""
@@ -76,6 +92,11 @@ def _lasting(unloaded: Unloaded) -> float:
 
 
 def _compute(seal: SolvedSeal, ask: Inquiry) -> Compression:
+    upper, lower = _of_both_faces(seal), LOWER_FLANGE.of(ask.answers)
+    return upper if lower is None else upper.mean(_of_both_faces(lower))
+
+
+def _of_both_faces(seal: SolvedSeal) -> Compression:
     # the half that is solved comes nearer to one of the faces
     faces = seal.problem.faces
     steps = []

@@ -306,6 +306,8 @@ ERROR_SHARES = Answer[tuple[ErrorShares, ...]](
     "what makes the interval of the leak rates",
     lambda seal, ask: all_error_shares(seal, UNCERTAINTY.of(ask.answers)),
     (),
-    # the ends of the preload of bolts have no share
-    lambda seal, wanted: seal.case.bolts is None or seal.case.bolts.torque_scatter == 0.0,
+    # the ends of the preload of bolts have no share, nor has one of two different faces
+    lambda seal, wanted: (
+        seal.case.lower_half is None and (seal.case.bolts is None or seal.case.bolts.torque_scatter == 0.0)
+    ),
 )

@@ -460,6 +460,8 @@ def _compute(seal: SolvedSeal, ask: Inquiry) -> tuple[Sensitivity, ...]:
 
 def _applies(seal: SolvedSeal, wanted: Wanted) -> bool:
     # of a path of loads they take as long as some twenty paths: only if they are asked for
+    if seal.case.lower_half is not None:
+        return False
     unasked = seal.case.requirement is not None and not seal.problem.curves
     return unasked if wanted.sensitivities is None else wanted.sensitivities
 

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from fem_seal.answers.answer import Answer
+from fem_seal.answers.answer import Answer, Inquiry
+from fem_seal.answers.lower_flange import LOWER_FLANGE
 from fem_seal.answers.posterior import Posterior, columns_of
 from fem_seal.answers.response_surface import IntArray, ResponseSurface, fit
 from fem_seal.arrays import FloatArray
@@ -171,6 +172,36 @@ class LeakInterval:
     def sealed(self) -> FloatArray:
         """Share of the samples that do not leak, shape (loads,)."""
         return (self.leak_rate == 0).mean(axis=1)
+
+    def mean(self, other: LeakInterval) -> LeakInterval:
+        """Of a gasket half of whose faces leak as here and half as in another interval, from the same values of inputs.
+
+        Parameters
+        ----------
+        other : LeakInterval
+            Of the same inputs and loads; where it has more samples or fewer, the first of both count.
+        """
+        count = min(self.samples, other.samples)
+        own_rate, other_rate = self.leak_rate[:, :count], other.leak_rate[:, :count]
+        whole = own_rate + other_rate
+        # each input moves the sum by its part of it
+        part = np.mean(own_rate / np.where(whole > 0.0, whole, 1.0), axis=1, keepdims=True)
+        own = zip(part[:, 0], self.own_error or (), other.own_error or (), strict=False)
+        return replace(
+            self,
+            runs=self.runs + other.runs,
+            leak_rate=0.5 * whole,
+            shares=part * self.shares + (1.0 - part) * other.shares,
+            error=None if self.error is None or other.error is None else max(self.error, other.error),
+            others={
+                key: 0.5 * (one[:, :count] + other.others[key][:, :count]) for key, one in self.others.items()
+            },
+            values={key: one[:count] for key, one in self.values.items()},
+            own_error=[mine if share > 0.5 else theirs for share, mine, theirs in own],
+            in_test=None
+            if self.in_test is None or other.in_test is None
+            else self.in_test.mean(other.in_test),
+        )
 
     def ends(self, number: int) -> Bounds:
         """`low` and `high` of a load [m^3/s]."""
@@ -1050,10 +1081,21 @@ def _reshaped(case: Case, key: str, factors: Mapping[str, float]) -> PowerSpectr
     )
 
 
+def _of_both_faces(seal: SolvedSeal, ask: Inquiry) -> LeakInterval:
+    found = leak_interval(seal, progress=ask.clock.progress)
+    if seal.case.lower_half is None:
+        return found
+    lower = LOWER_FLANGE.of(ask.answers)
+    other = None if lower is None else UNCERTAINTY.of(lower.answers)
+    if other is None:
+        raise ConvergenceError("nothing is known of the lower flange")
+    return found.mean(other)
+
+
 UNCERTAINTY = Answer[LeakInterval | None](
     "uncertainty",
     "interval of the leak rates",
-    lambda seal, ask: leak_interval(seal, progress=ask.clock.progress),
+    _of_both_faces,
     None,
     lambda seal, wanted: seal.case.sampled is not None,
     lambda load, number, found: load if found is None else found.of_load(load, number),

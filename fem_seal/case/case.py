@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import os
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, is_dataclass, replace
@@ -15,14 +16,13 @@ from pydantic import BaseModel, PrivateAttr, ValidationError
 from pydantic.fields import FieldInfo
 
 from fem_seal.case.case_file import FILES, case_text
-from fem_seal.case.checks import contradictions
+from fem_seal.case.checks import contradictions, of_unlike_flanges
 from fem_seal.case.drawing_words import as_written, in_keys, partner, said_twice, same_entry, words_of
-from fem_seal.case.fields import quantities_of, shown
+from fem_seal.case.fields import quantities_of
 from fem_seal.case.gauge import as_differences, is_said_of_one_side
 from fem_seal.case.material_table import library_table
 from fem_seal.case.messages import choices, missing, problems, tables_of
 from fem_seal.case.roughness import roughness_like
-from fem_seal.case.shapes import Closure
 from fem_seal.case.tables import CaseTables
 from fem_seal.case.temperature import with_film_temperature
 from fem_seal.case.tightening import closed_by
@@ -34,6 +34,8 @@ from fem_seal.materials import ROOM_TEMPERATURE
 from fem_seal.units import DIMENSIONS
 from meshes import GeometryError
 
+# Table of the upper flange and of its face in the key of a problem.
+_LOWER = re.compile(r"^(roughness\.|)closure(\.|$)")
 # What completion offers besides the tables.
 _SHOWN = {"contact", "effective_modulus", "file", "hardness", "initial_contact_radius", "replace", "written"}
 
@@ -79,6 +81,7 @@ class Case(CaseTables):
     """
 
     _input: dict[str, Any] = PrivateAttr(default_factory=dict)
+    _lower_half: Case | None = PrivateAttr(default=None)
 
     def __init__(self, /, **tables: Any) -> None:
         self._read_alone(with_units(CaseTables, in_present_entries(tables)))
@@ -108,8 +111,10 @@ class Case(CaseTables):
         known = {name for name, table in tables.items() if name in before and before[name] is table}
         of_gasket = tables.get("gasket") is not None
         if of_gasket:
-            # [seat] is then a flange like the closure, and no seat
+            # [seat] is then the lower flange, and no seat
             known.discard("seat")
+            if isinstance(tables.get("roughness"), Mapping) and "seat" in tables["roughness"]:
+                known.discard("roughness")
         if before.get("temperature") is not tables.get("temperature"):
             # the fluid is as warm as the bodies unless it has its own temperature
             known.discard("fluid")
@@ -133,7 +138,11 @@ class Case(CaseTables):
         given = tables.get("load")
         if bolted is not None and isinstance(given, Mapping) and given.get("applied_force") is not None:
             wrong.append(problem("bolts_and_force"))
-        flange = written.pop("seat", None) if of_gasket else None
+        if of_gasket:
+            # a table of its own is that of another face, see `_lower_half`
+            written.pop("seat", None)
+            if isinstance(rough := written.get("roughness"), Mapping) and {"closure", "seat"} <= rough.keys():
+                written["roughness"] = {key: one for key, one in rough.items() if key != "seat"}
         if not of_gasket and tables.get("seat") is None:
             wrong.append(missing(CaseTables, "seat"))
         if "fluid" in written:
@@ -144,8 +153,6 @@ class Case(CaseTables):
             raise InputError(*wrong, *problems(error, type(self))) from None
         if wrong:
             raise InputError(*wrong)
-        if flange is not None and (unlike := list(_unlike_faces(self.closure, flange))):
-            raise InputError(*(as_written(one, tables) for one in unlike))
         if like is not None and ({"closure", self.key_of("seat")} <= known or self._of_the_shape_of(like)):
             self._take_bodies(like)
         if self.bolts is not None:
@@ -174,6 +181,44 @@ class Case(CaseTables):
             raise (NoLoadLeftError if none_left else InputError)(*contradicting)
         # what the user wrote, so that `replace` checks a change exactly as it checks a file
         self._input = tables
+        if of_gasket:
+            self._lower_half = self._of_lower_flange(tables)
+
+    def _of_lower_flange(self, tables: Mapping[str, Any]) -> Case | None:
+        """The case with the lower flange on both faces of the gasket; None where it is like the upper one."""
+        flange, rough = tables.get("seat"), tables.get("roughness")
+        own = rough.get("seat") if isinstance(rough, Mapping) else None
+        if flange is None and own is None:
+            return None
+        # what is required is required of both faces together
+        alike = {name: table for name, table in tables.items() if name not in ("seat", "requirement")}
+        if flange is not None:
+            alike["closure"] = flange
+        if own is not None and rough is not None:
+            alike["roughness"] = {key: one for key, one in rough.items() if key != "seat"} | {"closure": own}
+        lower = Case.__new__(Case)
+        try:
+            lower._read_alone(alike)
+        except InputError as error:
+            raise type(error)(
+                *(replace(one, key=_LOWER.sub(r"\1seat\2", one.key)) for one in error.problems)
+            ) from None
+        if lower.closure == self.closure and lower.roughness == self.roughness:
+            return None
+        if found := list(of_unlike_flanges(self)):
+            raise InputError(*(as_written(one, tables) for one in found))
+        return lower
+
+    @property
+    def lower_half(self) -> Case | None:
+        """The case with the lower flange on both faces of the gasket; None where both flanges are alike."""
+        return self._lower_half
+
+    def of_alike_flanges(self) -> Case:
+        """Itself; InputError where the flanges of a gasket differ."""
+        if self._lower_half is not None:
+            raise InputError(problem("unlike_flanges"), file=self._file)
+        return self
 
     def in_diameters(self, name: str) -> bool:
         """Whether the case writes dimensions of a body, "closure" or "seat", as diameters."""
@@ -395,32 +440,6 @@ def _in_keys(tables: Mapping[str, Any]) -> tuple[dict[str, Any], list[Problem]]:
                 written[body], found = in_keys(body, meant[0], entries)
                 wrong.extend(found)
     return written, wrong
-
-
-def _unlike_faces(closure: Closure, entries: object) -> Iterator[Problem]:
-    """What of the lower flange of a gasket is not as of the upper one.
-
-    Parameters
-    ----------
-    closure : Closure
-        The upper flange.
-    entries : object
-        What stands at [seat].
-    """
-    if not isinstance(entries, Mapping) or entries.get("shape") != closure.shape:
-        found = entries.get("shape") if isinstance(entries, Mapping) else entries
-        yield problem("unlike_flanges", key="shape", value=shown(found))
-        return
-    keys, wrong = in_keys("seat", type(closure), entries)
-    yield from wrong
-    try:
-        lower = type(closure).model_validate(keys)
-    except ValidationError as error:
-        yield from (replace(one, key=f"seat.{one.key}") for one in problems(error, type(closure)))
-        return
-    for key, value in lower:
-        if value != getattr(closure, key):
-            yield problem("unlike_flanges", key=key, value=shown(entries.get(key, "not given")))
 
 
 def _merged(old: dict[str, Any], new: Mapping[str, Any]) -> dict[str, Any]:

@@ -223,10 +223,34 @@ def _gasket(case: CaseTables) -> Iterator[Problem]:
         yield problem("penetration_of_flange", shape=shown(case.closure.shape))
     if case.temperature is not None and case.temperature.uniform is None:
         yield problem("temperature_of_gasket")
-    for name in ("roughness", "form"):
-        table = getattr(case, name)
-        if table is not None and table.seat is not None:
-            yield problem("face_of_gasket", name=name)
+    if case.form is not None and case.form.seat is not None:
+        yield problem("form_of_gasket")
+    if case.roughness is not None and case.roughness.seat is not None:
+        yield problem("face_of_lower_flange")
+
+
+def of_unlike_flanges(case: CaseTables) -> Iterator[Problem]:
+    """What does not go together with two different flange faces.
+
+    Parameters
+    ----------
+    case : CaseTables
+        Of the upper flange.
+    """
+    particles = case.fluid is not None and case.fluid.particles is not None
+    local = case.leak.fluid_in_gap == "local"
+    given = {
+        "form": case.form is not None,
+        "fluid.particles": particles,
+        "load.target_leak_rate": case.load.target_leak_rate is not None,
+        "leak.conductivity": case.leak.conductivity == "direct",
+        "leak.fluid_in_gap": local,
+        "leak.variants": case.leak.variants,
+    }
+    yield from (problem("with_unlike_flanges", key=key) for key, there in given.items() if there)
+    if case.contact.chambers:
+        # how the contacts of a face share its force depends on the other one
+        yield problem("unlike_flanges_in_series")
 
 
 def _spectrum(case: CaseTables) -> Iterator[Problem]:

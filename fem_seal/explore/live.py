@@ -285,7 +285,7 @@ class Session:
 
         Those behind them only fill the curve.
         """
-        whole = SealProblem.of(case)
+        whole = SealProblem.of(case.of_alike_flanges())
         left = [number for number in range(len(whole.loads.points)) if number not in whole.loads.refused]
         gas = whole.flow is not None and whole.flow.gas is not None
         kept = (

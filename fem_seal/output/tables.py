@@ -147,8 +147,8 @@ def contact_rows(result: SealSolution) -> CsvTable:
     return CONTACT_COLUMNS, [
         (*load.point, f"{face}{number}", *values)
         for load in result.loads
-        for face in ("closure", "seat")[-faces:]
-        for number, values in _contacts_of_face(load, faces, outlet)
+        for face, own in zip(("closure", "seat")[-faces:], load.of_faces or (load, load), strict=False)
+        for number, values in _contacts_of_face(own, faces, outlet)
     ]
 
 

@@ -85,6 +85,9 @@ class LoadResult(ByReading):
         The load by theories of the rough contact that it is not calculated with; None where nobody asked.
     at_preload_ends : Bounds or None
         Leak rate with the least and the largest preload of its bolts [m^3/s]; None where the preload is taken as given.
+    of_faces : tuple of LoadResult or None
+        The same load with the upper and with the lower flange on both faces of a gasket, of which the leak rate is the
+        mean; None where the flanges are alike.
     """
 
     fluid_pressure: float
@@ -107,6 +110,7 @@ class LoadResult(ByReading):
     tested: bool = False
     by_theory: Mapping[str, LoadResult] | None = None
     at_preload_ends: Bounds | None = None
+    of_faces: tuple[LoadResult, LoadResult] | None = None
 
     def __repr__(self) -> str:
         pressure = format_quantity("fluid pressure", self.fluid_pressure)
@@ -375,7 +379,7 @@ class LoadResult(ByReading):
     @property
     def in_test(self) -> Self:
         """The same contact with the gas that the standards test with; itself where that leaks, or a liquid."""
-        found = self._in_test
+        found = self.with_test_gas
         if found is self:
             return self
         own, other, ends = self.leak, found.leak, self.at_preload_ends
@@ -392,7 +396,8 @@ class LoadResult(ByReading):
         )
 
     @variant
-    def _in_test(self) -> Self:
+    def with_test_gas(self) -> Self:
+        """`in_test` without what is known of its interval."""
         rough = None if self.rough is None else self.rough.in_test
         return self if rough is self.rough else replace(self, rough=rough)
 

@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from fem_seal.answers.lower_flange import share_of
 from fem_seal.answers.solution import SealSolution
 from fem_seal.output.prose import phrase
 from fem_seal.output.shown import Section, Shown, worded_section, worded_table
 from fem_seal.output.tables import contact_rows
 from fem_seal.seal.load_names import load_name
+from fem_seal.seal.load_result import LoadResult
 
 _PER_MM = 1e-3
 
@@ -22,6 +24,8 @@ def lands_in_words(result: SealSolution) -> list[str]:
     result : SealSolution
     """
     load = result.highest
+    if load.of_faces is not None:
+        return [_of_both_faces(*load.of_faces)]
     if len(load.profiles) == 1:
         return []
     carried = ", ".join(f"{_PER_MM * one.moment(0):.3g}" for one in load.profiles)
@@ -34,6 +38,13 @@ def lands_in_words(result: SealSolution) -> list[str]:
             bar = 1e-5 * land.outer_pressure
             told.append(phrase("lands.result", kind, inner=number, outer=number + 1, bar=bar))
     return told
+
+
+def _of_both_faces(upper: LoadResult, lower: LoadResult) -> str:
+    """Share of each face in the leak."""
+    assert upper.leak is not None and lower.leak is not None  # both faces are known
+    share = share_of(upper.leak, lower.leak)
+    return phrase("lands.result", "faces", upper=share, lower=1.0 - share)
 
 
 def _contacts(result: SealSolution) -> list[tuple[Any, ...]]:
@@ -59,7 +70,8 @@ def _section(result: SealSolution) -> Section | None:
         for pressure, force, contact, line_load, peak, width, upstream, downstream, rate in _contacts(result)
     ]
     table = worded_table("lands", rows)
-    return worded_section("lands", [*sentences, phrase("lands.result", "meaning")], table)
+    meaning = "meaning" if result.highest.of_faces is None else "halves"
+    return worded_section("lands", [*sentences, phrase("lands.result", meaning)], table)
 
 
 SHOWN = Shown(section=_section, lines=lands_in_words)
