@@ -122,8 +122,9 @@ class _Diameter:
 
 def _draw_whole(axes: Axes, case: Case) -> None:
     contact = case.contact
-    _bodies(axes, contact, mirrored=True, faces=case.faces)
-    low, high = _heights(contact, case.faces)
+    below_it = _below_mid_plane(case)
+    _bodies(axes, contact, mirrored=True, image=below_it)
+    low, high = _heights(contact, below_it)
     widest = 1e3 * max(contact.closure.largest_radius, contact.seat.largest_radius)
     below = sorted(_seat_diameters(case), key=lambda one: one.radius)
     width, height = _WIDTH * _SHARE, 0.89 * _HEIGHT
@@ -151,11 +152,18 @@ def _draw_whole(axes: Axes, case: Case) -> None:
     _pressures(axes, case, (0.97 * widest, high), (0.0, low), _SMALL, scale)
 
 
-def _heights(contact: ContactGeometry, faces: int) -> tuple[float, float]:
-    """Lowest and highest point of both bodies, and of their images below the mid-plane of a gasket."""
+def _below_mid_plane(case: Case) -> ContactGeometry | None:
+    """The contact of a gasket whose image stands below its mid-plane; None of a valve seat."""
+    return None if case.gasket is None else (case.lower_half or case).contact
+
+
+def _heights(contact: ContactGeometry, image: ContactGeometry | None) -> tuple[float, float]:
+    """Lowest and highest point of both bodies, and of the image below the mid-plane of a gasket."""
     low, high = zip(contact.closure.extent[1], contact.seat.extent[1], strict=True)
-    lowest = min(low) if faces == 1 else 2 * _mid_plane(contact) - max(high)
-    return 1e3 * lowest, 1e3 * max(high)
+    if image is None:
+        return 1e3 * min(low), 1e3 * max(high)
+    deep = image.closure.extent[1][1] - _mid_plane(image)
+    return 1e3 * (_mid_plane(contact) - deep), 1e3 * max(high)
 
 
 def _mid_plane(contact: ContactGeometry) -> float:
@@ -324,11 +332,14 @@ def _list(axes: Axes, case: Case) -> None:
     """All dimensions of both bodies below each other."""
     axes.axis("off")
     lines: list[tuple[str, str, str, str]] = []
-    for name in ("closure", "seat"):
+    listed = [(case, name, told_of(name, faces=case.faces)) for name in ("closure", "seat")]
+    if case.lower_half is not None:
+        listed.append((case.lower_half, "closure", "lower flange"))
+    for case, name, called in listed:
         body = case.table_of(name)
         lines.append(
             (
-                told_of(name, faces=case.faces),
+                called,
                 f"{body.shape}, {outside_text(body.material.name)}",
                 INK,
                 "bold",
@@ -353,26 +364,34 @@ def _list(axes: Axes, case: Case) -> None:
 
 
 def _bodies(
-    axes: Axes, contact: ContactGeometry, *, mirrored: bool, hatched: bool = True, faces: int = 1
+    axes: Axes,
+    contact: ContactGeometry,
+    *,
+    mirrored: bool,
+    hatched: bool = True,
+    image: ContactGeometry | None = None,
 ) -> None:
-    """Both bodies, on both sides of the axis if `mirrored`; of a gasket also their images below its mid-plane."""
+    """Both bodies, on both sides of the axis if `mirrored`; of a gasket also the image below its mid-plane."""
     from matplotlib.patches import Polygon
 
     sides = (1, -1) if mirrored else (1,)
     # z = level + way z' of the bodies and of their images
-    ways = [(0.0, 1), (2e3 * _mid_plane(contact), -1)][:faces]
-    for outline, fill, hatch in ((contact.seat, _SEAT_FILL, "////"), (contact.closure, FILL, "\\\\\\\\")):
+    ways = [(contact, 0.0, 1)]
+    if image is not None:
+        ways.append((image, 1e3 * (_mid_plane(contact) + _mid_plane(image)), -1))
+    looks = (("seat", _SEAT_FILL, "////"), ("closure", FILL, "\\\\\\\\"))
+    for (name, fill, hatch), (whose, level, way) in product(looks, ways):
+        outline: Outline = getattr(whose, name)
         pieces = list(_pieces(outline, _CHORDS if mirrored else _FINE_CHORDS))
         r, z = np.hstack([points for _, points in pieces])
         how: dict[str, Any] = {"facecolor": fill, "edgecolor": "#c3c9d2", "hatch": hatch if hatched else None}
-        for side, (level, way) in product(sides, ways):
+        for side in sides:
             # the limits follow from the lines around it: `add_patch` would check each of its chords in Python
             axes.add_artist(Polygon(np.column_stack([side * r, level + way * z]), lw=0, zorder=2, **how))
         # the body continues beyond the axis
         # nothing ends at the axis, or at the mid-plane of a gasket
         edges = (s for s in pieces if s[0].start[0] or s[0].end[0])
-        drawn = (points for s, points in edges if faces == 1 or s.name != "seat_bottom")
-        for (r, z), (level, way) in product(drawn, ways):
+        for r, z in (points for s, points in edges if image is None or s.name != "seat_bottom"):
             edge = np.outer(r, sides), np.outer(level + way * z, np.ones(len(sides)))
             axes.plot(*edge, color=INK, lw=1.2, zorder=3, solid_capstyle="round")
 
@@ -395,7 +414,8 @@ def sketch(result: SealSolution) -> Picture:
     from matplotlib.figure import Figure
 
     case, contact = result.case, result.seal_mesh.contact
-    low, high = _heights(contact, case.faces)
+    image = _below_mid_plane(case)
+    low, high = _heights(contact, image)
     widest = 1e3 * max(contact.closure.largest_radius, contact.seat.largest_radius)
     # millimetres per point
     scale = 2 * widest / (_SKETCH - 2 * _SIDE)
@@ -404,7 +424,7 @@ def sketch(result: SealSolution) -> Picture:
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
     _frame(axes, 0.5 * _SKETCH * scale, bottom, top)
     _fluids(axes, case, widest, low, top)
-    _bodies(axes, contact, mirrored=True, hatched=False, faces=case.faces)
+    _bodies(axes, contact, mirrored=True, hatched=False, image=image)
     axes.plot([0, 0], [low + 36 * scale, high], color=GREY, lw=0.8, ls=_AXIS_DASHES)
     _normal(axes, contact)
     _names(axes, contact, _LARGE, 0.0, case.faces)

@@ -116,17 +116,35 @@ def test_dimensions_that_are_left_open_are_those_of_the_body() -> None:
     assert listed_dimensions(case, "seat")["outer_diameter"] == (pytest.approx(0.038), False)
 
 
-def test_the_seat_may_be_given_if_it_is_like_the_closure() -> None:
+def test_a_seat_is_the_lower_flange() -> None:
     same = {"shape": "disc", "radius": "3 cm", "material": STEEL}
-    assert Case(**tables(seat=same)).contact == Case(**tables()).contact
-    assert problems(seat={**same, "radius": "31 mm"}) == {
-        "seat.radius": "differs from closure.radius: both flange faces of a gasket must be alike; remove [seat], "
-        "which is then like [closure], or calculate one case with each face on both sides: the seal leaks the mean of "
-        "both"
-    }
-    assert "seat.shape" in problems(seat={"shape": "flat", "material": STEEL})
-    assert "seat.material" in problems(seat={**same, "material": "316L"})
+    case = Case(**tables(seat=same))
+    assert case.contact == Case(**tables()).contact and case.lower_half is None
+    lower = Case(**tables(seat={**same, "radius": "31 mm"})).lower_half
+    assert lower is not None and lower.closure.radius == 0.031 and lower.lower_half is None
+    assert "seat.shape" in problems(seat={"shape": "lands", "material": STEEL})
     assert "seat.radius" in problems(seat={"shape": "disc", "material": STEEL})
+    assert problems(seat={**same, "radius": "10 mm"})
+
+
+@pytest.mark.parametrize(
+    ("others", "key"),
+    [
+        ({"form": {"closure": {"tolerance": "2 um"}}}, "form"),
+        (
+            {
+                "load": {"fluid_pressure": "1 bar", "applied_force": "3 kN", "target_leak_rate": "1 ml/min"},
+                "fluid": {"name": "helium"},
+                "roughness": {"closure": "lapped Ra 0.2 um"},
+            },
+            "load.target_leak_rate",
+        ),
+        ({"leak": {"fluid_in_gap": "local"}, "fluid": {"name": "water"}}, "leak.fluid_in_gap"),
+    ],
+)
+def test_what_is_not_calculated_for_different_flanges_is_said(others: dict[str, Any], key: str) -> None:
+    found = problems(seat={"shape": "disc", "radius": "31 mm", "material": STEEL}, **others)
+    assert "two different flange faces" in found[key]
 
 
 def test_without_seat_and_gasket_the_seat_is_missing() -> None:
@@ -163,9 +181,9 @@ def test_without_seat_and_gasket_the_seat_is_missing() -> None:
             "has a bore",
         ),
         (
-            {"roughness": {"seat": "lapped Ra 0.2 um", "closure": "lapped Ra 0.2 um"}},
+            {"roughness": {"seat": "lapped Ra 0.2 um", "gasket": "lapped Ra 0.2 um"}},
             "roughness.seat",
-            "both",
+            "give roughness.closure",
         ),
     ],
 )

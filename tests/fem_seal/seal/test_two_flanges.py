@@ -1,0 +1,146 @@
+"""Two different flange faces on one gasket: the seal leaks the mean of two that have one of them on both sides."""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fem_seal import Case, InputError, SealResult, run
+from fem_seal.answers.lower_flange import mean_leak, share_of
+from fem_seal.output.report.page import report
+from fem_seal.output.tables import contact_rows
+from fem_seal.studies.study import Study
+from leak import LeakResult
+
+STEEL = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3, "hardness": "3 GPa"}
+DISC = {"shape": "disc", "diameter": "60 mm", "material": STEEL}
+CONE = {
+    "shape": "conical-face",
+    "angle": "20 deg",
+    "bore_diameter": "34 mm",
+    "face_diameter": "48 mm",
+    "material": {**STEEL, "youngs_modulus": "190 GPa"},
+}
+
+
+def surface(rms_height: str) -> dict[str, Any]:
+    return {
+        "kind": "self-affine",
+        "rms_height": rms_height,
+        "hurst": 0.8,
+        "q_low": "5e3 1/m",
+        "q_rolloff": "5e4 1/m",
+        "q_high": "3e6 1/m",
+    }
+
+
+def tables(closure: dict[str, Any], rough: dict[str, Any], **others: Any) -> dict[str, Any]:
+    return {
+        "closure": closure,
+        "gasket": {"shape": "ring", "mean_diameter": "40 mm", "section_diameter": "4 mm", "material": STEEL},
+        "roughness": rough,
+        "fluid": {"name": "helium"},
+        "load": {"fluid_pressure": "1 bar", "applied_force": "3 kN", "pressure_side": "inner"},
+        "uncertainty": {"samples": 64, "hardness": {"relative": 0.1}},
+        "requirement": {"leak_rate": "1 mbar l/s"},
+        "mesh": {"contact_size": "12 um"},
+        **others,
+    }
+
+
+FINE, COARSE = {"closure": surface("0.4 um")}, {"closure": surface("1.2 um")}
+BOTH = {"closure": FINE["closure"], "seat": COARSE["closure"]}
+
+
+@cache
+def both() -> SealResult:
+    return run(Case(**tables(DISC, BOTH, seat=CONE)))
+
+
+@cache
+def upper() -> SealResult:
+    return run(Case(**tables(DISC, FINE)))
+
+
+@cache
+def lower() -> SealResult:
+    return run(Case(**tables(CONE, COARSE)))
+
+
+def test_the_leak_rate_is_the_mean() -> None:
+    for load, one, other in zip(both().loads, upper().loads, lower().loads, strict=True):
+        assert load.leak.leak_rate == pytest.approx(
+            0.5 * (one.leak.leak_rate + other.leak.leak_rate), rel=1e-12
+        )
+        assert load.leak.mass_flow == pytest.approx(
+            0.5 * (one.leak.mass_flow + other.leak.mass_flow), rel=1e-12
+        )
+        for reading, found in load.readings.items():
+            rates = one.reading(reading).leak.leak_rate, other.reading(reading).leak.leak_rate
+            assert found.leak.leak_rate == pytest.approx(0.5 * sum(rates), rel=1e-12)
+        for theory, found in load.by_theory.items():
+            rates = one.by_theory[theory].leak.leak_rate, other.by_theory[theory].leak.leak_rate
+            assert found.leak.leak_rate == pytest.approx(0.5 * sum(rates), rel=1e-12)
+        # pressures are those of the upper face
+        assert load.peak_pressure == one.peak_pressure
+
+
+def test_the_interval_lies_between_those_of_both_and_the_verdict_follows_it() -> None:
+    for load, one, other in zip(both().loads, upper().loads, lower().loads, strict=True):
+        low, high = load.leak_interval
+        assert low < load.leak.leak_rate < high
+        assert min(one.leak_interval.low, other.leak_interval.low) < low
+        assert high < max(one.leak_interval.high, other.leak_interval.high)
+        assert load.sampled.high == pytest.approx(0.5 * (one.sampled.high + other.sampled.high), rel=0.05)
+        assert load.judgement.ends == pytest.approx(load.leak_interval)
+
+
+def test_each_contact_has_its_row() -> None:
+    columns, rows = contact_rows(both())
+    rate, peak = columns.index("leak_rate_m3_per_s"), columns.index("peak_pressure_Pa")
+    for number, load in enumerate(both().loads):
+        above, below = rows[2 * number : 2 * number + 2]
+        assert [above[2], below[2]] == ["closure", "seat"]
+        assert above[rate] + below[rate] == pytest.approx(load.leak.leak_rate, rel=1e-12)
+        assert below[peak] == lower().loads[number].peak_pressure != above[peak]
+
+
+def test_compression_is_half_of_each() -> None:
+    ways = [[step.compression for step in one().compression.steps] for one in (both, upper, lower)]
+    assert ways[0] == pytest.approx(0.5 * np.add(ways[1], ways[2]), rel=1e-12)
+
+
+def test_the_report_tells_both_faces_apart() -> None:
+    page = report(both())
+    assert "Through the upper flange face" in page and "lower flange:" in page
+
+
+def test_only_a_run_calculates_both() -> None:
+    case = Case(**tables(DISC, BOTH, seat=CONE))
+    study = {
+        "base": case,
+        "parameters": {"load.applied_force": ["2 kN", "3 kN"]},
+        "responses": ["leak_rate_m3_per_s"],
+    }
+    with pytest.raises(InputError, match="only run calculates both"):
+        case.of_alike_flanges()
+    with pytest.raises(InputError, match="only run calculates both"):
+        Study(study)
+
+
+@pytest.mark.parametrize(
+    ("one", "other"), [(1e-9, 3e-9), (0.0, 2e-9), (2e-9, 0.0), (math.inf, 1e-9), (1e-9, math.inf), (0.0, 0.0)]
+)
+def test_mean_of_sealed_and_open_faces(one: float, other: float) -> None:
+    first, second = (LeakResult(rate, 1e5 / rate if rate else math.inf, np.zeros(3)) for rate in (one, other))
+    found = mean_leak(first, second)
+    assert found.leak_rate == 0.5 * (one + other)
+    assert found.fluid_pressure is first.fluid_pressure
+    share = share_of(first, second)
+    assert 0.0 <= share <= 1.0 and share_of(second, first) == pytest.approx(1.0 - share)
+    if math.isfinite(one + other) and one + other:
+        assert share == pytest.approx(one / (one + other))
