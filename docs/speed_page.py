@@ -91,8 +91,15 @@ def picture(entries: Sequence[Entry], path: Path) -> None:
 
     shown, places = [entry for entry in latest(entries) if entry.goal is not None], states(entries)
     lines = -(-len(shown) // COLUMNS)
+    height = 1.7 * lines
+    # given margins: to fit them to the texts of a hundred axes takes longer than to draw them
+    margins = {"left": 0.06, "right": 0.975, "bottom": 0.25 / height, "top": 1 - 0.25 / height}
     figure, axes = plt.subplots(
-        lines, COLUMNS, figsize=(3.3 * COLUMNS, 1.7 * lines), squeeze=False, layout="constrained"
+        lines,
+        COLUMNS,
+        figsize=(3.3 * COLUMNS, height),
+        squeeze=False,
+        gridspec_kw={**margins, "hspace": 0.35},
     )
     for axis, entry in zip(axes.flat, shown, strict=False):
         values = [one for one in entries if one.figure == entry.figure]
@@ -105,7 +112,10 @@ def picture(entries: Sequence[Entry], path: Path) -> None:
         axis.set_ylabel(entry.unit, fontsize=7)
         axis.set_ylim(0, 1.1 * max(entry.goal or 0.0, *(one.scaled for one in values)))
         axis.set_xlim(-0.3, len(places) - 0.7)
-        axis.set_xticks(range(len(places)), [commit for _, commit in places], fontsize=6)
+        # the table has the others between the first and the last
+        axis.set_xticks(
+            range(len(places)), [places[0][1], *[""] * (len(places) - 2), places[-1][1]], fontsize=6
+        )
         axis.tick_params(axis="y", labelsize=6)
     for axis in axes.flat[len(shown) :]:
         axis.remove()
