@@ -38,6 +38,7 @@ wheel: $(VENV)/.tools
 	@$(VENV)/bin/python tests/wheel.py
 
 # The manual, docs/_build/html/index.html; every warning is an error.
+docs: export OPENBLAS_NUM_THREADS = 1
 docs: $(VENV)/.tools
 	@$(VENV)/bin/python docs/make_input_reference.py
 	@$(VENV)/bin/python docs/make_reference_pages.py

@@ -11,13 +11,14 @@ from __future__ import annotations
 import base64
 import os
 import re
-import sys
 from collections import defaultdict
 from collections.abc import Iterator
+from contextlib import chdir, redirect_stderr, redirect_stdout
+from html import unescape
 from importlib import import_module
 from inspect import cleandoc
+from io import StringIO
 from pathlib import Path
-from subprocess import run
 from tempfile import TemporaryDirectory
 from types import ModuleType
 from typing import Any
@@ -27,7 +28,8 @@ from typer.main import get_command
 import fem_seal
 import leak
 import meshes
-from fem_seal.cli.app import app
+from fem_seal.cli.app import app, main
+from fem_seal.output.report.words import headline
 
 FOLDER = Path(__file__).parent / "reference"
 
@@ -151,7 +153,6 @@ def tutorial(folder: Path) -> None:
     """
     import gallery
 
-    case = fem_seal.load_case(folder / "first_seal.toml")
     made = folder / "made"
     made.mkdir(exist_ok=True)
     with TemporaryDirectory() as place:
@@ -160,13 +161,16 @@ def tutorial(folder: Path) -> None:
         (made / "check.txt").write_text(_terminal("check", copy), encoding="utf-8")
         (made / "run.txt").write_text(_terminal("run", copy), encoding="utf-8")
         drawn = gallery.pictures(copy.with_suffix(".out"))
+        page = (copy.with_suffix(".out") / "report.html").read_text(encoding="utf-8")
     for name in ("sketch", "leak"):
         (made / f"{name}.svg").write_bytes(drawn[name][0])
+    first = re.search(r'<p class="headline">(.*?)</p>', page)
+    assert first is not None
+    (made / "headline.md").write_text(f"> {unescape(first[1])}\n", encoding="utf-8")
+    case = fem_seal.load_case(folder / "first_seal.toml")
+    finer = headline(fem_seal.run(case.replace({"roughness.Ra": "0.1 um"})))
+    (made / "finer.md").write_text(f"> {finer}\n", encoding="utf-8")
     _leak_test(folder, made)
-    (made / "headline.md").write_text(_quoted(fem_seal.run(case)), encoding="utf-8")
-    (made / "finer.md").write_text(
-        _quoted(fem_seal.run(case.replace({"roughness.Ra": "0.1 um"}))), encoding="utf-8"
-    )
 
 
 def _leak_test(folder: Path, made: Path) -> None:
@@ -185,28 +189,15 @@ def _leak_test(folder: Path, made: Path) -> None:
 
 def _terminal(command: str, case: Path, *more: str) -> str:
     """A command and its output."""
-    done = run(
-        [sys.executable, "-m", "fem_seal", command, case.name, *more],
-        cwd=case.parent,
-        env={**os.environ, "PYTHONPATH": str(Path(__file__).parents[1]), "OPENBLAS_NUM_THREADS": "1"},
-        capture_output=True,
-        text=True,
-        encoding="utf-8",
-    )
-    if done.returncode:
-        raise SystemExit(f"{command}: {done.stderr}")
-    printed = done.stdout.replace(f"{case.parent}{os.sep}", "")
+    words, out, err = [command, case.name, *more], StringIO(), StringIO()
+    with chdir(case.parent), redirect_stdout(out), redirect_stderr(err):
+        code = main(words)
+    if code:
+        raise SystemExit(f"{command}: {err.getvalue()}")
+    printed = out.getvalue().replace(f"{case.parent}{os.sep}", "")
     return (
-        f"$ fem-seal {' '.join([command, case.name, *more])}\n"
-        + "\n".join(line.rstrip() for line in printed.splitlines())
-        + "\n"
+        f"$ fem-seal {' '.join(words)}\n" + "\n".join(line.rstrip() for line in printed.splitlines()) + "\n"
     )
-
-
-def _quoted(result: fem_seal.SealResult) -> str:
-    from fem_seal.output.report.words import headline
-
-    return f"> {headline(result)}\n"
 
 
 if __name__ == "__main__":
