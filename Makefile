@@ -12,7 +12,7 @@ PIP = $(VENV)/bin/python -m pip install --quiet --disable-pip-version-check
 
 PYTEST = OPENBLAS_NUM_THREADS=1 $(VENV)/bin/python -m pytest -n auto --dist loadfile --durations=10
 
-.PHONY: run test test-all lint check wheel docs try benchmarks system clean
+.PHONY: run test test-all lint check wheel docs pages html try benchmarks system clean
 
 run: $(VENV)/.program
 	@$(VENV)/bin/fem-seal run examples/ball_cone.toml
@@ -37,13 +37,19 @@ check: lint test
 wheel: $(VENV)/.tools
 	@$(VENV)/bin/python tests/wheel.py
 
-# The manual, docs/_build/html/index.html; every warning is an error.
-docs: export OPENBLAS_NUM_THREADS = 1
-docs: $(VENV)/.tools
+# The manual, docs/_build/html/index.html: first the pages that are calculated, then all of them as HTML.
+docs: pages
+	@$(MAKE) --no-print-directory html
+
+pages: export OPENBLAS_NUM_THREADS = 1
+pages: $(VENV)/.tools
 	@$(VENV)/bin/python docs/make_input_reference.py
 	@$(VENV)/bin/python docs/make_reference_pages.py
 	@$(VENV)/bin/python docs/speed_page.py
 	@$(VENV)/bin/python docs/gallery.py
+
+# Every warning is an error.
+html: $(VENV)/.tools
 	@$(VENV)/bin/python -m sphinx -W --keep-going --quiet -b html -d docs/_build/doctrees docs docs/_build/html
 	@echo docs/_build/html/index.html
 
