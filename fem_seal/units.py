@@ -464,15 +464,15 @@ def quantity(kind: str, value: float | None, digits: int = 3) -> str:
     return f"{number(unit.of(value), digits)} {unit.name}"
 
 
-def format_quantity(kind: str, value: float) -> str:
+def format_quantity(kind: str, value: float, digits: int = 6) -> str:
     """An SI value as it was probably written in the input: "20 bar", without zeros that nobody wrote."""
     unit = unit_for(kind, value)
-    return f"{trimmed(unit.of(value))} {unit.name}"
+    return f"{trimmed(unit.of(value), digits)} {unit.name}"
 
 
-def trimmed(value: float) -> str:
-    """A number with up to six significant digits and no trailing zeros."""
-    text = number(value, 6)
+def trimmed(value: float, digits: int = 6) -> str:
+    """A number with up to so many significant digits and no trailing zeros."""
+    text = number(value, digits)
     return text.rstrip("0").rstrip(".") if "." in text and "·" not in text else text
 
 

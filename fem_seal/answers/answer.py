@@ -47,7 +47,7 @@ class Inquiry:
     answers : dict
         Those before it, by name.
     solve : callable
-        Solves another case, which it is given with a sequence of answers, as a run of its own would.
+        Solves another case, `fem_seal.answers.chain.solve`, on the bodies of this seal where it has the same.
     """
 
     solver: LoadSolver

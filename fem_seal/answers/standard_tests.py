@@ -140,7 +140,7 @@ def _load_of(written: Mapping[str, Any], pressures: Sequence[float], force: floa
 
 def _solved(case: Case, test: str, ask: Inquiry) -> tuple[SolvedSeal, tuple[TestedLoad, ...]]:
     assert ask.solve is not None and case.fluid is not None
-    seal, name = ask.solve(case, _ANSWERS), case.fluid.name
+    seal, name = ask.solve(case, answers=_ANSWERS), case.fluid.name
     found = [
         TestedLoad(
             test,

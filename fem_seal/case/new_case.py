@@ -142,7 +142,7 @@ def with_entries(text: str, entries: Mapping[str, str]) -> str:
         at = where.get(path) or where.get(other or "")
         if at is not None:
             comment = at["comment"] or ""
-            written = f"{key} = {_toml(value)}"
+            written = f"{key} = {_toml(value, one=path == 'title')}"
             if comment:
                 # the comments stay below each other where there is room
                 column = len(lines[at["line"]]) - len(comment.lstrip())
@@ -317,12 +317,12 @@ def _plain(value: str) -> str:
     return read if isinstance(read, str) else value
 
 
-def _toml(value: str) -> str:
-    """A value as TOML: itself if it is, several texts as a list, any other text in quotes."""
+def _toml(value: str, one: bool = False) -> str:
+    """A value as TOML: itself if it is, several texts as a list unless they are `one`, any other text in quotes."""
     try:
         parse_toml(f"value = {value}")
     except TomlError:
-        parts = [part.strip() for part in value.split(",")]
+        parts = [value] if one else [part.strip() for part in value.split(",")]
         quoted = [json.dumps(part, ensure_ascii=False) for part in parts]
         return f"[{', '.join(quoted)}]" if len(parts) > 1 else quoted[0]
     return value

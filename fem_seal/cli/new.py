@@ -37,6 +37,7 @@ def new(
     fluid: Annotated[str | None, option("new", "fluid")] = None,
     pressure: Annotated[str | None, option("new", "pressure")] = None,
     applied_force: Annotated[str | None, option("new", "applied_force")] = None,
+    set_pressure: Annotated[str | None, option("new", "set_pressure")] = None,
     torque: Annotated[str | None, option("new", "torque")] = None,
     axial_force: Annotated[str | None, option("new", "axial_force")] = None,
     leak_rate: Annotated[str | None, option("new", "leak_rate")] = None,
@@ -70,6 +71,7 @@ def new(
         "fluid": fluid,
         "pressure": pressure,
         "applied-force": applied_force,
+        "set-pressure": set_pressure,
         "torque": torque,
         "leak-rate": leak_rate,
         "class": leakage_class,
@@ -119,6 +121,9 @@ def _with_options(text: str, name: str, given: Mapping[str, str], entries: list[
     # a template with a class also takes a leak rate; in one with a leak rate a class replaces it
     paths.setdefault("leak-rate", "requirement.leak_rate")
     paths.setdefault("class", "requirement.class")
+    if "set-pressure" in paths:
+        # a force in its place
+        paths["applied-force"] = "load.applied_force"
     missing = [key for key in given if key not in paths]
     if missing:
         known = ", ".join(f"--{one.name}" for one in new_case.QUESTIONS if one.name in paths)

@@ -117,7 +117,9 @@ def summary(result: SealSolution) -> dict[str, Any]:
         ``convergence`` (one entry per load), ``discretisation_error``, ``far_field``
         (relative changes, and a sentence), ``form`` (answers about the form error at the highest load; null for a
         round seal), ``requirement`` (verdict, margin and their basis; null without one), ``verdict_force``
-        (force with which the verdict passes or why none does, one entry per load; empty unless asked), ``levers`` (the
+        (force with which the verdict passes or why none does, one entry per load; null unless asked),
+        ``standard_tests`` (rows of standard_tests.csv) with ``standard_verdict``, ``set_pressure`` (of a relief valve,
+        with rows of set_pressure.csv), null without them, ``levers`` (the
         sensitivities, the strongest first), ``particles`` (answers about particles in the fluid, one entry per
         load that leaks), ``theories`` (result of the other theory, and why it differs), ``interface_variants``,
         ``uncertainty`` (null unless asked for), ``error_shares`` (shares of the width of the interval of each load,

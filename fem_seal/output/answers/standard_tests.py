@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from fem_seal.answers.judgement import worst_of
@@ -18,7 +17,7 @@ from leak.standards import STANDARDS
 
 if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
-    from fem_seal.answers.standard_tests import TestedLoad
+    from fem_seal.answers.standard_tests import SetPressure, TestedLoad
 
 
 def in_words(result: SealSolution) -> list[str]:
@@ -115,6 +114,14 @@ def _row(one: TestedLoad) -> tuple[float | str, ...]:
     return (*load, *one.ends, allowed(one), _verdict(one))
 
 
+def _test_row(one: TestedLoad) -> tuple[float | str, ...]:
+    return one.test, *_row(one)
+
+
+def _share_row(found: SetPressure, one: TestedLoad) -> tuple[float | str, ...]:
+    return one.fluid_pressure / found.pressure, *_row(one)
+
+
 def set_pressure_picture(result: SealSolution) -> Picture | None:
     """Leak rate over the share of the set pressure; None unless the valve is a relief valve."""
     found = result.set_pressure
@@ -143,11 +150,22 @@ def set_pressure_picture(result: SealSolution) -> Picture | None:
 
 
 def _summary(result: SealSolution) -> dict[str, Any]:
-    found = result.set_pressure
+    tests, found = map(_test_row, result.standard_tests), result.set_pressure
     return {
-        "standard_tests": [asdict(one) | {"allowed": allowed(one)} for one in result.standard_tests],
-        "standard_verdict": worst_of(result.standard_tests),
-        "set_pressure": None if found is None else asdict(found),
+        "standard_tests": [dict(zip(STANDARD_TEST_COLUMNS, row, strict=True)) for row in tests] or None,
+        "standard_verdict": worst_of(result.standard_tests) or None,
+        "set_pressure": None if found is None else _in_summary(found),
+    }
+
+
+def _in_summary(found: SetPressure) -> dict[str, Any]:
+    rows = (_share_row(found, one) for one in found.loads)
+    return {
+        "set_pressure_Pa": found.pressure,
+        "contact_radius_m": found.radius,
+        "spring_force_N": found.force,
+        "blow_off_pressure_Pa": found.opens,
+        "loads": [dict(zip(SET_PRESSURE_COLUMNS, row, strict=True)) for row in rows],
     }
 
 
@@ -160,13 +178,11 @@ SHOWN = Shown(
     tables={
         "standard_tests.csv": lambda result: (
             STANDARD_TEST_COLUMNS,
-            [(one.test, *_row(one)) for one in result.standard_tests],
+            [_test_row(one) for one in result.standard_tests],
         ),
         "set_pressure.csv": lambda result: (
             SET_PRESSURE_COLUMNS,
-            []
-            if (found := result.set_pressure) is None
-            else [(one.fluid_pressure / found.pressure, *_row(one)) for one in found.loads],
+            [_share_row(found, one) for found in filter(None, [result.set_pressure]) for one in found.loads],
         ),
     },
     section=_section,

@@ -553,7 +553,8 @@ SHOWN = Shown(
             {"fluid_pressure_Pa": load.fluid_pressure, **asdict(load.verdict_force)}
             for load in result.loads
             if load.verdict_force is not None
-        ],
+        ]
+        or None,
     },
     words=lambda result: {
         "verdict": result.verdict,
