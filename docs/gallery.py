@@ -64,7 +64,7 @@ SPECIAL = {
     "measured_roundness": "line_load_around",
     "oval_seat": "unrolled",
     "tilted_poppet": "seal",
-    "scratched_seat": "gap",
+    "scratched_seat": "contact",
     "copper_ring": "compression",
     "proof_load": "memory",
     "elastoplastic_seat": "imprint",
@@ -164,6 +164,7 @@ def is_kept(example: Path) -> bool:
 def solve(example: Path) -> None:
     """Solve a case or a study and keep its results."""
     import fem_seal
+    from fem_seal.units import leak_range_text
 
     if example.parent == EXAMPLES:
         keep(fem_seal.run(fem_seal.load_case(example)), example)
@@ -176,7 +177,10 @@ def solve(example: Path) -> None:
     result.report()
     # table and picture as in a notebook, without the title, which the page has already
     shown = re.sub(r"^<p>.*?</p>", "", result._repr_html_())
-    about = {"headline": "", "warnings": [], "shown": shown, "state": state()}
+    claimed = result["validity"] != "outside the theory"
+    leaks = result["leak_rate_m3_per_s"][claimed].dropna()
+    span = f"{len(claimed)} designs, {leak_range_text((leaks.min(), leaks.max()), 2)}"
+    about = {"headline": span, "warnings": [], "shown": shown, "state": state()}
     (folder / "page.json").write_text(json.dumps(about), encoding="utf-8")
 
 
@@ -231,6 +235,8 @@ def case_page(example: Path) -> str:
         drawing, alt, caption = drawn[one]
         (PAGES / f"{name}_{one}.svg").write_bytes(drawing)
         wide = "" if one in ("sketch", "seal") else ":class: panels\n"
+        if one == SPECIAL.get(name, "sketch"):
+            (PAGES / f"{name}_card.svg").write_bytes(first_panel(drawing))
         parts.append(f"```{{figure}} {name}_{one}.svg\n:alt: {_line(alt)}\n{wide}\n{_line(caption)}\n```")
     if about["warnings"]:
         listed = "\n".join(f"- {_line(warning)}" for warning in about["warnings"])
@@ -316,20 +322,21 @@ def _grid(cards: list[str]) -> str:
 
 def _card(name: str) -> str:
     title = tomllib.loads((EXAMPLES / f"{name}.toml").read_text(encoding="utf-8"))["title"]
-    picture = f"pages/{name}_{SPECIAL.get(name, 'sketch')}.svg"
     return (
-        f"```{{grid-item-card}} {title}\n:img-top: {picture}\n{_panels(DOCS / 'cases' / picture)}"
-        f":link: pages/{name}\n:link-type: doc\n"
+        f"```{{grid-item-card}} {title}\n:img-top: pages/{name}_card.svg\n:link: pages/{name}\n:link-type: doc\n"
         f"{_number(name)}\n```"
     )
 
 
-def _panels(picture: Path) -> str:
-    """Of a picture of several panels a card shows the first, in a size that can be read."""
-    text = picture.read_text(encoding="utf-8") if picture.exists() else ""
-    size = re.search(r'viewBox="0 0 ([\d.]+) ([\d.]+)"', text)
-    wide = size is not None and float(size[1]) > 2.5 * float(size[2])
-    return ":class-img-top: first-panel\n" if wide else ""
+def first_panel(drawing: bytes) -> bytes:
+    """A picture cut after the first of its panels, in a size that can be read on a card."""
+    text = drawing.decode()
+    frames = re.findall(r'<g id="axes_\d+">\s*<g id="patch_\d+">\s*<path d="([^"]*)"', text)
+    lefts = [min(float(x) for x in re.findall(r"[ML] ?([\d.]+) ", frame)) for frame in frames]
+    # the second panel has the margin of the first
+    wide = f"{lefts[1] - lefts[0]:.6g}" if len(lefts) > 1 and lefts[1] > lefts[0] else r"\g<width>"
+    size = r'width="[\d.]+pt" height="(?P<high>[\d.]+)pt" viewBox="0 0 (?P<width>[\d.]+) '
+    return re.sub(size, rf'width="{wide}pt" height="\g<high>pt" viewBox="0 0 {wide} ', text, count=1).encode()
 
 
 def _number(name: str) -> str:
@@ -344,10 +351,11 @@ def _number(name: str) -> str:
 
 
 def _study_card(path: Path) -> str:
-    title = tomllib.loads(path.read_text(encoding="utf-8"))["title"]
+    title, about = tomllib.loads(path.read_text(encoding="utf-8"))["title"], folder_of(path) / "page.json"
+    number = json.loads(about.read_text(encoding="utf-8"))["headline"] if about.exists() else ""
     return (
         f"```{{grid-item-card}} {title}\n:img-top: pages/study_{path.stem}.png\n:link: pages/study_{path.stem}\n"
-        ":link-type: doc\n```"
+        f":link-type: doc\n{number and f'**{_line(number)}**'}\n```"
     )
 
 

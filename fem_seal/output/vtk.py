@@ -268,6 +268,7 @@ def _load_data(load: LoadResult) -> dict[str, NDArray[np.generic]]:
         "fluid_pressure_Pa": np.array([load.fluid_pressure]),
         "contact_force_N": np.array([load.contact_force]),
         "line_load_N_per_m": np.array([load.line_load]),
+        **({} if load.leak is None else {"leak_rate_m3_per_s": np.array([load.leak.leak_rate])}),
     }
 
 

@@ -1,4 +1,4 @@
-"""Pictures of the contact line: pressure profiles, their height and width, gap and fluid pressure."""
+"""Pictures of the contact line: it enlarged, pressure profiles, their height and width, and the gap."""
 
 from __future__ import annotations
 
@@ -216,27 +216,6 @@ def _draw_sizes(axes: Axes, over: LoadAxis, sizes: Mapping[str, Sizes], measure:
     return unit
 
 
-def gap_picture(result: SealSolution) -> Picture:
-    """Gap and fluid pressure across the contact.
-
-    Parameters
-    ----------
-    result : SealSolution
-    """
-    flowing = [
-        (load, name, colour)
-        for load, name, colour in _few_loads(result.loads)
-        if load.leak is not None and 0 < load.leak.leak_rate < np.inf
-    ]
-    figure, axes = panels(2 if flowing else 1, height=3.3, width=10.4 if flowing else 5.6)
-    draw_gap(axes[0], result)
-    if flowing:
-        _draw_fluid_pressure(axes[1], result.loads, flowing)
-    smooth = "smooth" if result.case.interface.law == "smooth" else ""
-    left, right = ("left", "right") if flowing else ("alone", "")
-    return captioned(figure, "gap", left, smooth, right, alt=("alt_flow" if flowing else "alt",))
-
-
 def draw_gap(axes: Axes, result: SealSolution) -> None:
     """The mean gap between the surfaces at a few loads.
 
@@ -253,25 +232,13 @@ def draw_gap(axes: Axes, result: SealSolution) -> None:
         for one in load.profiles
     ]
     widest = max(float(part.max(initial=0.0)) for part in inside)
-    gap = unit_for("length", widest)
+    gap, length = unit_for("length", widest), unit_for("length", max(-low, high))
     for load, name, colour in chosen:
-        _plot_profiles(axes, load, "gap", _across(result.loads), gap, name, color=colour)
+        _plot_profiles(axes, load, "gap", length, gap, name, color=colour)
     axes.set_ylim(0.0, 1.08 * widest / gap.size or 1.0)
-    _label_across(axes, result.loads, "Mean gap between the surfaces", f"gap  [{gap.name}]")
-
-
-def _draw_fluid_pressure(
-    axes: Axes, loads: Sequence[LoadResult], flowing: Sequence[tuple[LoadResult, str, Any]]
-) -> None:
-    most = 1.0
-    for load, name, colour in flowing:
-        assert load.leak is not None
-        x = np.concatenate([profile.x for profile in load.profiles])
-        share = load.leak.fluid_pressure / load.fluid_pressure
-        axes.plot(x / _across(loads).size, 100 * share, color=colour, label=name)
-        most = max(most, float(share.max()))
-    axes.set_ylim(-3, 103 * most)
-    _label_across(axes, loads, "Fluid pressure in the gap", "share of the pressure drop  [%]")
+    label(axes, "Mean gap between the surfaces", f"x  [{length.name}]", f"gap  [{gap.name}]")
+    axes.set_xlim(low / length.size, high / length.size)
+    axes.legend(title=load_axis(result.loads).name, loc="best", handlelength=1.4)
 
 
 def _few_loads(loads: Sequence[LoadResult]) -> list[tuple[LoadResult, str, Any]]:
@@ -280,19 +247,6 @@ def _few_loads(loads: Sequence[LoadResult]) -> list[tuple[LoadResult, str, Any]]
     drawn = [order[n] for n in few(len(order), 4)]
     colour = load_colours(len(drawn))
     return [(loads[n], names[n], colour(place)) for place, n in enumerate(drawn)]
-
-
-def _across(loads: Sequence[LoadResult]) -> Unit:
-    """Unit of x where all loads are shown."""
-    low, high = _shown(loads)
-    return unit_for("length", max(-low, high))
-
-
-def _label_across(axes: Axes, loads: Sequence[LoadResult], title: str, y: str) -> None:
-    length = _across(loads)
-    label(axes, title, f"x  [{length.name}]", y)
-    axes.set_xlim(*(end / length.size for end in _shown(loads)))
-    axes.legend(title=load_axis(loads).name, loc="best", handlelength=1.4)
 
 
 def contact_picture(result: SealSolution, load: LoadResult) -> Picture:
@@ -310,7 +264,7 @@ def contact_picture(result: SealSolution, load: LoadResult) -> Picture:
     above, below = figure.subplots(
         2,
         1,
-        gridspec_kw={"left": 0.075, "right": 0.985, "bottom": 0.13, "top": 0.92, "hspace": 0.0},
+        gridspec_kw={"left": 0.075, "right": 0.93, "bottom": 0.13, "top": 0.92, "hspace": 0.0},
     )
     low, high = _shown([load])
     length, pressure = unit_for("length", max(-low, high)), unit_for("contact pressure", load.peak_pressure)
@@ -367,6 +321,10 @@ def contact_picture(result: SealSolution, load: LoadResult) -> Picture:
             color=BLUE,
             bbox=_ON_FLUID,
         )
+        beside = above.twinx()
+        beside.plot(load.whole.x / length.size, 100 * share, color=BLUE, linestyle="--")
+        beside.set_ylim(0.0, 108.0)
+        beside.set_ylabel("share of the pressure drop  [%]", color=BLUE)
     label(above, "", "", f"contact pressure  [{pressure.name}]")
     label(below, "", f"x  [{length.name}]", f"gap  [{gap.name}]")
     name = load_name(load, result.loads)

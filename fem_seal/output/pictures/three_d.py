@@ -1,4 +1,4 @@
-"""The seal in 3D, cut open, with the contact pressure on the seat's face: drawn by VTK from a results folder.
+"""The seal in 3D, cut open, contact pressure and leak paths on the seat's face: drawn by VTK from a results folder.
 
 VTK ends the whole process if it cannot draw. It therefore runs in a separate process, which reads only the files of
 the folder.
@@ -45,6 +45,9 @@ _STEP = 1.0  # Angular step of the surfaces around the axis [deg].
 _COLOURS = {"closure": ("#8fb3d9", "#c9dcf0"), "seat": ("#b9a883", "#e6dcc6")}  # face and cut
 _INK = "#1c2430"
 _COLOUR_MAP = "YlOrRd"
+# Leak paths: so many over the seat's face, their radius over the size of the seal, their colours, how far they reach
+# beyond the contact, over its width.
+_PATHS, _THICK, _FLOW_MAP, _BEYOND = 46, 1.5e-3, "Blues", 0.4
 # Pressures below this share of the largest are not shown.
 _FAINT = 0.02
 # Height of the drawn pressure above the seat's face, over the size of the seal.
@@ -323,15 +326,47 @@ def _draw(plotter: Any, files: LoadFiles, scale: bool) -> None:
         show_scalar_bar=scale,
         scalar_bar_args={"title": f"contact pressure [{unit.name}]", "color": _INK, **layout["colours"]},
     )
+    leak = _leak_paths(plotter, surface, size)
     if scale:
         pressure, force = (
             float(_array(grid.field_data, name)[0]) for name in ("fluid_pressure_Pa", "contact_force_N")
         )
         text = f"{format_quantity('fluid pressure', pressure)}, contact force {quantity('force', force)}"
         text += "" if times == 1.0 else f", contact drawn {times:.2g} times as wide"
-        plotter.add_text(
-            text, position=(0.02, 0.94), viewport=True, font_size=12, color=_INK, name="load", render=False
+        text += (
+            leak
+            and f"\nblue: where it leaks, the darker the more; at most {leak} for each millimetre around the axis"
         )
+        plotter.add_text(
+            text, position=(0.02, 0.92), viewport=True, font_size=12, color=_INK, name="load", render=False
+        )
+
+
+def _leak_paths(plotter: Any, surface: Any, size: float) -> str:
+    """Draw the ways of the fluid across the contact; the largest leak rate per mm, empty where nothing leaks."""
+    import pyvista
+
+    plotter.remove_actor("leak", render=False)
+    if "leak" not in surface.point_data or not (most := float(surface["leak"].max())) > 0.0:
+        return ""
+    across, around, _ = surface.dimensions
+    points, pressure, leak = (
+        np.asarray(one).reshape(around, across, -1)
+        for one in (surface.points, surface["pressure"], surface["leak"])
+    )
+    ways = []
+    for n in np.unique(np.linspace(0, around - 1, _PATHS).astype(int)):
+        (pressed,) = np.nonzero(pressure[n, :, 0] > _FAINT * pressure.max())
+        if len(pressed) and leak[n, 0, 0] > 0.0:
+            first, last = pressed[[0, -1]]
+            beyond = math.ceil(_BEYOND * (last - first))
+            way = pyvista.lines_from_points(points[n, max(first - beyond, 0) : last + beyond + 1])
+            way["leak"] = np.full(way.n_points, leak[n, 0, 0])
+            ways.append(way)
+    tubes = pyvista.merge(ways).extract_surface().tube(_THICK * size, n_sides=8)
+    look = {"scalars": "leak", "cmap": _FLOW_MAP, "clim": (0.0, most), "show_scalar_bar": False, "lighting": False}
+    plotter.add_mesh(tubes, name="leak", render=False, **look)
+    return quantity("flow", 1e-3 * most)
 
 
 def _section(grid: Any, body: int) -> Any:
@@ -379,6 +414,8 @@ def _pressure(files: LoadFiles, size: float) -> tuple[Any, float]:
         first, last = _SEAT
         angles = np.radians(np.linspace(first, last, round((last - first) / _STEP) + 1))
         pressure = np.tile(_array(line.point_data, "contact_pressure_Pa"), (len(angles), 1))
+        whole = line.field_data.get("leak_rate_m3_per_s")
+        leak = None if whole is None else np.full(len(angles), whole[0] / math.tau)
     else:
         around = pyvista.read(files.around)
         shape = -1, len(section)
@@ -387,6 +424,8 @@ def _pressure(files: LoadFiles, size: float) -> tuple[Any, float]:
         )
         kept = angle[:, 0] <= math.radians(_SEAT[1]) * (1 + 1e-6)
         angles, pressure = angle[kept, 0], pressure[kept]
+        leak = around.point_data.get("leak_rate_m3_per_s_per_rad")
+        leak = None if leak is None else np.asarray(leak).reshape(shape)[kept, 0]
     highest = pressure.max(axis=0)
     width = float(np.linalg.norm(np.ptp(section[highest > 0.5 * highest.max()], axis=0)))
     times = float(np.clip(_VISIBLE * size / max(width, 1e-3 * _VISIBLE * size), 1.0, _WIDEST))
@@ -398,4 +437,6 @@ def _pressure(files: LoadFiles, size: float) -> tuple[Any, float]:
     across = np.outer(z, np.ones(len(angles)))
     surface = pyvista.StructuredGrid(np.outer(r, np.cos(angles)), np.outer(r, np.sin(angles)), across)
     surface["pressure"] = pressure.ravel().astype(float)
+    if leak is not None:
+        surface["leak"] = np.repeat(leak / middle[0], len(section))
     return surface, times

@@ -28,7 +28,7 @@ from fem_seal.output.case_words import (
     section_text,
     temperature_rows,
 )
-from fem_seal.output.pictures.contact import contact_picture, gap_picture, profile_picture, size_picture
+from fem_seal.output.pictures.contact import contact_picture, profile_picture, size_picture
 from fem_seal.output.pictures.fields import imprint_picture, mesh_picture, stress_picture, temperature_picture
 from fem_seal.output.pictures.leak import leak_picture, memory_picture
 from fem_seal.output.pictures.section import sketch
@@ -128,7 +128,6 @@ def _drawn(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes]) -
     yield mesh_picture(result, top)
     yield profile_picture(result, derived)
     yield size_picture(result, sizes)
-    yield gap_picture(result)
     yield law_picture(result)
     yield leak_picture(result)
     yield memory_picture(result)

@@ -36,7 +36,6 @@ ALL_PICTURES = {
     "mesh",
     "profiles",
     "sizes",
-    "gap",
     "law",
     "leak",
     "separation",
@@ -140,7 +139,7 @@ def test_pictures_carry_their_axes_as_text(page):
         "surface": ("magnification", "wavelength", "wavenumber", "after yielding"),
         "stress": ("von Mises stress", "MPa"),
         "law": ("mean gap u", "yielded"),
-        "gap": ("share of the pressure drop",),
+        "contact": ("share of the pressure drop",),
     }.items():
         for word in words:
             assert word in texts[name], f"{word} in {name}"
@@ -187,7 +186,7 @@ def test_links_lead_somewhere(page):
 
 def test_a_smooth_contact_has_no_leak_section():
     page = Page(told(smooth_result))
-    assert set(page.pictures) == {"contact", "sketch", "mesh", "profiles", "sizes", "gap", "stress"}
+    assert set(page.pictures) == {"contact", "sketch", "mesh", "profiles", "sizes", "stress"}
     assert "There is no leak rate because the case has no roughness" in page.text
     assert b"Gaussian" not in page.pictures["profiles"]
 

@@ -297,11 +297,14 @@ def test_profiles_of_a_path_are_told_apart(proof: SealResult, monkeypatch: pytes
     names = ["50 bar (load 1)", "50 bar (load 3)", "300 bar"]
     derived = derive(proof.case)
     profiles = [load.contact.profile for load in (proof.loads[0], proof.loads[2], proof.loads[1])]
-    for picture, values in (
-        (lambda: pictures_contact.profile_picture(proof, derived), [p.pressure / 1e6 for p in profiles]),
-        (lambda: pictures_contact.gap_picture(proof), [p.gap / 1e-6 for p in profiles]),
+    gaps = Figure().subplots()
+    with style():
+        pictures_contact.draw_gap(gaps, proof)
+    pressures = drawn(monkeypatch, lambda: pictures_contact.profile_picture(proof, derived)).axes[0]
+    for axes, values in (
+        (pressures, [p.pressure / 1e6 for p in profiles]),
+        (gaps, [p.gap / 1e-6 for p in profiles]),
     ):
-        axes = drawn(monkeypatch, picture).axes[0]
         legend = axes.get_legend()
         assert legend is not None and [text.get_text() for text in legend.get_texts()] == names
         for line, y in zip(axes.lines, values, strict=True):
