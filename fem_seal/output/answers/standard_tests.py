@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 def in_words(result: SealSolution) -> list[str]:
     """What the tests of the standard say, and spring and opening of a relief valve; empty without them."""
-    return [*_of_tests(result), *_of_spring(result)]
+    return [*_of_tests(result), *filter(None, [spring_in_words(result)])]
 
 
 def standard_in_brief(result: SealSolution) -> str:
@@ -60,11 +60,13 @@ def _of_tests(result: SealSolution) -> Iterator[str]:
         yield phrase("standard_tests.says", "memory", standard=wanted[0], memory=memory)
 
 
-def _of_spring(result: SealSolution) -> Iterator[str]:
+def spring_in_words(result: SealSolution) -> str:
+    """Force of the spring of a relief valve, and where the valve opens; empty unless the valve is one."""
     found = result.set_pressure
-    if found is not None:
-        opens = "" if found.opens is None or math.isinf(found.opens) else "opens"
-        yield phrase("standard_tests.says", "spring", opens, found=found, diameter=2.0 * found.radius)
+    if found is None:
+        return ""
+    opens = "" if found.opens is None or math.isinf(found.opens) else "opens"
+    return phrase("standard_tests.says", "spring", opens, found=found, diameter=2.0 * found.radius)
 
 
 def allowed(load: TestedLoad) -> float:

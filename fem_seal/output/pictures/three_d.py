@@ -364,7 +364,13 @@ def _leak_paths(plotter: Any, surface: Any, size: float) -> str:
             way["leak"] = np.full(way.n_points, leak[n, 0, 0])
             ways.append(way)
     tubes = pyvista.merge(ways).extract_surface().tube(_THICK * size, n_sides=8)
-    look = {"scalars": "leak", "cmap": _FLOW_MAP, "clim": (0.0, most), "show_scalar_bar": False, "lighting": False}
+    look = {
+        "scalars": "leak",
+        "cmap": _FLOW_MAP,
+        "clim": (0.0, most),
+        "show_scalar_bar": False,
+        "lighting": False,
+    }
     plotter.add_mesh(tubes, name="leak", render=False, **look)
     return quantity("flow", 1e-3 * most)
 
