@@ -264,7 +264,7 @@ def contact_picture(result: SealSolution, load: LoadResult) -> Picture:
     above, below = figure.subplots(
         2,
         1,
-        gridspec_kw={"left": 0.075, "right": 0.93, "bottom": 0.13, "top": 0.92, "hspace": 0.0},
+        gridspec_kw={"left": 0.075, "right": 0.985, "bottom": 0.13, "top": 0.92, "hspace": 0.0},
     )
     low, high = _shown([load])
     length, pressure = unit_for("length", max(-low, high)), unit_for("contact pressure", load.peak_pressure)
@@ -311,20 +311,13 @@ def contact_picture(result: SealSolution, load: LoadResult) -> Picture:
         side = (0.01, "left") if left else (0.99, "right")
         name = format_quantity("fluid pressure", load.fluid_pressure)
         text = f"{name} →" if left else f"← {name}"
-        below.text(
-            side[0],
-            0.93,
-            text,
-            transform=below.transAxes,
-            ha=side[1],
-            va="center",
-            color=BLUE,
-            bbox=_ON_FLUID,
+        named: dict[str, Any] = {"ha": side[1], "va": "center", "color": BLUE}
+        below.text(side[0], 0.93, text, transform=below.transAxes, bbox=_ON_FLUID, **named)
+        above.text(side[0], 0.8, "share of the pressure drop, 0 to 100 %", transform=above.transAxes, **named)
+        # from zero to the peak, which is the whole drop
+        above.plot(
+            load.whole.x / length.size, share * load.peak_pressure / pressure.size, color=BLUE, linestyle="--"
         )
-        beside = above.twinx()
-        beside.plot(load.whole.x / length.size, 100 * share, color=BLUE, linestyle="--")
-        beside.set_ylim(0.0, 108.0)
-        beside.set_ylabel("share of the pressure drop  [%]", color=BLUE)
     label(above, "", "", f"contact pressure  [{pressure.name}]")
     label(below, "", f"x  [{length.name}]", f"gap  [{gap.name}]")
     name = load_name(load, result.loads)
