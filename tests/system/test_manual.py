@@ -130,3 +130,28 @@ def test_terms_of_the_glossary_stand_there_once():
         "DN, NPS",
     ):
         assert term in terms
+
+
+# What people type into the search of the manual, and the page that answers it.
+SEARCHED = {
+    "gasket": "guide/gasket",
+    "copper ring": "guide/gasket",
+    "ring joint": "guide/gasket",
+    "springback": "guide/gasket",
+    "95 %": "tutorial/passing_design",
+    "helium leak test": "howto/flat_seat",
+    "API 598": "howto/judge",
+    "bolt torque": "guide/flange",
+    "Ra 0.8": "guide/finish",
+    "roundness": "howto/not_round",
+    "relief valve": "howto/relief_valve",
+    "hydrogen": "guide/fluids",
+}
+
+
+@pytest.mark.parametrize("words", SEARCHED)
+def test_the_search_finds_the_page_of_a_word(words):
+    """A main entry of the index is the first hit of a search for it."""
+    text = (DOCS / f"{SEARCHED[words]}.md").read_text("utf-8")
+    (entries,) = re.findall(r"^```\{index\} (.*)$", text, re.MULTILINE)
+    assert f"! {words}" in entries.split(", ")
