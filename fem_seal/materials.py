@@ -10,9 +10,8 @@ from itertools import pairwise
 from typing import Any, NamedTuple, overload
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fem_seal.arrays import FloatArray
+from fem_seal.arrays import FloatArray, IntArray
 from fem_seal.errors import InputError
 
 # Where the numbers of a material hold unless a temperature is said [K].
@@ -574,15 +573,15 @@ class HardeningField:
         beyond = trial - self._of(rising, piece)
         return self.strain[piece] + beyond / (stiffness + self._slopes(piece))
 
-    def _piece(self, begins: FloatArray, value: FloatArray) -> NDArray[np.intp]:
+    def _piece(self, begins: FloatArray, value: FloatArray) -> IntArray:
         """Number of the last point of each curve that a value has reached; the first if none."""
         return np.maximum(np.sum(begins <= np.asarray(value)[..., None], axis=-1) - 1, 0)
 
     @staticmethod
-    def _of(columns: FloatArray, piece: NDArray[np.intp]) -> FloatArray:
+    def _of(columns: FloatArray, piece: IntArray) -> FloatArray:
         return np.asarray(np.take_along_axis(columns, piece[..., None], axis=-1)[..., 0])
 
-    def _slopes(self, piece: NDArray[np.intp]) -> FloatArray:
+    def _slopes(self, piece: IntArray) -> FloatArray:
         return self._of(self._slope, piece)
 
     @cached_property

@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+BoolArray = NDArray[np.bool_]
 FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
 
 
 def different(values: FloatArray) -> FloatArray:
@@ -33,9 +35,7 @@ def as_arrays(error: type[ValueError], must: str, *values: ArrayLike) -> list[Fl
         raise error(f"{must}: {reason}") from None
 
 
-def check_each(
-    error: type[ValueError], name: str, values: FloatArray, right: NDArray[np.bool_], must: str
-) -> None:
+def check_each(error: type[ValueError], name: str, values: FloatArray, right: BoolArray, must: str) -> None:
     """Raise `error` with the first of several values that is not right, "p[3] = -1.0: must not be negative [Pa]"."""
     wrong = (~right).nonzero()[0]
     if wrong.size:

@@ -10,7 +10,6 @@ from types import ModuleType
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from meshes.drawings.meshed_body import MeshedOutline
 from meshes.errors import GeometryError, MeshingError, mm
@@ -24,7 +23,7 @@ from meshes.shapes.shape import Shape
 if TYPE_CHECKING:
     from skfem import MeshTri
 
-    from meshes.arrays import FloatArray
+    from meshes.arrays import FloatArray, IntArray
 
 # The condensed contact is a dense matrix of two nodes per element and two components: a gigabyte at this number.
 _MOST_VERTICES = 1600
@@ -318,6 +317,6 @@ def _to_skfem(gmsh: ModuleType, drawn: _Drawn, scale: float) -> MeshTri:
     return mesh.with_boundaries(facets_between(mesh, {name: index[pairs] for name, pairs in lines.items()}))
 
 
-def _connectivity(gmsh: ModuleType, kind: int, entities: list[int]) -> NDArray[np.int64]:
+def _connectivity(gmsh: ModuleType, kind: int, entities: list[int]) -> IntArray:
     parts = [gmsh.model.mesh.getElementsByType(kind, tag)[1] for tag in entities]
     return np.concatenate(parts).astype(np.int64).reshape(-1, kind + 1)

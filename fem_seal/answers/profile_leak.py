@@ -9,9 +9,8 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fem_seal.arrays import FloatArray
+from fem_seal.arrays import FloatArray, IntArray
 from fem_seal.errors import InputError, Problem, QuantityError, TextTableError
 from fem_seal.files import TextTable, column, find_columns, read_text_table
 from fem_seal.profile import PressureProfile
@@ -117,7 +116,7 @@ def _profiles(table: TextTable, columns: dict[str, FloatArray]) -> Iterator[Impo
         yield ImportedProfile(x, pressure, radius, load)
 
 
-def _blocks(x: FloatArray, loads: FloatArray | None) -> list[NDArray[np.int64]]:
+def _blocks(x: FloatArray, loads: FloatArray | None) -> list[IntArray]:
     """Rows of each profile: one for each fluid pressure, and one more where a pressure begins anew at its first x."""
     rows = np.arange(len(x))
     if loads is None:

@@ -7,11 +7,8 @@ from dataclasses import dataclass, field, replace
 from itertools import combinations_with_replacement
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fem_seal.arrays import FloatArray
-
-IntArray = NDArray[np.intp]
+from fem_seal.arrays import FloatArray, IntArray
 
 _HIGHEST_DEGREE = 6
 # Runs per coefficient below which a least-squares polynomial follows single runs instead of the model.

@@ -8,10 +8,9 @@ from functools import cached_property
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
-from fem_seal.arrays import FloatArray
+from fem_seal.arrays import FloatArray, IntArray
 from fem_seal.bodies.elasticity import (
     boundary_dofs,
     edge_shapes,
@@ -85,14 +84,14 @@ class ConstrainedBody:
     name: str
     mesh: MeshTri
     material: Material
-    contact_nodes: NDArray[np.int64]
+    contact_nodes: IntArray
     contact_x: FloatArray
     normal: FloatArray
     trace: csr_matrix
-    free: NDArray[np.int64]
+    free: IntArray
     balance: FloatArray
     further: Mapping[LoadName, FloatArray]
-    wall: NDArray[np.int64]
+    wall: IntArray
     free_strain: Mapping[str, FloatArray] = field(default_factory=dict)
     temperature: FloatArray | None = None
 
@@ -102,7 +101,7 @@ class ConstrainedBody:
         return self.balance.size
 
     @cached_property
-    def contact_dofs(self) -> NDArray[np.int64]:
+    def contact_dofs(self) -> IntArray:
         """Radial and axial dof of the contact nodes, shape (2, n)."""
         return node_dofs(self.mesh)[:, self.contact_nodes]
 
@@ -112,12 +111,12 @@ class ConstrainedBody:
         return replace(self, free=np.setdiff1d(self.free, wall), wall=wall)
 
     @cached_property
-    def nodes(self) -> tuple[FloatArray, NDArray[np.int64]]:
+    def nodes(self) -> tuple[FloatArray, IntArray]:
         """Places [m] of the quadratic nodes, and the triangles over them, see `quadratic_nodes`."""
         return quadratic_nodes(self.mesh)
 
     @cached_property
-    def wall_nodes(self) -> NDArray[np.int64]:
+    def wall_nodes(self) -> IntArray:
         """Nodes of a held wall among the quadratic ones."""
         return np.flatnonzero(np.isin(node_dofs(self.mesh)[0], self.wall))
 
@@ -160,7 +159,7 @@ class ConstrainedBody:
         return compliance + self.balance @ balanced * np.outer(share, share) - cross - cross.T
 
     @cached_property
-    def free_rows(self) -> NDArray[np.int64]:
+    def free_rows(self) -> IntArray:
         """Row of every dof among the free ones; -1 where it is held."""
         number = np.full(self.size, -1)
         number[self.free] = np.arange(len(self.free))
@@ -259,7 +258,7 @@ def constrained_body(
 
 def trace_matrix(
     mesh: MeshTri, boundary: str, coordinate: Callable[[FloatArray, FloatArray], FloatArray], x: FloatArray
-) -> tuple[NDArray[np.int64], csr_matrix]:
+) -> tuple[IntArray, csr_matrix]:
     """Quadratic trace on a contact line evaluated at the arc lengths `x`.
 
     Returns

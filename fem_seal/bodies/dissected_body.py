@@ -7,10 +7,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
-from fem_seal.arrays import FloatArray
+from fem_seal.arrays import BoolArray, FloatArray, IntArray
 from fem_seal.bodies.constrained_body import ConstrainedBody
 from fem_seal.bodies.dissection import Dissection
 from fem_seal.bodies.elasticity import element_dofs, element_stiffness
@@ -91,35 +90,35 @@ class DissectedBody:
         _, along = self._last
         return np.asarray(along.T @ (along.T @ inverse).T), solve
 
-    def _stiffness(self, elements: NDArray[np.int64], tangent: FloatArray) -> FloatArray:
+    def _stiffness(self, elements: IntArray, tangent: FloatArray) -> FloatArray:
         """Stiffness of elements with turned contact nodes; their tangent has the shape (k, points, 4, 4)."""
         assert self.solid is not None  # only of a body that yields
         return self._with_turned(elements, self.solid.element_stiffness(elements, tangent))
 
-    def _with_turned(self, elements: NDArray[np.int64], local: FloatArray) -> FloatArray:
+    def _with_turned(self, elements: IntArray, local: FloatArray) -> FloatArray:
         touched = self._touched[elements]
         turn = self._turn[self._number[elements[touched]]]
         local[touched] = turn.transpose(0, 2, 1) @ local[touched] @ turn
         return local
 
     @cached_property
-    def _turned(self) -> NDArray[np.bool_]:
+    def _turned(self) -> BoolArray:
         """Which contact nodes can move both ways, shape (n,)."""
         return np.all(self.held.free_rows[self.held.contact_dofs] >= 0, axis=0)
 
     @cached_property
-    def _turned_rows(self) -> NDArray[np.int64]:
+    def _turned_rows(self) -> IntArray:
         """Rows of the free dofs that are turned to normal and tangent, shape (2, turned)."""
         return self.held.free_rows[self.held.contact_dofs[:, self._turned]]
 
     @cached_property
-    def _touched(self) -> NDArray[np.bool_]:
+    def _touched(self) -> BoolArray:
         """Which elements have a turned node."""
         turned = self.held.contact_dofs[0, self._turned]
         return np.asarray(np.isin(element_dofs(self.held.mesh), turned).any(axis=1))
 
     @cached_property
-    def _number(self) -> NDArray[np.int64]:
+    def _number(self) -> IntArray:
         """Number of each element among those with a turned node."""
         return np.cumsum(self._touched) - 1
 
@@ -140,7 +139,7 @@ class DissectedBody:
         return turn
 
     @cached_property
-    def _last(self) -> tuple[NDArray[np.int64], csr_matrix]:
+    def _last(self) -> tuple[IntArray, csr_matrix]:
         """Rows eliminated last, and the projection of nodal forces on the contact normals."""
         rows, normal = self.held.free_rows[self.held.contact_dofs], self.held.normal
         node = np.flatnonzero(self._turned)

@@ -6,7 +6,6 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
 from fem_seal.materials import Material
@@ -14,7 +13,7 @@ from fem_seal.materials import Material
 if TYPE_CHECKING:
     from skfem import MeshTri
 
-    from fem_seal.arrays import FloatArray
+    from fem_seal.arrays import FloatArray, IntArray
 
 
 # Corners, then the middles of the edges 01, 12, 20, in the reference triangle: the order of `quadratic_nodes`.
@@ -147,7 +146,7 @@ def stiffness_matrix(mesh: MeshTri, material: Material) -> csr_matrix:
     return assembled(element_stiffness(mesh, material), element_dofs(mesh), node_dofs(mesh).size)
 
 
-def assembled(local: FloatArray, dofs: NDArray[np.int64], size: int) -> csr_matrix:
+def assembled(local: FloatArray, dofs: IntArray, size: int) -> csr_matrix:
     """Sum of element matrices (elements, k, k) over the dofs of their shapes (elements, k); shape (size, size)."""
     rows, columns = np.broadcast_arrays(dofs[:, :, None], dofs[:, None, :])
     return csr_matrix((local.ravel(), (rows.ravel(), columns.ravel())), shape=(size, size))
@@ -206,29 +205,29 @@ def thermal_load(mesh: MeshTri, material: Material, strain: FloatArray) -> Float
     return np.asarray(np.bincount(element_dofs(mesh).T.ravel(), local.ravel()), dtype=np.float64)
 
 
-def quadratic_nodes(mesh: MeshTri) -> tuple[FloatArray, NDArray[np.int64]]:
+def quadratic_nodes(mesh: MeshTri) -> tuple[FloatArray, IntArray]:
     """Corner and mid-edge points (n, 2) [m] and the triangles (m, 6) over them, in VTK's order."""
     points = np.hstack([mesh.p, mesh.p[:, mesh.facets].mean(axis=1)]).T
     return points, np.vstack([mesh.t, mesh.nvertices + mesh.t2f]).T
 
 
-def node_dofs(mesh: MeshTri) -> NDArray[np.int64]:
+def node_dofs(mesh: MeshTri) -> IntArray:
     """Radial and axial dof of every quadratic node, shape (2, n)."""
     return np.arange(2 * (mesh.nvertices + mesh.nfacets)).reshape(-1, 2).T
 
 
-def element_dofs(mesh: MeshTri) -> NDArray[np.int64]:
+def element_dofs(mesh: MeshTri) -> IntArray:
     """Dofs of the shapes of every triangle, radial and axial by turns; shape (elements, 12)."""
     _, triangles = quadratic_nodes(mesh)
     return np.stack([2 * triangles, 2 * triangles + 1], axis=-1).reshape(len(triangles), 12)
 
 
-def boundary_dofs(mesh: MeshTri, boundary: str, component: int) -> NDArray[np.int64]:
+def boundary_dofs(mesh: MeshTri, boundary: str, component: int) -> IntArray:
     """Radial (0) or axial (1) dofs of the nodes on a named boundary."""
     return node_dofs(mesh)[component, boundary_nodes(mesh, boundary)]
 
 
-def boundary_nodes(mesh: MeshTri, boundary: str) -> NDArray[np.int64]:
+def boundary_nodes(mesh: MeshTri, boundary: str) -> IntArray:
     """Quadratic nodes on a named boundary."""
     facets = np.asarray((mesh.boundaries or {})[boundary])
     return np.unique([*mesh.facets[:, facets], mesh.nvertices + facets])

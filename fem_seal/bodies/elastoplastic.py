@@ -11,10 +11,9 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
-from fem_seal.arrays import FloatArray
+from fem_seal.arrays import BoolArray, FloatArray, IntArray
 from fem_seal.bodies.elasticity import (
     NODES,
     contracted,
@@ -83,7 +82,7 @@ class StressUpdate:
     stress: FloatArray
     tangent: FloatArray
     state: PlasticState
-    yielding: NDArray[np.bool_]
+    yielding: BoolArray
 
 
 def radial_return(
@@ -252,7 +251,7 @@ class ElastoplasticBody:
         forces = np.bincount(self._dofs.ravel(), local.ravel())
         return np.asarray(forces, dtype=np.float64)
 
-    def element_stiffness(self, elements: NDArray[np.int64], tangent: FloatArray) -> FloatArray:
+    def element_stiffness(self, elements: IntArray, tangent: FloatArray) -> FloatArray:
         """Stiffness of some elements [N/m], shape (k, shapes, shapes), with their tangent, (k, points, 4, 4) [Pa]."""
         shapes = self.strain_shapes[elements]
         return contracted(shapes, (self.weight[elements][..., None, None] * tangent) @ shapes)
@@ -280,5 +279,5 @@ class ElastoplasticBody:
         return csr_matrix((entries, index), shape=(len(points), elements * count))
 
     @cached_property
-    def _dofs(self) -> NDArray[np.int64]:
+    def _dofs(self) -> IntArray:
         return element_dofs(self.mesh)

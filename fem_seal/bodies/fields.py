@@ -6,9 +6,8 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fem_seal.arrays import FloatArray
+from fem_seal.arrays import FloatArray, IntArray
 from fem_seal.bodies.constrained_body import ConstrainedBody
 from fem_seal.bodies.elasticity import node_dofs
 from fem_seal.bodies.elastoplastic import BodyState, ElastoplasticBody
@@ -44,10 +43,10 @@ class BodyField:
 
     name: str
     points: FloatArray
-    triangles6: NDArray[np.int64]
+    triangles6: IntArray
     displacement: FloatArray
     stress: FloatArray
-    contact_nodes: NDArray[np.int64]
+    contact_nodes: IntArray
     contact_x: FloatArray
     contact_pressure: FloatArray
     temperature: FloatArray | None = field(default=None, kw_only=True)

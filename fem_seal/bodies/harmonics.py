@@ -16,9 +16,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fem_seal.arrays import FloatArray
+from fem_seal.arrays import FloatArray, IntArray
 from fem_seal.bodies.constrained_body import ConstrainedBody
 from fem_seal.bodies.dissected_body import places_of_elements
 from fem_seal.bodies.dissection import Dissection
@@ -47,7 +46,7 @@ if TYPE_CHECKING:
 _KEPT = 100e6
 
 
-def harmonic_dofs(mesh: MeshTri) -> NDArray[np.int64]:
+def harmonic_dofs(mesh: MeshTri) -> IntArray:
     """Dof of u_r, u_z and u_phi of every quadratic node, shape (3, nodes); u_r and u_z are `node_dofs`."""
     in_plane = node_dofs(mesh)
     return np.vstack([in_plane, in_plane.size + np.arange(in_plane.shape[1])])
@@ -89,7 +88,7 @@ def harmonic_stiffness(mesh: MeshTri, material: Material) -> tuple[FloatArray, F
     return element(constant, constant), mixed + mixed.transpose(0, 2, 1), element(linear, linear)
 
 
-def harmonic_element_dofs(mesh: MeshTri) -> NDArray[np.int64]:
+def harmonic_element_dofs(mesh: MeshTri) -> IntArray:
     """Dofs of the shapes of each element, as `harmonic_strains` has them; shape (elements, shapes)."""
     return np.hstack([element_dofs(mesh), node_dofs(mesh).size + quadratic_nodes(mesh)[1]])
 
@@ -215,7 +214,7 @@ class _HeldHarmonics:
 
     dissection: Dissection
     sign: FloatArray
-    places: NDArray[np.int64]
+    places: IntArray
 
     @classmethod
     def of(cls, body: HarmonicBody, guided: bool) -> _HeldHarmonics:

@@ -13,7 +13,6 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
 from fem_seal.bodies.elasticity import AXIS, elasticity_matrix, quadratic_nodes, shape_gradients
@@ -22,7 +21,7 @@ from fem_seal.materials import Material
 if TYPE_CHECKING:
     from skfem import MeshTri
 
-    from fem_seal.arrays import FloatArray
+    from fem_seal.arrays import FloatArray, IntArray
 
 # Where the strain of a triangle is taken, in the reference triangle: Gauss' points of the second degree.
 _POINTS = np.array([[1, 4, 1], [1, 1, 4]]) / 6
@@ -69,7 +68,7 @@ class StressRecovery:
         return np.asarray(stress.reshape(len(points), 4, *displacement.shape[1:]))
 
     @cached_property
-    def _nodes(self) -> tuple[FloatArray, NDArray[np.int64]]:
+    def _nodes(self) -> tuple[FloatArray, IntArray]:
         return quadratic_nodes(self.mesh)
 
     @cached_property
@@ -124,7 +123,7 @@ class StressRecovery:
         )
 
 
-def _patches(mesh: MeshTri) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _patches(mesh: MeshTri) -> tuple[IntArray, IntArray]:
     """Vertices, increasing, and the triangles around each; on the boundary those next to them as well."""
     elements, corner, side = mesh.nelements, mesh.t.ravel(), mesh.t2f.ravel()
     order = np.argsort(corner, kind="stable")

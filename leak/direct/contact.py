@@ -12,9 +12,9 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from leak.arrays import FloatArray
+from leak.arrays import BoolArray, FloatArray
 from leak.errors import DirectError
 
 
@@ -217,7 +217,7 @@ def _first_guess(body: PeriodicHalfSpace, h: FloatArray, total: float, H: float)
     return hills if float(np.std(body.displacement(hills))) < _HILLS * float(np.std(h)) else same
 
 
-def _approach(g: FloatArray, p: FloatArray, free: NDArray[np.bool_]) -> float:
+def _approach(g: FloatArray, p: FloatArray, free: BoolArray) -> float:
     """The multiplier of the mean pressure: the mean of g where it is to vanish."""
     if free.any():
         return float(g[free].mean())
@@ -225,7 +225,7 @@ def _approach(g: FloatArray, p: FloatArray, free: NDArray[np.bool_]) -> float:
     return 0.5 * float(g[touching].max() + g[~touching].min(initial=float(g[touching].max())))
 
 
-def _with_load(p: FloatArray, takes: NDArray[np.bool_], total: float, H: float) -> FloatArray:
+def _with_load(p: FloatArray, takes: BoolArray, total: float, H: float) -> FloatArray:
     if H * np.count_nonzero(takes) <= total:
         takes = np.ones_like(takes)
     carried = np.zeros_like(p)

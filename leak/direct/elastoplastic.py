@@ -13,9 +13,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from leak.arrays import FloatArray
+from leak.arrays import BoolArray, FloatArray, IntArray
 from leak.direct.contact import ContactState, PeriodicHalfSpace, checked_heights, checked_pressures, press
 from leak.direct.layers import LayeredHalfSpace, squared_norm
 from leak.errors import DirectError, positive
@@ -63,7 +63,7 @@ class ElastoplasticState:
 
     contact: ContactState
     raised: FloatArray
-    yielded_points: NDArray[np.intp]
+    yielded_points: IntArray
     plastic_strain: FloatArray
     equivalent_strain: FloatArray
     body: LayeredHalfSpace
@@ -84,7 +84,7 @@ class ElastoplasticState:
         return float(np.mean(self.pressure > 0.0))
 
     @property
-    def yielded(self) -> NDArray[np.bool_]:
+    def yielded(self) -> BoolArray:
         """Points of the surface below which the metal has flowed, shape (n, m)."""
         flowed = np.zeros(self.gap.size, bool)
         flowed[self.yielded_points % flowed.size] = True

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from leak.arrays import FloatArray, as_arrays
+from leak.arrays import FloatArray, IntArray, as_arrays
 from leak.errors import ConductivityError
 from leak.flow.conductivity import GasConductivity
 from leak.flow.contact_profile import checked_profile
@@ -385,8 +385,8 @@ class _Ring:
 
 
 def _shares(
-    tail: NDArray[np.intp], head: NDArray[np.intp], links: FloatArray, place: NDArray[np.intp]
-) -> tuple[FloatArray, FloatArray, NDArray[np.intp]]:
+    tail: IntArray, head: IntArray, links: FloatArray, place: IntArray
+) -> tuple[FloatArray, FloatArray, IntArray]:
     """Share of the drop between the first x and every place, and between it and the last x, shape (m k,) each.
 
     The third array is from how many of both sides some way leads to the place.

@@ -8,9 +8,9 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from leak.arrays import FloatArray, as_arrays, check_each, check_order, different
+from leak.arrays import BoolArray, FloatArray, IntArray, as_arrays, check_each, check_order, different
 from leak.errors import ProfileError
 from leak.flow.conductivity import RemembersLoad
 from leak.numerics.curves import cubic_spline_slopes
@@ -242,7 +242,7 @@ class ContactProfile:
         return self._tail_panel(0, -1.0), cells, self._tail_panel(-1, 1.0)
 
     @cached_property
-    def quadrature(self) -> tuple[FloatArray, FloatArray, NDArray[np.intp]]:
+    def quadrature(self) -> tuple[FloatArray, FloatArray, IntArray]:
         """All points of the panels: ln p* of first loading, weight over 2 pi r, and where each stretch begins.
 
         int f dx/(2 pi r) over each stretch is `np.add.reduceat(weight * f, begin)`.
@@ -283,7 +283,7 @@ class ContactProfile:
         return Panels(log_p, self.radius(x), last * scale / (1.0 - s) ** 2, self.first_loading(x, log_p))
 
 
-def _runs(there: NDArray[np.bool_]) -> list[NDArray[np.intp]]:
+def _runs(there: BoolArray) -> list[IntArray]:
     """Numbers of the points that are there, those that follow each other together."""
     if there.all():
         return [np.arange(there.size)]

@@ -10,9 +10,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from leak.arrays import FloatArray
+from leak.arrays import BoolArray, FloatArray, IntArray
 from leak.errors import ProfileError
 
 # Simpson's rule is exact for the third power of a depth that is linear in the fluid pressure, and knows both ends.
@@ -30,7 +29,7 @@ _LESS, _MOST_LESS = 0.1, 0.98
 class Line:
     """Slices one behind the other, from node to node."""
 
-    nodes: NDArray[np.intp]
+    nodes: IntArray
     """Numbers of the nodes at the ends of the slices, shape (n + 1,)."""
     length: FloatArray
     """Of each slice, shape (n,) [m]."""
@@ -112,11 +111,11 @@ class _Network:
     lines: tuple[Line, ...]
 
     @cached_property
-    def tail(self) -> NDArray[np.intp]:
+    def tail(self) -> IntArray:
         return np.concatenate([line.nodes[:-1] for line in self.lines])
 
     @cached_property
-    def head(self) -> NDArray[np.intp]:
+    def head(self) -> IntArray:
         return np.concatenate([line.nodes[1:] for line in self.lines])
 
     @cached_property
@@ -128,7 +127,7 @@ class _Network:
         return int(max(line.nodes.max() for line in self.lines)) + 1
 
     @cached_property
-    def inner(self) -> NDArray[np.bool_]:
+    def inner(self) -> BoolArray:
         inner = np.ones(self.count, dtype=bool)
         inner[self.lines[0].nodes[[0, -1]]] = False
         return inner
@@ -166,7 +165,7 @@ class _Network:
         into, out = (np.bincount(ends, flows, self.count) for ends in (self.head, self.tail))
         return np.asarray(into - out, dtype=float)
 
-    def connected(self, open_slices: NDArray[np.bool_]) -> bool:
+    def connected(self, open_slices: BoolArray) -> bool:
         """Whether some way through open slices leads from end to end."""
         if open_slices.all():
             return True
@@ -232,7 +231,7 @@ class _Network:
         return found
 
     @cached_property
-    def _band(self) -> tuple[NDArray[np.intp], int, NDArray[np.bool_], NDArray[np.intp]]:
+    def _band(self) -> tuple[IntArray, int, BoolArray, IntArray]:
         """The inner nodes in an order in which neighbours are near, how near, which values are kept, and where."""
         from scipy.sparse import coo_array
         from scipy.sparse.csgraph import reverse_cuthill_mckee

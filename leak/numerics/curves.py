@@ -12,9 +12,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from leak.arrays import FloatArray
+from leak.arrays import FloatArray, IntArray
 from leak.numerics.roots import newton_between
 
 
@@ -68,7 +67,7 @@ class MonotoneCurve:
         """Coefficients of the powers 0 to 3 of the distance from the left end of each cell, shape (4, n - 1)."""
         return cell_cubics(self.x[1:] - self.x[:-1], self.y, self.slope)
 
-    def _cell(self, k: NDArray[np.intp], s: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _cell(self, k: IntArray, s: FloatArray) -> tuple[FloatArray, FloatArray]:
         """y and dy/dx in the cells k at the distances s from their left ends."""
         c0, c1, c2, c3 = self._cubics.take(k, axis=1)
         cubic = c3 * s

@@ -6,9 +6,8 @@ import sys
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
-from leak.arrays import FloatArray
+from leak.arrays import BoolArray, FloatArray
 
 _MOST_STEPS = 100
 _ROUND_OFF = 4.0 * sys.float_info.epsilon
@@ -71,7 +70,7 @@ def root_of_rising(
 
 
 def bisected(
-    is_below: Callable[[FloatArray], NDArray[np.bool_]], low: FloatArray, high: FloatArray, halvings: int = 60
+    is_below: Callable[[FloatArray], BoolArray], low: FloatArray, high: FloatArray, halvings: int = 60
 ) -> tuple[FloatArray, FloatArray]:
     """Ends between which each of many functions changes, `halvings` times as close as two others.
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
-from leak.arrays import FloatArray
+from leak.arrays import BoolArray, FloatArray, IntArray
 
 # No interval is longer than this many times its neighbour.
 _WIDEST = 3.5
@@ -78,14 +77,14 @@ def sampled(
     True
     """
     x, y = start, function(start)
-    open_: NDArray[np.bool_] = np.ones(x.size - 1, dtype=bool)
+    open_: BoolArray = np.ones(x.size - 1, dtype=bool)
     while True:
         open_ = open_ & (np.diff(x) > closest)
         open_ |= _far_wider_than_a_neighbour(x) & (np.diff(x) > closest)
         # beside a point without a value only the place where the values end is looked for
         has = _has_value(y)
         open_ = open_ & (has[:-1] | has[1:])
-        at: NDArray[np.intp] = np.flatnonzero(open_)
+        at: IntArray = np.flatnonzero(open_)
         if not at.size:
             break
         middle = 0.5 * (x[at] + x[at + 1])
@@ -100,18 +99,18 @@ def sampled(
     return x[has], y[has]
 
 
-def _far_wider_than_a_neighbour(x: FloatArray) -> NDArray[np.bool_]:
+def _far_wider_than_a_neighbour(x: FloatArray) -> BoolArray:
     """A prediction may be right by chance; where the next interval had to be halved twice it was."""
     length = np.diff(x)
     ends = np.concatenate([[np.inf], length, [np.inf]])
     return np.asarray(length > _WIDEST * np.minimum(ends[:-2], ends[2:]))
 
 
-def _has_value(y: FloatArray) -> NDArray[np.bool_]:
+def _has_value(y: FloatArray) -> BoolArray:
     return np.asarray(np.isfinite(y).all(axis=1))
 
 
-def _predicted(x: FloatArray, y: FloatArray, cell: NDArray[np.intp], at: FloatArray) -> FloatArray:
+def _predicted(x: FloatArray, y: FloatArray, cell: IntArray, at: FloatArray) -> FloatArray:
     """Values at `at`, in the intervals `cell`, of the cubics through the four points around them."""
     first = np.clip(cell - 1, 0, x.size - 4)
     nodes = [x[first + n] for n in range(4)]

@@ -7,13 +7,9 @@ from dataclasses import dataclass, replace
 from functools import lru_cache, reduce
 
 import numpy as np
-from numpy.typing import NDArray
 
-from leak.arrays import FloatArray
+from leak.arrays import FloatArray, IntArray
 from leak.surfaces.scans import LineScan, Topography, Window
-
-IntArray = NDArray[np.intp]
-
 
 # A mode seen through a Hann window takes these shares of its power from itself and its two neighbours.
 _NEIGHBOURS = {"hann": {-1: 1 / 6, 0: 2 / 3, 1: 1 / 6}, "none": {0: 1.0}}

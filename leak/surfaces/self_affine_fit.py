@@ -13,9 +13,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
-from leak.arrays import FloatArray
+from leak.arrays import BoolArray, FloatArray
 from leak.surfaces.periodogram import Evidence, pooled
 
 CONFIDENCE = 0.9
@@ -282,7 +281,7 @@ def _basis(x: FloatArray, start: FloatArray, corner: FloatArray, end: FloatArray
 
 def _most_likely(
     bases: Sequence[FloatArray], seen: Sequence[Evidence]
-) -> tuple[FloatArray, FloatArray, FloatArray, NDArray[np.bool_]]:
+) -> tuple[FloatArray, FloatArray, FloatArray, BoolArray]:
     """Values of all lines by Fisher scoring: values, minus ln likelihood, covariance, and whether each converged."""
     lines = bases[0].shape[0]
     expected = np.array([0.0, *_SLOPES])

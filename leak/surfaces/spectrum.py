@@ -9,9 +9,9 @@ from os import PathLike
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from leak.arrays import FloatArray, as_arrays, check_each, check_order, different
+from leak.arrays import FloatArray, IntArray, as_arrays, check_each, check_order, different
 from leak.errors import SpectrumError, positive
 from leak.numerics.roots import newton_between
 from leak.surfaces.power_laws import not_zero, power_integral, power_law_moment, slopes
@@ -364,7 +364,7 @@ class PowerSpectrum:
         k = np.searchsorted(self._slope_moment[1:-1], moment, side="right")
         return self.on_piece(k, moment)
 
-    def on_piece(self, piece: NDArray[np.intp] | int, moment: FloatArray) -> SpectrumPoint:
+    def on_piece(self, piece: IntArray | int, moment: FloatArray) -> SpectrumPoint:
         """The same as `at_slope_moment` where the piece of the spectrum is already known."""
         # in the same place: arrays are large here
         step = moment - self._slope_moment[piece]
@@ -399,7 +399,7 @@ class PowerSpectrum:
         breaks = different(np.concatenate([nodes, self._saturation_moments()]))
         return np.append(breaks[breaks < self.last_moment], self.last_moment)
 
-    def _spread(self, kinks: NDArray[np.intp], strong: NDArray[np.intp]) -> NDArray[np.intp]:
+    def _spread(self, kinks: IntArray, strong: IntArray) -> IntArray:
         """So many kinks as are allowed, in even steps of what changes with magnification: q, M and its rest."""
         if kinks.size <= _MOST_BREAKS:
             return kinks
@@ -421,7 +421,7 @@ class PowerSpectrum:
         return self.slope_moment(np.exp(log_q))
 
     @cached_property
-    def break_pieces(self) -> NDArray[np.intp] | None:
+    def break_pieces(self) -> IntArray | None:
         """Piece between each pair of neighbouring breaks, where no break was left out; otherwise None."""
         breaks = self.break_moments
         if not np.all(np.isin(self._slope_moment[self._slope_moment < self.last_moment], breaks)):
@@ -496,7 +496,7 @@ class PowerSpectrum:
 
     # ---------------------------------------------------------------- pieces
 
-    def _piece_of(self, q: FloatArray) -> NDArray[np.intp]:
+    def _piece_of(self, q: FloatArray) -> IntArray:
         return np.minimum(np.maximum(self.wavenumber.searchsorted(q, side="right") - 1, 0), self._last_piece)
 
     @cached_property
@@ -564,7 +564,7 @@ def _straight(ends: FloatArray) -> tuple[FloatArray, FloatArray]:
     return ends, np.subtract(ends[:, 1], ends[:, 0], out=np.zeros(len(ends)), where=there)
 
 
-def _pieces_of_sum(length: FloatArray, one: FloatArray, other: FloatArray) -> NDArray[np.intp]:
+def _pieces_of_sum(length: FloatArray, one: FloatArray, other: FloatArray) -> IntArray:
     """Pieces of the sums of two power laws on stretches of `length` in ln q, from ln C at both ends, shape (n, 2).
 
     A sum bends by (difference of slopes)^2 w (1 - w), w the share of one; its chord is off by length^2/8 of that.

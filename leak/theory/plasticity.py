@@ -25,9 +25,9 @@ from enum import StrEnum
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from leak.arrays import FloatArray
+from leak.arrays import FloatArray, IntArray
 from leak.numerics.curves import cell_cubics
 from leak.numerics.gauss import gauss
 
@@ -276,7 +276,7 @@ class RoughnessSeen:
         """Function of a rise: remaining moment between M and M + rise, and the factor there; no cancellation."""
         return lambda rise: (rise, np.ones(rise.shape[-1:]))
 
-    def at_some(self, pressures: NDArray[np.intp]) -> RoughnessSeen:
+    def at_some(self, pressures: IntArray) -> RoughnessSeen:
         """The same at some of the pressures, given by their numbers."""
         return self
 
@@ -352,7 +352,7 @@ class PlasticRoughness(RoughnessSeen):
 
         return moment_and_factor
 
-    def at_some(self, pressures: NDArray[np.intp]) -> PlasticRoughness:
+    def at_some(self, pressures: IntArray) -> PlasticRoughness:
         """The same at some of the pressures, given by their numbers."""
         if pressures.size == self.start_t.size:
             return self

@@ -7,9 +7,8 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from leak.arrays import FloatArray
+from leak.arrays import FloatArray, IntArray
 from leak.numerics.gauss import gauss, integrals_up_to_nodes
 from leak.surfaces.spectrum import PowerSpectrum
 from leak.theory.persson import FULL_CONTACT, area_argument, moment_of_all, separations
@@ -127,7 +126,7 @@ def _panels(
 
 def _panel_ends(
     spectrum: PowerSpectrum, stops: FloatArray, kappa: float
-) -> tuple[FloatArray, FloatArray, NDArray[np.intp]]:
+) -> tuple[FloatArray, FloatArray, IntArray]:
     """Ends in M of panels of equal detail between neighbouring stops; between which, that detail and their number."""
     share = np.arange(_FINE + 1) / _FINE
     low, high = stops[:-1, None], stops[1:, None]
@@ -161,7 +160,7 @@ def _detail(spectrum: PowerSpectrum, M: FloatArray, kappa: float) -> FloatArray:
 
 
 def _panel_nodes(
-    spectrum: PowerSpectrum, ends: FloatArray, sizes: NDArray[np.intp]
+    spectrum: PowerSpectrum, ends: FloatArray, sizes: IntArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """M, q and weights of int dM of panels between neighbouring ends: in ln M close to q_low, in ln q elsewhere."""
     log_M, log_q = np.log(ends), spectrum.at_slope_moment(ends).log_wavenumber

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from meshes.drawings.profile import CORNER, PARTS, Profile, section_columns
 from meshes.errors import GeometryError
@@ -23,7 +22,7 @@ from meshes.own_process import OwnProcessError, TimeLimitError, run_in_subproces
 if TYPE_CHECKING:
     from skfem import MeshTri
 
-    from meshes.arrays import FloatArray
+    from meshes.arrays import FloatArray, IntArray
 
 # Largest coordinate of a node in the unit of its file, micrometres perhaps; what is larger is a damaged number.
 _LARGEST = 1e8
@@ -151,7 +150,7 @@ class MeshedBody:
         return cls(outline, length_unit)
 
 
-def _read(path: Path, name: str) -> tuple[FloatArray, NDArray[np.int64], dict[str, NDArray[np.int64]]]:
+def _read(path: Path, name: str) -> tuple[FloatArray, IntArray, dict[str, IntArray]]:
     """Points, the body's triangles, and the lines of each of its parts."""
     from meshio import ReadError, gmsh
 
@@ -164,8 +163,8 @@ def _read(path: Path, name: str) -> tuple[FloatArray, NDArray[np.int64], dict[st
     groups = {key: (int(tag), int(dimension)) for key, (tag, dimension) in mesh.field_data.items()}
     physical = mesh.cell_data.get("gmsh:physical", [np.zeros(len(block.data)) for block in mesh.cells])
     body = groups.get(name, (None, 2))[0]
-    triangles: list[NDArray[np.int64]] = []
-    lines: dict[str, list[NDArray[np.int64]]] = {}
+    triangles: list[IntArray] = []
+    lines: dict[str, list[IntArray]] = {}
     for block, tags in zip(mesh.cells, physical, strict=True):
         if block.type.startswith("triangle"):
             triangles.append(block.data[:, :3][slice(None) if body is None else tags == body])
@@ -207,9 +206,9 @@ def _outline(
     name: str,
     path: Path,
     p: FloatArray,
-    t: NDArray[np.int64],
-    where: NDArray[np.int64],
-    lines: dict[str, NDArray[np.int64]],
+    t: IntArray,
+    where: IntArray,
+    lines: dict[str, IntArray],
 ) -> MeshedOutline:
     from skfem import MeshTri
 

@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from meshes.arrays import FloatArray
+from meshes.arrays import FloatArray, IntArray
 from meshes.geometry.segment import Segment, as_point
 
 # Change of direction [rad] and relative change of curvature that count in `Curve.bends`.
@@ -92,7 +91,7 @@ class Curve:
         inner = self.breaks[:-1, None] + self._lengths[:, None] * between
         return np.append(inner.ravel(), self.breaks[-1])
 
-    def _locate(self, s: FloatArray) -> tuple[NDArray[np.int64], FloatArray]:
+    def _locate(self, s: FloatArray) -> tuple[IntArray, FloatArray]:
         index = np.clip(np.searchsorted(self.breaks, s, side="right") - 1, 0, len(self.segments) - 1)
         return index, s - self.breaks[index]
 

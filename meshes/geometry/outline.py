@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from meshes.errors import GeometryError
 from meshes.geometry.curve import Curve
@@ -16,7 +15,7 @@ from meshes.geometry.segment import Segment
 if TYPE_CHECKING:
     from skfem import MeshTri
 
-    from meshes.arrays import FloatArray
+    from meshes.arrays import BoolArray, FloatArray
 
 
 @dataclass(frozen=True)
@@ -102,7 +101,7 @@ class Outline:
         r, z = zip(*(p for s in self.segments for p in s.corners), strict=True)
         return (min(r), max(r)), (min(z), max(z))
 
-    def holds(self, points: FloatArray) -> NDArray[np.bool_]:
+    def holds(self, points: FloatArray) -> BoolArray:
         """Which of some points (r, z) [m], shape (2, n), lie inside, arcs being followed by chords."""
         along = [Curve((s,)) for s in self.segments]
         corners = np.hstack([one.point(np.linspace(0.0, one.length, 33)[:-1]) for one in along])

@@ -6,10 +6,9 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from skfem import MeshTri
 
-from meshes.arrays import FloatArray
+from meshes.arrays import BoolArray, FloatArray, IntArray
 from meshes.errors import MeshingError
 
 # Rounds of smoothing: the second one makes far fewer poor triangles, a third one hardly any difference.
@@ -18,13 +17,13 @@ _ROUNDS = 2
 _GOOD = 0.6
 
 
-def triangle_shape(p: FloatArray, t: NDArray[np.int64]) -> FloatArray:
+def triangle_shape(p: FloatArray, t: IntArray) -> FloatArray:
     """Return 2 r_in/r_circ of every triangle: 1 equilateral, 0 degenerate."""
     a, b, c = (np.hypot(*(p[:, t[i]] - p[:, t[j]])) for i, j in ((0, 1), (1, 2), (2, 0)))
     return (b + c - a) * (c + a - b) * (a + b - c) / (a * b * c)
 
 
-def doubled_area(p: FloatArray, t: NDArray[np.int64]) -> FloatArray:
+def doubled_area(p: FloatArray, t: IntArray) -> FloatArray:
     """Twice the area of every triangle [m^2], negative where its vertices go round clockwise."""
     e, f = p[:, t[1]] - p[:, t[0]], p[:, t[2]] - p[:, t[0]]
     return e[0] * f[1] - e[1] * f[0]
@@ -60,7 +59,7 @@ class Triangles(MeshTri):
         return self
 
 
-def facets_between(mesh: MeshTri, lines: Mapping[str, NDArray[np.int64]]) -> dict[str, NDArray[np.int64]]:
+def facets_between(mesh: MeshTri, lines: Mapping[str, IntArray]) -> dict[str, IntArray]:
     """The facets of some lines.
 
     Parameters
@@ -75,7 +74,7 @@ def facets_between(mesh: MeshTri, lines: Mapping[str, NDArray[np.int64]]) -> dic
         If there is no facet between a pair.
     """
 
-    def numbers(pairs: NDArray[np.int64]) -> NDArray[np.int64]:
+    def numbers(pairs: IntArray) -> IntArray:
         return pairs.min(axis=1) * np.int64(mesh.nvertices) + pairs.max(axis=1)
 
     # scikit-fem sorts the facets by their vertices, and so are these numbers.
@@ -112,12 +111,12 @@ def smoothed(mesh: Triangles) -> Triangles:
     return mesh.moved(p)
 
 
-def _measured(p: FloatArray, t: NDArray[np.int64]) -> tuple[FloatArray, FloatArray]:
+def _measured(p: FloatArray, t: IntArray) -> tuple[FloatArray, FloatArray]:
     """Shape and doubled area of triangles."""
     return triangle_shape(p, t), doubled_area(p, t)
 
 
-def _harmed(before: tuple[FloatArray, FloatArray], after: tuple[FloatArray, FloatArray]) -> NDArray[np.bool_]:
+def _harmed(before: tuple[FloatArray, FloatArray], after: tuple[FloatArray, FloatArray]) -> BoolArray:
     """Triangles that are turned over, or worse than before and poor."""
     (shape, area), (new_shape, new_area) = before, after
     return (np.sign(area) != np.sign(new_area)) | ((new_shape < shape) & (new_shape < _GOOD))
