@@ -23,8 +23,7 @@ from fem_seal.errors import InputError, OutputError, QuantityError, SealError, T
 from fem_seal.units import parse_quantity
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
+    from fem_seal.arrays import FloatArray
 
 
 def write_bytes(path: str | os.PathLike[str], chunks: bytes | Iterable[bytes]) -> Path:
@@ -230,7 +229,7 @@ class TextTable:
     """
 
     header: tuple[str, ...]
-    values: NDArray[np.float64]
+    values: FloatArray
     lines: tuple[int, ...]
 
 
@@ -281,9 +280,7 @@ _LARGEST = {"length": 1e3, "pressure": 1e15, "strain": 100.0, "temperature": 1e5
 _NOTHING = 1e-30
 
 
-def _check_sizes(
-    values: NDArray[np.float64], lines: tuple[int, ...], largest: float, what: str = "number"
-) -> None:
+def _check_sizes(values: FloatArray, lines: tuple[int, ...], largest: float, what: str = "number") -> None:
     """TextTableError if a row of a table holds a number that is beyond all measure; it names the line."""
     import numpy as np
 
@@ -381,7 +378,7 @@ def find_columns(table: TextTable, names: Names, example: str) -> dict[str, int]
     return {role: place for role, place in places.items() if place is not None}
 
 
-def column(table: TextTable, place: int, dimension: str) -> NDArray[np.float64]:
+def column(table: TextTable, place: int, dimension: str) -> FloatArray:
     """Column of a table in SI.
 
     Raises
@@ -397,7 +394,7 @@ def column(table: TextTable, place: int, dimension: str) -> NDArray[np.float64]:
     return np.where(np.abs(values) < _NOTHING, 0.0, values)
 
 
-def _in_si(table: TextTable, place: int, dimension: str) -> NDArray[np.float64]:
+def _in_si(table: TextTable, place: int, dimension: str) -> FloatArray:
     import numpy as np
 
     header, values = table.header[place], table.values[:, place]

@@ -16,9 +16,9 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from fem_seal.arrays import FloatArray
+from fem_seal.arrays import BoolArray, FloatArray, IntArray
 
 # Elements of the smallest parts: fewer are more steps in Python, more are dense matrices with many zeros.
 _SMALLEST = 40
@@ -41,11 +41,11 @@ class _Part:
         others; or of what each half hands on.
     """
 
-    elements: NDArray[np.int64]
+    elements: IntArray
     halves: tuple[int, ...]
-    inner: NDArray[np.int64]
-    outer: NDArray[np.int64]
-    places: tuple[NDArray[np.int64], ...]
+    inner: IntArray
+    outer: IntArray
+    places: tuple[IntArray, ...]
 
     def front_matrix(self, local: FloatArray) -> FloatArray:
         """Stiffness of inner and outer from that of its elements (elements, shapes, shapes), of a smallest part."""
@@ -124,19 +124,19 @@ class Dissection:
     """
 
     parts: tuple[_Part, ...]
-    places: NDArray[np.int64]
+    places: IntArray
     size: int
     elastic: FloatArray
 
     @classmethod
     def of(
         cls,
-        unknowns: NDArray[np.int64],
+        unknowns: IntArray,
         coordinates: FloatArray,
         places: ArrayLike,
         size: int,
         elastic: FloatArray,
-        nodes: NDArray[np.int64] | None = None,
+        nodes: IntArray | None = None,
     ) -> Dissection:
         """Parts of a mesh.
 
@@ -160,7 +160,7 @@ class Dissection:
         return cls(_parts(levels, unknowns, places, size), places, size, elastic)
 
     def condensed(
-        self, changed: NDArray[np.bool_], stiffness: Callable[[NDArray[np.int64]], FloatArray]
+        self, changed: BoolArray, stiffness: Callable[[IntArray], FloatArray]
     ) -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
         """(K^-1) between the places, and a solver for any right-hand side.
 
@@ -221,7 +221,7 @@ class Dissection:
         return inverse + np.triu(inverse, 1).T, solve
 
     @cached_property
-    def _order(self) -> tuple[NDArray[np.int64], list[tuple[slice, NDArray[np.int64]]]]:
+    def _order(self) -> tuple[IntArray, list[tuple[slice, IntArray]]]:
         """Unknowns in the order of their elimination, and where those that a part eliminates and hands on are then."""
         eliminating = [part for part in self.parts if len(part.inner)]
         order = np.concatenate([*(part.inner for part in eliminating), self.places])
@@ -240,8 +240,8 @@ class Dissection:
 
     def _eliminated(
         self,
-        changed: NDArray[np.bool_],
-        stiffness: Callable[[NDArray[np.int64]], FloatArray],
+        changed: BoolArray,
+        stiffness: Callable[[IntArray], FloatArray],
     ) -> list[_Eliminated]:
         """Every part, anew where an element has changed."""
         found: list[_Eliminated] = []
@@ -257,7 +257,7 @@ class Dissection:
         return found
 
 
-def _halved(nodes: NDArray[np.int64], coordinates: FloatArray) -> list[NDArray[np.int64]]:
+def _halved(nodes: IntArray, coordinates: FloatArray) -> list[IntArray]:
     """In which part each element is: of the whole, of its halves, of theirs and so on, each of shape (elements,).
 
     The halves of the n-th part are 2n and 2n + 1 of the next level; -1 where a part is not halved again. They lie along
@@ -292,16 +292,14 @@ def _halved(nodes: NDArray[np.int64], coordinates: FloatArray) -> list[NDArray[n
         levels.append(part)
 
 
-def _have(node: NDArray[np.int64], half: NDArray[np.int64], count: int) -> NDArray[np.bool_]:
+def _have(node: IntArray, half: IntArray, count: int) -> BoolArray:
     """Which nodes each half has, shape (nodes, 2)."""
     have = np.zeros((count, 2), dtype=bool)
     have[node, half[:, None]] = True
     return have
 
 
-def _parts(
-    levels: list[NDArray[np.int64]], unknowns: NDArray[np.int64], places: NDArray[np.int64], size: int
-) -> tuple[_Part, ...]:
+def _parts(levels: list[IntArray], unknowns: IntArray, places: IntArray, size: int) -> tuple[_Part, ...]:
     """All parts, halves before what they are halves of; `levels` as from `_halved`."""
     level_of, ordered = _elimination(levels, unknowns, places, size)
     rank = np.full(size + 1, -1)
@@ -358,8 +356,8 @@ def _add(found: list[_Part], pieces: Sequence[Sequence[Any]], level: int, number
 
 
 def _elimination(
-    levels: list[NDArray[np.int64]], unknowns: NDArray[np.int64], places: NDArray[np.int64], size: int
-) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    levels: list[IntArray], unknowns: IntArray, places: IntArray, size: int
+) -> tuple[IntArray, IntArray]:
     """On which level each unknown is eliminated, -1 if it is left to the last, and unknowns in the order of that."""
     # the smallest part that has all elements of an unknown; the held ones come behind all others
     level_of, part_of = np.zeros((2, size + 1), dtype=np.int64)
@@ -376,12 +374,12 @@ def _elimination(
     return level_of[:-1], np.append(order[level_of[order] >= 0], places)
 
 
-def _sorted(part: NDArray[np.int64]) -> NDArray[np.int64]:
+def _sorted(part: IntArray) -> IntArray:
     """What sorts numbers of parts, of which there are few: they are not compared, but counted."""
     return np.argsort(part.astype(np.min_scalar_type(part.max())), kind="stable")
 
 
-def _cut(values: NDArray[np.int64], group: NDArray[np.int64], count: int) -> list[NDArray[np.int64]]:
+def _cut(values: IntArray, group: IntArray, count: int) -> list[IntArray]:
     """Values by the group that each is in, which do not fall."""
     ends = np.searchsorted(group, np.arange(count + 1)).tolist()
     return [values[begin:end] for begin, end in pairwise(ends)]

@@ -10,9 +10,9 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from leak.arrays import FloatArray
+from leak.arrays import FloatArray, IntArray
 from leak.direct.contact import ContactState, PeriodicHalfSpace, checked_heights, checked_pressures, press
 from leak.direct.flow import patch_flow, periodic_flow, rarefied_gap
 from leak.direct.patch import Patch, refined, smoothed
@@ -204,7 +204,7 @@ def simulate(
     p: FloatArray | None = None
     overlap = np.zeros_like(h)
 
-    def branch(heights: FloatArray, pressures: FloatArray, order: NDArray[np.intp]) -> DirectBranch:
+    def branch(heights: FloatArray, pressures: FloatArray, order: IntArray) -> DirectBranch:
         nonlocal p, overlap
         rows: dict[int, PressedPatch] = {}
         for i in order:
@@ -336,15 +336,8 @@ def size_study(
     >>> bool(0.5 < half.mean_gap[0] / whole.mean_gap[0] < 2.0)
     True
     """
-    found = []
-    for factor in factors:
-        piece = replace(patch, points=round(factor * patch.points), size=factor * patch.size)
-        found.append(
-            simulate(
-                piece.heights(seed),
-                piece.size,
-                pressures,
-                effective_modulus=effective_modulus,
-            )
-        )
-    return found
+    pieces = [replace(patch, points=round(one * patch.points), size=one * patch.size) for one in factors]
+    return [
+        simulate(one.heights(seed), one.size, pressures, effective_modulus=effective_modulus)
+        for one in pieces
+    ]

@@ -8,19 +8,13 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache, partial
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from leak.arrays import FloatArray
+from leak.arrays import FloatArray, IntArray
 from leak.errors import ConductivityError, SurfaceError, positive
 from leak.flow import conductivity as flow
 from leak.flow import medium
 from leak.flow.conductivity import AnyTable, ConductivityTable, GasConductivityTable, LoadMemory
-from leak.flow.medium import (
-    area_argument_at,
-    critical_gap,
-    effective_gap,
-    effective_gaps,
-)
 from leak.flow.rarefied import log_flow_factor
 from leak.numerics.curves import MonotoneCurve, spline_slopes
 from leak.numerics.roots import bisected, root_of_rising
@@ -156,11 +150,8 @@ class RoughContact:
             raise SurfaceError(f"gamma = {self.gamma}: must lie in (0, 1] [-]")
         if self.separation_width not in _WIDTHS:
             raise SurfaceError(f"separation_width = {self.separation_width!r}: must be one of {_WIDTHS}")
-        if (
-            not 1.0 / _MOST_STRETCHED
-            <= positive(SurfaceError, "peklenik", self.peklenik, "-")
-            <= _MOST_STRETCHED
-        ):
+        ratio = positive(SurfaceError, "peklenik", self.peklenik, "-")
+        if not 1.0 / _MOST_STRETCHED <= ratio <= _MOST_STRETCHED:
             raise SurfaceError(f"peklenik = {self.peklenik}: must lie between 0.001 and 1000 [-]")
 
     # ---------------------------------------------------------------- variants
@@ -587,7 +578,7 @@ class RoughContact:
         for part in _parts(np.arange(pressure.size)):
             acting = self.acting_pressure(pressure[part])
             lost, aspect = self._channels(acting, self._seen(acting), refinement)
-            u[part], gas = effective_gaps(
+            u[part], gas = medium.effective_gaps(
                 lost, height, n, aspect, np.exp(log_inverse_knudsen), refinement=refinement
             )
             with np.errstate(divide="ignore", invalid="ignore"):
@@ -622,7 +613,7 @@ class RoughContact:
     @cached_property
     def sealing_pressure(self) -> float:
         """Pressure from which A/A0 at full magnification exceeds the percolation threshold: nothing flows [Pa]."""
-        return self._sealing_pressure(area_argument_at(self.percolation_threshold))
+        return self._sealing_pressure(medium.area_argument_at(self.percolation_threshold))
 
     def sealing_pressure_by(self, method: str) -> float:
         """Pressure from which nothing flows, by a method of `effective_separation` [Pa].
@@ -743,7 +734,7 @@ class RoughContact:
     def _effective_separation(self, p: FloatArray, seen: RoughnessSeen, refinement: float) -> FloatArray:
         lost, aspect = self._channels(p, seen, refinement)
         n = medium.dimension_number(self.percolation_threshold)
-        return effective_gap(lost, self.spectrum.rms_height, n, aspect, refinement=refinement)
+        return medium.effective_gap(lost, self.spectrum.rms_height, n, aspect, refinement=refinement)
 
     def _channels(
         self, p: FloatArray, seen: RoughnessSeen, refinement: float
@@ -765,7 +756,7 @@ class RoughContact:
     def _near_threshold(self, p: FloatArray, seen: RoughnessSeen, refinement: float) -> FloatArray:
         lost = self._lost_area(p, seen, refinement)
         n = medium.dimension_number(self.percolation_threshold)
-        u = effective_gap(lost, self.spectrum.rms_height, n, refinement=refinement)
+        u = medium.effective_gap(lost, self.spectrum.rms_height, n, refinement=refinement)
         mean = self._mean(p, seen).mean[:, 0]
         return medium.near_threshold(u, mean, self._corrected_area(p, seen), self.percolation_threshold)
 
@@ -775,7 +766,7 @@ class RoughContact:
 
     def _critical_separation(self, p: FloatArray, seen: RoughnessSeen) -> FloatArray:
         relative = p / self.effective_modulus
-        return critical_gap(self.spectrum, seen, relative, self.gamma, self.percolation_threshold)
+        return medium.critical_gap(self.spectrum, seen, relative, self.gamma, self.percolation_threshold)
 
 
 class _OfEqualGap(RoughContact):
@@ -785,7 +776,7 @@ class _OfEqualGap(RoughContact):
         return medium.touching_pressure_at_equal_gap(self.peklenik, share)
 
 
-def _parts(index: NDArray[np.intp]) -> list[NDArray[np.intp]]:
+def _parts(index: IntArray) -> list[IntArray]:
     """About `_CHUNK` at a time."""
     return np.array_split(index, max(round(index.size / _CHUNK), 1)) if index.size else []
 

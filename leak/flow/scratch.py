@@ -8,9 +8,9 @@ from functools import cached_property
 from typing import Any, Generic, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from leak.arrays import FloatArray
+from leak.arrays import BoolArray, FloatArray, IntArray
 from leak.errors import ProfileError, positive
 from leak.flow.conductivity import GasConductivity
 from leak.flow.contact_profile import (
@@ -488,7 +488,7 @@ class _Contact:
     """u_eff of the roughness, zero where it lets nothing through, shape (n,) [m]."""
     x: FloatArray
     """Places where the fluid pressure is known, shape (m,) [m]."""
-    nodes: NDArray[np.intp]
+    nodes: IntArray
     """Number of slices before them, shape (m,)."""
 
     @classmethod
@@ -522,14 +522,12 @@ class _Contact:
         """p at the slices [Pa]."""
         return np.exp(self.log_pressure)
 
-    def within(self, kept: NDArray[np.bool_]) -> _Contact:
+    def within(self, kept: BoolArray) -> _Contact:
         """Without the slices that resist nothing."""
         before = np.concatenate([[0], np.cumsum(kept)])
         return self._of(np.flatnonzero(kept), self.length[kept], before[self.nodes])
 
-    def cut(
-        self, grooves: tuple[Groove, ...], modulus: float
-    ) -> tuple[_Contact, tuple[NDArray[np.bool_], ...]]:
+    def cut(self, grooves: tuple[Groove, ...], modulus: float) -> tuple[_Contact, tuple[BoolArray, ...]]:
         """Slices, and for each groove where it is deeper than the rough gap is wide, shape (n,).
 
         Slices are cut in two where that begins or ends: no bound jumps as a groove becomes deeper.
@@ -558,7 +556,7 @@ class _Contact:
         )
         return self._of(old, length, np.searchsorted(new, edges)[self.nodes]), masks
 
-    def _of(self, old: NDArray[np.intp], length: FloatArray, nodes: NDArray[np.intp]) -> _Contact:
+    def _of(self, old: IntArray, length: FloatArray, nodes: IntArray) -> _Contact:
         log_p, first = self.log_pressure[old], self.first_loading[old]
         return _Contact(log_p, first, self.radius[old], length, self.gap[old], self.x, nodes)
 
@@ -577,7 +575,7 @@ class _Networks:
     modulus: float
     """E* [Pa]."""
     grooves: tuple[Groove, ...]
-    deeper: tuple[NDArray[np.bool_], ...]
+    deeper: tuple[BoolArray, ...]
     """Where each groove is deeper than the rough gap is wide, shape (n,)."""
 
     @cached_property
@@ -609,7 +607,7 @@ class _Networks:
             self.permeant.potential(np.clip(low + self.contact.pressure - one, 0.0, high)) for one in closing
         ]
 
-    def main(self, apart: tuple[NDArray[np.bool_], ...]) -> Line:
+    def main(self, apart: tuple[BoolArray, ...]) -> Line:
         """The roughness, and in it the grooves where they are not apart."""
 
         def mobility(potential: FloatArray) -> FloatArray:

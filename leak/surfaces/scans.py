@@ -8,9 +8,9 @@ from itertools import product
 from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from leak.arrays import FloatArray, as_arrays, check_each
+from leak.arrays import BoolArray, FloatArray, as_arrays, check_each
 from leak.errors import ScanError, positive, um
 
 Detrend = Literal["mean", "tilt", "curvature"]
@@ -283,14 +283,11 @@ def _is_even(x: FloatArray, spacing: float) -> bool:
 def _rounding(x: FloatArray, below: float) -> float:
     """Largest power of ten, up to `below`, of which all positions are multiples: the last digit they were given in."""
     first = int(np.floor(np.log10(below)))
-    for exponent in range(first, first - 4, -1):
-        multiple = x / 10.0**exponent
-        if np.all(np.abs(multiple - np.round(multiple)) < 1e-6):
-            return 10.0**exponent
-    return 0.0
+    digits = [10.0**exponent for exponent in range(first, first - 4, -1)]
+    return next((one for one in digits if np.all(np.abs(x / one - np.round(x / one)) < 1e-6)), 0.0)
 
 
-def filled(h: FloatArray, missing: NDArray[np.bool_]) -> FloatArray:
+def filled(h: FloatArray, missing: BoolArray) -> FloatArray:
     """Heights with those missing replaced by the nearest one, shape (nx, ny) [m]."""
     from scipy.ndimage import distance_transform_edt
 
@@ -315,7 +312,6 @@ def _without_polynomial(heights: FloatArray, degree: int) -> FloatArray:
 
 # -------------------------------------------------------------------- outliers
 
-BoolArray = NDArray[np.bool_]
 
 Outliers = Literal["keep", "remove"]
 OUTLIERS: tuple[str, ...] = get_args(Outliers)

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from leak.arrays import FloatArray
+from leak.arrays import BoolArray, FloatArray
 from leak.errors import ProfileError, positive
 from leak.numerics.gauss import gauss
 from leak.numerics.roots import bisected
@@ -322,7 +322,7 @@ def _log_N(share: FloatArray, X: FloatArray) -> tuple[FloatArray, FloatArray]:
             - half * (2.0 / (1.0 + np.exp(np.minimum(2.0 * tau, 700.0))))
         )
 
-    def rising(w: FloatArray) -> NDArray[np.bool_]:
+    def rising(w: FloatArray) -> BoolArray:
         tau = np.exp(w)
         k = np.tanh(tau)
         sech2 = 1.0 / np.cosh(np.minimum(tau, 300.0)) ** 2
@@ -346,9 +346,7 @@ def _log_N(share: FloatArray, X: FloatArray) -> tuple[FloatArray, FloatArray]:
     return log_integrand(peak)[:, 0] + half[:, 0] + np.log(total), X * mean_k
 
 
-def _bisect(
-    is_below: Callable[[FloatArray], NDArray[np.bool_]], low: FloatArray, high: FloatArray
-) -> FloatArray:
+def _bisect(is_below: Callable[[FloatArray], BoolArray], low: FloatArray, high: FloatArray) -> FloatArray:
     """Where `is_below` turns from true to false between `low` and `high`."""
     low, high = bisected(is_below, low, high, _BISECTIONS)
     return 0.5 * (low + high)

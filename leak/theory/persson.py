@@ -13,9 +13,9 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from leak.arrays import FloatArray, different
+from leak.arrays import FloatArray, IntArray, different
 from leak.numerics.gauss import gauss
 from leak.surfaces.spectrum import PowerSpectrum
 from leak.theory.plasticity import RoughnessSeen
@@ -271,9 +271,7 @@ def separations(
     return Separations(mean, decay, mean + decay + per_moment * (tail + beyond), A)
 
 
-def _point(
-    spectrum: PowerSpectrum, piece: NDArray[np.intp] | None, M: FloatArray
-) -> tuple[FloatArray, FloatArray]:
+def _point(spectrum: PowerSpectrum, piece: IntArray | None, M: FloatArray) -> tuple[FloatArray, FloatArray]:
     return spectrum.at_slope_moment(M) if piece is None else spectrum.on_piece(piece, M)
 
 
@@ -286,7 +284,7 @@ class _Parts(NamedTuple):
     """Elastic moments at the end of each part, shape (n,)."""
     log_wavenumber: FloatArray
     """ln q there, shape (n,)."""
-    piece: NDArray[np.intp] | None
+    piece: IntArray | None
     """Piece of the spectrum that each part is in, shape (n,); None where parts reach over kinks."""
 
 
@@ -303,7 +301,7 @@ def _parts(spectrum: PowerSpectrum, kappa: float, end: float) -> _Parts:
 
 def _steps(
     spectrum: PowerSpectrum, parts: _Parts, M: FloatArray, log_a: FloatArray, refinement: float
-) -> tuple[FloatArray, FloatArray, NDArray[np.intp] | None]:
+) -> tuple[FloatArray, FloatArray, IntArray | None]:
     """Gauss points in ln v between the smallest step that counts and the end.
 
     Each part gets as many points as its longest instance needs.
