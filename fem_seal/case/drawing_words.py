@@ -91,9 +91,8 @@ def words_of(table: type[BaseModel]) -> Mapping[str, Word]:
     words = {}
     for key, field in table.model_fields.items() if "shape" in table.model_fields else ():
         name, marker = partner(key), next(quantities_of(field), None)
-        if name is None or marker is None or key == _ROUNDING:
-            continue
-        words[name] = Word(name, key, _twice(marker))
+        if name is not None and marker is not None and key != _ROUNDING:
+            words[name] = Word(name, key, _twice(marker))
     return words
 
 

@@ -457,7 +457,7 @@ def key_of(table: type[BaseModel], name: str) -> Key:
     table : type
     name : str
     """
-    known = _keys()
+    known = own_tables("keys.toml")
     return next(
         (Key(*known[one.__name__][name]) for one in table.__mro__ if name in known.get(one.__name__, ())),
         Key(),
@@ -471,12 +471,7 @@ def about(table: type[BaseModel]) -> str:
     ----------
     table : type
     """
-    return table.__doc__ or _keys()["shapes"][table.__name__]
-
-
-@cache
-def _keys() -> dict[str, dict[str, Any]]:
-    return own_tables("keys.toml")
+    return table.__doc__ or own_tables("keys.toml")["shapes"][table.__name__]
 
 
 class Whole(Number):

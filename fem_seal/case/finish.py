@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping
-from functools import cache, lru_cache
+from functools import lru_cache
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import BeforeValidator, model_validator
@@ -50,12 +50,7 @@ def process_word(word: object) -> object:
     if not isinstance(word, str):
         return word
     plain = " ".join(word.lower().replace("-", " ").replace("_", " ").split())
-    return _other_words().get(plain, plain)
-
-
-@cache
-def _other_words() -> dict[str, str]:
-    return own_tables("processes.toml")
+    return own_tables("processes.toml").get(plain, plain)
 
 
 def read_finish(text: str) -> dict[str, Any]:

@@ -109,12 +109,8 @@ def with_schema(text: str, place: str) -> str:
 def asked(text: str) -> list[tuple[Question, str, str]]:
     """Questions that a text has an entry for, with path and present value of it as it is answered."""
     known = {path: _plain(entry["value"]) for path, entry in _entries(text).items()}
-    found = []
-    for question in QUESTIONS:
-        path = next((path for path in question.paths if path in known), None)
-        if path is not None:
-            found.append((question, path, known[path]))
-    return found
+    places = [(one, next((path for path in one.paths if path in known), None)) for one in QUESTIONS]
+    return [(question, path, known[path]) for question, path in places if path is not None]
 
 
 def with_entries(text: str, entries: Mapping[str, str]) -> str:

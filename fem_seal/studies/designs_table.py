@@ -8,10 +8,9 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_seal.answers.judgement import Verdict
-from fem_seal.arrays import FloatArray
+from fem_seal.arrays import BoolArray, FloatArray
 from fem_seal.seal.findings import Level
 from fem_seal.seal.readings import FURTHER, OWN, leak_rate_column
 from fem_seal.studies.designs import MORRIS_LEVELS, SENSITIVITY, unit_points
@@ -269,7 +268,7 @@ def records(table: pd.DataFrame) -> list[dict[str, Any]]:
     return cast("list[dict[str, Any]]", table.to_dict("records"))
 
 
-def pareto_front(goals: FloatArray) -> NDArray[np.bool_]:
+def pareto_front(goals: FloatArray) -> BoolArray:
     """Which rows are not surpassed: no other row is as small in every column and smaller in one.
 
     Parameters
@@ -370,7 +369,7 @@ class Sensitivity:
         return [int(place) for place in np.argsort(-self.influence, kind="stable")]
 
     @property
-    def noise(self) -> NDArray[np.bool_]:
+    def noise(self) -> BoolArray:
         """Which first-order Sobol' indices are noise of the sample: above the total one, or below zero."""
         if self.method == "morris":
             return np.zeros(len(self.first), dtype=bool)
@@ -416,15 +415,12 @@ def _sensitivity(
         from SALib.analyze import morris
 
         found = morris.analyze(problem, unit, y, num_levels=MORRIS_LEVELS, seed=design.seed)
-        first, total, first_error, total_error = "mu_star", "sigma", "mu_star_conf", None
+        keys: tuple[str | None, ...] = ("mu_star", "sigma", "mu_star_conf", None)
     else:
         from SALib.analyze import sobol
 
         shown = (y - y.mean()) / y.std()
         found = sobol.analyze(problem, shown, calc_second_order=False, seed=design.seed)
-        first, total, first_error, total_error = "S1", "ST", "S1_conf", "ST_conf"
-    numbers = (
-        np.zeros(len(names)) if key is None else np.asarray(found[key])
-        for key in (first, total, first_error, total_error)
-    )
+        keys = ("S1", "ST", "S1_conf", "ST_conf")
+    numbers = (np.zeros(len(names)) if key is None else np.asarray(found[key]) for key in keys)
     return Sensitivity(output, logarithmic, design.kind, names, *numbers)

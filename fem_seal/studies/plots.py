@@ -10,9 +10,8 @@ from io import BytesIO
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fem_seal.arrays import FloatArray
+from fem_seal.arrays import BoolArray, FloatArray
 from fem_seal.files import own_tables
 from fem_seal.output.notebook import table_html
 from fem_seal.output.pictures.style import style
@@ -74,14 +73,8 @@ def _lines(display: Display, x: str = "", y: str = "") -> list[dict[str, Any]]:
         )
         if limit is not None:
             at = float(display.shown(name, limit))
-            place = {
-                f"{across}ref": "paper",
-                f"{across}0": 0,
-                f"{across}1": 1,
-                f"{side}0": at,
-                f"{side}1": at,
-            }
-            found.append({"type": "line", "line": _LINE, **place})
+            ends = {f"{across}0": 0, f"{across}1": 1, f"{side}0": at, f"{side}1": at}
+            found.append({"type": "line", "line": _LINE, f"{across}ref": "paper", **ends})
     return found
 
 
@@ -249,7 +242,7 @@ def _dimension(display: Display, rows: pd.Index, name: str) -> dict[str, Any]:
     }
 
 
-def _colours(dimension: dict[str, Any], meets: NDArray[np.bool_]) -> dict[str, Any]:
+def _colours(dimension: dict[str, Any], meets: BoolArray) -> dict[str, Any]:
     """Colours of lines by one axis; grey, below its smallest value, for designs that do not count."""
     from plotly.colors import sequential
 

@@ -182,9 +182,7 @@ class Store:
 
     def rows(self, keys: Sequence[str]) -> dict[str, Row]:
         """Rows of some keys."""
-        columns = ", ".join(
-            ["key", "reason", "seconds", *TOLD, *map(self._read, (*self.inputs, *self.outputs))]
-        )
+        columns = self._query_columns("key", "reason", "seconds", *TOLD)
         found, split = {}, len(self.inputs)
         for key, reason, seconds, level, why, verdict, *values in self._selected(columns, keys):
             inputs = tuple(
@@ -243,9 +241,7 @@ class Store:
 
         there = _all_columns(self._connection)
         told = [name for name in TOLD if name in there]
-        columns = ", ".join(
-            ["number", "status", "reason", *told, *map(self._read, (*self.inputs, *self.outputs))]
-        )
+        columns = self._query_columns("number", "status", "reason", *told)
         query = f"SELECT {columns} FROM design JOIN point USING (key) ORDER BY number"
         table = pd.read_sql_query(query, self._connection)
         outputs = list(self.outputs)
@@ -257,9 +253,10 @@ class Store:
                 table[name] = table[name].astype(bool)
         return table.set_index("number")
 
-    def _read(self, name: str) -> str:
-        """A column of a query by its present name."""
-        return f"{quoted(self._stored[name])} AS {quoted(name)}"
+    def _query_columns(self, *first: str) -> str:
+        """Columns of a query: the first ones, then parameters and outputs by their present names."""
+        named = (f"{quoted(self._stored[one])} AS {quoted(one)}" for one in (*self.inputs, *self.outputs))
+        return ", ".join([*first, *named])
 
     def close(self) -> None:
         """Fold the write-ahead log into the file and close it."""
