@@ -16,7 +16,6 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_seal.answers.accuracy import ACCURACY
 from fem_seal.answers.answer import Inquiry, answered
@@ -35,11 +34,11 @@ from fem_seal.answers.measurements import (
 from fem_seal.answers.opening import OPENING
 from fem_seal.answers.pass_probability import why_none
 from fem_seal.answers.posterior import Posterior, columns_of
-from fem_seal.answers.response_surface import IntArray, fit
+from fem_seal.answers.response_surface import fit
 from fem_seal.answers.solution import SealSolution
 from fem_seal.answers.uncertainty import AnyInput, drawn_values, leak_interval, uncertain_inputs
 from fem_seal.answers.verdict import VERDICT, Judgements, seal_judgement, with_judgements
-from fem_seal.arrays import FloatArray
+from fem_seal.arrays import BoolArray, FloatArray, IntArray
 from fem_seal.case.case import Case
 from fem_seal.case.finish import HEIGHTS
 from fem_seal.case.measured import MeasuredLeak, with_fluid
@@ -345,7 +344,7 @@ class Data:
 
     y: FloatArray
     spread: FloatArray
-    below: NDArray[np.bool_]
+    below: BoolArray
 
     @classmethod
     def of(cls, readings: Sequence[MeasuredLeak], slack: float = 0.0) -> Data:
@@ -515,9 +514,7 @@ def calibrate(
     even = np.full(len(weights), 1.0 / len(weights))
     theory = {"theory": np.exp(joint.factor[:, last])} if np.ptp(joint.factor[:, last]) > 0.0 else {}
     units = {one.name: _UNITS[one.name] for one in inputs if isinstance(one, UncertainFinish)}
-    effective = float(1.0 / (weights**2).sum())
-    settled = conflict is None and effective >= _FEWEST
-    return Calibration(
+    found = Calibration(
         case,
         tuple(readings),
         tuple(_exp(percentiles(one, even)) for one in y.T),
@@ -536,9 +533,12 @@ def calibrate(
         _next_tests(
             candidates, joint.y[kept, last], {name: np.log(one[kept]) for name, one in every.items()}
         ),
-        effective,
+        float(1.0 / (weights**2).sum()),
         _posterior(inputs, uniform, joint, weights, [*range(last + 1), *places], seed),
-        _judged(case, joint.y[:, : last + 1], weights, progress) if settled and case.requirement else None,
+    )
+    judges = found.settled and case.requirement is not None
+    return (
+        replace(found, judged=_judged(case, joint.y[:, : last + 1], weights, progress)) if judges else found
     )
 
 

@@ -14,9 +14,9 @@ from fem_seal.answers.answer import Answer
 from fem_seal.answers.judgement import JudgedLoad, Limit, PassProbability
 from fem_seal.answers.leakage_class import limits
 from fem_seal.answers.posterior import Posterior
-from fem_seal.answers.response_surface import IntArray, Polynomials, ResponseSurface, fit_with_prior
+from fem_seal.answers.response_surface import Polynomials, ResponseSurface, fit_with_prior
 from fem_seal.answers.uncertainty import SampledSeal, UncertainScans
-from fem_seal.arrays import FloatArray
+from fem_seal.arrays import FloatArray, IntArray
 from fem_seal.case.case import Case
 from fem_seal.case.tables import Uncertainty
 from fem_seal.errors import ConvergenceError

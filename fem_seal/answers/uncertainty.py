@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial, reduce
+from itertools import takewhile
 from operator import add
 from typing import TYPE_CHECKING, Literal
 
@@ -14,8 +15,8 @@ import numpy as np
 from fem_seal.answers.answer import Answer, Inquiry
 from fem_seal.answers.lower_flange import LOWER_FLANGE
 from fem_seal.answers.posterior import Posterior, columns_of
-from fem_seal.answers.response_surface import IntArray, ResponseSurface, fit
-from fem_seal.arrays import FloatArray
+from fem_seal.answers.response_surface import ResponseSurface, fit
+from fem_seal.arrays import FloatArray, IntArray
 from fem_seal.case.checks import problems_with_uncertainty
 from fem_seal.case.roughness import (
     SHAPE,
@@ -483,8 +484,7 @@ def _runs(
     """Calculate samples until a polynomial through them is good enough; None instead of it if all are calculated."""
     total = len(study.uniform)
     if not study.calculated:
-        nominal = np.array([study.of_case])
-        return 0, np.repeat(nominal, total, axis=0) / study.viscosity[:, None], None
+        return 0, np.array([study.of_case]) / study.viscosity[:, None], None
     count, rates = 0, np.empty((0, study.kinds * len(study.result.loads)))
     goal = min(total, _FIRST_RUNS * 2 ** min(study.scores.shape[1] - 1, 3))
     while count < total:
@@ -646,9 +646,7 @@ class SampledSeal:
     @cached_property
     def viscosity(self) -> FloatArray:
         """Factor of the viscosity of each sample, shape (samples,)."""
-        if "viscosity" not in self.values:
-            return np.ones(len(self.uniform))
-        return self.values["viscosity"][:, 0]
+        return self.values.get("viscosity", np.ones((len(self.uniform), 1)))[:, 0]
 
     @cached_property
     def scores(self) -> FloatArray:
@@ -658,11 +656,7 @@ class SampledSeal:
 
     def columns(self, wanted: AnyInput) -> list[int]:
         """Columns of `scores` that belong to an input."""
-        first = 0
-        for one in self.calculated:
-            if one is wanted:
-                break
-            first += one.dimensions
+        first = sum(one.dimensions for one in takewhile(lambda one: one is not wanted, self.calculated))
         return list(range(first, first + wanted.dimensions))
 
     def leak_rates(self, samples: Sequence[int]) -> FloatArray:
@@ -706,10 +700,10 @@ class SampledSeal:
         return list(map(self._sample, samples))
 
     def _with_tables(self, number: int) -> _Known:
-        sample = self._sample(number)
-        for one in (sample.surface, *map(sample.surface.reading, self.others)):
-            self._table(sample.known, self.flows[0], one, [-math.inf])
-        return sample.known
+        known = self._sample(number).known
+        for one in (known.surface, *map(known.surface.reading, self.others)):
+            self._table(known, self.flows[0], one, [-math.inf])
+        return known
 
     def _sample(self, number: int) -> _Sample:
         factors = self._values_of(UncertainInput, number)
@@ -731,13 +725,13 @@ class SampledSeal:
 
     def _rates(self, sample: _Sample, loads: Sequence[LoadResult]) -> list[float]:
         """Leak rates in each reading at each load."""
-        read, (flow, *_) = (sample.surface, *map(sample.surface.reading, self.others)), self.flows
+        surface, (flow, *_) = sample.known.surface, self.flows
         by_reading = (
             # with the range of the case itself, as long as it will do, the table's own error is that of all samples
             leak_rates(one, self.flows, loads, alike=self.result.loads)
             if self.exact or flow.simulated is not None
             else leak_rates(one, self.flows, loads, table=partial(self._table, sample.known))
-            for one in read
+            for one in (surface, *map(surface.reading, self.others))
         )
         return [rate for of_fluid in zip(*by_reading, strict=True) for rates in of_fluid for rate in rates]
 
@@ -817,7 +811,7 @@ class SampledSeal:
             ]
         try:
             if contacts is None:
-                contacts = self._contacts(problem, sample.surface, law, sample.stiffness)
+                contacts = self._contacts(problem, sample.known.surface, law, sample.stiffness)
             if isinstance(contacts, ConvergenceError):
                 raise contacts
             return [
@@ -884,10 +878,6 @@ class _Sample:
     factors: dict[str, float]
     known: _Known
     law: Law
-
-    @property
-    def surface(self) -> RoughContact:
-        return self.known.surface
 
     @property
     def stiffness(self) -> float:

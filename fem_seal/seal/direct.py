@@ -694,8 +694,7 @@ def simulate_surface(
 
 def _path(simulation: DirectSimulation, piece: Piece, heights: FloatArray) -> Iterator[PieceRecord]:
     """Of metal that flows, in load steps of equal length from one pressure to the next."""
-    assert simulation.settings.yield_stress is not None
-    assert simulation.load_step is not None
+    assert simulation.settings.yield_stress is not None and simulation.load_step is not None
     state: ElastoplasticState | None = None
     before = 0.0
     for number, p in enumerate(chain(piece.pressures, piece.unload)):

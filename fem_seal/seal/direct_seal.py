@@ -265,8 +265,7 @@ def simulate_seal(
         A contact does not converge, or the strip holds no wave of the spectrum.
     """
     surface, flow = problem.surface, problem.flow
-    assert surface is not None
-    assert flow is not None
+    assert surface is not None and flow is not None
     places = tuple(place for load in loads for place in _places(load, surface, flow, settings))
     yield_stress = settings.yield_stress_of(surface) if "von-mises" in asperities else None
     simulation = SealSimulation(surface, places, asperities, replace(settings, yield_stress=yield_stress))

@@ -20,7 +20,7 @@ from fem_seal.contact.sizing import Opening, contact_widths, element_sizes
 from fem_seal.errors import InputError, Problem
 from fem_seal.loads import expected_force, line_load
 from fem_seal.materials import Material, effective_modulus
-from meshes import ContactGeometry, SealMesh, Sizing, build_contact
+from meshes import SealMesh, build_contact
 
 if TYPE_CHECKING:
     from fem_seal.arrays import FloatArray
@@ -201,6 +201,4 @@ def warmed(case: AnyCase) -> AnyCase:
         raise error.in_file(case.file) from None
 
 
-@lru_cache(maxsize=4)
-def _mesh(contact: ContactGeometry, sizing: Sizing) -> SealMesh:
-    return build_contact(contact, sizing)
+_mesh = lru_cache(maxsize=4)(build_contact)

@@ -529,8 +529,7 @@ def _sealed(
         peak = load.tightest.highest
         first = load_name(min(tight, key=lambda load: load.point), loads)
         limit = rounded(sealing / 1e6, DIGITS)
-        own = problem.surface
-        readings = () if own is None or own.hardness is None else map(own.reading, own.readings)
+        readings = () if surface.hardness is None else map(surface.reading, surface.readings)
         leaky = any(_sealing_pressure(problem, one) > peak for one in readings)
         yield caution(
             "sealed",
@@ -552,8 +551,8 @@ def _nearly_sealed(
     if not leaky:
         return
     load = max(leaky, key=lambda load: load.peak_pressure)
-    if problem.flow is not None and problem.flow.simulated is not None and problem.surface is not None:
-        yield from _simulated(problem.flow.simulated.table(problem.surface), load, loads)
+    if problem.flow is not None and problem.flow.simulated is not None:
+        yield from _simulated(problem.flow.simulated.table(surface), load, loads)
         return
     most = surface.most_contact_area(load.peak_pressure)
     if surface.peklenik == 1.0 and most <= _FEW_CHANNELS:
