@@ -8,11 +8,11 @@ from functools import lru_cache
 from importlib.util import find_spec
 from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from fem_seal.case.fields import Place, Quantity, Table
 from fem_seal.case.material_table import MaterialField
-from fem_seal.case.shapes import Closure, Gasket, Held
+from fem_seal.case.shapes import Body, Closure, Gasket, Held
 from fem_seal.case.words import problem
 from fem_seal.errors import Problem
 from fem_seal.files import MOST_BYTES_OF_DRAWING, UnreadableFileError, check_file
@@ -38,9 +38,11 @@ class Piece(Table):
     )
 
 
-class ProfileSource(Table):
-    """Where an outline comes from."""
+class ProfileSource(Body):
+    """A body whose outline is written out or comes from a file, in place of one that is made from its dimensions."""
 
+    part: ClassVar[str]
+    """Its table: "closure", "seat" or "gasket"."""
     outline: list[Piece] | None = None
     file: str | None = None
     axis: Literal["x", "y", "z"] = "y"
@@ -49,8 +51,10 @@ class ProfileSource(Table):
     tolerance: Annotated[float, Quantity("length", "0.1 nm", "1 mm")] | None = None
     time_limit: Annotated[float, Quantity("time", "1 s", "1 h")] | None = None
 
-    def source_problems(self, name: str) -> Iterator[Problem]:
-        """What is wrong with the keys together."""
+    def problems(self) -> Iterator[Problem]:
+        """What is wrong with the support or the source of the outline."""
+        yield from super().problems()
+        name = self.part
         if (self.outline is None) == (self.file is None):
             which = "neither is given" if self.file is None else "both are given"
             yield Problem(f"{name}.outline", f"outline or file is needed, but {which}")
@@ -74,12 +78,12 @@ class ProfileSource(Table):
         if self.length_unit is not None and kind in (".step", ".stp"):
             yield Problem(f"{name}.length_unit", "a .step says its unit; remove it", f'"{self.length_unit}"')
 
-    def source_body(self, name: str) -> Shape:
+    def made(self, **around: Shape) -> Shape:
         """The body that is meshed, or is a mesh already."""
         if self.outline is not None:
-            return _written(name, self.outline)
-        assert self.file is not None  # `source_problems` has looked
-        path = Path(self.file)
+            return _written(self.part, self.outline)
+        assert self.file is not None  # `problems` has looked
+        name, path = self.part, Path(self.file)
         unit = _UNITS[self.length_unit] if self.length_unit else None
         accuracy, time_limit = self.tolerance or 1e-8, self.time_limit or 20.0
         found = _read(path, path.stat().st_mtime_ns, name, self.axis, unit, self.layer, accuracy, time_limit)
@@ -150,43 +154,21 @@ def _centre(entry: str, start: Point, end: Point, radius: float) -> Point:
 class ClosureProfile(ProfileSource, Closure):
     """[closure] shape = "profile": a closure with any outline of lines and arcs."""
 
+    part: ClassVar[str] = "closure"
     shape: Literal["profile"]
     material: MaterialField
-
-    def problems(self) -> Iterator[Problem]:
-        """What is wrong with the source of the outline."""
-        yield from self.source_problems("closure")
-
-    def body(self) -> Shape:
-        """The closure that is meshed."""
-        return self.source_body("closure")
 
 
 class SeatProfile(ProfileSource, Held):
     """[seat] shape = "profile": a seat with any outline of lines and arcs."""
 
+    part: ClassVar[str] = "seat"
     shape: Literal["profile"]
-
-    def problems(self) -> Iterator[Problem]:
-        """What is wrong with the support or the source of the outline."""
-        yield from super().problems()
-        yield from self.source_problems("seat")
-
-    def body(self, closure: Shape) -> Shape:
-        """The seat that is meshed."""
-        return self.source_body("seat")
 
 
 class GasketProfile(ProfileSource, Gasket):
     """[gasket] shape = "profile": a gasket with any symmetric section of lines and arcs, whole or its upper half."""
 
+    part: ClassVar[str] = "gasket"
     shape: Literal["profile"]
     material: MaterialField
-
-    def problems(self) -> Iterator[Problem]:
-        """What is wrong with the source of the outline."""
-        yield from self.source_problems("gasket")
-
-    def body(self, closure: Shape) -> Shape:
-        """The upper half, which is meshed."""
-        return self.source_body("gasket")
