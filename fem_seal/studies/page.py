@@ -195,12 +195,14 @@ def _best(display: Display) -> Iterator[Section]:
         return
     numbers, columns = display.best(_BEST)
     titles = list(map(display.title, designs.about["goals"]))
-    yield Section(
-        "Best designs",
-        _words().best(designs, titles, bool(numbers), at_edge(display)),
-        columns=("design", *columns),
-        rows=tuple(zip(map(str, numbers), *columns.values(), strict=True)),
-    )
+    note = _words().best(designs, titles, bool(numbers), at_edge(display))
+    yield _table_of("Best designs", note, numbers, columns)
+
+
+def _table_of(heading: str, note: str, numbers: list[int], columns: dict[str, list[str]]) -> Section:
+    """Some designs, a row each, with columns by their labels."""
+    rows = tuple(zip(map(str, numbers), *columns.values(), strict=True))
+    return Section(heading, note, columns=("design", *columns), rows=rows)
 
 
 # Designs in the table of how likely each passes.
@@ -214,13 +216,8 @@ def _passing(display: Display) -> Iterator[Section]:
         return
     likely = designs.done[PASSES].sort_values(ascending=False, kind="stable")
     numbers = likely.index[:_MOST_ROWS].tolist()
-    columns = display.told(numbers)
-    yield Section(
-        "Designs that pass",
-        _words().passing(passing_words(designs), len(likely), len(numbers)),
-        columns=("design", *columns),
-        rows=tuple(zip(map(str, numbers), *columns.values(), strict=True)),
-    )
+    note = _words().passing(passing_words(designs), len(likely), len(numbers))
+    yield _table_of("Designs that pass", note, numbers, display.told(numbers))
 
 
 def passing_words(designs: Designs) -> str:
