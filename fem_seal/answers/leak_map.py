@@ -16,7 +16,6 @@ from fem_seal.case.tables import curves
 from fem_seal.case.words import problem
 from fem_seal.errors import InputError
 from fem_seal.former_names import former_attribute, formerly
-from fem_seal.loads import expected_force
 from fem_seal.seal.findings import Level, Validity
 from fem_seal.seal.load_solver import Progress
 from fem_seal.units import briefly, format_quantity
@@ -192,7 +191,7 @@ def leak_map(
     yields = bool(curves(case))
     if yields:
         # from the largest load on a body that was formed by a larger one only comes back, and the first is asked again
-        points = sorted(points, key=lambda point: -_contact_force(case, *point))
+        points = sorted(points, key=lambda point: -case.expected_force(*point))
         points.append(points[0])
     loaded = _with_loads(case, points)
     if yields:
@@ -202,18 +201,13 @@ def leak_map(
     return _with_memory(found, solution) if yields else found
 
 
-def _contact_force(case: Case, fluid_pressure: float, applied_force: float) -> float:
-    side, closing = case.load.pressure_side, case.load.closing
-    return expected_force(case.initial_contact_radius, fluid_pressure, applied_force, side, closing)
-
-
 def _check_formed(case: Case) -> None:
     """InputError where bodies that yield were not formed by a load that is as large as all others."""
     load = case.load
-    largest = max(_contact_force(case, *point) for point in load.points)
+    largest = max(case.expected_force(*point) for point in load.points)
     if load.earlier is None:
         raise InputError(problem("table_not_formed", largest=math.ceil(largest)))
-    formed = _contact_force(case, *load.earlier)
+    formed = case.expected_force(*load.earlier)
     if formed < largest * (1 - 1e-6):
         forces = {"formed": briefly("force", formed), "largest": briefly("force", largest)}
         raise InputError(problem("table_formed_less", key=load.earlier_key, **forces))

@@ -7,7 +7,7 @@ from dataclasses import replace
 from fem_seal.case.tables import CaseTables, curves
 from fem_seal.case.words import load_problem
 from fem_seal.errors import LoadProblem
-from fem_seal.loads import CONSTRAINT, contact_force, expected_force, line_load
+from fem_seal.loads import CONSTRAINT, contact_force, line_load
 from fem_seal.units import briefly
 from meshes.errors import mm
 
@@ -42,7 +42,7 @@ def problems_of_all_loads(case: CaseTables) -> list[LoadProblem]:
     refused = refused_loads(case)
     if len(refused) < len(case.load.points):
         return []
-    force = dict(enumerate(_force(case, *point) for point in case.load.points))
+    force = dict(enumerate(case.expected_force(*point) for point in case.load.points))
     found: dict[str, LoadProblem] = {}
     for number in sorted(refused, key=lambda number: -abs(force[number])):
         # the worst of its kind: what is allowed there is allowed to the others as well
@@ -65,13 +65,6 @@ def problem_of_earlier_load(case: CaseTables) -> LoadProblem | None:
     return None if found is None else replace(found, key=key)
 
 
-def _force(case: CaseTables, fluid_pressure: float, applied_force: float) -> float:
-    load = case.load
-    return expected_force(
-        case.initial_contact_radius, fluid_pressure, applied_force, load.pressure_side, load.closing
-    )
-
-
 def _open(case: CaseTables, fluid_pressure: float, applied_force: float) -> LoadProblem | None:
     """Why a load leaves the seal open, as far as this is known before where the fluid gets to; None if it does not."""
     load, r0 = case.load, case.initial_contact_radius
@@ -79,14 +72,13 @@ def _open(case: CaseTables, fluid_pressure: float, applied_force: float) -> Load
     needed = -contact_force(r0, fluid_pressure, 0.0, load.pressure_side)
     # Where penetrating fluid gets to is a result: only what no contact can hold is known before.
     penetrates = load.closing == "penetration"
-    holds = applied_force > 0 or not lifts if penetrates else _force(case, fluid_pressure, applied_force) > 0
+    force = case.expected_force(fluid_pressure, applied_force)
+    holds = applied_force > 0 or not lifts if penetrates else force > 0
     if holds:
         return None
     if case.bolts is not None:
-        force, held = briefly("force", needed), briefly("force", applied_force)
-        return load_problem(
-            "bolts_open", pressure=fluid_pressure / 1e5, radius=mm(r0), force=force, applied=held
-        )
+        said = {"force": briefly("force", needed), "applied": briefly("force", applied_force)}
+        return load_problem("bolts_open", pressure=fluid_pressure / 1e5, radius=mm(r0), **said)
     return load_problem(
         "lifted" if penetrates else "open",
         pressure=fluid_pressure / 1e5,
@@ -108,11 +100,11 @@ def _too_large(
 
     How large the strains of a smaller load are is said after it is solved (`fem_seal.validity.checks`).
     """
-    contact, E, force = case.contact, case.effective_modulus, _force(case, fluid_pressure, applied_force)
+    contact, force = case.contact, case.expected_force(fluid_pressure, applied_force)
     f = line_load(force, contact.initial_contact_radius, contact.angle)
     start, end = contact.reach
     length = end - start
-    limits = [("crushed", _CRUSHED, E)]
+    limits = [("crushed", _CRUSHED, case.effective_modulus)]
     if hardened := [curve.stress[-1] for curve in curves(case)]:
         limits.insert(0, ("fully_plastic", CONSTRAINT, min(hardened)))
     for name, share, strength in limits:

@@ -37,7 +37,7 @@ from fem_seal.case.temperature import Temperature
 from fem_seal.case.words import problem
 from fem_seal.errors import InputError, Problem
 from fem_seal.former_names import say_once
-from fem_seal.loads import blow_off_of_sealed_area, contact_force
+from fem_seal.loads import blow_off_of_sealed_area, contact_force, expected_force
 from fem_seal.materials import HardeningCurve, Material, effective_modulus
 from fem_seal.units import System
 from meshes import ContactGeometry, Shape
@@ -398,6 +398,17 @@ class CaseTables(Table):
     def initial_contact_radius(self) -> float:
         """Radius r0 of the circle of first touch [m]."""
         return self.contact.initial_contact_radius
+
+    def expected_force(self, fluid_pressure: float, applied_force: float) -> float:
+        """Force F_N that the solid contact is expected to carry under a load [N], see `fem_seal.loads`.
+
+        Parameters
+        ----------
+        fluid_pressure, applied_force : float
+            [Pa], [N].
+        """
+        r0, load = self.initial_contact_radius, self.load
+        return expected_force(r0, fluid_pressure, applied_force, load.pressure_side, load.closing)
 
     @cached_property
     def contact(self) -> ContactGeometry:

@@ -18,7 +18,7 @@ import numpy as np
 from fem_seal.contact.laws import HardContact
 from fem_seal.contact.sizing import Opening, contact_widths, element_sizes
 from fem_seal.errors import InputError, Problem
-from fem_seal.loads import expected_force, line_load
+from fem_seal.loads import line_load
 from fem_seal.materials import Material, effective_modulus
 from meshes import SealMesh, build_contact
 
@@ -152,11 +152,7 @@ def heating(case: CaseTables) -> Heating | None:
 
 
 def _line_loads(case: CaseTables) -> list[float]:
-    load, contact = case.load, case.contact
-    forces = [
-        expected_force(contact.initial_contact_radius, *point, load.pressure_side, load.closing)
-        for point in load.points
-    ]
+    contact, forces = case.contact, [case.expected_force(*point) for point in case.load.points]
     closed = [force for force in forces if force > 0] or [1.0]
     return [line_load(force, contact.initial_contact_radius, contact.angle) for force in closed]
 
