@@ -10,7 +10,6 @@ from fem_seal.answers.answer import Answer, Inquiry
 from fem_seal.answers.judgement import BoltState, JudgedLoad
 from fem_seal.bolts import Bolts
 from fem_seal.errors import ConvergenceError
-from fem_seal.loads import expected_force
 from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.leak_model import LeakModel
 from fem_seal.seal.load_result import LoadResult, SolvedSeal
@@ -89,12 +88,7 @@ def _leak_rates(seal: SolvedSeal, ask: Inquiry, bolts: Bolts, factor: float) -> 
         bolts=bolts,
         tightened=tuple(factor * one for one in loads.tightened),
     )
-    r0, side = problem.initial_contact_radius, loads.pressure_side
-    opened = [
-        number
-        for number, point in enumerate(loads.points)
-        if not expected_force(r0, *point, side, loads.closing) > 0
-    ]
+    opened = [n for n, point in enumerate(loads.points) if not problem.expected_force(*point) > 0]
     if len(opened) == len(preloads):
         return [math.inf] * len(preloads)
     left = [number for number in range(len(preloads)) if number not in opened]

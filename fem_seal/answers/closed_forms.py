@@ -14,7 +14,7 @@ from fem_seal.case.case import Case, CaseSource, case_of
 from fem_seal.contact.laws import HardContact, InterfaceLaw
 from fem_seal.errors import InputError
 from fem_seal.former_names import former_attribute
-from fem_seal.loads import blow_off_of_sealed_area, contact_force, expected_force, line_load
+from fem_seal.loads import blow_off_of_sealed_area, contact_force, line_load
 from fem_seal.seal.load_result import SolvedSeal
 from fem_seal.seal.problem import LARGEST_TURNING, TURNED, SealFlow, SealProblem, exponential_law
 from fem_seal.validity.words import sentence
@@ -237,7 +237,7 @@ def _derive_load(
     r0, R, E = problem.initial_contact_radius, problem.contact.relative_radius, problem.effective_modulus
     profiles = profiles and not math.isinf(R)
     side = problem.loads.pressure_side
-    force = expected_force(r0, fluid_pressure, applied_force, side, problem.loads.closing)
+    force = problem.expected_force(fluid_pressure, applied_force)
     if force > contact_force(r0, fluid_pressure, applied_force, side):
         # what a run begins with where the fluid balances the applied force or nearly so, and no estimate of the force
         force, profiles = math.nan, False

@@ -241,14 +241,12 @@ class Uncertainty(Table):
     @property
     def spreads(self) -> dict[str, Spread]:
         """The uncertain inputs with their spreads, without the spectrum between scans, in the order of the table."""
-        fields = {name: getattr(self, name) for name in type(self).model_fields}
-        return {name: value for name, value in fields.items() if isinstance(value, Spread)}
+        return {name: value for name, value in self if isinstance(value, Spread)}
 
     @property
     def of_parts(self) -> set[str]:
         """Those that differ from part to part of a batch, the spectrum among them."""
-        given = {name: getattr(self, name) for name in type(self).model_fields}
-        return {name for name, value in given.items() if getattr(value, "varies", "") == "part"}
+        return {name for name, value in self if getattr(value, "varies", "") == "part"}
 
 
 # The standard of pressure relief valves.

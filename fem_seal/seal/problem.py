@@ -339,6 +339,17 @@ class SealProblem:
         """Radius r0 of the circle of first touch [m]."""
         return self.contact.initial_contact_radius
 
+    def expected_force(self, fluid_pressure: float, applied_force: float) -> float:
+        """Force F_N that the solid contact is expected to carry under a load [N], see `fem_seal.loads`.
+
+        Parameters
+        ----------
+        fluid_pressure, applied_force : float
+            [Pa], [N].
+        """
+        r0, loads = self.initial_contact_radius, self.loads
+        return expected_force(r0, fluid_pressure, applied_force, loads.pressure_side, loads.closing)
+
     @cached_property
     def effective_modulus(self) -> float:
         """E* of both bodies [Pa]."""
@@ -550,7 +561,7 @@ def sizing(problem: SealProblem, forces: Sequence[float] | None = None) -> Sizin
     contact, size = problem.contact, problem.contact_size
     forces = [*(expected_forces(problem) if forces is None else forces)]
     if problem.loads.earlier is not None:
-        forces.append(_expected_force(problem, *problem.loads.earlier))
+        forces.append(problem.expected_force(*problem.loads.earlier))
     forces += problem.loads.tightened
     line_loads = [line_load(force, contact.initial_contact_radius, contact.angle) for force in forces]
     try:
@@ -590,18 +601,7 @@ def expected_forces(problem: SealProblem) -> list[float]:
     problem : SealProblem
     """
     loads = problem.loads
-    return [
-        _expected_force(problem, *point)
-        for number, point in enumerate(loads.points)
-        if number not in loads.refused
-    ]
-
-
-def _expected_force(problem: SealProblem, fluid_pressure: float, applied_force: float) -> float:
-    loads = problem.loads
-    return expected_force(
-        problem.initial_contact_radius, fluid_pressure, applied_force, loads.pressure_side, loads.closing
-    )
+    return [problem.expected_force(*point) for n, point in enumerate(loads.points) if n not in loads.refused]
 
 
 # Half-width of Hertz's contact over the radius of relative curvature, the angle by which the faces turn against each
