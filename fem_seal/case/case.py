@@ -15,7 +15,7 @@ from typing import Any
 from pydantic import BaseModel, PrivateAttr, ValidationError
 from pydantic.fields import FieldInfo
 
-from fem_seal.case.case_file import FILES, case_text
+from fem_seal.case.case_file import FILES, case_text, with_files
 from fem_seal.case.checks import contradictions, of_unlike_flanges
 from fem_seal.case.drawing_words import as_written, in_keys, partner, said_twice, same_entry, words_of
 from fem_seal.case.fields import quantities_of
@@ -351,7 +351,8 @@ def load_case(source: str | os.PathLike[str] | Mapping[str, Any]) -> Case:
             raise InputError.at(str(odd[0]), "keys must be words, such as closure, seat, load")
         return _as_written(source)
     path = Path(source)
-    tables = _placed(read_toml(path, "case"), path.absolute().parent)
+    folder = path.absolute().parent
+    tables = with_files(read_toml(path, "case"), lambda named: str(folder / named))
     tables.setdefault("title", path.stem)
     _place_results(tables, path)
     try:
@@ -389,15 +390,6 @@ def case_of(source: CaseSource) -> Case:
     raise InputError.at(
         "case", f"must be a Case, the path of a case file or its tables, not {type(source).__name__}"
     )
-
-
-def _placed(entry: Any, folder: Path, name: str = "") -> Any:
-    """An entry of a case file, with the files that it names relative to that file's folder."""
-    if isinstance(entry, dict):
-        return {key: _placed(value, folder, key) for key, value in entry.items()}
-    if isinstance(entry, list):
-        return [_placed(value, folder, name) for value in entry]
-    return str(folder / entry) if name in FILES and isinstance(entry, str) else entry
 
 
 def _place_results(tables: dict[str, Any], path: Path) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +19,33 @@ FILES = ("file", "files", "trace", "profile", "posterior")
 _BARE = re.compile(r"[A-Za-z0-9_-]+")
 _NAME = re.compile(r"[\w][\w .+-]*")
 _MOST = 1000
+
+
+def names_files(path: str) -> bool:
+    """Whether the entry at a dotted path is a file, or several.
+
+    Parameters
+    ----------
+    path : str
+    """
+    return path.split(".")[-1] in FILES
+
+
+def with_files(entry: Any, change: Callable[[str], str], path: str = "") -> Any:
+    """Tables of a case in which each file that they name is replaced by what a function makes of it.
+
+    Parameters
+    ----------
+    entry : mapping
+    change : callable
+    path : str
+        Of the entry.
+    """
+    if isinstance(entry, Mapping):
+        return {key: with_files(value, change, key) for key, value in entry.items()}
+    if isinstance(entry, (list, tuple)):
+        return [with_files(value, change, path) for value in entry]
+    return change(str(entry)) if isinstance(entry, (str, Path)) and names_files(path) else entry
 
 
 def case_text(tables: Mapping[str, Any], folder: Path, remark: str = "") -> str:

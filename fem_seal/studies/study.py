@@ -12,6 +12,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from fem_seal.case.case import Case, case_of, load_case
+from fem_seal.case.case_file import with_files
 from fem_seal.case.drawing_words import said_twice
 from fem_seal.case.messages import problems
 from fem_seal.case.paths import entry_at, with_open_materials
@@ -22,7 +23,7 @@ from fem_seal.former_names import in_present_entries, in_present_words
 from fem_seal.studies import designs, plan
 from fem_seal.studies.progress import Progress
 from fem_seal.studies.tables import Parameter, StudyTables, read_parameter
-from fem_seal.studies.work import contents_of_files, with_files
+from fem_seal.studies.work import contents_of_files
 
 if TYPE_CHECKING:
     from dask.distributed import Client

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fem_seal.arrays import FloatArray
+from fem_seal.case.case_file import names_files, with_files
 from fem_seal.case.words import problem
 from fem_seal.errors import InputError
 from fem_seal.seal.evaluate import Batch, Turn, untimed
@@ -104,7 +105,7 @@ class DesignSpec:
     def key(self, point: Sequence[float] | FloatArray) -> str:
         """Hash of the full input of a design."""
         entries = sorted(zip((one.name for one in self.parameters), self.inputs(point), strict=True))
-        told = [[name, _contents(str(value)) if _is_file(name) else value] for name, value in entries]
+        told = [[name, _contents(str(value)) if names_files(name) else value] for name, value in entries]
         text = json.dumps([self.fingerprint, told])
         return hashlib.blake2b(text.encode(), digest_size=16).hexdigest()
 
@@ -252,23 +253,9 @@ def _fingerprint(
     ).hexdigest()
 
 
-def with_files(entry: Any, change: Callable[[str], str], name: str = "") -> Any:
-    """Tables of a case in which each file that they name is replaced by what a function makes of it."""
-    if isinstance(entry, Mapping):
-        return {key: with_files(value, change, key) for key, value in entry.items()}
-    if isinstance(entry, (list, tuple)):
-        return [with_files(value, change, name) for value in entry]
-    return entry if entry is None or not _is_file(name) else change(str(entry))
-
-
-def _is_file(name: str) -> bool:
-    """Whether an entry of this name is a file, or several."""
-    return name.split(".")[-1] in ("file", "files")
-
-
 def contents_of_files(case: Case, parameters: Sequence[Parameter]) -> dict[str, str]:
     """Contents, as hashes, of all files that a case and parameters name."""
-    levels = (str(level) for one in parameters if _is_file(one.name) for level in one.levels)
+    levels = (str(level) for one in parameters if names_files(one.name) for level in one.levels)
     return {path: _contents(path) for path in (*case.named_files, *levels)}
 
 

@@ -18,6 +18,7 @@ from sample_results import run_loads
 import fem_seal
 import leak
 from fem_seal import InputError, Study, load_study
+from fem_seal.case.case_file import FILES, with_files
 from fem_seal.errors import Problem
 from fem_seal.files import own_tables
 from fem_seal.output.columns import LEAK_COLUMNS
@@ -595,6 +596,28 @@ def test_keys_depend_on_the_contents_of_files(tmp_path):
     # a comment, which changes no line of the drawing
     drawing.write_text("999\nedited\n" + drawing.read_text())
     assert not set(keys()) & set(before)
+
+
+@pytest.mark.parametrize("path", sorted(FILES))
+def test_every_key_that_names_a_file_stands_for_its_contents(path):
+    table = {"form": {"seat": {path: ["a.csv", Path("b.csv")], "waves": 9}}, path: "c.csv", "title": "file"}
+    found = with_files(table, lambda named: f"in {named}")
+    assert found == {
+        "form": {"seat": {path: ["in a.csv", "in b.csv"], "waves": 9}},
+        path: "in c.csv",
+        "title": "file",
+    }
+
+
+def test_a_trace_in_the_changes_is_looked_for_beside_the_study(tmp_path):
+    rows = (f"{angle}, {math.cos(math.radians(2 * angle)):.3f}\n" for angle in range(0, 360, 10))
+    (tmp_path / "trace.csv").write_text("angle [deg], height [um]\n" + "".join(rows))
+    file = tmp_path / "study.toml"
+    file.write_text(
+        f'base = "{CASE}"\nresponses = ["peak_pressure_Pa"]\n'
+        '[changes]\n"form.seat.trace" = "trace.csv"\n"load.fluid_pressure" = "10 bar"\n[parameters]\n"load.applied_force" = ["0 N", "100 N"]\n'
+    )
+    assert load_study(file).case.form.seat.trace is not None
 
 
 # ---------------------------------------------------------------- storage
