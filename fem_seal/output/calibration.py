@@ -16,17 +16,8 @@ from fem_seal.case.case_file import case_text
 from fem_seal.files import as_json, write_text
 from fem_seal.output.answers.error_shares import input_name
 from fem_seal.output.answers.verdict import verdict_lines, verdict_numbers
-from fem_seal.output.pictures.style import (
-    BLUE,
-    GREY,
-    ORANGE,
-    Picture,
-    captioned,
-    label,
-    logarithmic,
-    panels,
-    style,
-)
+from fem_seal.output.pictures.colours import BLUE, GREY, ORANGE
+from fem_seal.output.pictures.style import Picture, captioned, label, panels, style
 from fem_seal.output.prose import phrase, template
 from fem_seal.output.tables import write_rows_csv
 from fem_seal.units import format_quantity, leak_range_text, number, percent, quantity, unit_for
@@ -340,7 +331,6 @@ def calibration_picture(found: Calibration) -> Picture:
             y = np.array([one.leak_rate for one in some]) / unit.size
             bars = 0.35 * y if below else y * np.array([one.uncertainty for one in some])
             axes.errorbar(x, y, bars, fmt=marker, color=ORANGE, capsize=3, ms=5, uplims=below, label=name)
-    axes.legend(loc="best")
-    logarithmic(axes, "y")
-    label(axes, "Leak rate", f"fluid pressure  [{pressure.name}]", f"leak rate  [{unit.name}]")
+    names = f"fluid pressure  [{pressure.name}]", f"leak rate  [{unit.name}]"
+    label(axes, "Leak rate", *names, log="y", legend="best")
     return captioned(figure, "calibration", "all")

@@ -16,12 +16,10 @@ from fem_seal.case.fields import shown as written
 from fem_seal.errors import InputError
 from fem_seal.output.answers.sensitivities import load_of, shown_sensitivities, step_in_words
 from fem_seal.output.pictures.around import draw_leak_around, draw_line_load
+from fem_seal.output.pictures.colours import BLUE, INK, ORANGE
 from fem_seal.output.pictures.contact import draw_gap, draw_profiles
 from fem_seal.output.pictures.leak import leak_rates, leaking_loads
 from fem_seal.output.pictures.style import (
-    BLUE,
-    INK,
-    ORANGE,
     label,
     logarithmic,
     outside_text,

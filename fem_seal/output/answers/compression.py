@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 from fem_seal.answers.compression import COMPRESSION, Compression
 from fem_seal.output.columns import COMPRESSION_COLUMNS
-from fem_seal.output.pictures.style import BLUE, GREY, Picture, captioned, label, number_dots, panels
+from fem_seal.output.pictures.colours import BLUE, GREY
+from fem_seal.output.pictures.style import Picture, captioned, label, number_dots, panels
 from fem_seal.output.prose import phrase
 from fem_seal.output.shown import Section, Shown, worded_section, worded_table
 from fem_seal.units import unit_for

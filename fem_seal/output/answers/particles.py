@@ -12,17 +12,8 @@ from fem_seal.answers.leakage_class import volume_of
 from fem_seal.answers.particles import KEPT, ParticleAnswers, answers_of
 from fem_seal.answers.solution import SealSolution
 from fem_seal.output.columns import PARTICLE_COLUMNS
-from fem_seal.output.pictures.style import (
-    BLUE,
-    FILL,
-    GREY,
-    ORANGE,
-    Picture,
-    captioned,
-    label,
-    logarithmic,
-    panels,
-)
+from fem_seal.output.pictures.colours import BLUE, FILL, GREY, ORANGE
+from fem_seal.output.pictures.style import Picture, captioned, label, panels
 from fem_seal.output.prose import phrase
 from fem_seal.output.shown import ReadableTable, Section, Shown, worded_section, worded_table
 from fem_seal.seal.load_names import load_name
@@ -158,11 +149,9 @@ def particle_picture(result: SealSolution) -> Picture | None:
             counts.plot(x, ends, color=BLUE)
     for axes in (share, counts):
         axes.set_xlim(0.9 * sizes[0] / unit.size, 1.1 * sizes[-1] / unit.size)
-    logarithmic(share, "x")
-    logarithmic(counts, "x", *(["y"] if there.any() else []))
-    share.legend(loc="center left")
-    label(share, "Leak with narrower gaps shut (estimate)", f"particle size  [{unit.name}]", "share  [%]")
-    label(counts, "Particles in the fluid", f"particle size  [{unit.name}]", "per ml, at least as large")
+    size, log = f"particle size  [{unit.name}]", "xy" if there.any() else "x"
+    label(share, "Leak with narrower gaps shut (estimate)", size, "share  [%]", log="x", legend="center left")
+    label(counts, "Particles in the fluid", size, "per ml, at least as large", log=log)
     at = load_name(result.highest, result.loads)
     behind = "behind_filter" if answers.filter is not None else ""
     return captioned(figure, "particles", "all", behind, load=at)

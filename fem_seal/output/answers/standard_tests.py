@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 from fem_seal.answers.judgement import worst_of
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.output.columns import SET_PRESSURE_COLUMNS, STANDARD_TEST_COLUMNS
-from fem_seal.output.pictures.style import BLUE, GREY, ORANGE, Picture, captioned, label, logarithmic, panels
+from fem_seal.output.pictures.colours import BLUE, GREY, ORANGE
+from fem_seal.output.pictures.style import Picture, captioned, label, panels
 from fem_seal.output.prose import phrase
 from fem_seal.output.shown import ReadableTable, Section, Shown, worded_section, worded_table
 from fem_seal.units import LIQUID, leak_range_text, unit_for
@@ -143,11 +144,8 @@ def set_pressure_picture(result: SealSolution) -> Picture | None:
         axes.axhline(unit.of(limit), color=ORANGE, linestyle="--", label="allowed by API 527")
     if found.opens is not None and math.isfinite(found.opens):
         axes.axvline(found.opens / found.pressure, color=GREY, label="opens")
-    logarithmic(axes, "y")
-    axes.legend(loc="upper left")
-    label(
-        axes, "Leak up to the set pressure", "fluid pressure over set pressure", f"leak rate  [{unit.name}]"
-    )
+    share, rate = "fluid pressure over set pressure", f"leak rate  [{unit.name}]"
+    label(axes, "Leak up to the set pressure", share, rate, log="y", legend="upper left")
     return captioned(figure, "set_pressure", "all", found=found)
 
 

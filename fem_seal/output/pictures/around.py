@@ -11,11 +11,9 @@ import numpy as np
 
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.arrays import FloatArray
+from fem_seal.output.pictures.colours import GREY, INK, ORANGE
 from fem_seal.output.pictures.fields import SCALE_ROOM, even_levels, scale_of_colours
 from fem_seal.output.pictures.style import (
-    GREY,
-    INK,
-    ORANGE,
     WIDTH,
     Picture,
     captioned,

@@ -10,12 +10,8 @@ import numpy as np
 
 from fem_seal.files import told_of
 from fem_seal.output.case_words import law_word
+from fem_seal.output.pictures.colours import BLUE, GREEN, GREY, INK, ORANGE
 from fem_seal.output.pictures.style import (
-    BLUE,
-    GREEN,
-    GREY,
-    INK,
-    ORANGE,
     WIDTH,
     Picture,
     captioned,

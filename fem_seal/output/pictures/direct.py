@@ -8,21 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem_seal.arrays import FloatArray
-from fem_seal.output.pictures.style import (
-    BLUE,
-    FILL,
-    GREEN,
-    GREY,
-    INK,
-    ORANGE,
-    PURPLE,
-    Picture,
-    captioned,
-    label,
-    logarithmic,
-    panels,
-    positive,
-)
+from fem_seal.output.pictures.colours import BLUE, FILL, GREEN, GREY, INK, ORANGE, PURPLE
+from fem_seal.output.pictures.style import Picture, captioned, label, panels, positive
 from fem_seal.seal.direct import DirectTable, PressedMap
 from fem_seal.units import quantity, unit_for
 from leak.theory.plasticity import READINGS, Reading
@@ -81,11 +68,10 @@ def curves_picture(table: DirectTable) -> Picture:
             yielded = [row.yielded_area for row in load]
             axes.plot(p, yielded, "s", mfc="none", color=PURPLE, ms=3.8, label="yielded")
         axes.plot(q, after, "v", **unloading)
-    logarithmic(areas, "x", "y")
-    label(areas, "Contact area", f"pressure  [{pressure.name}]", "share of the nominal area")
-    logarithmic(gaps, "x")
+    over = f"pressure  [{pressure.name}]"
+    label(areas, "Contact area", over, "share of the nominal area", log="xy", legend="best")
     gaps.set_ylim(0.0)
-    label(gaps, "Mean gap", f"pressure  [{pressure.name}]", f"gap  [{length.name}]")
+    label(gaps, "Mean gap", over, f"gap  [{length.name}]", log="x")
 
     u = np.array([row.effective_gap for row in load]) / length.size
     low, high = np.array([table.ends(row) for row in load]).T / length.size
@@ -100,15 +86,11 @@ def curves_picture(table: DirectTable) -> Picture:
         flow.plot(p, positive(shown), "-", color=colour, label=name)
     after = np.array([row.effective_gap for row in back]) / length.size
     flow.plot(q, positive(after), "v", **unloading)
-    if np.any(flow.dataLim.intervaly > 0.0) and np.isfinite(flow.dataLim.intervaly).all():
-        logarithmic(flow, "x", "y")
-    else:
+    open_ = bool(np.any(flow.dataLim.intervaly > 0.0) and np.isfinite(flow.dataLim.intervaly).all())
+    if not open_:
         # all is tight: a logarithmic axis needs positive numbers
         flow.set(xlim=areas.get_xlim(), ylim=(0.0, 1.0))
-        logarithmic(flow, "x")
-    label(flow, "Effective gap", f"pressure  [{pressure.name}]", f"u_eff  [{length.name}]")
-    areas.legend(loc="best")
-    flow.legend(loc="best")
+    label(flow, "Effective gap", over, f"u_eff  [{length.name}]", log="xy" if open_ else "x", legend="best")
     return captioned(figure, "direct", "curves")
 
 
@@ -206,14 +188,8 @@ def seal_picture(rows: Sequence[SealRow]) -> Picture:
         (profile.x - profile.centroid) / length.size, profile.pressure / stress.size, color=INK, label="chain"
     )
     pressures.set_xlim(x[0] / length.size, x[-1] / length.size)
-    at = quantity("fluid pressure", highest)
-    label(
-        pressures,
-        f"Contact pressure at {at}, {place.name}",
-        f"x  [{length.name}]",
-        f"pressure  [{stress.name}]",
-    )
-    pressures.legend(loc="best")
+    title = f"Contact pressure at {quantity('fluid pressure', highest)}, {place.name}"
+    label(pressures, title, f"x  [{length.name}]", f"pressure  [{stress.name}]", legend="best")
     fluid, flow = unit_for("fluid pressure", highest), unit_for("flow", max(row.leak_rate for row in rows))
     for name in dict.fromkeys(row.place.name for row in rows):
         for kind, colour in _COLOURS.items():
@@ -238,7 +214,6 @@ def seal_picture(rows: Sequence[SealRow]) -> Picture:
     if all(ends):
         low, high = np.array([one for one in ends if one is not None]).T / flow.size
         leaks.fill_between(p, low, high, color=FILL, lw=0, label="chain, interval")
-    logarithmic(leaks, "y")
-    label(leaks, "Leak rate", f"fluid pressure  [{fluid.name}]", f"leak rate  [{flow.name}]")
-    leaks.legend(loc="best")
+    names = f"fluid pressure  [{fluid.name}]", f"leak rate  [{flow.name}]"
+    label(leaks, "Leak rate", *names, log="y", legend="best")
     return captioned(figure, "direct_seal", "caption")

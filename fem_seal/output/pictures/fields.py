@@ -12,7 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 from fem_seal.bodies.fields import BodyField, ElastoplasticField
 from fem_seal.contact.solution import plastic_zone
 from fem_seal.output.columns import in_words
-from fem_seal.output.pictures.style import BLUE, INK, ORANGE, Picture, captioned, label, panels
+from fem_seal.output.pictures.colours import BLUE, INK, ORANGE
+from fem_seal.output.pictures.style import Picture, captioned, label, panels
 from fem_seal.output.prose import phrase
 from fem_seal.seal.load_names import load_name
 from fem_seal.units import fixed_unit, unit_for
@@ -287,8 +288,7 @@ def _imprints(axes: Axes, unloaded: Unloaded) -> None:
     axes.axhline(0.0, color=INK, linewidth=0.8)
     axes.set_xlim(-reach / length.size, reach / length.size)
     axes.invert_yaxis()
-    axes.legend(loc="best")
-    label(axes, "Permanent imprint", f"x  [{length.name}]", f"depth  [{height.name}]")
+    label(axes, "Permanent imprint", f"x  [{length.name}]", f"depth  [{height.name}]", legend="best")
 
 
 def _strains(axes: Axes, result: SealSolution, unloaded: Unloaded) -> str:

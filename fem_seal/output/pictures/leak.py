@@ -11,12 +11,8 @@ from numpy.typing import NDArray
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.answers.solution import SealSolution
 from fem_seal.output.case_words import earlier_load
+from fem_seal.output.pictures.colours import BLUE, GREEN, GREY, INK, ORANGE
 from fem_seal.output.pictures.style import (
-    BLUE,
-    GREEN,
-    GREY,
-    INK,
-    ORANGE,
     Picture,
     captioned,
     label,
@@ -105,8 +101,7 @@ def leak_picture(result: SealSolution) -> Picture | None:
         axes.set_ylim(low, high * (high / low) ** 0.3)
     if over.returns:
         number_dots(axes, over.shown, rates / unit.size, [result.loads.index(load) + 1 for load in loads])
-    axes.legend(loc="best")
-    label(axes, "Leak rate", over.label, f"leak rate  [{volume.named(unit).name}]")
+    label(axes, "Leak rate", over.label, f"leak rate  [{volume.named(unit).name}]", legend="best")
     for factor in reduction:
         readings = [(WORDS[OWN].short if two else "", rates, BLUE)]
         readings += [(words.short, values, GREEN) for words, values in others]
@@ -231,8 +226,8 @@ def memory_picture(result: SealSolution) -> Picture | None:
     if over.returns:
         numbers = [result.loads.index(load) + 1 for load in loads]
         number_dots(axes, over.shown, after[:, 1] / unit.size, numbers)
-    axes.legend(loc="best")
-    label(axes, "Leak rate on first loading and after a larger load", over.label, f"leak rate  [{unit.name}]")
+    title = "Leak rate on first loading and after a larger load"
+    label(axes, title, over.label, f"leak rate  [{unit.name}]", legend="best")
     words = ("rates_both", "back_both") if any(load.yields for load in loads) else ("rates", "back")
     return captioned(
         figure, "memory", *words, "bodies" if result.unloaded else "elastic", over=over.name, earlier=earlier

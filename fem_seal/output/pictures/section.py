@@ -18,18 +18,8 @@ from numpy.typing import ArrayLike
 from fem_seal.errors import InputError
 from fem_seal.files import told_of
 from fem_seal.output.case_words import chosen_dimensions, listed_dimensions, section, section_text
-from fem_seal.output.pictures.style import (
-    BLUE,
-    FILL,
-    GREY,
-    INCH,
-    INK,
-    ORANGE,
-    Picture,
-    captioned,
-    outside_text,
-    style,
-)
+from fem_seal.output.pictures.colours import BLUE, FILL, GREY, INK, ORANGE
+from fem_seal.output.pictures.style import INCH, Picture, captioned, outside_text, style
 from fem_seal.units import fixed_unit, number, quantity, rounded, trimmed
 from meshes.geometry.curve import Curve
 from meshes.geometry.segment import Point, Segment

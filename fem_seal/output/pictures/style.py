@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 
 from fem_seal.errors import printable
 from fem_seal.files import own_tables
+from fem_seal.output.pictures.colours import BLUE
 from fem_seal.output.prose import phrase
 from fem_seal.units import superscript
 
@@ -26,9 +27,6 @@ if TYPE_CHECKING:
 
     from fem_seal.arrays import FloatArray
     from fem_seal.seal.load_names import LoadAxis
-
-BLUE, ORANGE, GREEN, PURPLE, GREY, INK = "#1f5a99", "#c8501e", "#2f7d5b", "#7a4fa3", "#7b838f", "#1c2430"
-FILL = "#dfe8f2"
 
 WIDTH = 10.4
 # Points to an inch.
@@ -277,14 +275,19 @@ def _turned(colour: str) -> str:
     return "".join(f"{round(255 * one):02x}" for one in turned)
 
 
-def label(axes: Axes, title: str, x: str, y: str, *, above: float = 0.09) -> None:
-    """Set title, `above` the axes [inch], and axis labels.
+def label(
+    axes: Axes, title: str, x: str, y: str, *, log: str = "", legend: str = "", above: float = 0.09
+) -> None:
+    """Set title, `above` the axes [inch], and axis labels; logarithmic axes, such as "xy", and place of a legend.
 
     All positions are fixed: matplotlib's own layout computes all tick labels several times, which takes longer than the
     drawing.
     """
     from matplotlib.ticker import MaxNLocator
 
+    logarithmic(axes, *log)
+    if legend:
+        axes.legend(loc=legend)
     width, height = inches(axes)
     for axis in (axes.xaxis, axes.yaxis):
         if axis.get_scale() == "linear" and isinstance(axis.get_major_locator(), MaxNLocator):

@@ -7,22 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem_seal.output.columns import in_words
-from fem_seal.output.pictures.style import (
-    BLUE,
-    FILL,
-    GREEN,
-    GREY,
-    ORANGE,
-    PURPLE,
-    Picture,
-    captioned,
-    draw_marks,
-    inches,
-    label,
-    logarithmic,
-    panels,
-    positive,
-)
+from fem_seal.output.pictures.colours import BLUE, FILL, GREEN, GREY, ORANGE, PURPLE
+from fem_seal.output.pictures.style import Picture, captioned, draw_marks, inches, label, panels, positive
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.problem import exponential_law
 from fem_seal.seal.readings import FURTHER, OWN, WORDS
@@ -70,11 +56,10 @@ def separation_picture(result: SealSolution) -> Picture | None:
         dots = [load.reading(reading).critical_separation for load in result.loads]
         axes.plot(peaks / pressure.size, positive(dots) / unit.size, "o", color=colour, ms=3.8)
     axes.set_ylim(0.0)
-    logarithmic(axes, "x")
-    axes.legend(loc="best")
-    label(axes, "Critical separation", f"contact pressure  [{pressure.name}]", f"u_c  [{unit.name}]")
+    over = f"contact pressure  [{pressure.name}]"
+    label(axes, "Critical separation", over, f"u_c  [{unit.name}]", log="x", legend="best")
     _total_areas(shares, surface, p, peaks, pressure.size)
-    label(shares, "Area of real contact", f"contact pressure  [{pressure.name}]", "share of the nominal area")
+    label(shares, "Area of real contact", over, "share of the nominal area", log="xy", legend="best")
     return captioned(
         figure,
         "separation",
@@ -98,8 +83,6 @@ def _total_areas(axes: Axes, surface: RoughContact, p: FloatArray, peaks: FloatA
     axes.axhline(
         surface.percolation_threshold, color=GREY, linewidth=1.1, linestyle=(0, (4, 2)), label="tight above"
     )
-    logarithmic(axes, "x", "y")
-    axes.legend(loc="best")
 
 
 def surface_picture(result: SealSolution, load: LoadResult) -> Picture | None:
@@ -162,9 +145,8 @@ def _area_curves(axes: Axes, surface: RoughContact, peak: float) -> None:
         label="first open path",
     )
     axes.set_ylim(max(0.3 * float(total[-1]), _SMALLEST_AREA), 1.6)
-    logarithmic(axes, "x", "y")
-    axes.legend(loc="lower left")
-    label(axes, "Area in contact", "magnification  q/q_low", "share of the nominal area", above=0.55)
+    names = "magnification  q/q_low", "share of the nominal area"
+    label(axes, "Area in contact", *names, log="xy", legend="lower left", above=0.55)
 
 
 def _shown(area: FloatArray) -> FloatArray:
@@ -193,8 +175,8 @@ def draw_spectrum(axes: Axes, surface: RoughContact, peak: float, above: float =
         axes.plot(q, np.where(smoothed > bottom, smoothed, np.nan), color=PURPLE, label="after yielding")
         axes.legend(loc="lower left")
     axes.set_ylim(0.4 * bottom)
-    logarithmic(axes, "x", "y")
-    label(axes, "Power spectrum of the roughness", "wavenumber q  [1/m]", "C(q)  [m⁴]", above=above)
+    names = "wavenumber q  [1/m]", "C(q)  [m⁴]"
+    label(axes, "Power spectrum of the roughness", *names, log="xy", above=above)
 
 
 def _spectrum_points(surface: RoughContact) -> FloatArray:
@@ -268,10 +250,9 @@ def law_picture(result: SealSolution) -> Picture | None:
     if len(peaks) == 1:
         axes.axhline(peaks[0] / pressure.size, color=ORANGE, linewidth=1.0)
     axes.plot([], [], color=ORANGE, alpha=0.3, linewidth=7, label="peak pressures of the loads")
-    logarithmic(axes, "y")
     axes.set_xlim(0.0)
-    axes.legend(loc="upper right")
-    label(axes, "Interface law", f"mean gap u  [{unit.name}]", f"contact pressure p  [{pressure.name}]")
+    names = f"mean gap u  [{unit.name}]", f"contact pressure p  [{pressure.name}]"
+    label(axes, "Interface law", *names, log="y", legend="upper right")
     return captioned(figure, "law", "all")
 
 
@@ -345,6 +326,5 @@ def _spectrum(axes: Axes, surface: MeasuredSurface) -> None:
         middle = np.sqrt(fit.start * fit.end)
         law = surface.measured(middle) * (ends / middle) ** (-2.0 * (1.0 + fit.hurst))
         axes.plot(ends, law, ":", color=ORANGE, label=f"Hurst exponent {number(fit.hurst, 2)}")
-    logarithmic(axes, "x", "y")
-    axes.legend(loc="lower left")
-    label(axes, "Power spectrum", "wavenumber q  [1/m]", "C  [m⁴]", above=0.55)
+    names = "wavenumber q  [1/m]", "C  [m⁴]"
+    label(axes, "Power spectrum", *names, log="xy", legend="lower left", above=0.55)
