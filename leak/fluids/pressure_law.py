@@ -281,12 +281,9 @@ class FlowPotential:
         nodes, weights = gauss(_POINTS)
         half = 0.5 * (inside - at[k])
         here = self.mobility(at[k][..., None] + half[..., None] * (1.0 + nodes))
-        within = psi[k] + half * (here @ weights)
-        if (inside == p).all():
-            return np.asarray(within)
         first, last = self._ends
-        out = np.where(p > self.highest, (p - self.highest) * last, np.minimum(p, 0.0) * first)
-        return np.asarray(within + out)
+        beyond = np.maximum(p - self.highest, 0.0) * last + np.minimum(p, 0.0) * first
+        return np.asarray(psi[k] + half * (here @ weights) + beyond)
 
     def pressure(self, potential: ArrayLike) -> FloatArray:
         """p at values of psi [Pa], shape kept [Pa]."""
@@ -307,11 +304,8 @@ class FlowPotential:
                 high,
                 _NEWTON_CLOSE * self.highest,
             )
-        if (inside == target).all():
-            return np.asarray(p)
         first, last = self._ends
-        out = np.where(target > whole, (target - whole) / last, np.minimum(target, 0.0) / first)
-        return np.asarray(p + out)
+        return np.asarray(p + np.maximum(target - whole, 0.0) / last + np.minimum(target, 0.0) / first)
 
     def mobility(self, pressure: ArrayLike) -> FloatArray:
         """m = dpsi/dp = (rho/rho0)(eta0/eta) at pressures [Pa], shape kept [-]."""

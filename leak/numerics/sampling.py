@@ -114,12 +114,6 @@ def _predicted(x: FloatArray, y: FloatArray, cell: IntArray, at: FloatArray) -> 
     """Values at `at`, in the intervals `cell`, of the cubics through the four points around them."""
     first = np.clip(cell - 1, 0, x.size - 4)
     nodes = [x[first + n] for n in range(4)]
-    total = np.zeros((at.size, y.shape[1]))
+    weights = [np.prod([(at - b) / (a - b) for b in nodes if b is not a], axis=0) for a in nodes]
     with np.errstate(invalid="ignore"):
-        for n in range(4):
-            weight = np.ones(at.size)
-            for m in range(4):
-                if m != n:
-                    weight *= (at - nodes[m]) / (nodes[n] - nodes[m])
-            total += weight[:, None] * y[first + n]
-    return total
+        return np.asarray(sum(weight[:, None] * y[first + n] for n, weight in enumerate(weights)))

@@ -44,21 +44,12 @@ class Kernel:
 
     def __call__(self, log_x: FloatArray) -> tuple[FloatArray, FloatArray]:
         """F and f at ln x; below the table F goes on as its logarithm, above it both are zero."""
-        t = log_x - _LOG_START
-        t *= 1.0 / _KERNEL_STEP
         last = self.F.size - 1.0
-        np.minimum(t, last, out=t)
-        i = np.maximum(t, 0.0)
-        i = np.minimum(i, last - 1.0, out=i).astype(np.intp)
+        t = np.minimum((log_x - _LOG_START) * (1.0 / _KERNEL_STEP), last)
+        i = np.minimum(np.maximum(t, 0.0), last - 1.0).astype(np.intp)
         t -= i
-        F = self.F_rise.take(i)
-        F *= t
-        F += self.F.take(i)
-        np.maximum(t, 0.0, out=t)
-        f = self.f_rise.take(i)
-        f *= t
-        f += self.f.take(i)
-        return F, f
+        F = self.F_rise.take(i) * t + self.F.take(i)
+        return F, self.f_rise.take(i) * np.maximum(t, 0.0) + self.f.take(i)
 
 
 @lru_cache(maxsize=8)
@@ -114,10 +105,8 @@ def erf(x: ArrayLike) -> FloatArray:
     if numbers.size > _FEW:
         from scipy.special import erf as erf_of_many
 
-        many: FloatArray = erf_of_many(numbers)
-        return many
-    few: FloatArray = np.array([math.erf(one) for one in numbers.ravel().tolist()]).reshape(numbers.shape)[()]
-    return few
+        return np.asarray(erf_of_many(numbers))
+    return np.array([math.erf(one) for one in numbers.ravel().tolist()]).reshape(numbers.shape)[()]
 
 
 # Below this fraction of the local slope the integrand v F contributes less than 1e-8 of the separation.
@@ -237,31 +226,16 @@ def separations(
     log_a = np.log(relative_pressure[:, None] / (np.sqrt(np.pi) * A))
     parts = _parts(spectrum, seen.kappa, seen.end)
     log_v, weight, piece = _steps(spectrum, parts, M, log_a, refinement)
-    v2 = 2.0 * log_v
-    v2 = np.exp(v2, out=v2)
+    v2 = np.exp(2.0 * log_v)
     log_q, log_C = _point(spectrum, piece, M[..., None] + v2)
     above = seen.above(M[..., None])
     y2, factor = above(v2)
-    # arrays are large here: what has served is written over
-    if y2 is v2:
-        log_y = log_v
-        common = log_v - log_q
-        common = np.exp(common, out=common)
-    else:
-        log_y = np.maximum(y2, _NOTHING)
-        log_y = np.log(log_y, out=log_y)
-        log_y *= 0.5
-        common = np.negative(log_q) - log_y
-        common = np.exp(common, out=common)
-        common *= v2
-    F, f = kernel(gamma)(log_a[..., None] - log_y)
-    weight *= 2.0
-    common *= weight
-    F *= common
-    f *= common
-    log_q *= -4.0
-    log_q -= log_C
-    tail = np.vecdot(F, np.exp(log_q, out=log_q))
+    elastic = y2 is v2
+    log_y = log_v if elastic else 0.5 * np.log(np.maximum(y2, _NOTHING))
+    # v^2 dv/(q y) of each point
+    common = (np.exp(log_v - log_q) if elastic else np.exp(-log_q - log_y) * v2) * (2.0 * weight)
+    F, f = (one * common for one in kernel(gamma)(log_a[..., None] - log_y))
+    tail = np.vecdot(F, np.exp(-4.0 * log_q - log_C))
     mean, decay = np.vecdot(F, factor), np.vecdot(f, factor)
     # (A/|dA/dM|) int F/(y q^2) dq, with the part beyond the end of the spectrum in closed form
     to_end = np.sqrt(np.maximum(above((seen.end - M)[..., None])[0][..., 0], _NOTHING))

@@ -342,13 +342,9 @@ class PlasticRoughness(RoughnessSeen):
         rest0 = self._rest(np.maximum(t0, start))[0] + np.maximum(start - t0, 0.0)
 
         def moment_and_factor(rise: FloatArray) -> tuple[FloatArray, FloatArray]:
-            t1 = M + rise
-            t1 *= self.kappa
-            unchanged = t1 <= start
+            t1 = (M + rise) * self.kappa
             rest1, factor = self._rest(np.maximum(t1, start))
-            beyond = np.subtract(rest0, rest1, out=rest1)
-            beyond *= 1.0 / self.kappa
-            return np.where(unchanged, rise, beyond), factor
+            return np.where(t1 <= start, rise, (rest0 - rest1) * (1.0 / self.kappa)), factor
 
         return moment_and_factor
 
@@ -365,29 +361,16 @@ class PlasticRoughness(RoughnessSeen):
         """R and C_pl/C at t, not below the start of the table."""
         cells = _TABLE_NODES - 1
         h = _lead(self.step_log_t, t.ndim)
-        x = np.log(t)
-        x -= np.log(_lead(self.start_t, t.ndim))
-        x *= 1.0 / h
-        cell = np.minimum(x, cells - 1.0).astype(np.intp)
-        x -= cell
-        np.minimum(x, 1.0, out=x)
+        place = (np.log(t) - np.log(_lead(self.start_t, t.ndim))) * (1.0 / h)
+        cell = np.minimum(place, cells - 1.0).astype(np.intp)
+        x = np.minimum(place - cell, 1.0)
         cell += cells * np.arange(self.start_t.size).reshape(-1, *(1,) * (t.ndim - 1))
         c0, c1, c2, c3 = (coefficients.take(cell) for coefficients in self.rest)
-        c3 *= x
-        # in place: R = c0 + x (c1 + x (c2 + x c3)), and -t C_pl/C = dR/dlnt = (c1 + x (2 c2 + 3 x c3))/h
-        slope = 3.0 * c3
-        c3 += c2
-        slope += c2
-        slope += c2
-        c3 *= x
-        slope *= x
-        c3 += c1
-        slope += c1
-        c3 *= x
-        c3 += c0
-        slope /= t
-        slope *= -1.0 / h
-        return c3, np.maximum(slope, 0.0, out=slope)
+        cubic = c3 * x
+        rest = ((cubic + c2) * x + c1) * x + c0
+        # -t C_pl/C = dR/dlnt
+        slope = (3.0 * cubic + c2 + c2) * x + c1
+        return rest, np.maximum(slope / t * (-1.0 / h), 0.0)
 
 
 def remaining_moment(stress_ratio: float, kappa: float, end: float) -> float:
