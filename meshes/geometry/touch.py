@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from itertools import product
+from itertools import groupby, product
 
 import numpy as np
 
@@ -177,29 +178,14 @@ def _faces_in(outline: Outline) -> list[Outline]:
     """The outline with each chain that could be its face named so; the outline itself if it names one."""
     if any(s.name == f"{outline.name}_face" for s in outline.segments):
         return [named_beside(outline)]
-    chains: list[list[int]] = []
-    for n, s in enumerate(outline.segments):
-        if s.name or looks(s) != (-1 if outline.name == "closure" else 1):
-            continue
-        if chains and chains[-1][-1] == n - 1:
-            chains[-1].append(n)
-        else:
-            chains.append([n])
+    way = -1 if outline.name == "closure" else 1
+    could_be = [not s.name and looks(s) == way for s in outline.segments]
+    chains = [list(run) for it, run in groupby(range(len(could_be)), could_be.__getitem__) if it]
     if not chains:
         side = "downwards" if outline.name == "closure" else "upwards"
         raise GeometryError(f"{outline.name} outline: no piece without another name looks {side}")
-    return [
-        named_beside(
-            Outline(
-                outline.name,
-                tuple(
-                    replace(s, name=f"{outline.name}_face") if n in chain else s
-                    for n, s in enumerate(outline.segments)
-                ),
-            )
-        )
-        for chain in map(set, chains)
-    ]
+    face = f"{outline.name}_face"
+    return [named_beside(_renamed(outline, dict.fromkeys(chain, face))) for chain in chains]
 
 
 def looks(s: Segment) -> int:
@@ -216,10 +202,11 @@ def named_beside(outline: Outline) -> Outline:
     at = [n for n, s in enumerate(outline.segments) if s.name == f"{outline.name}_face"]
     # The surface of the closure begins at the axis, that of the seat at the wall.
     before, after = ("inner", "outer") if outline.name == "closure" else ("outer", "inner")
-    return Outline(
-        outline.name,
-        tuple(
-            s if s.name else replace(s, name=f"{outline.name}_{before if n < at[0] else after}")
-            for n, s in enumerate(outline.segments)
-        ),
-    )
+    unnamed = [n for n, s in enumerate(outline.segments) if not s.name]
+    return _renamed(outline, {n: f"{outline.name}_{before if n < at[0] else after}" for n in unnamed})
+
+
+def _renamed(outline: Outline, names: Mapping[int, str]) -> Outline:
+    """The outline with new names of some of its segments, by their numbers."""
+    pieces = (replace(s, name=names.get(n, s.name)) for n, s in enumerate(outline.segments))
+    return Outline(outline.name, tuple(pieces))

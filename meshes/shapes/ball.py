@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from meshes.errors import GeometryError, mm
+from meshes.errors import mm
 from meshes.geometry.outline import Outline
 from meshes.geometry.segment import Point, Segment
 from meshes.shapes import check
@@ -38,10 +38,8 @@ class Ball:
 
     def __post_init__(self) -> None:
         check.positive("closure", radius=self.radius)
-        if not 0 <= self.cavity_radius < self.radius:
-            raise GeometryError(
-                f"closure cavity_radius = {mm(self.cavity_radius)}: must be below the radius {mm(self.radius)}"
-            )
+        hollow, must = 0 <= self.cavity_radius < self.radius, f"must be below the radius {mm(self.radius)}"
+        check.length("closure", "cavity_radius", self.cavity_radius, hollow, must)
 
     @property
     def outline(self) -> Outline:

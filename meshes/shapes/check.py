@@ -7,6 +7,17 @@ import math
 from meshes.errors import GeometryError, mm
 
 
+def length(body: str, key: str, value: float, right: bool, must: str) -> None:
+    """Refuse a dimension [m] that is not right, and say what it must be.
+
+    Raises
+    ------
+    GeometryError
+    """
+    if not right:
+        raise GeometryError(f"{body} {key} = {mm(value)}: {must}")
+
+
 def positive(body: str, **lengths: float) -> None:
     """Refuse dimensions that are not positive and finite.
 
@@ -22,22 +33,20 @@ def positive(body: str, **lengths: float) -> None:
     GeometryError
     """
     for key, value in lengths.items():
-        if not (math.isfinite(value) and value > 0):
-            raise GeometryError(f"{body} {key} = {mm(value)}: must be positive and finite")
+        length(body, key, value, math.isfinite(value) and value > 0, "must be positive and finite")
 
 
-def not_negative(body: str, key: str, length: float) -> None:
+def not_negative(body: str, key: str, value: float) -> None:
     """Refuse a dimension [m] that is negative or not finite; zero is sharp or flush.
 
     Raises
     ------
     GeometryError
     """
-    if not (math.isfinite(length) and length >= 0):
-        raise GeometryError(f"{body} {key} = {mm(length)}: must not be negative")
+    length(body, key, value, math.isfinite(value) and value >= 0, "must not be negative")
 
 
-def exceeds(body: str, key: str, length: float, limit: float, what: str) -> None:
+def exceeds(body: str, key: str, value: float, limit: float, what: str) -> None:
     """Refuse a dimension [m] that is not finite or not larger than another one.
 
     Parameters
@@ -45,7 +54,7 @@ def exceeds(body: str, key: str, length: float, limit: float, what: str) -> None
     body : str
         "closure" or "seat".
     key : str
-    length, limit : float
+    value, limit : float
         [m]
     what : str
         The other one in words, in front of its value: "bore_radius =".
@@ -54,8 +63,7 @@ def exceeds(body: str, key: str, length: float, limit: float, what: str) -> None
     ------
     GeometryError
     """
-    if not (math.isfinite(length) and length > limit):
-        raise GeometryError(f"{body} {key} = {mm(length)}: must exceed {what} {mm(limit)}")
+    length(body, key, value, math.isfinite(value) and value > limit, f"must exceed {what} {mm(limit)}")
 
 
 def angle(body: str, key: str, angle: float, low: float = 0.0, high: float = math.pi / 2) -> None:

@@ -66,12 +66,9 @@ class ConicalLand:
                 f"seat relief_angle = {math.degrees(self.relief_angle):.6g} deg: must be at least 0 and below the "
                 f"angle of the land, {math.degrees(self.angle):.6g} deg"
             )
-        if not self.bore_radius > 0:
-            widest = 2 * self.land_radius / math.cos(self.angle)
-            raise GeometryError(
-                f"seat land_width = {mm(self.land_width)}: the land around r = {mm(self.land_radius)} would reach "
-                f"to the axis; allowed is below {mm(widest)}"
-            )
+        allowed = f"allowed is below {mm(2 * self.land_radius / math.cos(self.angle))}"
+        must = f"the land around r = {mm(self.land_radius)} would reach to the axis; {allowed}"
+        check.length("seat", "land_width", self.land_width, self.bore_radius > 0, must)
         upper_edge = "the radius of the upper edge of the land,"
         check.exceeds("seat", "outer_radius", self.outer_radius, self.land_end, upper_edge)
 
@@ -118,8 +115,7 @@ class ConicalLand:
             width,
             0.1 * width if edge_radius is None else edge_radius,
             relief_angle,
-            partner.housing_radius(touch, 1.1 * end) if outer_radius is None else outer_radius,
-            partner.housing_height if height is None else height,
+            *partner.housing(touch, 1.1 * end, outer_radius, height),
         )
 
     @property

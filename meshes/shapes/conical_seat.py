@@ -94,8 +94,7 @@ class ConicalSeat:
             angle,
             bore_radius or 0.5 * touch,
             face,
-            outer_radius or partner.housing_radius(touch, face),
-            height or partner.housing_height,
+            *partner.housing(touch, face, outer_radius or None, height or None),
         )
 
     @property

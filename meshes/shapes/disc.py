@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from meshes.errors import GeometryError, mm
+from meshes.errors import mm
 from meshes.geometry.outline import Outline
 from meshes.shapes import check
 from meshes.shapes.shape import NamedFace, straight_part
@@ -47,10 +47,8 @@ class Disc:
     def __post_init__(self) -> None:
         check.positive("closure", radius=self.radius, edge_radius=self.edge_radius, height=self.height)
         for key, whole in (("radius", self.radius), ("height", self.height)):
-            if not self.edge_radius < whole:
-                raise GeometryError(
-                    f"closure edge_radius = {mm(self.edge_radius)}: must be below the disc's {key} = {mm(whole)}"
-                )
+            must = f"must be below the disc's {key} = {mm(whole)}"
+            check.length("closure", "edge_radius", self.edge_radius, self.edge_radius < whole, must)
 
     @classmethod
     def of(cls, radius: float, *, edge_radius: float | None = None, height: float | None = None) -> Disc:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
-from meshes.errors import GeometryError, mm
+from meshes.errors import mm
 from meshes.geometry.curve import Curve
 from meshes.geometry.outline import Outline
 from meshes.geometry.rounding import chain
@@ -200,11 +200,8 @@ class FlangeFace:
             "closure", "groove_mean_radius", r, bore_radius + half, "bore_radius + half groove_width,"
         )
         bottom = half - groove_depth / math.tan(angle)
-        if not bottom > 0:
-            raise GeometryError(
-                f"closure groove_depth = {mm(groove_depth)}: the flanks meet at "
-                f"{mm(half * math.tan(angle))}; make the groove wider or less deep"
-            )
+        must = f"the flanks meet at {mm(half * math.tan(angle))}; make the groove wider or less deep"
+        check.length("closure", "groove_depth", groove_depth, bottom > 0, must)
         outer = 2 * r - bore_radius if outer_radius is None else outer_radius
         thick = 5 * groove_depth if height is None else height
         check.exceeds("closure", "outer_radius", outer, r + half, "the outer edge of the groove,")

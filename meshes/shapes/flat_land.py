@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from meshes.errors import GeometryError, mm
+from meshes.errors import mm
 from meshes.geometry.outline import Outline
 from meshes.geometry.rounding import chain
 from meshes.shapes import check
@@ -62,20 +62,14 @@ class FlatLand:
             height=self.height,
         )
         _check_land(self.land_inner_radius, self.land_outer_radius)
-        if not 2 * self.edge_radius < self.land_outer_radius - self.land_inner_radius:
-            raise GeometryError(
-                f"seat edge_radius = {mm(self.edge_radius)}: the roundings of both edges leave nothing flat of a "
-                f"land {mm(self.land_outer_radius - self.land_inner_radius)} wide; allowed is below half of it"
-            )
-        if not self.land_height >= self.edge_radius:
-            raise GeometryError(
-                f"seat land_height = {mm(self.land_height)}: must be at least edge_radius = {mm(self.edge_radius)}"
-            )
-        if not (math.isfinite(self.outer_radius) and self.outer_radius >= self.land_outer_radius):
-            raise GeometryError(
-                f"seat outer_radius = {mm(self.outer_radius)}: must be at least land_outer_radius = "
-                f"{mm(self.land_outer_radius)}"
-            )
+        width = self.land_outer_radius - self.land_inner_radius
+        must = f"the roundings of both edges leave nothing flat of a land {mm(width)} wide; allowed is below half of it"
+        check.length("seat", "edge_radius", self.edge_radius, 2 * self.edge_radius < width, must)
+        must = f"must be at least edge_radius = {mm(self.edge_radius)}"
+        check.length("seat", "land_height", self.land_height, self.land_height >= self.edge_radius, must)
+        wide = math.isfinite(self.outer_radius) and self.outer_radius >= self.land_outer_radius
+        must = f"must be at least land_outer_radius = {mm(self.land_outer_radius)}"
+        check.length("seat", "outer_radius", self.outer_radius, wide, must)
 
     @classmethod
     def on(
@@ -110,14 +104,15 @@ class FlatLand:
         edge = 0.05 * width if edge_radius is None else edge_radius
         raised = max(0.5 * width, edge) if land_height is None else land_height
         middle = 0.5 * (land_inner_radius + land_outer_radius)
+        outer, high = partner.housing(middle, land_outer_radius, outer_radius, height)
         return cls(
             land_inner_radius,
             land_outer_radius,
             edge,
             raised,
-            partner.housing_radius(middle, land_outer_radius) if outer_radius is None else outer_radius,
+            outer,
             # the wall stands on the bottom, whatever the land's height
-            max(partner.housing_height, 2 * raised) if height is None else height,
+            max(high, 2 * raised) if height is None else height,
         )
 
     @property

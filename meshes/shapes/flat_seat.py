@@ -55,14 +55,8 @@ class FlatSeat(SharpEdge):
                 "contact is; give it"
             )
         bore = 0.5 * touch if bore_radius is None else bore_radius
-        outer = partner.housing_radius(touch, 1.1 * bore) if outer_radius is None else outer_radius
-        return cls(
-            bore,
-            0.01 * bore if edge_radius is None else edge_radius,
-            0.0,
-            outer,
-            partner.housing_height if height is None else height,
-        )
+        edge = 0.01 * bore if edge_radius is None else edge_radius
+        return cls(bore, edge, 0.0, *partner.housing(touch, 1.1 * bore, outer_radius, height))
 
     @property
     def named_face(self) -> NamedFace:

@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass
 from itertools import pairwise
 
-from meshes.errors import GeometryError, mm
+from meshes.errors import mm
 from meshes.geometry.curve import Curve
 from meshes.geometry.outline import Outline
 from meshes.geometry.rounding import chain
@@ -73,11 +73,11 @@ class SolidRing:
 
     def __post_init__(self) -> None:
         check.positive("gasket", mean_radius=self.mean_radius, section_radius=self.section_radius)
-        if not self.section_radius < self.mean_radius:
-            raise GeometryError(
-                f"gasket section_radius = {mm(self.section_radius)}: must be below mean_radius = "
-                f"{mm(self.mean_radius)}"
-            )
+        thin, must = (
+            self.section_radius < self.mean_radius,
+            f"must be below mean_radius = {mm(self.mean_radius)}",
+        )
+        check.length("gasket", "section_radius", self.section_radius, thin, must)
 
     @property
     def outline(self) -> Outline:
@@ -236,11 +236,8 @@ class DoubleConeRing:
         check.not_negative("gasket", "edge_radius", self.edge_radius)
         check.exceeds("gasket", "height", self.height, self.rim_height, "rim_height =")
         check.exceeds("gasket", "outer_radius", self.outer_radius, self.inner_radius, "inner_radius =")
-        if not self.end_radius > self.inner_radius:
-            raise GeometryError(
-                f"gasket height = {mm(self.height)}: the cones would reach the bore; make the rim_height larger or the "
-                "ring wider"
-            )
+        must = "the cones would reach the bore; make the rim_height larger or the ring wider"
+        check.length("gasket", "height", self.height, self.end_radius > self.inner_radius, must)
 
     @property
     def end_radius(self) -> float:
@@ -306,10 +303,8 @@ class OctagonalRing:
         check.not_negative("gasket", "edge_radius", self.edge_radius)
         check.exceeds("gasket", "width", self.width, self.flat_width, "flat_width =")
         check.exceeds("gasket", "mean_radius", self.mean_radius, 0.5 * self.width, "half the width,")
-        if not self.side_height > 0:
-            raise GeometryError(
-                f"gasket height = {mm(self.height)}: the flanks would meet; make it larger, or flat_width"
-            )
+        must = "the flanks would meet; make it larger, or flat_width"
+        check.length("gasket", "height", self.height, self.side_height > 0, must)
 
     @property
     def side_height(self) -> float:

@@ -146,8 +146,7 @@ class Lands:
             ordered,
             closure,
             depth,
-            partner.housing_radius(end, 1.1 * end) if outer_radius is None else outer_radius,
-            partner.housing_height if height is None else height,
+            *partner.housing(end, 1.1 * end, outer_radius, height),
         )
 
     @property
@@ -212,11 +211,9 @@ class Lands:
         falls, rises = max(along - _WALL, -_STEEPEST), min(along + _WALL, _STEEPEST)
         before, after = (self.chamber_depth / math.sin(abs(wall - along)) for wall in (falls, rises))
         used = before * math.cos(falls - along) + after * math.cos(rises - along)
-        if not used < length:
-            raise GeometryError(
-                f"seat chamber_depth = {mm(self.chamber_depth)}: the walls of the chamber meet before they are so "
-                f"deep; allowed is below {mm(self.chamber_depth * length / used)} between these lands"
-            )
+        allowed = f"allowed is below {mm(self.chamber_depth * length / used)} between these lands"
+        must = f"the walls of the chamber meet before they are so deep; {allowed}"
+        check.length("seat", "chamber_depth", self.chamber_depth, used < length, must)
         return [
             (end[0] + before * math.cos(falls), end[1] + before * math.sin(falls)),
             (start[0] - after * math.cos(rises), start[1] - after * math.sin(rises)),

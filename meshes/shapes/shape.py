@@ -13,6 +13,7 @@ from meshes.geometry.outline import Outline
 from meshes.geometry.rounding import chain
 from meshes.geometry.segment import Point, Segment
 from meshes.geometry.touch import Touch, first_touch, with_faces
+from meshes.shapes import check
 
 
 class Shape(Protocol):
@@ -120,19 +121,17 @@ def housing(face: Curve, outer_radius: float, height: float, step: float = 0.0) 
     'seat'
     """
     start, end = face.segments[0].start, face.segments[-1].end
-    if not outer_radius >= end[0] * (1 - 1e-12):
-        raise GeometryError(
-            f"seat outer_radius = {mm(outer_radius)}: the face reaches to {mm(end[0])}, the housing must be wider"
-        )
-    if not height > 0:
-        raise GeometryError(f"seat height = {mm(height)}: must be positive")
+    wide, must = (
+        outer_radius >= end[0] * (1 - 1e-12),
+        f"the face reaches to {mm(end[0])}, the housing must be wider",
+    )
+    check.length("seat", "outer_radius", outer_radius, wide, must)
+    check.length("seat", "height", height, height > 0, "must be positive")
     bottom = start[1] - height
     top = end[1] - step
     lowest = min(top, *(p[1] for s in face.segments for p in (s.start, s.end)))
-    if not bottom < lowest:
-        raise GeometryError(
-            f"seat height = {mm(height)}: the face goes {mm(start[1] - lowest)} deep, the housing must be higher"
-        )
+    must = f"the face goes {mm(start[1] - lowest)} deep, the housing must be higher"
+    check.length("seat", "height", height, bottom < lowest, must)
     around: list[tuple[Point, str]] = [
         (start, "seat_inner"),
         ((start[0], bottom), "seat_bottom"),
@@ -229,11 +228,12 @@ class Partner:
         closure, seat = with_faces(self.outline, Outline("seat", face.reversed.segments))
         return closure.face, first_touch(closure.face, seat.face)
 
-    def housing_radius(self, touch: float, face_end: float) -> float:
-        """1.5 L wider than first touch: far enough to change a narrow contact's pressure by some 1e-5."""
-        return max(touch + 1.5 * self.size, face_end)
+    def housing(
+        self, touch: float, face_end: float, outer_radius: float | None, height: float | None
+    ) -> tuple[float, float]:
+        """Radius and height of the housing [m], as given, or 1.5 L wider than first touch and 1.5 L.
 
-    @property
-    def housing_height(self) -> float:
-        """1.5 L, as `housing_radius`."""
-        return 1.5 * self.size
+        That is far enough to change a narrow contact's pressure by some 1e-5.
+        """
+        widest = max(touch + 1.5 * self.size, face_end) if outer_radius is None else outer_radius
+        return widest, 1.5 * self.size if height is None else height

@@ -82,16 +82,11 @@ class SharpEdge:
         """
         check.positive("seat", bore_radius=bore_radius)
         partner = Partner(closure.outline)
-        outer = partner.housing_radius(bore_radius, bore_radius) if outer_radius is None else outer_radius
+        outer, high = partner.housing(bore_radius, bore_radius, outer_radius, height)
         # A top that falls outwards needs a housing below it.
-        fall = (outer - bore_radius) * max(-math.tan(top_angle), 0.0)
-        return cls(
-            bore_radius,
-            0.01 * bore_radius if edge_radius is None else edge_radius,
-            top_angle,
-            outer,
-            partner.housing_height + fall if height is None else height,
-        )
+        fall = (outer - bore_radius) * max(-math.tan(top_angle), 0.0) if height is None else 0.0
+        edge = 0.01 * bore_radius if edge_radius is None else edge_radius
+        return cls(bore_radius, edge, top_angle, outer, high + fall)
 
     @property
     def outline(self) -> Outline:

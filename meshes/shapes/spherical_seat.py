@@ -63,17 +63,15 @@ class SphericalSeat:
         check.positive("seat", radius=self.radius, bore_radius=self.bore_radius, height=self.height)
         check.not_negative("seat", "edge_radius", self.edge_radius)
         widest = self.radius + self.centre_offset
-        if not max(self.bore_radius, self.centre_offset) < self.face_radius < widest:
-            raise GeometryError(
-                f"seat face_radius = {mm(self.face_radius)}: must lie between bore_radius = "
-                f"{mm(self.bore_radius)} and {mm(widest)}, where the hollow face of radius {mm(self.radius)} "
-                "stands upright"
-            )
-        if not self.bore_radius >= self.centre_offset:
-            raise GeometryError(
-                f"seat bore_radius = {mm(self.bore_radius)}: must not be below {mm(self.centre_offset)}, where the "
-                "hollow face is lowest"
-            )
+        between, upright = (
+            f"bore_radius = {mm(self.bore_radius)} and {mm(widest)}",
+            f"radius {mm(self.radius)}",
+        )
+        must = f"must lie between {between}, where the hollow face of {upright} stands upright"
+        inside = max(self.bore_radius, self.centre_offset) < self.face_radius < widest
+        check.length("seat", "face_radius", self.face_radius, inside, must)
+        must = f"must not be below {mm(self.centre_offset)}, where the hollow face is lowest"
+        check.length("seat", "bore_radius", self.bore_radius, self.bore_radius >= self.centre_offset, must)
         check.exceeds("seat", "outer_radius", self.outer_radius, self.face_radius, "face_radius =")
 
     @classmethod
@@ -132,8 +130,7 @@ class SphericalSeat:
             bore,
             face,
             0.05 * (face - bore) if edge_radius is None else edge_radius,
-            partner.housing_radius(touch, 1.1 * face) if outer_radius is None else outer_radius,
-            partner.housing_height if height is None else height,
+            *partner.housing(touch, 1.1 * face, outer_radius, height),
         )
         if contact_angle is not None:
             seat._check_touch(partner, touch, f"seat contact_angle = {math.degrees(contact_angle):.6g} deg")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from meshes.errors import GeometryError, mm
+from meshes.errors import mm
 from meshes.geometry.curve import Curve
 from meshes.geometry.outline import Outline
 from meshes.geometry.rounding import rounded
@@ -50,11 +50,8 @@ class SphericalTip:
 
     def __post_init__(self) -> None:
         check.positive("closure", radius=self.radius, stem_radius=self.stem_radius, height=self.height)
-        if not self.stem_radius < self.radius:
-            raise GeometryError(
-                f"closure stem_radius = {mm(self.stem_radius)}: must be below the radius of the tip, "
-                f"{mm(self.radius)}; a full half sphere is a ball"
-            )
+        must = f"must be below the radius of the tip, {mm(self.radius)}; a full half sphere is a ball"
+        check.length("closure", "stem_radius", self.stem_radius, self.stem_radius < self.radius, must)
         check.not_negative("closure", "edge_radius", self.edge_radius)
 
     @classmethod

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from meshes.errors import GeometryError, mm
+from meshes.errors import mm
 from meshes.geometry.curve import Curve
 from meshes.geometry.outline import Outline
 from meshes.geometry.segment import Segment
@@ -52,12 +52,9 @@ class ToroidalEdge:
 
     def __post_init__(self) -> None:
         check.positive("closure", centre_radius=self.centre_radius, radius=self.radius, height=self.height)
-        if not 0 <= self.recess <= self.deepest_recess(self.centre_radius, self.radius) * (1 + 1e-12):
-            raise GeometryError(
-                f"closure recess = {mm(self.recess)}: must lie between 0 and "
-                f"{mm(self.deepest_recess(self.centre_radius, self.radius))}, where the rim reaches the axis or "
-                "stands upright"
-            )
+        most = self.deepest_recess(self.centre_radius, self.radius)
+        must = f"must lie between 0 and {mm(most)}, where the rim reaches the axis or stands upright"
+        check.length("closure", "recess", self.recess, 0 <= self.recess <= most * (1 + 1e-12), must)
 
     @classmethod
     def of(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from meshes.errors import GeometryError, mm
+from meshes.errors import mm
 from meshes.geometry.curve import Curve
 from meshes.geometry.outline import Outline
 from meshes.geometry.segment import Segment
@@ -65,16 +65,12 @@ class ToroidalSeat:
             height=self.height,
         )
         lowest = self.centre_radius - self.radius
-        if not lowest * (1 - 1e-12) <= self.bore_radius < self.centre_radius:
-            raise GeometryError(
-                f"seat bore_radius = {mm(self.bore_radius)}: must lie between {mm(max(lowest, 0))}, the innermost "
-                f"circle of the ring, and its centre_radius = {mm(self.centre_radius)}"
-            )
-        if not 0 <= self.recess < self.radius:
-            raise GeometryError(
-                f"seat recess = {mm(self.recess)}: must be at least 0 and below the radius of the ring, "
-                f"{mm(self.radius)}"
-            )
+        inside, last = lowest * (1 - 1e-12) <= self.bore_radius < self.centre_radius, mm(self.centre_radius)
+        first = f"{mm(max(lowest, 0))}, the innermost circle of the ring"
+        must = f"must lie between {first}, and its centre_radius = {last}"
+        check.length("seat", "bore_radius", self.bore_radius, inside, must)
+        must = f"must be at least 0 and below the radius of the ring, {mm(self.radius)}"
+        check.length("seat", "recess", self.recess, 0 <= self.recess < self.radius, must)
         check.exceeds("seat", "outer_radius", self.outer_radius, self.ring_end, "the outer end of the ring,")
 
     @classmethod
@@ -112,8 +108,7 @@ class ToroidalSeat:
             radius,
             max(centre_radius - radius, centre_radius / 2) if bore_radius is None else bore_radius,
             depth,
-            partner.housing_radius(end, 1.1 * end) if outer_radius is None else outer_radius,
-            partner.housing_height if height is None else height,
+            *partner.housing(end, 1.1 * end, outer_radius, height),
         )
 
     @property
