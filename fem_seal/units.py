@@ -704,6 +704,23 @@ def split_unit(column: str) -> tuple[str, str]:
     return column, ""
 
 
+def attributes(found: object, *columns: str) -> dict[str, Any]:
+    """Attributes of an object by what their columns are called: the name with the SI unit behind it.
+
+    Parameters
+    ----------
+    found : object
+    *columns : str
+
+    Examples
+    --------
+    >>> from fractions import Fraction
+    >>> attributes(Fraction(1, 2), "numerator_m", "denominator")
+    {'numerator_m': 1, 'denominator': 2}
+    """
+    return {one: getattr(found, split_unit(one)[0]) for one in columns}
+
+
 _OF_FLUID = ("fluid_pressure", "outlet_pressure")
 
 

@@ -12,7 +12,7 @@ from fem_seal.answers.leakage_class import limits
 from fem_seal.case.drawing_words import words_of
 from fem_seal.case.drawn import ProfileSource
 from fem_seal.output.prose import prose, worded_rows, written
-from fem_seal.units import format_quantity, number, quantity, trimmed, unit_for
+from fem_seal.units import attributes, format_quantity, number, quantity, trimmed, unit_for
 
 if TYPE_CHECKING:
     from fem_seal.case.case import Case
@@ -185,13 +185,9 @@ def _numbers(table: FinishTable) -> dict[str, Any]:
         "process": finish.process.name,
         "parameter": finish.parameter,
         "value_m": finish.value,
-        "Ra_m": face.expected.Ra,
-        "Rq_m": face.expected.Rq,
-        "Rz_m": face.expected.Rz,
-        "lambda_c_m": finish.band.lambda_c,
-        "lambda_s_m": finish.band.lambda_s,
-        "rms_height_m": face.spectrum.rms_height,
-        "rms_slope": face.spectrum.rms_slope,
+        **attributes(face.expected, "Ra_m", "Rq_m", "Rz_m"),
+        **attributes(finish.band, "lambda_c_m", "lambda_s_m"),
+        **attributes(face.spectrum, "rms_height_m", "rms_slope"),
         "hurst": face.hurst,
         "q_low_per_m": spectrum.q_low,
         "q_rolloff_per_m": face.q_rolloff,
@@ -320,19 +316,13 @@ def derived_numbers(case: Case, derived: Derived) -> dict[str, Any]:
         "sections": {
             case.key_of(name): drawn for name in ("closure", "seat") if (drawn := section(case, name))
         },
-        "effective_modulus_Pa": derived.effective_modulus,
-        "hardness_Pa": derived.hardness,
-        "rms_height_m": derived.rms_height,
-        "rms_slope": derived.rms_slope,
+        **attributes(derived, "effective_modulus_Pa", "hardness_Pa", "rms_height_m", "rms_slope"),
         "finishes": finish_numbers(case),
-        "decay_length_m": derived.decay_length,
-        "law_pressure_Pa": derived.law_pressure,
+        **attributes(derived, "decay_length_m", "law_pressure_Pa"),
         "viscosity_Pa_s": fluid.viscosity if fluid else None,
         "loads": [
             {
-                "fluid_pressure_Pa": load.fluid_pressure,
-                "contact_force_N": load.contact_force,
-                "line_load_N_per_m": load.line_load,
+                **attributes(load, "fluid_pressure_Pa", "contact_force_N", "line_load_N_per_m"),
                 "blow_off_pressure_Pa": load.blow_off_pressure,
                 "force_for_target_leak_N": load.force_for_target,
                 "hertz_peak_pressure_Pa": load.hertz.peak_pressure if load.hertz else None,

@@ -17,7 +17,7 @@ from fem_seal.output.prose import phrase, prose
 from fem_seal.output.tables import write_rows_csv
 from fem_seal.seal.direct import QUANTILES, DirectRow, DirectSimulation, DirectTable
 from fem_seal.seal.readings import FURTHER, OWN
-from fem_seal.units import number
+from fem_seal.units import attributes, number
 from leak import Reading
 
 if TYPE_CHECKING:
@@ -47,15 +47,8 @@ def _row(table: DirectTable, row: DirectRow, viscosity: float | None) -> dict[st
 
     readings = OWN, *FURTHER
     return {
-        "branch": row.branch,
-        "pressure_Pa": row.pressure,
-        "largest_pressure_Pa": row.largest_pressure,
-        "samples": row.samples,
-        "contact_area": row.contact_area,
-        "contact_area_scatter": row.contact_area_scatter,
-        "yielded_area": row.yielded_area,
-        "mean_gap_m": row.mean_gap,
-        "mean_gap_scatter_m": row.mean_gap_scatter,
+        **attributes(row, "branch", "pressure_Pa", "largest_pressure_Pa", "samples", "contact_area"),
+        **attributes(row, "contact_area_scatter", "yielded_area", "mean_gap_m", "mean_gap_scatter_m"),
         **{f"gap_q{100 * q:.0f}_m": gap for q, gap in zip(QUANTILES, row.gap_quantiles, strict=True)},
         "effective_gap_m": row.effective_gap,
         "conductivity_m3_per_Pa_s": conductivity(row.effective_gap),
@@ -107,9 +100,7 @@ def direct_numbers(table: DirectTable) -> dict[str, Any]:
     simulation, patch = table.simulation, table.simulation.patch
     measured = simulation.heights is not None
     return {
-        "points": patch.points,
-        "size_m": patch.size,
-        "shortest_wavelength_m": patch.shortest_wavelength,
+        **attributes(patch, "points", "size_m", "shortest_wavelength_m"),
         "samples": simulation.settings.samples,
         "seed": None if measured else simulation.settings.seed,
         "measured_map": measured,
@@ -118,8 +109,7 @@ def direct_numbers(table: DirectTable) -> dict[str, Any]:
         "rms_height_of_surface_m": simulation.surface.spectrum.rms_height,
         "height_variance_cut": None if measured else patch.height_cut,
         "slope_variance_cut": None if measured else patch.slope_cut,
-        "effective_modulus_Pa": simulation.surface.effective_modulus,
-        "hardness_Pa": simulation.surface.hardness,
+        **attributes(simulation.surface, "effective_modulus_Pa", "hardness_Pa"),
         "asperities": simulation.asperities,
         "yield_stress_Pa": simulation.settings.yield_stress,
         "poissons_ratio": None
@@ -230,8 +220,7 @@ def seal_numbers(row: SealRow) -> dict[str, Any]:
     place, (peak, fwhm) = row.place, row.measures
     low, high = place.interval or (math.nan, math.nan)
     return {
-        "fluid_pressure_Pa": place.fluid_pressure,
-        "applied_force_N": place.applied_force,
+        **attributes(place, "fluid_pressure_Pa", "applied_force_N"),
         "place": place.name,
         "line_load_N_per_m": place.line_load,
         "asperities": row.asperities,
@@ -260,21 +249,12 @@ def seal_lines(rows: Sequence[SealRow]) -> list[str]:
     ----------
     rows : sequence of SealRow
     """
-    strips = {row.place.strip.points: row.place.strip for row in rows}
-    strip = next(iter(strips.values()))
+    strip = rows[0].place.strip
     widths = [row.place.strip.width for row in rows]
     shortest = max(2.0 * math.pi / row.place.strip.q_high for row in rows)
-    return [
-        phrase(
-            "direct.seal",
-            "strips",
-            least=min(widths),
-            most=max(widths),
-            points=strip.points,
-            shortest=shortest,
-        ),
-        phrase("direct.seal", "chain"),
-    ]
+    grid = {"points": strip.points, "shortest": shortest}
+    strips = phrase("direct.seal", "strips", least=min(widths), most=max(widths), **grid)
+    return [strips, phrase("direct.seal", "chain")]
 
 
 def write_direct_seal(rows: Sequence[SealRow], folder: Path) -> None:

@@ -34,6 +34,7 @@ from fem_seal.output.vtk import write_around, write_contact, write_contact_line,
 from fem_seal.seal.lazy import OptionalSteps
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.problem import exponential_law
+from fem_seal.units import attributes
 from fem_seal.version import __version__
 
 
@@ -231,8 +232,7 @@ def _imprints(unloaded: Unloaded) -> dict[str, Any]:
         name: {
             "depth_m": imprint.deepest,
             "at_x_m": imprint.deepest_at,
-            "width_m": imprint.width,
-            "rim_m": imprint.rim,
+            **attributes(imprint, "width_m", "rim_m"),
         }
         for name, imprint in unloaded.imprints.items()
     }

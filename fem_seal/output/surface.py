@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from fem_seal.files import as_json, write_bytes, write_text
 from fem_seal.output.prose import phrase, worded_rows
-from fem_seal.units import format_quantity, number, percent, quantity
+from fem_seal.units import attributes, format_quantity, number, percent, quantity
 
 if TYPE_CHECKING:
     from leak import MeasuredSurface, RoughnessParameters
@@ -23,13 +23,8 @@ def parameter_numbers(surface: MeasuredSurface) -> dict[str, Any]:
     """
     found = roughness_of(surface)
     return {
-        "Ra_m": found.Ra,
-        "Rq_m": found.Rq,
-        "Rz_m": found.Rz,
-        "Rsk": found.Rsk,
-        "Rku": found.Rku,
-        "lambda_c_m": found.filter.lambda_c,
-        "lambda_s_m": found.filter.lambda_s,
+        **attributes(found, "Ra_m", "Rq_m", "Rz_m", "Rsk", "Rku"),
+        **attributes(found.filter, "lambda_c_m", "lambda_s_m"),
         "sections": found.sections,
         "evaluation_length_m": found.length,
         "profiles": found.profiles,
@@ -59,17 +54,11 @@ def surface_numbers(surface: MeasuredSurface) -> dict[str, Any]:
     return {
         "rms_height_m": surface.rms_height,
         "rms_slope": surface.measured.rms_slope,
-        "skewness": surface.skewness,
-        "kurtosis": surface.kurtosis,
-        "anisotropy": surface.anisotropy,
-        "lay_angle_rad": surface.lay_angle,
+        **attributes(surface, "skewness", "kurtosis", "anisotropy", "lay_angle_rad"),
         "peklenik_flow_across_lay": surface.peklenik and surface.peklenik[0],
         "peklenik_flow_along_lay": surface.peklenik and surface.peklenik[1],
         "rolloff_wavenumber_per_m": surface.rolloff.wavenumber,
-        "hurst": surface.rolloff.hurst,
-        "hurst_error": surface.rolloff.hurst_error,
-        "hurst_interval": surface.rolloff.hurst_interval,
-        "confidence": surface.rolloff.confidence,
+        **attributes(surface.rolloff, "hurst", "hurst_error", "hurst_interval", "confidence"),
         "true_rms_height_interval_m": [surface.rms_height * one for one in surface.rolloff.height.interval],
         "roughness_parameters": parameter_numbers(surface),
         "q_low_per_m": surface.q_low,
@@ -79,9 +68,7 @@ def surface_numbers(surface: MeasuredSurface) -> dict[str, Any]:
         "variance_above_range": surface.height_above,
         "spectrum_rms_height_m": surface.spectrum.rms_height,
         "spectrum_rms_slope": surface.spectrum.rms_slope,
-        "detrend": surface.settings.detrend,
-        "window": surface.settings.window,
-        "outliers": surface.settings.outliers,
+        **attributes(surface.settings, "detrend", "window", "outliers"),
         "scans": [
             {
                 "file": scan.name,

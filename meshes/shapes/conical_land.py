@@ -109,14 +109,9 @@ class ConicalLand:
         radius = touch if land_radius is None else land_radius
         width = 0.1 * radius if land_width is None else land_width
         end = radius + 0.5 * width * math.cos(angle)
-        return cls(
-            angle,
-            radius,
-            width,
-            0.1 * width if edge_radius is None else edge_radius,
-            relief_angle,
-            *partner.housing(touch, 1.1 * end, outer_radius, height),
-        )
+        edge = 0.1 * width if edge_radius is None else edge_radius
+        around = partner.housing(touch, 1.1 * end, outer_radius, height)
+        return cls(angle, radius, width, edge, relief_angle, *around)
 
     @property
     def bore_radius(self) -> float:

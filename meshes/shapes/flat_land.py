@@ -105,15 +105,9 @@ class FlatLand:
         raised = max(0.5 * width, edge) if land_height is None else land_height
         middle = 0.5 * (land_inner_radius + land_outer_radius)
         outer, high = partner.housing(middle, land_outer_radius, outer_radius, height)
-        return cls(
-            land_inner_radius,
-            land_outer_radius,
-            edge,
-            raised,
-            outer,
-            # the wall stands on the bottom, whatever the land's height
-            max(high, 2 * raised) if height is None else height,
-        )
+        # the wall stands on the bottom, whatever the land's height
+        high = max(high, 2 * raised) if height is None else height
+        return cls(land_inner_radius, land_outer_radius, edge, raised, outer, high)
 
     @property
     def flat(self) -> tuple[float, float]:

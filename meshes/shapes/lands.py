@@ -142,12 +142,7 @@ class Lands:
                 )
         partner, end = Partner(closure.outline), ordered[-1].ends[1][0]
         depth = _DEPTH * min(distances) if chamber_depth is None else chamber_depth
-        return cls(
-            ordered,
-            closure,
-            depth,
-            *partner.housing(end, 1.1 * end, outer_radius, height),
-        )
+        return cls(ordered, closure, depth, *partner.housing(end, 1.1 * end, outer_radius, height))
 
     @property
     def bore_radius(self) -> float:

@@ -98,13 +98,8 @@ class RoundedCone:
         face = (outer_radius - inner_radius) / math.cos(angle)
         # the rounding takes edge_radius tan(angle/2) of the nose
         fitting = 0.9 * inner_radius / math.tan(0.5 * angle)
-        return cls(
-            angle,
-            inner_radius,
-            outer_radius,
-            min(0.1 * face, fitting) if edge_radius is None else edge_radius,
-            outer_radius if height is None else height,
-        )
+        edge = min(0.1 * face, fitting) if edge_radius is None else edge_radius
+        return cls(angle, inner_radius, outer_radius, edge, outer_radius if height is None else height)
 
     @property
     def mean_radius(self) -> float:

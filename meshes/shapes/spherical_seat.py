@@ -124,14 +124,9 @@ class SphericalSeat:
         steepest = offset + radius * math.sin(math.radians(75))
         face = min(face, steepest) if face_radius is None else face_radius
         bore = min(bore, 0.9 * face) if bore_radius is None else bore_radius
-        seat = cls(
-            radius,
-            offset,
-            bore,
-            face,
-            0.05 * (face - bore) if edge_radius is None else edge_radius,
-            *partner.housing(touch, 1.1 * face, outer_radius, height),
-        )
+        edge = 0.05 * (face - bore) if edge_radius is None else edge_radius
+        around = partner.housing(touch, 1.1 * face, outer_radius, height)
+        seat = cls(radius, offset, bore, face, edge, *around)
         if contact_angle is not None:
             seat._check_touch(partner, touch, f"seat contact_angle = {math.degrees(contact_angle):.6g} deg")
         return seat

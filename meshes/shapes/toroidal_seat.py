@@ -103,13 +103,9 @@ class ToroidalSeat:
         partner = Partner(closure.outline)
         depth = radius / 2 if recess is None else recess
         end = centre_radius + math.sqrt(max(depth * (2 * radius - depth), 0.0))
-        return cls(
-            centre_radius,
-            radius,
-            max(centre_radius - radius, centre_radius / 2) if bore_radius is None else bore_radius,
-            depth,
-            *partner.housing(end, 1.1 * end, outer_radius, height),
-        )
+        bore = max(centre_radius - radius, centre_radius / 2) if bore_radius is None else bore_radius
+        around = partner.housing(end, 1.1 * end, outer_radius, height)
+        return cls(centre_radius, radius, bore, depth, *around)
 
     @property
     def ring_end(self) -> float:

@@ -276,18 +276,10 @@ def _angles_of(load: LoadResult) -> list[tuple[float | str, ...]]:
     leaks = [
         [""] * angles if one is None or one.leak_rate is None else one.leak_rate.tolist() for one in read
     ]
-    return list(
-        zip(
-            [load.fluid_pressure] * angles,
-            [load.applied_force] * angles,
-            around.angle.tolist(),
-            around.line_load.tolist(),
-            np.where(around.line_load > 0, around.peak_pressure, 0.0).tolist(),
-            around.fwhm.tolist(),
-            *leaks,
-            strict=True,
-        )
-    )
+    peak = np.where(around.line_load > 0, around.peak_pressure, 0.0)
+    numbers = np.column_stack([around.angle, around.line_load, peak, around.fwhm]).tolist()
+    both = load.fluid_pressure, load.applied_force
+    return [(*both, *row, *rates) for row, *rates in zip(numbers, *leaks, strict=True)]
 
 
 SHOWN = Shown(

@@ -94,16 +94,9 @@ def _rows(answers: ParticleAnswers) -> list[tuple[float, ...]]:
     ----------
     answers : ParticleAnswers
     """
+    load = answers.fluid_pressure, answers.applied_force
     return [
-        (
-            answers.fluid_pressure,
-            answers.applied_force,
-            one.size,
-            *one.gaps_below,
-            *one.leak_rate,
-            *one.remaining,
-            *one.particles,
-        )
+        (*load, one.size, *one.gaps_below, *one.leak_rate, *one.remaining, *one.particles)
         for one in answers.curve
     ]
 

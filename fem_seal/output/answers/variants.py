@@ -119,19 +119,13 @@ def variant_rows(result: SealSolution) -> list[tuple[float | str, ...]]:
     result : SealSolution
         With its `theory_variants`.
     """
-    return [
-        (
-            variant.interface_law,
-            variant.conductivity,
-            variant.separation_width or "",
-            variant.percolation_threshold,
-            load.fluid_pressure,
-            rate,
-            ratio_to_case(rate, load.leak.leak_rate if load.leak else 0.0),
-        )
-        for variant in result.theory_variants
-        for load, rate in zip(result.loads, variant.leak_rate, strict=True)
-    ]
+    rows: list[tuple[float | str, ...]] = []
+    for one in result.theory_variants:
+        reading = one.interface_law, one.conductivity, one.separation_width or "", one.percolation_threshold
+        for load, rate in zip(result.loads, one.leak_rate, strict=True):
+            ratio = ratio_to_case(rate, load.leak.leak_rate if load.leak else 0.0)
+            rows.append((*reading, load.fluid_pressure, rate, ratio))
+    return rows
 
 
 SHOWN = Shown(

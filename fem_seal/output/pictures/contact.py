@@ -297,19 +297,16 @@ def contact_picture(result: SealSolution, load: LoadResult) -> Picture:
     below.set_yticks([one for one in below.get_yticks() if 0.0 <= one <= top / gap.size])
     width, height = inches(below)
     times = (high - low) / width / (1.3 * top / height)
+    how: dict[str, Any] = {"transform": below.transAxes, "va": "center", "bbox": _ON_FLUID}
     for at, name in ((0.93, "closure"), (0.06, "seat")):
-        text = told_of(name, faces=result.case.faces)
-        below.text(
-            0.5, at, text, transform=below.transAxes, ha="center", va="center", color=INK, bbox=_ON_FLUID
-        )
+        below.text(0.5, at, told_of(name, faces=result.case.faces), ha="center", color=INK, **how)
     if flows:
-        left = share[0] > share[-1]
-        side = (0.01, "left") if left else (0.99, "right")
         name = format_quantity("fluid pressure", load.fluid_pressure)
-        text = f"{name} →" if left else f"← {name}"
-        named: dict[str, Any] = {"ha": side[1], "va": "center", "color": BLUE}
-        below.text(side[0], 0.93, text, transform=below.transAxes, bbox=_ON_FLUID, **named)
-        above.text(side[0], 0.8, "share of the pressure drop, 0 to 100 %", transform=above.transAxes, **named)
+        inside = share[0] > share[-1]
+        at, text, side = (0.01, f"{name} →", "left") if inside else (0.99, f"← {name}", "right")
+        below.text(at, 0.93, text, ha=side, color=BLUE, **how)
+        drop = "share of the pressure drop, 0 to 100 %"
+        above.text(at, 0.8, drop, transform=above.transAxes, ha=side, va="center", color=BLUE)
         # from zero to the peak, which is the whole drop
         above.plot(
             load.whole.x / length.size, share * load.peak_pressure / pressure.size, color=BLUE, linestyle="--"

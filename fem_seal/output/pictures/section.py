@@ -129,12 +129,8 @@ def _draw_whole(axes: Axes, case: Case) -> None:
         _diameter(axes, one, low - _ROW * scale * row, scale)
     size = 1e3 * contact.closure.largest_radius
     at = max((s.start for s in contact.closure.segments), key=lambda p: (p[0], p[1]))
-    _diameter(
-        axes,
-        _Diameter(size, told_of("closure", faces=case.faces), 1e3 * at[1], INK),
-        high + _ROW * scale * 0.9,
-        scale,
-    )
+    widest_of_closure = _Diameter(size, told_of("closure", faces=case.faces), 1e3 * at[1], INK)
+    _diameter(axes, widest_of_closure, high + _ROW * scale * 0.9, scale)
     angle = getattr(case.seat, "angle", None)
     if angle is not None:
         _included_angle(axes, contact, angle, scale)
@@ -327,14 +323,8 @@ def _list(axes: Axes, case: Case) -> None:
         listed.append((case.lower_half, "closure", "lower flange"))
     for case, name, called in listed:
         body = case.table_of(name)
-        lines.append(
-            (
-                called,
-                f"{body.shape}, {outside_text(body.material.name)}",
-                INK,
-                "bold",
-            )
-        )
+        made_of = f"{body.shape}, {outside_text(body.material.name)}"
+        lines.append((called, made_of, INK, "bold"))
         drawn = section(case, name)
         for key, text in (section_text(drawn) if drawn else {}).items():
             for row, part in enumerate(text.split(", ")):
