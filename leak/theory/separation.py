@@ -277,19 +277,17 @@ def density(lost: LostArea, separation: FloatArray) -> FloatArray:
         for start, first, last, below in zip(starts.tolist(), *places, strict=True):
             some = k, slice(start, start + _NEIGHBOURS)
             if last > first:
-                x = u[first:last, None] * inverse[some]
-                found[first:last] += _gaussian(np.subtract(x, centre[some], out=x)) @ amplitude[some]
+                found[first:last] += (
+                    _gaussian(u[first:last, None] * inverse[some] - centre[some]) @ amplitude[some]
+                )
             if below:
-                x = u[:below, None] * inverse[some]
-                found[:below] += _gaussian(np.add(x, centre[some], out=x)) @ amplitude[some]
+                found[:below] += _gaussian(u[:below, None] * inverse[some] + centre[some]) @ amplitude[some]
     return out
 
 
 def _gaussian(x: FloatArray) -> FloatArray:
-    """exp(-x^2) in the place of x; numbers that are next to none are slow."""
-    x *= x
-    np.minimum(x, _NEXT_TO_NONE, out=x)
-    return np.exp(np.negative(x, out=x), out=x)
+    """exp(-x^2); numbers that are next to none are slow."""
+    return np.exp(-np.minimum(x * x, _NEXT_TO_NONE))
 
 
 @dataclass(frozen=True)
