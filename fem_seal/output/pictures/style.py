@@ -287,7 +287,7 @@ def label(
 
     logarithmic(axes, *log)
     if legend:
-        axes.legend(loc=legend)
+        axes.legend(loc=cast(Any, legend))
     width, height = inches(axes)
     for axis in (axes.xaxis, axes.yaxis):
         if axis.get_scale() == "linear" and isinstance(axis.get_major_locator(), MaxNLocator):
