@@ -615,7 +615,8 @@ def test_a_trace_in_the_changes_is_looked_for_beside_the_study(tmp_path):
     file = tmp_path / "study.toml"
     file.write_text(
         f'base = "{CASE}"\nresponses = ["peak_pressure_Pa"]\n'
-        '[changes]\n"form.seat.trace" = "trace.csv"\n"load.fluid_pressure" = "10 bar"\n[parameters]\n"load.applied_force" = ["0 N", "100 N"]\n'
+        '[changes]\n"form.seat.trace" = "trace.csv"\n"load.fluid_pressure" = "10 bar"\n'
+        '[parameters]\n"load.applied_force" = ["0 N", "100 N"]\n'
     )
     assert load_study(file).case.form.seat.trace is not None
 
