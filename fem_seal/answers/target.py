@@ -151,8 +151,8 @@ def contacts_at_target(
     -----
     The leak rate falls with the force on the solid contact; ln Q over ln F_N is bracketed around what a Gaussian
     profile says and its root found on a mesh sized for it, one contact of the condensed bodies per step. Where a body
-    yields each step is a path of its own from the new seal, or from the largest load before those of the problem, so
-    that the force leaks the target in a case that has only this load.
+    yields each step is on the path of first loading of the new seal, or goes on from the largest load before those of
+    the problem, so that the force leaks the target in a case that has only this load.
     """
     target = problem.loads.target_leak_rate if target_leak_rate is None else target_leak_rate
     if target is None or not target > 0:
@@ -166,10 +166,16 @@ def contacts_at_target(
     pressures = dict.fromkeys(problem.loads.fluid_pressure)
     expected = {pressure: _first_guess(flow, pressure, target) for pressure in pressures}
     found: dict[float, LoadResult] = {}
+    unmet: dict[float, str] = {}
 
     def solve(solver: LoadSolver) -> Sequence[ContactSolution]:
+        unmet.clear()
         for pressure, force in expected.items():
-            found[pressure] = _on_model(solver, flow, pressure, force, target)
+            # on a better mesh it is looked for where it was
+            near = found[pressure].contact_force if pressure in found and solver.yields else force
+            found[pressure], why = _on_model(solver, flow, pressure, near, target)
+            if why:
+                unmet[pressure] = why
         before = () if solver.earlier is None else (solver.earlier,)
         contacts = [contact for one in found.values() for contact in one.contacts]
         tight = [
@@ -183,17 +189,28 @@ def contacts_at_target(
         r0, side = problem.initial_contact_radius, problem.loads.pressure_side
         forces += [force - contact_force(r0, pressure, 0.0, side) for pressure, force in expected.items()]
     LoadSolver.fitted(problem, [share * force for force in forces if force > 0 for share in _MARGIN], solve)
+    for pressure, why in unmet.items():
+        reached = found[pressure]
+        assert reached.leak is not None  # of what flows
+        force, leaves = briefly("force", reached.contact_force), quantity("flow", reached.leak.leak_rate)
+        values = {"force": force, "leaves": leaves, "bar": pressure / 1e5}
+        raise target_problem(problem, why, target, **values)
     return [found[pressure] for pressure in problem.loads.fluid_pressure]
 
 
 def _first_guess(flow: SealFlow, fluid_pressure: float, target: float) -> float:
-    """Force F_N from which the target is looked for [N]: the expected one, or that of the loads."""
+    """Force F_N from which the target is looked for [N].
+
+    It is the expected one; of bodies that yield, where none is expected, the largest, or that of the loads.
+    """
     try:
         return expected_contact_force(flow, fluid_pressure, target)
     except InputError:
         if not flow.problem.curves:
             raise
-        return min(max(expected_forces(flow.problem)), largest_force(flow.problem))
+        highest = largest_force(flow.problem)
+        least = flow.leak(flow.expected_profile(highest), fluid_pressure).leak_rate
+        return highest if least > target else min(max(expected_forces(flow.problem)), highest)
 
 
 @dataclass(frozen=True)
@@ -295,35 +312,47 @@ TARGET = Answer[TargetForces | None](
 
 def _on_model(
     solver: LoadSolver, flow: SealFlow, fluid_pressure: float, expected: float, target: float
-) -> LoadResult:
-    """Contact that leaks as much as the target."""
-    known: dict[float, tuple[ContactSolution, float]] = {}
+) -> tuple[LoadResult, str]:
+    """Contact that leaks as much as the target; or the one under the largest force, and why there is no larger one."""
+    known: dict[float, tuple[ContactSolution, float, float]] = {}
 
     def excess(log_force: float) -> float:
+        if log_force in known:
+            return known[log_force][2]
         start = next(reversed(known.values()))[0] if known else None
         try:
             contact, applied_force = solver.at_contact_force(fluid_pressure, math.exp(log_force), start)
         except InputError:
             # open bodies that yield: everything flows
             return log_excess(math.inf, target)
-        known[log_force] = contact, applied_force
-        return log_excess(flow.leak_of(contact, fluid_pressure).leak_rate, target)
+        value = log_excess(flow.leak_of(contact, fluid_pressure).leak_rate, target)
+        known[log_force] = contact, applied_force, value
+        return value
 
-    highest = math.log(largest_force(solver.problem)) if solver.yields else math.inf
-    root = _root_near(excess, math.log(expected), highest)
+    highest, why = math.log(largest_force(solver.problem)) if solver.yields else math.inf, "not_met"
+    try:
+        root = _root_near(excess, math.log(expected), highest)
+    except ConvergenceError:
+        reached = solver.reached(fluid_pressure)
+        if reached is None:
+            raise
+        highest, why = math.log(reached), "not_reached"
+        root = _root_near(excess, highest, highest)
     if root is None:
-        force = briefly("force", largest_force(solver.problem))
-        raise target_problem(solver.problem, "not_met", target, force=force, bar=fluid_pressure / 1e5)
-    if root not in known:
+        root = max(known)
+        if known[root][2] < 0:
+            raise target_problem(solver.problem, "always_met", target, bar=fluid_pressure / 1e5)
+    else:
+        why = ""
         excess(root)
-    contact, applied_force = known[root]
+    contact, applied_force, _ = known[root]
     load = LoadResult(fluid_pressure, applied_force, contact, formed=solver.problem.around(contact))
     loads, preload = solver.problem.loads, None
     if loads.bolts is not None:
         r0 = solver.problem.initial_contact_radius
         preload = max(math.exp(root) - contact_force(r0, fluid_pressure, 0.0, loads.pressure_side), 0.0)
     rough = LeakModel.of(flow.surface, flow.flow, load.contacts)
-    return load.with_values(rough=rough, preload_for_target=preload)
+    return load.with_values(rough=rough, preload_for_target=preload), why
 
 
 def _root_near(excess: Callable[[float], float], expected: float, highest: float = math.inf) -> float | None:

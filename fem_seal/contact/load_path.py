@@ -189,6 +189,7 @@ def load_path(
     partial: bool = False,
     unload: bool = True,
     progress: Callable[[PlaceOnPath], None] | None = None,
+    first: FirstLoading | None = None,
 ) -> LoadPath:
     """Press the closure on the seat with one load after the other, then take the load away.
 
@@ -209,6 +210,9 @@ def load_path(
         Whether to ask for what is left after the last load, which is a way like that up.
     progress : callable, optional
         Told after every load step how far the path is.
+    first : FirstLoading, optional
+        Of the same model, law and `at_rest`: the way to the first load is taken from there if nothing but a force rises
+        on it.
 
     Raises
     ------
@@ -222,26 +226,26 @@ def load_path(
     Plastic strain depends on the path, so every load is reached in steps. Implicit Euler is of first order in the
     size of the steps.
     """
-    bodies = yielding_bodies(model)
+    bodies = yielding_bodies(model) if first is None else first.bodies
     if not bodies:
         raise ValueError("no material has a hardening curve; solve the contact with fem_seal.contact.solve")
     for load in loads:
         if load.path is None and not (math.isfinite(load.force) and load.force > 0):
             raise ValueError(f"contact_force = {load.force!r} N: must be positive and finite")
-    walk = _Walk(model, bodies, law, settings or PlasticSettings(), progress or (lambda place: None))
-    rest, nothing = (loads[0].rest(further) for further in (at_rest or NO_LOADS, NO_LOADS))
+    walk = _Walk(model, bodies, law, settings or PlasticSettings(), progress or _untold)
+    rest = loads[0].rest(at_rest or NO_LOADS)
     contacts: list[ElastoplasticContact] = []
     opened: dict[int, OpenLoad] = {}
-    here = Equilibrium({name: body.solid.virgin for name, body in bodies.items()}, None, ())
     stopped, tightened = None, 0.0
     try:
-        if rest.further != NO_LOADS:
-            here, _ = walk.to(rest, nothing, here)
+        here = walk.begun(rest)
         virgin, last = here.states, rest
         try:
             for number, load in enumerate(loads):
                 try:
-                    if load.held is None:
+                    if number == 0 and first is not None and load.alone:
+                        reached, steps = first.at(load, walk.tell)
+                    elif load.held is None:
                         reached, steps = walk.to(load.after(contacts), last, here, number)
                     else:
                         load, reached, steps = walk.held(load.after(contacts), tightened, last, here, number)
@@ -280,6 +284,94 @@ def _with_bodies(
     )
 
 
+@dataclass(frozen=True)
+class FirstLoading:
+    """New bodies under any one force, on one path of rising force.
+
+    Parameters
+    ----------
+    model : ContactModel
+    law : InterfaceLaw or HardContact
+    at_rest : BodyLoads
+        What acts before the first load.
+
+    Notes
+    -----
+    A path to one force and that to a larger one have the way to the smaller one in common. So the first force is
+    reached from zero, and each other one from the nearest step below it, in steps that are as short, as a share of the
+    force, as those from zero. Those of the lower half of the first way are too long for that and are forgotten: a
+    force below them begins at zero again. Which steps a force has behind it depends on those that were asked before,
+    and its contact by as much as on the size of the steps.
+    """
+
+    model: ContactModel = field(repr=False)
+    law: Law
+    at_rest: BodyLoads = NO_LOADS
+    _passed: list[_Passed] = field(default_factory=list, init=False, repr=False)
+
+    @cached_property
+    def bodies(self) -> dict[str, YieldingBody]:
+        """Those that yield, by name."""
+        return yielding_bodies(self.model)
+
+    def at(
+        self, load: PathLoad, progress: Callable[[PlaceOnPath], None] | None = None
+    ) -> tuple[Equilibrium, int]:
+        """The balance under one load, and how many steps led to it.
+
+        Parameters
+        ----------
+        load : PathLoad
+            Which is `alone`.
+        progress : callable, optional
+            Told after every load step how far the way is.
+
+        Raises
+        ------
+        ConvergenceError
+            If the smallest load step does not converge.
+        """
+        walk = _Walk(self.model, self.bodies, self.law, PlasticSettings(), progress or _untold)
+        below = [one for one in self._passed if one.load.force <= load.force]
+        if not below:
+            self._passed.clear()
+        further = len(below) == len(self._passed)
+        rest = load.rest(self.at_rest)
+        begin = below[-1] if below else _Passed(rest, walk.begun(rest), 0)
+        if begin.load.force == load.force:
+            return begin.here, begin.steps
+        steps: list[_Passed] = []
+
+        def passed(at: PathLoad, here: Equilibrium) -> None:
+            steps.append(_Passed(at, here, begin.steps + len(steps) + 1))
+
+        try:
+            walk.to(load, begin.load, begin.here, 0, passed)
+        finally:
+            if further and steps:
+                lowest = begin.load.force if below else 0.5 * steps[-1].load.force
+                self._passed.extend(one for one in steps if one.load.force >= lowest)
+        return steps[-1].here, steps[-1].steps
+
+    @property
+    def highest(self) -> float | None:
+        """The largest force that has been reached [N]; None before the first."""
+        return self._passed[-1].load.force if self._passed else None
+
+
+@dataclass(frozen=True)
+class _Passed:
+    """A load on the way, the balance under it, and the steps from zero on."""
+
+    load: PathLoad
+    here: Equilibrium
+    steps: int
+
+
+def _untold(place: PlaceOnPath) -> None:
+    """Nobody is told how far a path is."""
+
+
 # Accuracy of the force of bolts, of their preload, and the most ways to it.
 _HELD, _WAYS = 1e-6, 12
 # Share of the way to a load from which on the bodies are near enough to those that it would part.
@@ -296,12 +388,22 @@ class _Walk:
     settings: PlasticSettings
     tell: Callable[[PlaceOnPath], None]
 
+    def begun(self, rest: PathLoad) -> Equilibrium:
+        """New bodies with what acts on them before the first load."""
+        virgin = Equilibrium({name: body.solid.virgin for name, body in self.bodies.items()}, None, ())
+        return virgin if rest.further == NO_LOADS else self.to(rest, rest.rest(NO_LOADS), virgin)[0]
+
     def to(
-        self, end: PathLoad, begin: PathLoad, here: Equilibrium, number: int | None = None
+        self,
+        end: PathLoad,
+        begin: PathLoad,
+        here: Equilibrium,
+        number: int | None = None,
+        passed: Callable[[PathLoad, Equilibrium], None] | None = None,
     ) -> tuple[Equilibrium, int]:
         """Walk from one load to another in steps, halved where they do not converge; also how many.
 
-        Told is how far it is, if the load has a number.
+        Told is how far it is, if the load has a number; `passed` gets every step.
 
         While nothing flows, steps become longer: elastic bodies forget how they came. That takes that nothing flows at
         the end of one, nor where it would end if all went on as before; else it is taken back. A step under which the
@@ -336,6 +438,8 @@ class _Walk:
             earlier, taken = here, aim - way
             step = min(2 * step, usual) if reached.flowed else 2 * step
             here, way, steps = reached, aim, steps + 1
+            if passed is not None:
+                passed(load, here)
         return here, steps
 
     def held(

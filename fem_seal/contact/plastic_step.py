@@ -83,6 +83,11 @@ class PathLoad:
         fluid = "" if self.path is None else f" at {self.fluid_pressure / 1e5:.6g} bar"
         return f"{self.force:.6g} N{fluid}"
 
+    @property
+    def alone(self) -> bool:
+        """Whether nothing but its force rises from zero to it."""
+        return self.path is None or self.fluid_pressure == 0.0
+
     def contact(self, model: ContactModel, law: Law, start: ContactSolution | None) -> ContactSolution | None:
         """The contact of linear bodies under this load, and its fluid; None where it leaves them apart.
 

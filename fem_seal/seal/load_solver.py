@@ -16,6 +16,7 @@ import numpy as np
 from fem_seal.bolts import Bolts, held_force
 from fem_seal.contact.load_path import (
     ElastoplasticContact,
+    FirstLoading,
     LoadPath,
     OpenLoad,
     PlaceOnPath,
@@ -257,7 +258,7 @@ class LoadSolver:
         """Contact that carries a force F_N [N] at a fluid pressure [Pa], and the applied force that this takes [N].
 
         Bodies that yield begin as new ones, or after the largest load before those of the problem, and go to this load
-        alone. With the fluid between the surfaces F_N is then what is left of the applied force by the circle of first
+        alone; what the first loading of several forces has in common is walked once, see `FirstLoading`. With the fluid between the surfaces F_N is then what is left of the applied force by the circle of first
         touch, near to what they carry. `progress` is told now and then how far their path is.
 
         With bolts F_N is what the fluid would leave of their preload if they were infinitely soft: the contact is the
@@ -273,7 +274,9 @@ class LoadSolver:
         if self.problem.loads.bolts is not None and preload > 0.0:
             return self._tightened(fluid_pressure, preload, progress)
         if self.yields:
-            return _end_of_path(self, [(fluid_pressure, preload)], progress=progress), preload
+            return _end_of_path(
+                self, [(fluid_pressure, preload)], progress=progress, first=self.first_loading
+            ), preload
         if self._on_sealed_area:
             return self._sealed_area(contact_force, start).after(self.earlier), preload
         contact = solve_at_contact_force(
@@ -293,8 +296,18 @@ class LoadSolver:
             assert loads.bolts is not None  # of all who ask
             (_, force), contact = solver.held_by_bolts(0, loads.bolts)
             return contact, force
-        end = _end_of_path(solver, [point], progress=progress)
+        end = _end_of_path(solver, [point], progress=progress, first=self.first_loading)
         return end, self.point_of(fluid_pressure, end)[1]
+
+    @cached_property
+    def first_loading(self) -> FirstLoading:
+        """Of bodies that yield, under one force each."""
+        return FirstLoading(self.model, self.problem.law, self.problem.at_rest(self.model))
+
+    def reached(self, fluid_pressure: float) -> float | None:
+        """Largest force F_N of `at_contact_force` to which first loading came [N]; None if it is not asked there."""
+        highest, bolts = self.first_loading.highest, self.problem.loads.bolts
+        return highest if highest is None or bolts is None else highest + self._closes(fluid_pressure)
 
     def blow_off_pressure(self, applied_force: float, contact: ContactSolution | None = None) -> float:
         """Fluid pressure at which the fluid lifts the closure off [Pa], infinite if it does not.
@@ -543,8 +556,9 @@ def _end_of_path(
     points: Sequence[tuple[float, float]],
     steps: int | None = None,
     progress: Progress | None = None,
+    first: FirstLoading | None = None,
 ) -> ElastoplasticContact:
-    path, _ = _path(solver, points, steps, unload=False, progress=progress)
+    path, _ = _path(solver, points, steps, unload=False, progress=progress, first=first)
     last = len(points) - 1
     if last in path.opened:
         raise solver.open_on_path(points[last], path.opened[last])
@@ -560,11 +574,12 @@ def _path(
     *,
     unload: bool = True,
     progress: Progress | None = None,
+    first: FirstLoading | None = None,
 ) -> tuple[LoadPath, ElastoplasticContact | None]:
     """Fluid pressures [Pa] and applied forces [N] one after the other; the largest load before them is the first.
 
     It is returned beside the path: of several times that bolts were tightened the largest. Where asperities yield each
-    contact remembers all those before it.
+    contact remembers all those before it. `first` as in `load_path`.
     """
     problem, settings = solver.problem, PlasticSettings()
     way = list(_way(problem.loads, points))
@@ -574,19 +589,18 @@ def _path(
     ]
     if steps is not None:
         settings = replace(settings, steps=steps)
-    at_rest = problem.at_rest(solver.model)
+    tell = None if progress is None else _now_and_then(progress, way, _before(problem), len(points))
     try:
         path = load_path(
             solver.model,
             problem.law,
             loads,
-            at_rest=at_rest,
+            at_rest=problem.at_rest(solver.model),
             settings=settings,
             partial=True,
             unload=unload,
-            progress=None
-            if progress is None
-            else _now_and_then(progress, way, _before(problem), len(points)),
+            progress=tell,
+            first=first,
         )
     except ConvergenceError as error:
         if not isinstance(error.partial, LoadPath):

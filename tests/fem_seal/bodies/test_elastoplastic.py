@@ -26,7 +26,7 @@ from fem_seal.bodies.fields import BodyField, von_mises
 from fem_seal.bodies.supports import Supports
 from fem_seal.case.case import load_case
 from fem_seal.contact.laws import HardContact, Law
-from fem_seal.contact.load_path import Imprint, LoadPath, load_path
+from fem_seal.contact.load_path import ElastoplasticContact, FirstLoading, Imprint, LoadPath, load_path
 from fem_seal.contact.newton import solve
 from fem_seal.contact.other_loads import BodyLoads
 from fem_seal.contact.plastic_step import PathLoad, PlasticSettings
@@ -341,6 +341,39 @@ def test_long_steps_through_what_stays_elastic_change_nothing() -> None:
         assert strain.max() > 5e-4
         assert contact.states["seat"].plastic.accumulated == pytest.approx(strain, abs=1e-8 * strain.max())
     assert all(contact.load_steps < steps for contact, steps in zip(few, (8, 7, 7), strict=True))
+
+
+def test_first_loading_of_several_forces_is_one_path() -> None:
+    """Reached from other forces or directly, a force differs by no more than half as many steps do."""
+    model, force = seal(LAW, 3e7, seat=HARDENING, refine=0.35, wider=1.5)
+
+    def direct(share: float, steps: int = 16) -> ElastoplasticContact:
+        few = PlasticSettings(steps=steps)
+        return load_path(model, LAW, [PathLoad(share * force)], settings=few, unload=False).contacts[0]
+
+    def shared(share: float) -> ElastoplasticContact:
+        return load_path(model, LAW, [PathLoad(share * force)], first=first, unload=False).contacts[0]
+
+    first = FirstLoading(model, LAW)
+    assert first.highest is None
+    begun = shared(0.7)
+    alone = direct(0.7)
+    assert begun.pressure == pytest.approx(alone.pressure, rel=1e-12)
+    # up, down, and below the half of the first
+    for share in (1.0, 0.83, 1.0, 0.3):
+        found, own, coarse = shared(share), direct(share), direct(share, 8)
+        assert found.contact_force == pytest.approx(own.contact_force, rel=1e-12)
+        assert abs(found.profile.std - own.profile.std) <= abs(coarse.profile.std - own.profile.std)
+        assert found.load_steps <= begun.load_steps + 6
+        strain, its = (one.states["seat"].plastic.accumulated.max() for one in (found, own))
+        assert strain == pytest.approx(its, rel=0.01)
+    assert first.highest == 0.3 * force
+    # a load after the first goes on from there
+    loads = [PathLoad(0.3 * force), PathLoad(0.1 * force)]
+    back, own = (
+        load_path(model, LAW, loads, first=one, unload=False).contacts[1] for one in (first, None)
+    )
+    assert back.pressure == pytest.approx(own.pressure, abs=1e-9 * own.pressure.max())
 
 
 def test_hard_contact_on_a_yielding_seat() -> None:

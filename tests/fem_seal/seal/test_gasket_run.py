@@ -16,6 +16,9 @@ import pytest
 import leak
 from fem_seal import Case, SealResult, run
 from fem_seal.answers.compression import COMPRESSION
+from fem_seal.answers.target import contacts_at_target
+from fem_seal.contact.plastic_step import press
+from fem_seal.errors import InputError
 from fem_seal.output.report.page import report
 from fem_seal.seal.evaluate import Evaluation, evaluate
 from fem_seal.seal.problem import SealProblem
@@ -177,6 +180,38 @@ def test_a_yielding_ring_springs_back_by_less_than_it_was_pressed() -> None:
     # unloading is elastic and stiff at first: the second half of the force gives more way than the first
     assert partly.compression - free.compression > loaded.compression - partly.compression
     assert compression.springback == pytest.approx(loaded.compression - free.compression)
+
+
+@pytest.mark.slow
+def test_the_force_for_a_target_of_a_yielding_ring_is_found_on_one_path(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    steps = 0
+
+    def counted(*args: Any, **others: Any) -> Any:
+        nonlocal steps
+        steps += 1
+        return press(*args, **others)
+
+    load = {"fluid_pressure": "1 bar", "applied_force": "2 kN", "pressure_side": "inner"}
+    given = tables(COPPER, load=load, mesh={"contact_size": "16 um"})
+    (own,) = solved(given).loads
+    assert own.leak is not None
+    target = 0.7 * own.leak.leak_rate
+    monkeypatch.setattr("fem_seal.contact.load_path.press", counted)
+    problem = SealProblem.of(Case(**given))
+    (found,) = contacts_at_target(problem, target)
+    assert found.leak is not None and found.leak.leak_rate == pytest.approx(target, rel=1e-5)
+    # one path of 16 steps on each mesh, and a step or two for each force
+    assert steps < 60
+    again = deepcopy(given)
+    again["load"]["applied_force"] = f"{found.applied_force!r} N"
+    (alone,) = solved(again).loads
+    assert alone.leak is not None and alone.leak.leak_rate == pytest.approx(target, rel=5e-3)
+    # beyond small strains: what was reached
+    with pytest.raises(InputError, match=r"a contact force of .* leaves .* at 1 bar, and") as caught:
+        contacts_at_target(problem, 1e-30)
+    assert caught.value.key == "load.target_leak_rate"
 
 
 def test_grooves_leak_over_both_faces() -> None:
