@@ -9,7 +9,7 @@ from functools import partial
 
 from fem_seal.answers.answer import Answer, Inquiry
 from fem_seal.contact.solution import ContactSolution
-from fem_seal.errors import InputError
+from fem_seal.errors import ConvergenceError, InputError
 from fem_seal.loads import contact_force
 from fem_seal.seal.findings import Finding, Level, Validity
 from fem_seal.seal.leak_model import LeakModel
@@ -166,16 +166,14 @@ def contacts_at_target(
     pressures = dict.fromkeys(problem.loads.fluid_pressure)
     expected = {pressure: _first_guess(flow, pressure, target) for pressure in pressures}
     found: dict[float, LoadResult] = {}
-    unmet: dict[float, str] = {}
+    near, unmet = dict(expected), dict[float, str]()
 
     def solve(solver: LoadSolver) -> Sequence[ContactSolution]:
-        unmet.clear()
-        for pressure, force in expected.items():
-            # on a better mesh it is looked for where it was
-            near = found[pressure].contact_force if pressure in found and solver.yields else force
-            found[pressure], why = _on_model(solver, flow, pressure, near, target)
-            if why:
-                unmet[pressure] = why
+        for pressure, force in near.items():
+            found[pressure], at, unmet[pressure] = _on_model(solver, flow, pressure, force, target)
+            if solver.yields:
+                # on a better mesh it is looked for where it was
+                near[pressure] = at
         before = () if solver.earlier is None else (solver.earlier,)
         contacts = [contact for one in found.values() for contact in one.contacts]
         tight = [
@@ -190,6 +188,8 @@ def contacts_at_target(
         forces += [force - contact_force(r0, pressure, 0.0, side) for pressure, force in expected.items()]
     LoadSolver.fitted(problem, [share * force for force in forces if force > 0 for share in _MARGIN], solve)
     for pressure, why in unmet.items():
+        if not why:
+            continue
         reached = found[pressure]
         assert reached.leak is not None  # of what flows
         force, leaves = briefly("force", reached.contact_force), quantity("flow", reached.leak.leak_rate)
@@ -312,8 +312,11 @@ TARGET = Answer[TargetForces | None](
 
 def _on_model(
     solver: LoadSolver, flow: SealFlow, fluid_pressure: float, expected: float, target: float
-) -> tuple[LoadResult, str]:
-    """Contact that leaks as much as the target; or the one under the largest force, and why there is no larger one."""
+) -> tuple[LoadResult, float, str]:
+    """Contact that leaks as much as the target, and its force F_N [N].
+
+    Or the contact under the largest force, and behind it why there is no larger one.
+    """
     known: dict[float, tuple[ContactSolution, float, float]] = {}
 
     def excess(log_force: float) -> float:
@@ -336,8 +339,11 @@ def _on_model(
         reached = solver.reached(fluid_pressure)
         if reached is None:
             raise
-        highest, why = math.log(reached), "not_reached"
+        highest, why = max(math.log(reached), *known), "not_reached"
         root = _root_near(excess, highest, highest)
+    if not known:
+        # it says what opens the seal
+        solver.at_contact_force(fluid_pressure, math.exp(min(math.log(expected), highest)))
     if root is None:
         root = max(known)
         if known[root][2] < 0:
@@ -352,7 +358,7 @@ def _on_model(
         r0 = solver.problem.initial_contact_radius
         preload = max(math.exp(root) - contact_force(r0, fluid_pressure, 0.0, loads.pressure_side), 0.0)
     rough = LeakModel.of(flow.surface, flow.flow, load.contacts)
-    return load.with_values(rough=rough, preload_for_target=preload), why
+    return load.with_values(rough=rough, preload_for_target=preload), math.exp(root), why
 
 
 def _root_near(excess: Callable[[float], float], expected: float, highest: float = math.inf) -> float | None:

@@ -10,6 +10,7 @@ import math
 import re
 import sys
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
@@ -39,16 +40,18 @@ def write_contact(result: SealSolution, folder: Path) -> list[Path]:
     ``stress_Pa`` as XX YY ZZ XY YZ XZ with x = r, y = z, z = hoop, ``von_mises_Pa``, ``contact_pressure_Pa`` on the
     contact line, zero elsewhere. Where a body yields also ``plastic_strain``, as the stress and as a tensor (XY is half
     the engineering shear strain), and ``accumulated_plastic_strain``, zero in a body that is elastic. Cell data:
-    ``body``, 0 for the closure and 1 for the seat.
+    ``body``, 0 for the closure and 1 for the seat. A gasket is whole: both its halves are body 1, and the lower flange
+    is body 2.
 
     Returns
     -------
     list of pathlib.Path
         The files written, contact.pvd first.
     """
+    level = _mid_plane(result)
 
     def write_load(load: LoadResult, path: Path) -> Path:
-        return _write_bodies(load.contact.fields, load.contact.approach, _load_data(load), path)
+        return _write_bodies(load.contact.fields, load.contact.approach, _load_data(load), level, path)
 
     return _write_loads(result, folder, "contact", "vtu", write_load)
 
@@ -57,14 +60,14 @@ def write_contact_line(result: SealSolution, folder: Path) -> list[Path]:
     """Write contact_line.pvd and one contact_line_000.vtp per load: the pressure profile as a line.
 
     Point data: ``x_m``, arc length from first touch, ``contact_pressure_Pa``, ``gap_m`` and, where a leak rate was
-    calculated, ``fluid_pressure_in_gap_Pa``.
+    calculated, ``fluid_pressure_in_gap_Pa``. Of a gasket the lower half of the points are the line on its lower face.
 
     Returns
     -------
     list of pathlib.Path
         The files written, contact_line.pvd first.
     """
-    height = result.seal_mesh.contact.height
+    height, level = result.seal_mesh.contact.height, _mid_plane(result)
 
     def write_load(load: LoadResult, path: Path) -> Path:
         profiles = load.profiles
@@ -75,12 +78,16 @@ def write_contact_line(result: SealSolution, folder: Path) -> list[Path]:
         data = {"x_m": x, "contact_pressure_Pa": pressure, "gap_m": gap}
         if load.gap_pressure is not None:
             data["fluid_pressure_in_gap_Pa"] = load.gap_pressure
+        points, ends = _in_space(np.column_stack([radius, height(x)])), [len(one.x) for one in profiles]
+        if level is not None:
+            points, ends = np.concatenate([points, _mirrored(points, level)]), 2 * ends
+            data = {name: np.tile(values, 2) for name, values in data.items()}
         return write_cells(
             path,
             "Lines",
-            _in_space(np.column_stack([radius, height(x)])),
-            np.arange(len(x)),
-            np.cumsum([len(one.x) for one in profiles]),
+            points,
+            np.arange(len(points)),
+            np.cumsum(ends),
             point_data=data,
             field_data=_load_data(load),
         )
@@ -96,7 +103,8 @@ def write_around(result: SealSolution, folder: Path) -> list[Path]:
     x, y, z in space, z the axis; the angle goes from x to y. Point data: ``x_m``, arc length from first touch,
     ``angle_rad``, ``contact_pressure_Pa``, ``gap_m``, ``gap_change_m``, what the form error adds to the gap,
     ``local_line_load_N_per_m`` and, where it is known, ``leak_rate_m3_per_s_per_rad``, with asperities that yield also
-    ``leak_rate_capped_m3_per_s_per_rad``, the same all along x. The numbers are in single precision.
+    ``leak_rate_capped_m3_per_s_per_rad``, the same all along x. The numbers are in single precision. Of a gasket it is
+    the upper face.
 
     Returns
     -------
@@ -185,42 +193,105 @@ def _around_the_axis(
 def write_unloaded(result: SealSolution, folder: Path) -> Path | None:
     """Write unloaded.vtu: both bodies after the last load, with residual stress and permanent displacement.
 
-    Point data as in `write_contact`; ``displacement_m`` is the permanent one, including that of a press fit. If both
-    bodies are elastic, none is written, and an unloaded.vtu of an earlier run is removed.
+    Point data as in `write_contact`, and a gasket whole as there; ``displacement_m`` is the permanent one, including
+    that of a press fit. If both bodies are elastic, none is written, and an unloaded.vtu of an earlier run is removed.
     """
     path = folder / "unloaded.vtu"
     if result.unloaded is None:
         path.unlink(missing_ok=True)
         return None
-    return _write_bodies(result.unloaded.fields, 0.0, {}, path)
+    return _write_bodies(result.unloaded.fields, 0.0, {}, _mid_plane(result), path)
 
 
 def _write_bodies(
-    fields: Mapping[str, BodyField], approach: float, load: Mapping[str, NDArray[np.generic]], path: Path
+    fields: Mapping[str, BodyField],
+    approach: float,
+    load: Mapping[str, NDArray[np.generic]],
+    level: float | None,
+    path: Path,
 ) -> Path:
-    bodies = [fields[name] for name in BODIES]
+    """Write both bodies, of a gasket with their images below its mid-plane at a level [m]."""
+    bodies = [_placed(fields[name], approach) for name in BODIES]
+    numbers = [0, 1]
+    if level is not None:
+        bodies = [bodies[0], _without_shear(bodies[1], level)]
+        bodies += [_image(body, level) for body in bodies]
+        numbers += [2, 1]
     starts = np.cumsum([0, *(len(body.points) for body in bodies)])
+    kept = np.ones(starts[-1], dtype=bool)
+    if level is not None:
+        # both halves of the gasket share the points of the mid-plane
+        shared = np.flatnonzero(_on_level(bodies[1].points, level))
+        kept[starts[3] + shared] = False
+    place = np.cumsum(kept) - 1
+    if level is not None:
+        place[starts[3] + shared] = place[starts[1] + shared]
     cells = np.concatenate([body.triangles6 + start for body, start in zip(bodies, starts, strict=False)])
+
+    def all_of(values: Callable[[BodyField], FloatArray]) -> FloatArray:
+        return np.concatenate([values(body) for body in bodies])[kept]
+
     return write_cells(
         path,
         "Cells",
-        _in_space(np.concatenate([body.points for body in bodies])),
-        cells.ravel(),
+        _in_space(all_of(lambda body: body.points)),
+        place[cells].ravel(),
         6 * np.arange(1, len(cells) + 1),
         point_data={
-            "displacement_m": _in_space(np.concatenate([_displacement(body, approach) for body in bodies])),
-            "stress_Pa": _symmetric_tensor(np.concatenate([body.stress for body in bodies])),
-            "von_mises_Pa": np.concatenate([body.von_mises for body in bodies]),
-            "contact_pressure_Pa": np.concatenate([body.contact_pressure for body in bodies]),
-            **_plastic(bodies),
-            **_temperature(bodies),
+            "displacement_m": _in_space(all_of(lambda body: body.displacement)),
+            "stress_Pa": _symmetric_tensor(all_of(lambda body: body.stress)),
+            "von_mises_Pa": all_of(lambda body: body.von_mises),
+            "contact_pressure_Pa": all_of(lambda body: body.contact_pressure),
+            **{name: values[kept] for name, values in (_plastic(bodies) | _temperature(bodies)).items()},
         },
         cell_data={
-            "body": np.repeat(
-                np.arange(len(bodies), dtype=np.int32), [len(body.triangles6) for body in bodies]
-            )
+            "body": np.repeat(np.array(numbers, dtype=np.int32), [len(body.triangles6) for body in bodies])
         },
         field_data=load,
+    )
+
+
+def _mid_plane(result: SealSolution) -> float | None:
+    """Height of the mid-plane of a gasket, of which the upper half was calculated [m]; None of a valve seat."""
+    return result.seal_mesh.contact.seat.extent[1][0] if result.problem.faces > 1 else None
+
+
+def _on_level(points: FloatArray, level: float) -> NDArray[np.bool_]:
+    """Which points (n, 2) lie on a level z, but for round-off [m]."""
+    return np.abs(points[:, 1] - level) <= 1e-9 * np.abs(points).max()
+
+
+def _mirrored(points: FloatArray, level: float) -> FloatArray:
+    """Points (n, 2 or 3) below a level z [m]."""
+    image = points.copy()
+    image[:, 1] = 2 * level - image[:, 1]
+    return image
+
+
+# Vectors (r, z) and tensors (rr, zz, tt, rz) below the mid-plane, and a triangle turned round.
+_VECTOR, _TENSOR, _TURNED = np.array([1.0, -1.0]), np.array([1.0, 1.0, 1.0, -1.0]), [0, 2, 1, 5, 4, 3]
+
+
+def _scaled(body: BodyField, share: FloatArray) -> BodyField:
+    """A body with a share of its stress and plastic strain (rr, zz, tt, rz)."""
+    changed = replace(body, stress=share * body.stress)
+    if isinstance(changed, ElastoplasticField):
+        return replace(changed, plastic_strain=share * changed.plastic_strain)
+    return changed
+
+
+def _without_shear(body: BodyField, level: float) -> BodyField:
+    """Half of a gasket whose mean with its image is free of shear on the mid-plane, as all of it is."""
+    return _scaled(body, np.where(_on_level(body.points, level)[:, None], [1.0, 1.0, 1.0, 0.0], 1.0))
+
+
+def _image(body: BodyField, level: float) -> BodyField:
+    """The mirror image of a body below a level [m]."""
+    return replace(
+        _scaled(body, _TENSOR),
+        points=_mirrored(body.points, level),
+        triangles6=body.triangles6[:, _TURNED],
+        displacement=_VECTOR * body.displacement,
     )
 
 
@@ -247,10 +318,10 @@ def _plastic(bodies: Sequence[BodyField]) -> dict[str, FloatArray]:
     }
 
 
-def _displacement(body: BodyField, approach: float) -> FloatArray:
-    """Displacement (n, 2) [m] to the true position of the body, so that warped bodies show the gap."""
+def _placed(body: BodyField, approach: float) -> BodyField:
+    """The body with its displacement to its true position, so that warped bodies show the gap."""
     rigid = -approach if body.name == "closure" else 0.0
-    return body.displacement + np.array([0.0, rigid])
+    return replace(body, displacement=body.displacement + np.array([0.0, rigid]))
 
 
 def _symmetric_tensor(stress: FloatArray) -> FloatArray:

@@ -258,8 +258,9 @@ class LoadSolver:
         """Contact that carries a force F_N [N] at a fluid pressure [Pa], and the applied force that this takes [N].
 
         Bodies that yield begin as new ones, or after the largest load before those of the problem, and go to this load
-        alone; what the first loading of several forces has in common is walked once, see `FirstLoading`. With the fluid between the surfaces F_N is then what is left of the applied force by the circle of first
-        touch, near to what they carry. `progress` is told now and then how far their path is.
+        alone; what the first loading of several forces has in common is walked once, see `FirstLoading`. With the fluid
+        between the surfaces F_N is then what is left of the applied force by the circle of first touch, near to what
+        they carry. `progress` is told now and then how far their path is.
 
         With bolts F_N is what the fluid would leave of their preload if they were infinitely soft: the contact is the
         one under the force that they have, after it has carried the preload.

@@ -130,6 +130,7 @@ def load_cautions(
         _creeps,
         _hot,
         _moved_by_heat,
+        _flanges_meet,
         form_cautions,
     )
     yield from of_bodies(problem, (one for check in bodies for one in check(problem, loads)))
@@ -285,7 +286,7 @@ def target_validity(problem: SealProblem, answer: LoadResult) -> Validity:
 
 
 def _at_target(problem: SealProblem, answers: Sequence[LoadResult]) -> Iterator[Finding]:
-    bodies: tuple[Check, ...] = (_yielding, _turned, _cut_off, _wide, _above_hardness)
+    bodies: tuple[Check, ...] = (_yielding, _turned, _cut_off, _wide, _above_hardness, _flanges_meet)
     yield from of_bodies(problem, (one for check in bodies for one in check(problem, answers)))
     if problem.surface is not None and problem.flow is not None:  # of a leak rate
         sealing = _sealing_pressure(problem, problem.surface)
@@ -451,6 +452,17 @@ def _moved_by_heat(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterato
         yield caution(
             "heat", slide=1e6 * slide, beyond=1e6 * beyond, turn=math.degrees(turn), ends=1e6 * ends
         )
+
+
+def _flanges_meet(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
+    """Flanges of a gasket that come as much nearer to each other as they are apart at first touch."""
+    if problem.faces == 1:
+        return
+    contact, load = problem.contact, max(loads, key=lambda load: load.contact.approach)
+    apart = problem.faces * (contact.closure.extent[1][0] - contact.seat.extent[1][0])
+    way = problem.faces * load.contact.approach
+    if way > apart:
+        yield caution("flanges_meet", load, loads, outside=True, way=1e6 * way, apart=1e6 * apart)
 
 
 def _creeps(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:

@@ -105,6 +105,18 @@ def rough_result() -> SealResult:
     return fem_seal.run(case())
 
 
+@cache
+def gasket_result() -> SealResult:
+    """A copper ring between flanges, pressed and partly released; it yields."""
+    curve = {"plastic_strain": [0, 0.02, 0.1], "stress": ["60 MPa", "120 MPa", "220 MPa"]}
+    copper = {"youngs_modulus": "120 GPa", "poissons_ratio": 0.34, "stress_strain": curve}
+    ring = {"shape": "ring", "mean_diameter": "40 mm", "section_diameter": "4 mm", "material": copper}
+    load = {"fluid_pressure": "1 bar", "applied_force": ["2 kN", "1 kN"], "pressure_side": "inner"}
+    flange = {"shape": "disc", "diameter": "60 mm", "material": "steel"}
+    of = smooth_case(closure=flange, seat=None, gasket=ring, load=load, mesh={"contact_size": "7 um"})
+    return run_loads(of)
+
+
 def judged_anew(result: SealResult) -> SealResult:
     """A result whose case or loads were changed, judged as a run does."""
     found = VERDICT.compute(result, Inquiry(Mock(), Mock(), answers=dict(result.answers)))

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 IntArray = NDArray[np.int64]
 
 # The seat is drawn over three quarters of a turn, the closure over one quarter at the back: left and right of it the
-# face of the seat is visible.
+# face of the seat is visible. The lower flange of a gasket is drawn as far as the gasket.
 _CLOSURE, _SEAT = (90.0, 180.0), (0.0, 270.0)
 _FROM = -45.0, 40.0  # Azimuth and elevation of the camera [deg].
 _STEP = 1.0  # Angular step of the surfaces around the axis [deg].
@@ -303,12 +303,13 @@ def _draw(plotter: Any, files: LoadFiles, scale: bool) -> None:
 
     grid, layout = pyvista.read(files.bodies), own_tables("pictures.toml")["in_space"]
     size = float(np.ptp(grid.points[:, :2], axis=0).max())
-    for number, (name, turn) in enumerate((("closure", _CLOSURE), ("seat", _SEAT))):
-        face, cut = _COLOURS[name]
+    drawn = (("closure", _CLOSURE, "closure"), ("seat", _SEAT, "seat"), ("lower flange", _SEAT, "closure"))
+    for number, (name, turn, colours) in enumerate(drawn[: 1 + int(grid["body"].max())]):
+        face, cut = _COLOURS[colours]
         meshes = _swept(_section(grid, number), turn)
         for what, mesh, colour in zip(("face", "cut", "edges"), meshes, (face, cut, _INK), strict=True):
             plotter.add_mesh(mesh, color=colour, name=f"{name} {what}", render=False, **layout[what])
-    surface, times = _pressure(files, size)
+    surface, times = _pressure(files, size, int(grid["body"].max()))
     unit = unit_for("contact pressure", float(surface["pressure"].max()))
     surface["pressure"] = unit.of(1.0) * surface["pressure"]
     highest = float(surface["pressure"].max())
@@ -376,7 +377,7 @@ def _leak_paths(plotter: Any, surface: Any, size: float) -> str:
 
 
 def _section(grid: Any, body: int) -> Any:
-    """The section of body 0 or 1 in the grid of both, as triangles at angle 0, displaced by the load."""
+    """The section of one body in the grid of all, as triangles at angle 0, displaced by the load."""
     import pyvista
 
     place = np.array(grid.points + _array(grid.point_data, "displacement_m"))[:, [0, 2, 1]]
@@ -410,16 +411,17 @@ def _array(data: Any, name: str) -> FloatArray:
     return np.asarray(data[next((one for one in tried if one in data), name)])
 
 
-def _pressure(files: LoadFiles, size: float) -> tuple[Any, float]:
+def _pressure(files: LoadFiles, size: float, faces: int) -> tuple[Any, float]:
     """The seat's face with its contact pressure, over the drawn part of the turn, a little raised, and drawn wider."""
     import pyvista
 
     line = pyvista.read(files.line)
-    section = np.asarray(line.points[:, :2])
+    upper = slice(len(line.points) // faces)
+    section = np.asarray(line.points[upper, :2])
     if files.around is None:
         first, last = _SEAT
         angles = np.radians(np.linspace(first, last, round((last - first) / _STEP) + 1))
-        pressure = np.tile(_array(line.point_data, "contact_pressure_Pa"), (len(angles), 1))
+        pressure = np.tile(_array(line.point_data, "contact_pressure_Pa")[upper], (len(angles), 1))
         whole = line.field_data.get("leak_rate_m3_per_s")
         leak = None if whole is None else np.full(len(angles), whole[0] / math.tau)
     else:

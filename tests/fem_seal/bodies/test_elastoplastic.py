@@ -370,9 +370,7 @@ def test_first_loading_of_several_forces_is_one_path() -> None:
     assert first.highest == 0.3 * force
     # a load after the first goes on from there
     loads = [PathLoad(0.3 * force), PathLoad(0.1 * force)]
-    back, own = (
-        load_path(model, LAW, loads, first=one, unload=False).contacts[1] for one in (first, None)
-    )
+    back, own = (load_path(model, LAW, loads, first=one, unload=False).contacts[1] for one in (first, None))
     assert back.pressure == pytest.approx(own.pressure, abs=1e-9 * own.pressure.max())
 
 

@@ -9,11 +9,12 @@ from pathlib import Path
 import meshio
 import numpy as np
 import pytest
-from sample_results import rough_result, smooth_result
+from sample_results import gasket_result, rough_result, smooth_result
 from scipy.interpolate import CubicSpline
+from scipy.spatial import cKDTree
 
 from fem_seal.contact.solution import body_fields
-from fem_seal.output.vtk import write_contact, write_contact_line
+from fem_seal.output.vtk import write_contact, write_contact_line, write_unloaded
 from fem_seal.result import SealResult
 
 
@@ -174,3 +175,66 @@ def test_files_of_an_earlier_run_with_more_loads_go_and_others_stay(result, tmp_
 def test_without_a_leak_rate_there_is_no_fluid_pressure(tmp_path):
     write_contact_line(smooth_result(), tmp_path)
     assert "fluid_pressure_in_gap_Pa" not in read(tmp_path / "contact_line_000.vtp").point_data
+
+
+def test_a_gasket_is_whole(tmp_path):
+    """Symmetric about the mid-plane; the faces press as hard, and the section is twice that of the half."""
+    result = gasket_result()
+    for write in (write_contact, write_contact_line):
+        write(result, tmp_path)
+    assert write_unloaded(result, tmp_path) is not None
+    level = result.seal_mesh.contact.seat.extent[1][0]
+    for name in ("contact_000.vtu", "contact_001.vtu", "unloaded.vtu"):
+        grid = read(tmp_path / name)
+        points, nodes = np.array(grid.points), cKDTree(grid.points)
+        # the other half of each point, of the body of the other half
+        body = np.zeros(len(points), dtype=int)
+        body[grid.cells.reshape(-1, 7)[:, 1:].ravel()] = np.repeat(grid["body"], 6)
+        twin = np.full(len(points), -1)
+        image = points * [1, -1, 1] + [0, 2 * level, 0]
+        for own, other in ((0, 2), (1, 1), (2, 0)):
+            mine, theirs = np.flatnonzero(body == own), np.flatnonzero(body == other)
+            far, found = cKDTree(points[theirs]).query(image[mine])
+            assert far.max() < 1e-12
+            twin[mine] = theirs[found]
+        assert len(nodes.data) == grid.n_points and (twin[twin] == np.arange(len(points))).all()
+        np.testing.assert_array_equal(grid["displacement_m"][twin], grid["displacement_m"] * [1, -1, 1])
+        for tensor in ("stress_Pa", "plastic_strain"):
+            np.testing.assert_array_equal(grid[tensor][twin], grid[tensor] * [1, 1, 1, -1, 1, 1])
+        for scalar in ("von_mises_Pa", "contact_pressure_Pa", "accumulated_plastic_strain"):
+            np.testing.assert_array_equal(grid[scalar][twin], grid[scalar])
+        # nothing keeps the halves of the gasket apart
+        on_plane = np.abs(points[:, 1] - level) < 1e-10
+        assert on_plane.sum() == len(np.unique(points[on_plane, 0])) > 2
+        assert (grid["displacement_m"][on_plane, 1] == 0.0).all()
+        # sections, by cells of the same orientation
+        cells = grid.cells.reshape(-1, 7)[:, 1:]
+        a, b, c = (points[cells[:, corner], :2] for corner in range(3))
+        twice = np.cross(b - a, c - a)
+        assert (twice > 0).all()
+        volume = np.pi * twice * (a + b + c)[:, 0] / 3
+        calculated = result.seal_mesh.outlines
+        slack = 2 * result.seal_mesh.quality.area_error
+        for number, outline, times in ((0, calculated[0], 1), (1, calculated[1], 2), (2, calculated[0], 1)):
+            area = 0.5 * twice[grid["body"] == number].sum()
+            assert area == pytest.approx(times * outline.area, rel=slack)
+        assert volume[grid["body"] == 0].sum() == pytest.approx(volume[grid["body"] == 2].sum(), rel=1e-12)
+    for n, load in enumerate(result.loads):
+        line = read(tmp_path / f"contact_line_{n:03}.vtp")
+        assert line.n_lines == 2
+        half = line.n_points // 2
+        forces = []
+        for part in (slice(half), slice(half, None)):
+            r, z = line.points[part, 0], line.points[part, 1] - level
+            slope = np.gradient(z, line["x_m"][part])
+            pressure = line["contact_pressure_Pa"][part] * np.sqrt(1 - slope**2)
+            forces.append(-np.sign(z[0]) * np.trapezoid(2 * np.pi * r * pressure, line["x_m"][part]))
+        assert forces[0] == pytest.approx(-load.contact_force, rel=2e-3)
+        assert sum(forces) == pytest.approx(0.0, abs=1e-9 * load.contact_force)
+        # flanges come together
+        moved = read(tmp_path / f"contact_{n:03}.vtu")
+        upper, lower = (
+            moved["displacement_m"][moved.cells.reshape(-1, 7)[moved["body"] == number, 1:], 1].mean()
+            for number in (0, 2)
+        )
+        assert upper == -lower < 0

@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 from judged_loads import SURFACE, judged, load
 from places import ROOT
-from sample_results import case, rough_result, single_result, smooth_result
+from sample_results import case, gasket_result, rough_result, single_result, smooth_result
 
 import leak
+from fem_seal.seal.findings import Level
+from fem_seal.seal.load_result import LoadResult
 from fem_seal.validity import checks as warnings
 from leak.fluids.library import molecular_size
 
@@ -222,3 +224,15 @@ def test_checks_of_the_interface_are_part_of_a_run():
     assert any("too short a wave" in one.text for one in found)
     own = warnings.contact_cautions(result.problem, result.loads)
     assert set(result.warnings) <= {caution.text for caution in own}
+
+
+def test_flanges_that_meet_before_their_load_is_reached() -> None:
+    result = gasket_result()
+    kinds = [one.kind for one in warnings.load_cautions(result.problem, result.loads)]
+    assert "flanges" not in kinds
+    # the ring is 4 mm high; half of it was calculated
+    load = result.loads[0]
+    far = LoadResult(load.fluid_pressure, load.applied_force, replace(load.contact, approach=2.01e-3))
+    (found,) = [one for one in warnings.load_cautions(result.problem, [far]) if one.kind == "flanges"]
+    assert found.level is Level.OUTSIDE
+    assert "come 4020 um nearer to each other, but they meet after 4000 um" in found.text
