@@ -268,8 +268,8 @@ def _mirrored(points: FloatArray, level: float) -> FloatArray:
     return image
 
 
-# Vectors (r, z) and tensors (rr, zz, tt, rz) below the mid-plane, and a triangle turned round.
-_VECTOR, _TENSOR, _TURNED = np.array([1.0, -1.0]), np.array([1.0, 1.0, 1.0, -1.0]), [0, 2, 1, 5, 4, 3]
+# Vectors (r, z) and tensors (rr, zz, tt, rz) below the mid-plane.
+_VECTOR, _TENSOR = np.array([1.0, -1.0]), np.array([1.0, 1.0, 1.0, -1.0])
 
 
 def _scaled(body: BodyField, share: FloatArray) -> BodyField:
@@ -290,7 +290,6 @@ def _image(body: BodyField, level: float) -> BodyField:
     return replace(
         _scaled(body, _TENSOR),
         points=_mirrored(body.points, level),
-        triangles6=body.triangles6[:, _TURNED],
         displacement=_VECTOR * body.displacement,
     )
 
