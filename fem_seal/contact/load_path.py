@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 
 import numpy as np
@@ -332,26 +332,26 @@ class FirstLoading:
             If the smallest load step does not converge.
         """
         walk = _Walk(self.model, self.bodies, self.law, PlasticSettings(), progress or _untold)
-        below = [one for one in self._passed if one.load.force <= load.force]
+        # the last step is one that leads there, so that the bodies are linearised as they yield
+        below = [one for one in self._passed if one.load.force < load.force]
         if not below:
             self._passed.clear()
         further = len(below) == len(self._passed)
         rest = load.rest(self.at_rest)
         begin = below[-1] if below else _Passed(rest, walk.begun(rest), 0)
-        if begin.load.force == load.force:
-            return begin.here, begin.steps
         steps: list[_Passed] = []
 
         def passed(at: PathLoad, here: Equilibrium) -> None:
-            steps.append(_Passed(at, here, begin.steps + len(steps) + 1))
+            # linearised bodies take most of the memory, and nothing starts from them
+            steps.append(_Passed(at, replace(here, linear=None), begin.steps + len(steps) + 1))
 
         try:
-            walk.to(load, begin.load, begin.here, 0, passed)
+            here, more = walk.to(load, begin.load, begin.here, 0, passed)
         finally:
             if further and steps:
-                lowest = begin.load.force if below else 0.5 * steps[-1].load.force
+                lowest = 0.0 if below else 0.5 * steps[-1].load.force
                 self._passed.extend(one for one in steps if one.load.force >= lowest)
-        return steps[-1].here, steps[-1].steps
+        return here, begin.steps + more
 
     @property
     def highest(self) -> float | None:
