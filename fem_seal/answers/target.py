@@ -15,7 +15,7 @@ from fem_seal.seal.findings import Finding, Level, Validity
 from fem_seal.seal.leak_model import LeakModel
 from fem_seal.seal.load_result import LoadResult, SolvedSeal
 from fem_seal.seal.load_solver import LoadSolver
-from fem_seal.seal.problem import SealFlow, SealProblem, expected_forces, largest_force
+from fem_seal.seal.problem import LARGEST_TURNING, SealFlow, SealProblem, expected_forces, largest_force
 from fem_seal.seal.readings import WORDS
 from fem_seal.units import briefly, format_quantity, quantity
 from fem_seal.validity.checks import target_cautions, target_validity
@@ -117,6 +117,8 @@ def target_problem(problem: SealProblem, name: str, target: float | None, **valu
 
 # Relative accuracy of the force.
 _ACCURACY = 1e-6
+# Relative accuracy of the largest force that small strains describe.
+_NEAR_STRAINS = 0.01
 # Forces for which the mesh is sized, in units of the one that is expected.
 _MARGIN = (0.7, 1.4)
 
@@ -310,6 +312,56 @@ TARGET = Answer[TargetForces | None](
 )
 
 
+class _TooFarError(Exception):
+    """Bodies that yield have turned their faces further against each other than small strains describe."""
+
+
+@dataclass(frozen=True)
+class _Trials:
+    """Contacts of a seal on one model at one fluid pressure, by ln of their force F_N, and how much they leak."""
+
+    solver: LoadSolver
+    flow: SealFlow
+    fluid_pressure: float
+    target: float
+    known: dict[float, tuple[ContactSolution, float]] = field(default_factory=dict)
+    rates: dict[float, float] = field(default_factory=dict)
+
+    def contact(self, log_force: float) -> ContactSolution:
+        if log_force not in self.known:
+            start = next(reversed(self.known.values()))[0] if self.known else None
+            found = self.solver.at_contact_force(self.fluid_pressure, math.exp(log_force), start)
+            self.known[log_force] = found
+        return self.known[log_force][0]
+
+    def excess(self, log_force: float) -> float:
+        """ln of the leak rate over the target."""
+        try:
+            contact = self.contact(log_force)
+        except InputError:
+            # open bodies that yield: everything flows
+            return log_excess(math.inf, self.target)
+        if self.solver.yields and self._room(log_force) < 0:
+            raise _TooFarError
+        if log_force not in self.rates:
+            self.rates[log_force] = self.flow.leak_of(contact, self.fluid_pressure).leak_rate
+        return log_excess(self.rates[log_force], self.target)
+
+    def farthest(self) -> float:
+        """ln of the largest force that small strains describe, less than a contact that they do not."""
+        at = max(self.known)
+        root = _root_near(self._room, at, at, accuracy=_NEAR_STRAINS)
+        return (at if root is None else root) - _NEAR_STRAINS
+
+    def reached(self) -> float | None:
+        """ln of the largest force to which the load steps came; None where it is not known."""
+        force = self.solver.reached(self.fluid_pressure)
+        return None if force is None else max(math.log(force), *self.known)
+
+    def _room(self, log_force: float) -> float:
+        return 1.0 - self.contact(log_force).turning / LARGEST_TURNING
+
+
 def _on_model(
     solver: LoadSolver, flow: SealFlow, fluid_pressure: float, expected: float, target: float
 ) -> tuple[LoadResult, float, str]:
@@ -317,41 +369,32 @@ def _on_model(
 
     Or the contact under the largest force, and behind it why there is no larger one.
     """
-    known: dict[float, tuple[ContactSolution, float, float]] = {}
-
-    def excess(log_force: float) -> float:
-        if log_force in known:
-            return known[log_force][2]
-        start = next(reversed(known.values()))[0] if known else None
-        try:
-            contact, applied_force = solver.at_contact_force(fluid_pressure, math.exp(log_force), start)
-        except InputError:
-            # open bodies that yield: everything flows
-            return log_excess(math.inf, target)
-        value = log_excess(flow.leak_of(contact, fluid_pressure).leak_rate, target)
-        known[log_force] = contact, applied_force, value
-        return value
-
+    trials = _Trials(solver, flow, fluid_pressure, target)
     highest, why = math.log(largest_force(solver.problem)) if solver.yields else math.inf, "not_met"
-    try:
-        root = _root_near(excess, math.log(expected), highest)
-    except ConvergenceError:
-        reached = solver.reached(fluid_pressure)
-        if reached is None:
-            raise
-        highest, why = max(math.log(reached), *known), "not_reached"
-        root = _root_near(excess, highest, highest)
-    if not known:
+    start = min(math.log(expected), highest)
+    while True:
+        try:
+            root = _root_near(trials.excess, start, highest)
+            break
+        except _TooFarError:
+            highest = start = trials.farthest()
+        except ConvergenceError:
+            reached = trials.reached()
+            if reached is None or reached >= highest:
+                raise
+            highest, why = reached, "not_reached"
+            start = highest
+    if not trials.known:
         # it says what opens the seal
-        solver.at_contact_force(fluid_pressure, math.exp(min(math.log(expected), highest)))
+        trials.contact(start)
     if root is None:
-        root = max(known)
-        if known[root][2] < 0:
+        root = max(trials.rates)
+        if trials.excess(root) < 0:
             raise target_problem(solver.problem, "always_met", target, bar=fluid_pressure / 1e5)
     else:
         why = ""
-        excess(root)
-    contact, applied_force, _ = known[root]
+        trials.contact(root)
+    contact, applied_force = trials.known[root]
     load = LoadResult(fluid_pressure, applied_force, contact, formed=solver.problem.around(contact))
     loads, preload = solver.problem.loads, None
     if loads.bolts is not None:
@@ -361,7 +404,12 @@ def _on_model(
     return load.with_values(rough=rough, preload_for_target=preload), math.exp(root), why
 
 
-def _root_near(excess: Callable[[float], float], expected: float, highest: float = math.inf) -> float | None:
+def _root_near(
+    excess: Callable[[float], float],
+    expected: float,
+    highest: float = math.inf,
+    accuracy: float = _ACCURACY,
+) -> float | None:
     """Place where a falling function is zero, looked for from an expected place outwards, up to the highest."""
     at = min(expected, highest)
     value = excess(at)
@@ -372,6 +420,6 @@ def _root_near(excess: Callable[[float], float], expected: float, highest: float
             return None
         beyond = excess(ahead)
         if beyond * value <= 0:
-            return root_between(excess, at, ahead, xtol=_ACCURACY)
+            return root_between(excess, at, ahead, xtol=accuracy)
         at, value, step = ahead, beyond, 2 * step
     return None

@@ -294,7 +294,8 @@ def _set_scene(plotter: Any, files: LoadFiles, scale: bool) -> None:
     plotter.camera.parallel_projection = False
     way = across * math.cos(azimuth), across * math.sin(azimuth), math.sin(elevation)
     plotter.view_vector(way, viewup=(0.0, 0.0, 1.0))
-    plotter.camera.zoom(1.4)
+    # two flanges reach up to where the load is named
+    plotter.camera.zoom(1.2 if "lower flange cut" in plotter.actors else 1.4)
 
 
 def _draw(plotter: Any, files: LoadFiles, scale: bool) -> None:
