@@ -412,7 +412,7 @@ def _array(data: Any, name: str) -> FloatArray:
     return np.asarray(data[next((one for one in tried if one in data), name)])
 
 
-def _pressure(files: LoadFiles, size: float, faces: int) -> tuple[Any, float]:
+def _pressure(files: LoadFiles, size: float, faces: int = 1) -> tuple[Any, float]:
     """The seat's face with its contact pressure, over the drawn part of the turn, a little raised, and drawn wider."""
     import pyvista
 
