@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 
 from fem_seal.answers.answer import Answer, Inquiry
+from fem_seal.case.fields import Throughput
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError, InputError
 from fem_seal.loads import contact_force
@@ -66,7 +67,7 @@ def expected_contact_force(flow: SealFlow, fluid_pressure: float, target: float)
         if ahead == highest:
             least = flow.leak(flow.expected_profile(math.exp(highest)), fluid_pressure).leak_rate
             force = briefly("force", largest_force(problem))
-            values = {"force": force, "leaves": quantity("flow", least), "bar": bar}
+            values = {"force": force, "leaves": _rate(least, target), "bar": bar}
             raise target_problem(problem, "too_small", target, **values)
         if ahead < highest + math.log(_LEAST):
             raise target_problem(problem, "always_met", target, bar=bar)
@@ -110,9 +111,18 @@ def target_problem(problem: SealProblem, name: str, target: float | None, **valu
     **values
         What the words have in braces.
     """
-    shown = None if target is None else format_quantity("flow", target)
+    shown = None
+    if target is not None:
+        shown = _rate(target, target) if isinstance(target, Throughput) else format_quantity("flow", target)
     message = sentence("target", name, **values)
     return InputError.at("load.target_leak_rate", message, shown, file=problem.file)
+
+
+def _rate(rate: float, target: float) -> str:
+    """A leak rate [m^3/s] in the kind of unit in which the target was written."""
+    if isinstance(target, Throughput):
+        return quantity("throughput", Throughput(rate).pressure_volume)
+    return quantity("flow", rate)
 
 
 # Relative accuracy of the force.
@@ -194,7 +204,7 @@ def contacts_at_target(
             continue
         reached = found[pressure]
         assert reached.leak is not None  # of what flows
-        force, leaves = briefly("force", reached.contact_force), quantity("flow", reached.leak.leak_rate)
+        force, leaves = briefly("force", reached.contact_force), _rate(reached.leak.leak_rate, target)
         values = {"force": force, "leaves": leaves, "bar": pressure / 1e5}
         raise target_problem(problem, why, target, **values)
     return [found[pressure] for pressure in problem.loads.fluid_pressure]
