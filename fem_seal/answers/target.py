@@ -8,7 +8,6 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 
 from fem_seal.answers.answer import Answer, Inquiry
-from fem_seal.case.fields import Throughput
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError, InputError
 from fem_seal.loads import contact_force
@@ -113,16 +112,19 @@ def target_problem(problem: SealProblem, name: str, target: float | None, **valu
     """
     shown = None
     if target is not None:
-        shown = _rate(target, target) if isinstance(target, Throughput) else format_quantity("flow", target)
+        shown = _rate(target, target) if hasattr(target, _WRITTEN) else format_quantity("flow", target)
     message = sentence("target", name, **values)
     return InputError.at("load.target_leak_rate", message, shown, file=problem.file)
 
 
+# What a target of a case has that was written as pressure times volume over time [Pa m^3/s].
+_WRITTEN = "pressure_volume"
+
+
 def _rate(rate: float, target: float) -> str:
     """A leak rate [m^3/s] in the kind of unit in which the target was written."""
-    if isinstance(target, Throughput):
-        return quantity("throughput", Throughput(rate).pressure_volume)
-    return quantity("flow", rate)
+    written: float | None = getattr(target, _WRITTEN, None)
+    return quantity("flow", rate) if written is None else quantity("throughput", rate * written / target)
 
 
 # Relative accuracy of the force.

@@ -252,8 +252,9 @@ def _write_bodies(
 
 
 def _mid_plane(result: SealSolution) -> float | None:
-    """Height of the mid-plane of a gasket, of which the upper half was calculated [m]; None of a valve seat."""
-    return result.seal_mesh.contact.seat.extent[1][0] if result.problem.faces > 1 else None
+    """Height of the mid-plane of a gasket between two flanges that are alike [m]; None of any other seal."""
+    alike = result.problem.faces > 1 and result.case.lower_half is None
+    return result.seal_mesh.contact.seat.extent[1][0] if alike else None
 
 
 def _on_level(points: FloatArray, level: float) -> NDArray[np.bool_]:
