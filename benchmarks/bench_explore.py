@@ -16,7 +16,7 @@ from pathlib import Path
 from fem_seal.case.case import load_case
 from fem_seal.explore.factors import Factor
 from fem_seal.explore.figures import designs_shown, figures
-from fem_seal.explore.live import Session
+from fem_seal.explore.session import Session
 
 EXAMPLES = Path(__file__).parent.parent / "examples"
 DEFAULT = [EXAMPLES / f"{name}.toml" for name in ("ball_cone", "helium", "poppet_on_land")]

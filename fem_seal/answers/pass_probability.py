@@ -21,8 +21,8 @@ from fem_seal.case.case import Case
 from fem_seal.case.tables import Uncertainty
 from fem_seal.errors import ConvergenceError
 from fem_seal.sampling import sobol_points
+from fem_seal.seal.kept import Kept
 from fem_seal.seal.load_result import LoadResult, SolvedSeal
-from fem_seal.seal.sources import Kept
 from fem_seal.validity.words import sentence
 from leak import FlowError
 

@@ -35,11 +35,11 @@ from fem_seal.errors import ConvergenceError, InputError
 from fem_seal.processes import fork_map
 from fem_seal.sampling import UncertainInput, sobol_points
 from fem_seal.seal.bounds import Bounds
+from fem_seal.seal.kept import Kept
 from fem_seal.seal.leak_model import Conductivity, FlowModel, log_peaks, range_around
 from fem_seal.seal.load_result import LoadResult, SolvedSeal, leak_rates
 from fem_seal.seal.load_solver import LoadSolver, linearised_again, path_again, solved_again, solved_with
 from fem_seal.seal.problem import SealProblem, condensed, interface_law
-from fem_seal.seal.sources import Kept
 
 if TYPE_CHECKING:
     from fem_seal.case.case import Case

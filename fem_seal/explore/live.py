@@ -10,9 +10,8 @@ digits that are shown. Those of `fem-seal run` itself follow when the sliders re
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from fem_seal.answers.answer import Inquiry, answered
@@ -20,21 +19,18 @@ from fem_seal.answers.opening import OPENING
 from fem_seal.answers.solution import SealSolution
 from fem_seal.answers.verdict import VERDICT, Judgements, seal_judgement, with_judgements
 from fem_seal.case.load_limits import refused_loads
-from fem_seal.errors import InputError, SealError
-from fem_seal.explore.factors import Factors, factors_of, opened
-from fem_seal.explore.screen import Screen, profile_of, screen_of, section_of, shown_load, slow_words
+from fem_seal.explore.screen import Screen, profile_of, screen_of, section_of, shown_load
 from fem_seal.seal.conductivity_tables import FamilyTable, family_table, family_tables
-from fem_seal.seal.cost import load_seconds, seconds
+from fem_seal.seal.cost import load_seconds
 from fem_seal.seal.evaluate import SILENT, Evaluation, evaluate
 from fem_seal.seal.heating import warmed
+from fem_seal.seal.kept import Kept
 from fem_seal.seal.leak_model import MARGIN, Conductivity, FlowModel, theory_table
 from fem_seal.seal.load_result import highest_load
 from fem_seal.seal.problem import SealProblem, sizing
-from fem_seal.seal.sources import Bodies, Kept, Rounding, Shared
-from fem_seal.units import shown_in
+from fem_seal.seal.sources import Bodies, Rounding, Shared
 from fem_seal.validity.checks import validity_of
-from leak import LeakError, RoughContact
-from meshes import MeshesError
+from leak import RoughContact
 
 if TYPE_CHECKING:
     from fem_seal.case.case import Case
@@ -51,13 +47,6 @@ _ROUNDING = Rounding(step=0.5, reach_step=0.5, along=1.41, deep=2.1)
 _MODELS, _TABLES = 96, 2048
 # Decades below the peak pressure over which a table of one surface alone reaches.
 _DECADES = 9
-# Stops between two designs for which things are made ahead.
-_AHEAD = 4
-# A design that takes longer is calculated when the sliders rest: people lose the thread of what they do after a second
-# (R. B. Miller, Response time in man-computer conversational transactions, 1968).
-_FOLLOWS = 1.0
-# What can go wrong with a design: it is said on the page, which goes on.
-WRONG = (SealError, LeakError, MeshesError, ValueError, RuntimeError, ArithmeticError)
 
 
 class Missing(Exception):
@@ -143,111 +132,38 @@ def conductivity(
     return made
 
 
-class Session:
-    """A case with its sliders, and what has been made for them.
+class Live:
+    """What the designs of a case share, and the answers that are calculated with it.
 
     Parameters
     ----------
-    case : Case
-    waits : bool
-        Whether a table that is missing is made at once, instead of leaving the leak rate open.
-    name : str
-        Of the case among those of the page; empty for that with which it was opened.
-    like : Session, optional
-        Another one, whose bodies and tables serve this one, too.
-
-    Examples
-    --------
-    >>> import fem_seal
-    >>> case = fem_seal.Case(
-    ...     closure={"shape": "ball", "radius": "20 mm", "material": "steel"},
-    ...     seat={"shape": "cone", "angle": "45 deg", "material": "steel"},
-    ...     interface={"law": "smooth"},
-    ...     load={"fluid_pressure": "20 bar"},
-    ... )
-    >>> session = Session(case)
-    >>> screen = session.answer({"fluid_pressure": "40 bar"})
-    >>> round(screen.load.values["peak_pressure_Pa"] / 1e6)
-    271
+    one_shape : bool
+        Whether all designs have spectra of one shape, so that tables of that shape are worth while.
+    like : Live, optional
+        Of another case, whose bodies and tables serve this one, too.
     """
 
-    def __init__(
-        self, case: Case, *, waits: bool = True, name: str = "", like: Session | None = None
-    ) -> None:
-        self.name = name
-        self.given = case
-        self.base = opened(case)
-        self.waits: bool = waits if like is None else like.waits
+    def __init__(self, *, one_shape: bool, like: Live | None = None) -> None:
+        self.one_shape = one_shape
         self.bodies: Kept = Kept(_MODELS) if like is None else like.bodies
         self.tables: Kept = Kept(_TABLES) if like is None else like.tables
         # contacts of the last design, for when a table that it waits for is there
         self._last: tuple[dict[str, str], Evaluation, int] | None = None
 
-    @cached_property
-    def factors(self) -> Factors:
-        """What can be moved."""
-        return factors_of(self.base)
-
-    def slow(self, case: Case) -> float:
-        """Estimated processor time of a design [s] where it is too long to follow the sliders; zero where it is not."""
-        found = seconds(case)
-        return found if found > _FOLLOWS else 0.0
-
-    @property
-    def one_shape(self) -> bool:
-        """Whether the sliders leave the shape of the spectrum as it is, but for a few steps of a finish's cutoff."""
-        roughness = self.base.roughness
-        return roughness is None or len({id(part) for part in roughness.parts.values()}) == 1
-
-    def design(self, design: Mapping[str, str]) -> dict[str, str]:
-        """A design with all that it leaves out."""
-        own = self.factors.given | ({"case": self.name} if self.name else {})
-        return own | {key: text.strip() for key, text in design.items() if key in own}
-
-    def case(self, design: Mapping[str, str]) -> Case:
-        """The case of a design.
-
-        Raises
-        ------
-        InputError
-            If a value cannot be used; it says which and why.
-        """
-        changes = self.factors.changes(self.base, self.design(design))
-        return self.base.replace_written(changes) if changes else self.base
-
-    def answer(self, design: Mapping[str, str]) -> Screen:
-        """What is shown of a design while the sliders move.
+    def answer(self, design: dict[str, str], case: Case, *, waits: bool) -> Screen:
+        """What is shown of a design.
 
         Parameters
         ----------
-        design : mapping
-            From keys of factors to texts; what is missing is that of the case.
-
-        Returns
-        -------
-        Screen
-            With its problem in words where the design cannot be calculated.
+        design : dict
+        case : Case
+            Of the design.
+        waits : bool
+            Whether a table that is missing is made at once, instead of leaving the leak rate open.
         """
-        design = self.design(design)
-        try:
-            case = self.case(design)
-            with shown_in(case.report.units):
-                if slow := self.slow(case):
-                    return Screen(design, section=section_of(case), waiting=slow_words(slow))
-                return self._answer(design, case)
-        except InputError as error:
-            return Screen(
-                design,
-                problem="; ".join(str(one) for one in error.problems),
-                wrong={key: one.message for one in error.problems if (key := self.factors.named(one.key))},
-            )
-        except WRONG as error:
-            return Screen(design, problem=str(error))
-
-    def _answer(self, design: dict[str, str], case: Case) -> Screen:
         case = warmed(case)
         if self._last is None or self._last[0] != design:
-            self._last = design, *self._evaluated(case)
+            self._last = design, *self._evaluated(case, waits)
         _, found, own = self._last
         number = highest_load(found.loads[:own])
         try:
@@ -280,7 +196,7 @@ class Session:
         solution = SealSolution(**vars(seal.with_loads(judged)), answers={VERDICT.name: verdict})
         return screen_of(solution, design, between=between)
 
-    def _problem(self, case: Case) -> tuple[SealProblem, int]:
+    def problem(self, case: Case) -> tuple[SealProblem, int]:
         """The problem of a design with the loads that follow the sliders, and how many of them are the case's.
 
         Those behind them only fill the curve.
@@ -298,10 +214,10 @@ class Session:
             loads = replace(loads, points=(*loads.points, *_between(loads.points, gas)))
         return replace(whole, loads=loads), own
 
-    def _evaluated(self, case: Case) -> tuple[Evaluation, int]:
+    def _evaluated(self, case: Case, waits: bool) -> tuple[Evaluation, int]:
         """All loads that follow the sliders, and how many of those with a contact are the case's."""
-        problem, own = self._problem(case)
-        made = (lambda name: self.tables.get(name, name.made)) if self.waits else self.tables.known
+        problem, own = self.problem(case)
+        made = (lambda name: self.tables.get(name, name.made)) if waits else self.tables.known
         found = evaluate(problem, self._source(made))
         return found, own - sum(number < own for number in found.solved.failures)
 
@@ -315,28 +231,21 @@ class Session:
 
         return Shared(_ROUNDING, self.bodies, table)
 
-    def needs(self, design: Mapping[str, str]) -> Iterator[Hashable]:
-        """Names of what a design needs and is not there yet, each to be made before the next is asked for."""
-        design = self.design(design)
-        try:
-            case = self.case(design)
-            if self.slow(case):
-                return
-            source = self._source(self.tables.known)
-            problem, _ = self._problem(warmed(case))
-            if source.suited(problem) is not source:
-                return
-            name = Bodies.of(problem, sizing(problem), _ROUNDING)
-            if self.bodies.known(name) is None:
-                yield name
-            rough = evaluate(problem, source).loads[0].rough
-            for one in () if rough is None else map(rough.reading, rough.readings):
-                try:
-                    _ = one.table
-                except Missing as missing:
-                    yield from missing.keys
-        except WRONG:
+    def needs(self, case: Case) -> Iterator[Hashable]:
+        """Names of what a case needs and is not there yet, each to be made before the next is asked for."""
+        source = self._source(self.tables.known)
+        problem, _ = self.problem(warmed(case))
+        if source.suited(problem) is not source:
             return
+        name = Bodies.of(problem, sizing(problem), _ROUNDING)
+        if self.bodies.known(name) is None:
+            yield name
+        rough = evaluate(problem, source).loads[0].rough
+        for one in () if rough is None else map(rough.reading, rough.readings):
+            try:
+                _ = one.table
+            except Missing as missing:
+                yield from missing.keys
 
     def make(self, name: Hashable) -> Any:
         """Make what a design needs, and keep it."""
@@ -347,19 +256,6 @@ class Session:
     def keep(self, name: Hashable, made: Any) -> None:
         """Keep what was made elsewhere."""
         (self.bodies if isinstance(name, Bodies) else self.tables).put(name, made)
-
-    def neighbours(self, design: Mapping[str, str]) -> Iterator[dict[str, str]]:
-        """Designs that one slider away from a design, the nearest first: those of loads and surfaces."""
-        design = self.design(design)
-        yield dict(design)
-        sliders = [one for one in self.factors.sliders if one.group != "dimension"]
-        step = _AHEAD if self.one_shape else 1
-        for away in range(1, max(len(one.stops) for one in sliders) // step + 1):
-            for one in sliders:
-                at = one.nearest(design[one.key])
-                for place in (at + away * step, at - away * step):
-                    if 0 <= place < len(one.stops):
-                        yield {**design, one.key: one.stops[place]}
 
 
 def _evenly_spread(numbers: Sequence[int], problem: SealProblem, most: int) -> set[int]:

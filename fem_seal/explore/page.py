@@ -29,8 +29,8 @@ from fem_seal.units import shown_in
 
 if TYPE_CHECKING:
     from fem_seal.case.case import Case
-    from fem_seal.explore.live import Session
     from fem_seal.explore.screen import Screen
+    from fem_seal.explore.session import Session
     from fem_seal.explore.worker import Answers
 
 # Signs without a place in XML, which no browser shows either.

@@ -14,11 +14,10 @@ import numpy as np
 
 from fem_seal.answers.leakage_class import leakage_classes, limits, volume_of
 from fem_seal.files import own_tables
-from fem_seal.output.answers.sensitivities import in_words, shown_sensitivities
 from fem_seal.output.answers.verdict import next_class_of, verdict_facts, verdict_sentences
+from fem_seal.output.case_words import state_in_words
 from fem_seal.output.columns import COLUMNS
 from fem_seal.output.pictures.section import contact_window
-from fem_seal.output.report.words import state_in_words
 from fem_seal.seal.findings import Level
 from fem_seal.seal.load_result import highest_load
 from fem_seal.units import (
@@ -247,6 +246,8 @@ def sensitivity_words(result: SealSolution, *, follow: bool = False) -> tuple[st
     follow : bool
         Whether they are still being calculated.
     """
+    from fem_seal.output.answers.sensitivities import in_words, shown_sensitivities
+
     if not result.problem.leaks:
         return ()
     found = tuple(in_words(result.case, one) for one in shown_sensitivities(result.sensitivities))

@@ -44,34 +44,34 @@ def serve(
     InputError
         If the port is in use, or the packages for the page are missing.
     """
-    try:
-        from werkzeug.serving import make_server
-
-        from fem_seal.explore.gate import HOST, guard, new_token
-        from fem_seal.explore.page import page_of
-    except ImportError as error:
-        if (error.name or "").split(".")[0] not in ("dash", "plotly", "flask", "werkzeug"):
-            raise
-        raise InputError.at("fem-seal explore", needed("explore", error)) from None
-    from fem_seal.explore.live import Session
+    from fem_seal.explore.session import Session
     from fem_seal.explore.worker import Answers
 
     # a browser that goes away before its answer is there must not end the page
     if hasattr(signal, "pthread_sigmask"):
         # blocked in all threads that follow: gmsh takes back what is only ignored
         signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGPIPE})
-    _check_free(HOST, port)
     with ExitStack() as ended:
         answers = Answers(Session(case))
         ended.callback(answers.close)
-        title = case.title or "case"
-        page = page_of(answers, folder, title)
+        # before the packages of the page are loaded, which takes as long as the first numbers
+        answers.begin()
+        try:
+            from werkzeug.serving import make_server
+
+            from fem_seal.explore.gate import HOST, guard, new_token
+            from fem_seal.explore.page import page_of
+        except ImportError as error:
+            if (error.name or "").split(".")[0] not in ("dash", "plotly", "flask", "werkzeug"):
+                raise
+            raise InputError.at("fem-seal explore", needed("explore", error)) from None
+        _check_free(HOST, port)
+        page = page_of(answers, folder, case.title or "case")
         logging.getLogger("werkzeug").setLevel(logging.ERROR)
         server = make_server(HOST, port, page.server, threaded=True)
         ended.callback(server.server_close)
         token = new_token()
         guard(page, server.server_port, token, failed)
-        answers.warm_up()
         opened(f"http://{HOST}:{server.server_port}/?token={token}")
         with suppress(KeyboardInterrupt):
             server.serve_forever()

@@ -17,27 +17,28 @@ from multiprocessing import get_context
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from pathlib import Path
-from threading import RLock, Thread
+from threading import Event, RLock, Thread
 from typing import TYPE_CHECKING, Any
 
-from fem_seal.answers.answer import Inquiry, Wanted
-from fem_seal.answers.sensitivities import SENSITIVITIES
 from fem_seal.errors import unexpected
-from fem_seal.explore.live import WRONG, Session
 from fem_seal.explore.screen import Screen, lost_words, screen_of, sensitivity_words, without_interval
-from fem_seal.seal.load_solver import Clock, LoadSolver, Progress
-from fem_seal.seal.sources import Kept
+from fem_seal.explore.session import WRONG, Session
+from fem_seal.processes import can_copy
+from fem_seal.seal.kept import Kept
 from fem_seal.units import shown_in
 
 if TYPE_CHECKING:
     from fem_seal.case.case import Case
     from fem_seal.result import SealResult
+    from fem_seal.seal.load_solver import Progress
 
 _SCREENS = 64
 # Processes that may end over the same work.
 _MOST_DEATHS = 2
 # For so long the page says that a process was replaced [s].
 _TOLD_FOR = 60.0
+# For so long what the first numbers were made with waits for a browser that shows them [s].
+_SHOWN_WITHIN = 10.0
 
 
 @dataclass(frozen=True)
@@ -49,12 +50,15 @@ class Ask:
     design : dict
     folder : str
         Where the report of a complete run is to be written; empty for no report.
+    first : bool
+        Whether the page waits for its live numbers, too: its own process does not calculate yet.
     case : Case, optional
         That the design belongs to; that of the process unless given.
     """
 
     design: dict[str, str]
     folder: str = ""
+    first: bool = False
     case: Case | None = field(default=None, compare=False, repr=False)
 
     def session(self, last: Session) -> Session:
@@ -139,10 +143,11 @@ class Worker:
                 self._send(ask)
 
     def _start(self) -> None:
-        """Start a process and give it all that is open."""
-        context = get_context("spawn")
+        """Start a process and give it all that is open: a copy of this one, where that may be, knows the case."""
+        context = get_context("fork" if can_copy() else "spawn")
         mine, theirs = context.Pipe()
-        self._process = context.Process(target=self._work, args=(theirs, self._case), daemon=True)
+        given = (self._work, mine, theirs, self._case)
+        self._process = context.Process(target=_begun, args=given, daemon=True)  # type: ignore[attr-defined]
         self._process.start()
         theirs.close()
         self._mine, self._proved = mine, False
@@ -197,6 +202,14 @@ class Worker:
         self._told(Lost(code, again, left))
 
 
+def _begun(
+    work: Callable[[Connection, Case], None], theirs: Connection, mine: Connection, case: Case
+) -> None:
+    """Work in a process that knows when the page has ended: no copy of its end of the connection stays."""
+    theirs.close()
+    work(mine, case)
+
+
 def _answers(got: object, ask: Ask) -> bool:
     """Whether something given by a process is what was asked for."""
     if isinstance(got, Written):
@@ -230,15 +243,19 @@ def make_ahead(conn: Connection, case: Case) -> None:
         while True:
             ask = _next(conn, [])
             session = ask.session(session)
+            if ask.first:
+                made = [Made(name, session.make(name)) for name in session.needs(ask.design)]
+                for what in (session.answer(ask.design), *made):
+                    conn.send(what)
             for name in chain.from_iterable(map(session.needs, session.neighbours(ask.design))):
                 if conn.poll():
                     break
                 try:
-                    made = Made(name, session.make(name))
+                    what = Made(name, session.make(name))
                 except Exception:
                     # what goes wrong here does so again, and is said, where it is asked for
                     continue
-                conn.send(made)
+                conn.send(what)
     except (EOFError, OSError, KeyboardInterrupt):
         return
 
@@ -300,6 +317,10 @@ def with_sensitivities(result: SealResult, progress: Progress) -> SealResult:
     progress : callable
         Called before each.
     """
+    from fem_seal.answers.answer import Inquiry, Wanted
+    from fem_seal.answers.sensitivities import SENSITIVITIES
+    from fem_seal.seal.load_solver import Clock, LoadSolver
+
     ask = Inquiry(
         LoadSolver(result.problem, result.model),
         Clock(progress),
@@ -347,8 +368,10 @@ class Answers:
         # grows with everything that the page may be waiting for
         self.news = 0
         self._waits = False
-        # until then the page makes what the case itself needs
-        self._warm = False
+        # the first numbers come from another process, which calculates while this one makes the page
+        self._awaited: dict[str, str] | None = None
+        self._first: Screen | None = None
+        self._first_shown = Event()
         session.waits = False
         # designs whose runs ended their process, and why; what the page says of it, and when it happened
         self._given_up: dict[tuple[tuple[str, str], ...], str] = {}
@@ -391,14 +414,22 @@ class Answers:
         design = self.of(design).design(design)
         with self._lock:
             self._newest[page] = max(number, self._newest.get(page, 0))
+        if design == self._awaited:
+            return self._first_answer(design)
         with self._answering:
             if number < self._newest[page]:
                 return None
             live = self.of(design).answer(design)
             self._waits = bool(live.waiting)
-        if self._warm:
-            self._make_ahead(design)
+        self._make_ahead(design)
         return self._with_run(live)
+
+    def _first_answer(self, design: dict[str, str]) -> Screen:
+        """What the other process has found of the case's own design; until then its section."""
+        if self._first is None:
+            return self.session.answer(design, waiting="the first numbers")
+        self._first_shown.set()
+        return self._with_run(self._first)
 
     def screen(self, design: Mapping[str, str]) -> Screen:
         """What is shown of a design that no slider moves, such as a pinned one."""
@@ -412,7 +443,6 @@ class Answers:
         return self._with_run(live)
 
     def _make_ahead(self, design: dict[str, str]) -> None:
-        self._warm = True
         self._ahead.ask(Ask(design, case=self.of(design).given))
 
     def is_newest(self, page: str, number: int) -> bool:
@@ -431,21 +461,13 @@ class Answers:
         with self._lock:
             return self._lost if time.monotonic() - self._lost_at < _TOLD_FOR else ""
 
-    def warm_up(self) -> None:
-        """Make what the case itself needs, while the browser opens."""
-
-        def make() -> None:
-            try:
-                own = self.session.design({})
-                for name in self.session.needs(own):
-                    self.session.make(name)
-                self.news += 1
-                self.settle(own)
-                self._make_ahead(own)
-            except WRONG:
-                return
-
-        Thread(target=make, daemon=True).start()
+    def begin(self) -> None:
+        """Calculate the first numbers in another process, while this one loads what the page needs."""
+        own = self.session.design({})
+        with suppress(*WRONG):
+            if not self.session.slow(self.session.case(own)):
+                self._awaited = own
+                self._ahead.ask(Ask(own, first=True))
 
     def settle(self, design: Mapping[str, str]) -> None:
         """Begin with the complete run of a design."""
@@ -502,9 +524,19 @@ class Answers:
         with self._lock:
             if isinstance(got, Made):
                 self.news += self._waits
-                self.session.keep(got.name, got.what)
+                self.session.live.keep(got.name, got.what)
+            elif isinstance(got, Screen):
+                self._first = got
+                self.news += 1
             elif isinstance(got, Lost):
                 self._say_lost(got)
+                if any(ask.first for ask in got.left):
+                    # it is this process's turn
+                    self._awaited, self.session.waits = None, True
+        if isinstance(got, Screen):
+            # what follows loads what calculates: not before the numbers are on their way
+            self._first_shown.wait(_SHOWN_WITHIN)
+            self.settle(got.design)
 
     def _say_lost(self, lost: Lost) -> None:
         self._lost = lost_words(lost.code, bool(lost.again), bool(lost.left))

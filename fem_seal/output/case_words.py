@@ -11,8 +11,8 @@ from fem_seal.answers.closed_forms import Derived, widths
 from fem_seal.answers.leakage_class import limits
 from fem_seal.case.drawing_words import words_of
 from fem_seal.case.drawn import ProfileSource
-from fem_seal.output.prose import prose, worded_rows, written
-from fem_seal.units import attributes, format_quantity, number, quantity, trimmed, unit_for
+from fem_seal.output.prose import phrase, prose, worded_rows, written
+from fem_seal.units import LeakVolume, attributes, format_quantity, number, quantity, trimmed, unit_for
 
 if TYPE_CHECKING:
     from fem_seal.case.case import Case
@@ -27,6 +27,11 @@ if TYPE_CHECKING:
 BODIES = ("closure", "seat")
 # Lengths that are no dimensions of the body.
 _NOT_A_DIMENSION = ("interference", "tolerance")
+
+
+def state_in_words(volume: LeakVolume) -> str:
+    """State of the gas for its volumes; empty for a liquid."""
+    return phrase("readings.volume", "at", state=volume.state) if volume.state else ""
 
 
 def law_word(case: Case) -> str:

@@ -9,18 +9,17 @@ Surfaces of one family share tables, see `fem_seal.seal.conductivity_tables`.
 from __future__ import annotations
 
 import math
-from collections import OrderedDict
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import count
-from threading import RLock
-from typing import Any, Self
+from typing import Self
 
 from fem_seal.bodies.supports import Supports
 from fem_seal.contact.model import ContactModel, condense, with_stress_bound
 from fem_seal.contact.solution import DEFAULT_SETTINGS, ContactSettings
 from fem_seal.materials import Material
 from fem_seal.seal.conductivity_tables import family_law, family_table
+from fem_seal.seal.kept import Kept
 from fem_seal.seal.leak_model import Conductivity, FlowModel
 from fem_seal.seal.load_solver import Clock
 from fem_seal.seal.problem import SealProblem, condensed, sizing
@@ -169,51 +168,6 @@ class Bodies:
     def made_light(self) -> ContactModel:
         """The same without the way to stresses inside of them, which takes far more memory."""
         return self.made().line_alone
-
-
-class Kept:
-    """The latest of what was made, by name.
-
-    Parameters
-    ----------
-    most : int
-        So many are kept.
-
-    Examples
-    --------
-    >>> kept = Kept(2)
-    >>> [kept.get(number, lambda number=number: 10 * number) for number in (1, 2, 3)]
-    [10, 20, 30]
-    >>> kept.known(1) is None, kept.known(3)
-    (True, 30)
-    """
-
-    def __init__(self, most: int) -> None:
-        self._most = most
-        self._made: OrderedDict[Hashable, Any] = OrderedDict()
-        self._lock = RLock()
-
-    def known(self, name: Hashable) -> Any:
-        """What is kept under a name; None if nothing is."""
-        with self._lock:
-            if name in self._made:
-                self._made.move_to_end(name)
-            return self._made.get(name)
-
-    def put(self, name: Hashable, made: Any) -> None:
-        """Keep something."""
-        with self._lock:
-            self._made[name] = made
-            while len(self._made) > self._most:
-                self._made.popitem(last=False)
-
-    def get(self, name: Hashable, make: Callable[[], Any]) -> Any:
-        """What is kept under a name, made if nothing is."""
-        found = self.known(name)
-        if found is None:
-            found = make()
-            self.put(name, found)
-        return found
 
 
 def family_or_own_table(flow: FlowModel, surface: RoughContact, log_peaks: Sequence[float]) -> Conductivity:

@@ -9,7 +9,7 @@ from places import EXAMPLES
 from sample_results import run_loads
 
 import fem_seal
-from fem_seal.explore.live import Session
+from fem_seal.explore.session import Session
 from fem_seal.output.tables import leak_rows
 from fem_seal.studies.responses import evaluate_design
 
@@ -45,7 +45,7 @@ def assert_one_number(case):
     study = evaluate_design(case, COLUMNS).values
     with pytest.MonkeyPatch.context() as patch:
         # the page waits, however long it takes
-        patch.setattr("fem_seal.explore.live._FOLLOWS", math.inf)
+        patch.setattr("fem_seal.explore.session._FOLLOWS", math.inf)
         screen = Session(case).answer({})
     assert not screen.problem and not screen.waiting
     for name in COLUMNS:

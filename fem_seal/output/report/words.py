@@ -15,7 +15,7 @@ from fem_seal.contact.solution import PlasticZone, yielding_of
 from fem_seal.output.answers.target import TARGET_FORCE, opening_reasons, opens_at, valve_facts
 from fem_seal.output.answers.theories import corrected_beside
 from fem_seal.output.answers.uncertainty import told_after_test
-from fem_seal.output.case_words import earlier_load
+from fem_seal.output.case_words import earlier_load, state_in_words
 from fem_seal.output.columns import COLUMNS, in_words
 from fem_seal.output.prose import phrase
 from fem_seal.output.report.tables import imprint_in_words, yielding_reasons
@@ -186,11 +186,6 @@ def _two_numbers(load: LoadResult) -> bool:
 def usual_rate_of(load: LoadResult) -> float | tuple[float, float]:
     """Leak rate with the inputs as given: all readings of yielding asperities, or the only one [m^3/s]."""
     return separate_ends(load) or (math.nan if load.leak is None else load.leak.leak_rate)
-
-
-def state_in_words(volume: LeakVolume) -> str:
-    """State of the gas for its volumes; empty for a liquid."""
-    return phrase("readings.volume", "at", state=volume.state) if volume.state else ""
 
 
 def volume_notes(volume: LeakVolume, units: Sequence[str], *, unmeasured: bool) -> list[str]:

@@ -294,7 +294,7 @@ def workers(page):
     listed = subprocess.run(
         ["ps", "-ww", "--ppid", str(page.pid), "-o", "pid=,args="], capture_output=True, text=True, check=True
     )
-    return [int(line.split()[0]) for line in listed.stdout.splitlines() if "spawn_main" in line]
+    return [int(line.split()[0]) for line in listed.stdout.splitlines() if "resource_tracker" not in line]
 
 
 @pytest.mark.slow

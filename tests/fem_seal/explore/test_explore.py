@@ -20,8 +20,9 @@ from fem_seal.case.case_file import case_text, free_name, write_case
 from fem_seal.errors import InputError
 from fem_seal.explore.factors import factors_of
 from fem_seal.explore.figures import leak_figure
-from fem_seal.explore.live import Missing, OwnTable, Session, conductivity
+from fem_seal.explore.live import Missing, OwnTable, conductivity
 from fem_seal.explore.screen import SHOWN, Screen, Shown, numbers_of, validity_words
+from fem_seal.explore.session import Session
 from fem_seal.explore.worker import Answers, Ask, Lost, Worker, Written, complete_screen, with_sensitivities
 from fem_seal.output.report.words import headline
 
@@ -148,7 +149,7 @@ def test_the_curve_of_a_single_load_has_more_points_that_fall_with_pressure():
 @pytest.mark.parametrize("gas", [False, True])
 def test_tables_of_a_family_are_those_of_the_surface(gas):
     session = Session(case_with(fluid={"name": "helium" if gas else "water"}, leak={"plasticity": False}))
-    problem, _ = session._problem(session.case({"finish_spectrum": "0.3 um"}))
+    problem, _ = session.live.problem(session.case({"finish_spectrum": "0.3 um"}))
     made = conductivity(problem.flow, problem.surface, 8.0, lambda name: name.made())
     own = OwnTable(problem.surface, -1, 9, "bruggeman", gas).made()
     log_p = np.log(np.geomspace(1e4, 1e8, 7))
@@ -174,8 +175,8 @@ def test_what_is_missing_is_left_open_and_comes_when_it_is_made(live):
     assert not then.waiting
     assert then.load.values == pytest.approx(live.load.values, rel=1e-9)
     with pytest.raises(Missing):
-        problem, _ = session._problem(session.case({"fluid": "helium"}))
-        conductivity(problem.flow, problem.surface, 8.0, session.tables.known)
+        problem, _ = session.live.problem(session.case({"fluid": "helium"}))
+        conductivity(problem.flow, problem.surface, 8.0, session.live.tables.known)
 
 
 def test_the_verdict_follows_the_sliders_and_what_is_required_goes_with_its_load(session):

@@ -244,7 +244,7 @@ def test_a_study_over_the_section_of_a_ring(tmp_path: Path) -> None:
 
 
 def test_the_live_page_shows_what_a_run_gives() -> None:
-    from fem_seal.explore.live import Session
+    from fem_seal.explore.session import Session
 
     session = Session(Case(**tables()))
     assert {"gasket_mean_diameter", "gasket_section_diameter"} <= {one.key for one in session.factors.sliders}

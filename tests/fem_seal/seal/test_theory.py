@@ -15,7 +15,7 @@ from places import EXAMPLES
 import fem_seal
 import leak
 from fem_seal.answers.closed_forms import closed_form_limits
-from fem_seal.explore.live import Session
+from fem_seal.explore.session import Session
 from fem_seal.output.answers.theories import theories_in_words
 from fem_seal.output.answers.verdict import verdict_lines
 from fem_seal.output.report.words import headline
