@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from fem_seal.case.case import Case, load_case
 from fem_seal.case.finish import HEIGHTS, ProcessName
 from fem_seal.case.material_library import ALIASES, LIBRARY
+from fem_seal.case.new_case import required_class
 from fem_seal.case.roughness import read_roughness
 from fem_seal.errors import InputError, NoLoadLeftError, SealError
 from fem_seal.explore.screen import section_of
@@ -26,6 +27,8 @@ _SHAPES = own_tables("shapes.toml")
 # Bodies of the case by the rows of pictures.
 ROWS = {"closure": "Closure", "seat": "Seat", "gasket": "Gasket"}
 NONE, LEAK_RATE = "none", "leak rate"
+# What a rated flow is given for, unless another class is chosen: the usual one of control valves with metal seats.
+_OF_RATED_FLOW = "FCI 70-2 IV"
 
 
 @dataclass(frozen=True)
@@ -124,6 +127,8 @@ def changed(case: Case, key: str, value: str) -> Case:
         raise InputError.at(key, "is no choice of the page")
     if key == "requirement":
         return _requiring(case, value)
+    if key == "requirement.rated_capacity" and not (case.requirement and case.requirement.standard):
+        return case.replace_written({**required_class(str(case), _OF_RATED_FLOW), key: value.strip() or None})
     if key.endswith(" height"):
         path = key.removesuffix(" height")
         table = _face(case, path)
@@ -180,21 +185,19 @@ def _requirement(case: Case) -> Iterator[Choice]:
     if case.roughness is None or case.fluid is None:
         return
     gas, own = case.fluid.gas is not None, case.requirement
-    classes = [
-        f"{standard} {one}"
-        for standard in STANDARDS
-        for one in classes_of(standard, gas=gas, rated_capacity=False)
-    ]
+    classes = [f"{standard} {one}" for standard in STANDARDS for one in classes_of(standard, gas=gas)]
     required = " ".join(own.standard_and_class) if own and own.standard_and_class else None
     value = NONE if own is None else required or LEAK_RATE
     yield Choice("requirement", "requirement", value, _options(list(dict.fromkeys([NONE, value, *classes]))))
-    rate = str(case.written.get("requirement", {}).get("leak_rate", ""))
-    yield Choice("requirement.leak_rate", "allowed leak rate", rate, hint="1 ml/min")
+    written = case.written.get("requirement", {})
+    yield Choice(
+        "requirement.leak_rate", "allowed leak rate", str(written.get("leak_rate", "")), hint="1 ml/min"
+    )
+    rated = str(written.get("rated_capacity", ""))
+    yield Choice("requirement.rated_capacity", "rated flow, for FCI 70-2 II to IV", rated, hint="40 m^3/h")
 
 
 def _requiring(case: Case, value: str) -> Case:
-    from fem_seal.case.new_case import required_class
-
     if value == NONE:
         return case.replace_written({"requirement": None})
     if value == LEAK_RATE:

@@ -177,6 +177,15 @@ def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
     app.clientside_callback(
         scripts["steps"], Output("undo", "disabled"), Output("redo", "disabled"), Input("history", "data")
     )
+    app.clientside_callback(
+        scripts["step"],
+        Output("history", "data", allow_duplicate=True),
+        Output("back", "data"),
+        Input("undo", "n_clicks"),
+        Input("redo", "n_clicks"),
+        State("history", "data"),
+        prevent_initial_call=True,
+    )
     app.clientside_callback(scripts["answered"], Input("shown", "data"))
     app.clientside_callback(scripts["named"], Input("meta", "data"))
     app.clientside_callback(scripts["dark"], Output("dark", "data"), Input("meta", "data"))
@@ -347,21 +356,18 @@ def _choose(app: Dash, answers: Answers) -> None:
         Output("meta", "data"),
         Output("typed", "data", allow_duplicate=True),
         Output("entered", "data", allow_duplicate=True),
-        Output("history", "data", allow_duplicate=True),
         Input({"kind": "choice", "key": ALL}, "value"),
         Input({"kind": "shape", "key": ALL}, "n_clicks"),
         Input({"kind": "take", "number": ALL}, "n_clicks"),
         Input("reset", "n_clicks"),
-        Input("undo", "n_clicks"),
-        Input("redo", "n_clicks"),
+        Input("back", "data"),
         State("pins", "data"),
         State("asked", "data"),
-        State("history", "data"),
         prevent_initial_call=True,
     )
     @answered
     def choose(*sent: Any) -> Any:
-        pins, asked, history = sent[-3:]
+        back, pins, asked = sent[-3:]
         done, said = _done(), ""
         design = checked(Asked, asked, "asked").design
         session = _session(answers, design)
@@ -385,20 +391,15 @@ def _choose(app: Dash, answers: Answers) -> None:
         elif who == "reset":
             session = answers.session
             design = session.design({})
-        elif who in ("undo", "redo"):
-            past = checked(
-                list[Design], checked(dict[str, Any], history, "history").get("designs"), "history"
-            )
-            at = history.get("at")
-            at = place_of(at + (1 if who == "redo" else -1) if isinstance(at, int) else None, past, "history")
-            design, history = past[at], {**history, "at": at, "moved": ""}
+        elif who == "back":
+            design = checked(Design, back, "back")
             session = _session(answers, design)
         else:
             pinned = _pinned(pins)
             taken = pinned[_number_of(who, pinned)]
             session = _session(answers, taken)
             design = session.design(taken)
-        return *_shown_controls(session, design, said), {}, history
+        return *_shown_controls(session, design, said), {}
 
 
 def _shown_controls(

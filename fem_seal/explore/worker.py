@@ -483,7 +483,7 @@ class Answers:
     def report(self, design: Mapping[str, str], folder: Path) -> None:
         """Begin with the report of a design."""
         session = self.of(design)
-        self._runner.ask(Ask(session.design(design), str(folder), session.given))
+        self._runner.ask(Ask(session.design(design), str(folder), case=session.given))
 
     def written(self, folder: Path) -> Written | None:
         """A report that was asked for, if it is there."""

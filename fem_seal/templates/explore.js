@@ -20,6 +20,10 @@ function gather(places, fluid, typed, _, meta, before) {
         }
     });
     const same = (one, other) => JSON.stringify(one) === JSON.stringify(other);
+    // a design of the history is asked for when the sliders have arrived at it
+    const step = window.step;
+    if (step && !same(step.design, design) && Date.now() - step.since < 5000) { return none; }
+    window.step = undefined;
     if (before && same([before.design, before.wrong], [design, wrong])) { return none; }
     const way = window.onItsWay;
     if (way && way.answered < way.number && Date.now() - way.since < 5000) { return none; }
@@ -72,6 +76,15 @@ function steps(history) {
     return [history.at < 1, history.at >= history.designs.length - 1];
 }
 
+function step(_undo, _redo, history) {
+    // Each click counts at once, the next one before its controls are there.
+    const none = window.dash_clientside.no_update, clicked = window.dash_clientside.callback_context.triggered_id;
+    const at = history.at + (clicked === "redo" ? 1 : -1), design = history.designs[at];
+    if (!clicked || !design) { return [none, none]; }
+    window.step = {design: design, since: Date.now()};
+    return [{...history, at: at, moved: ""}, design];
+}
+
 function answered(shown) {
     if (shown && window.onItsWay) {
         window.onItsWay.answered = Math.max(window.onItsWay.answered, shown.number);
@@ -81,7 +94,14 @@ function answered(shown) {
 
 function named(_) {
     // What screen readers call the handles of sliders, which dash leaves without a name; its hidden fields take no focus.
+    // Controls that are made anew have the focus of those whose place they take.
+    let last;
     const name = () => {
+        if (last && !last.element.isConnected && document.activeElement === document.body) {
+            const home = document.getElementById(last.home);
+            const again = home && (last.place < 0 ? home : home.querySelectorAll("*")[last.place]);
+            if (again) { again.focus(); }
+        }
         document.querySelectorAll("[role=slider]:not([aria-label])").forEach(handle => {
             const row = handle.closest(".row");
             if (row) { handle.setAttribute("aria-label", row.querySelector("label").innerText); }
@@ -91,6 +111,10 @@ function named(_) {
     if (!window.naming) {
         window.naming = new MutationObserver(name);
         window.naming.observe(document.body, {childList: true, subtree: true});
+        document.addEventListener("focusin", event => {
+            const home = event.target.closest("[id]");
+            last = home && {element: event.target, home: home.id, place: [...home.querySelectorAll("*")].indexOf(event.target)};
+        });
     }
     name();
 }

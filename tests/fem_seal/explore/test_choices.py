@@ -46,6 +46,22 @@ def test_choices_say_what_the_case_has_and_change_it():
         changed(case, "seat.material", "cheese")
 
 
+def test_classes_of_the_rated_flow_are_offered_with_the_flow_that_they_need():
+    case = read_text_case(template("ball-valve"))
+    (offered,) = [one for one in choices_of(case)["demand"] if one.key == "requirement"]
+    classes = {f"FCI 70-2 {name}" for name in ("II", "III", "IV")}
+    assert classes <= {one["value"] for one in offered.options}
+    with pytest.raises(InputError, match="share of the flow through the open valve; give that flow"):
+        changed(case, "requirement", "FCI 70-2 III")
+    case = changed(changed(case, "requirement", "none"), "requirement.rated_capacity", "40 m^3/h")
+    assert case.requirement.standard_and_class == ("FCI 70-2", "IV")
+    case = changed(case, "requirement", "FCI 70-2 III")
+    assert case.requirement.standard_and_class == ("FCI 70-2", "III")
+    assert case.requirement.rated_capacity == pytest.approx(40 / 3600)
+    (flow,) = [one for one in choices_of(case)["demand"] if one.key == "requirement.rated_capacity"]
+    assert flow.value == "40 m^3/h"
+
+
 def test_sliders_are_in_the_units_of_the_case_and_its_values_stay():
     case = read_text_case(template("ball-valve"))
     american = changed(case, "report.units", "US")
