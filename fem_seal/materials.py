@@ -13,6 +13,7 @@ import numpy as np
 
 from fem_seal.arrays import FloatArray, IntArray
 from fem_seal.errors import InputError
+from fem_seal.units import written
 
 # Where the numbers of a material hold unless a temperature is said [K].
 ROOM_TEMPERATURE = 293.15
@@ -85,7 +86,7 @@ class OverTemperature:
     def reach(self) -> str:
         """Where the number is known, in words."""
         low, high = self.temperature[0], self.temperature[-1]
-        return f"from {celsius(low)} to {celsius(high)}" if low < high else f"at {celsius(low)} only"
+        return f"from {in_degrees(low)} to {in_degrees(high)}" if low < high else f"at {in_degrees(low)} only"
 
     @overload
     def at(self, temperature: float) -> float: ...
@@ -100,16 +101,16 @@ class OverTemperature:
             asked = np.max(temperature) if np.max(temperature) > high else np.min(temperature)
             raise InputError.at(
                 self.key,
-                f"is known {self.reach} and asked for at {celsius(float(asked))}; "
+                f"is known {self.reach} and asked for at {in_degrees(float(asked))}; "
                 "extend the table, or change the temperature",
             )
         found = np.interp(temperature, self.temperature, self.value)
         return found if np.ndim(temperature) else float(found)
 
 
-def celsius(temperature: float) -> str:
+def in_degrees(temperature: float) -> str:
     """A temperature [K] as it is said to people."""
-    return f"{temperature - 273.15:.4g} degC"
+    return written(temperature, ".4g degC")
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,9 @@ from __future__ import annotations
 import difflib
 import math
 import re
+import string
 import tomllib
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, replace
@@ -320,8 +321,9 @@ def fixed_unit(name: str) -> Unit:
 
     Parameters
     ----------
-    name : {"", "bar", "MPa", "GPa", "N", "kN/m", "mm", "um", "deg", "mPa s", "ml/min", "mm³/s", "mbar l/s"}
-        That of the field; the system of display has another one in its place.
+    name : str
+        One of "bar", "MPa", "GPa", "N", "kN/m", "N/mm", "N m", "mm", "um", "nm", "deg", "degC", "mPa s", "ml/min",
+        "mm³/s", "mbar l/s"; "" for a plain number. That of the field; the system of display has another one in its place.
     """
     other = _TABLES["fixed_in"].get(_shown_in.get(), {}).get(name)
     return Unit(**other) if other else Unit(name, _TABLES["fixed"][name])
@@ -449,6 +451,25 @@ def format_beside(value: float, limit: float, digits: int) -> str:
     ('7200', '7210', '1.004')
     """
     return f"{rounded(value, digits_beside(value, limit, digits)):.{_MOST_DIGITS}g}"
+
+
+def fixed_beside(name: str, value: float, limit: float, digits: int) -> str:
+    """An SI value in a `fixed_unit`, with `digits_beside` its limit as it is written, without zeros at its end.
+
+    Parameters
+    ----------
+    name : str
+    value, limit : float
+        [SI]
+    digits : int
+
+    Examples
+    --------
+    >>> fixed_beside("MPa", 7213e6, 7200e6, 2)
+    '7210 MPa'
+    """
+    unit = fixed_unit(name)
+    return f"{format_beside(unit.of(value), rounded(unit.of(limit), DIGITS), digits)} {unit.name}"
 
 
 def superscript(power: int) -> str:
@@ -751,3 +772,75 @@ def duration(seconds: float) -> str:
     if seconds < 5400:
         return f"{seconds / 60:.0f} min"
     return f"{seconds / 3600:.1f} h"
+
+
+# Formats of a number: without unit, and with the unit that suits it.
+_PLAIN: dict[str, Callable[..., str]] = {
+    "number": number,
+    "percent": percent,
+    "trimmed": trimmed,
+    "worth": format_digits,
+}
+_WITH_UNIT: dict[str, Callable[..., str]] = {"given": format_quantity, "worth": quantity_worth}
+
+
+def written(value: Any, how: str) -> str:
+    """A number in the format that words and templates ask for; of a tuple both ends.
+
+    Parameters
+    ----------
+    value : float or tuple of float
+        SI; None is a dash.
+    how : str
+        "number", "percent", "trimmed" or "worth", or a kind of `fem_seal.units.unit_for`, before which "given" or
+        "worth" may stand; then the digits. A format of Python's is one, too, "g" or one that begins with no letter, and
+        may have a name of `fixed_unit` behind it.
+
+    Examples
+    --------
+    >>> written(0.00123, "length 2"), written(0.3, "percent"), written(2e6, "given fluid pressure")
+    ('1.2 mm', '30 %', '20 bar')
+    >>> written((0.001, 0.0025), "length 2"), written(0.12345, ".2f")
+    ('1.0 mm to 2.5 mm', '0.12')
+    >>> with shown_in("US"):
+    ...     written(2e6, ".4g bar")
+    '290.1 psi'
+    """
+    if isinstance(value, tuple):
+        return range_text(*(written(one, how) for one in value))
+    first, *rest = how.split()
+    if not first[0].isalpha() or first == "g":
+        unit = fixed_unit(" ".join(rest)) if rest else None
+        return format(value, first) if unit is None else f"{unit.of(value):{first}} {unit.name}"
+    digits = [int(rest.pop())] if rest and rest[-1].isdigit() else []
+    if value is None:
+        return "–"
+    if first in _PLAIN and not rest:
+        return _PLAIN[first](value, *digits)
+    if first in _WITH_UNIT:
+        return _WITH_UNIT[first](" ".join(rest), value, *digits)
+    return quantity(" ".join([first, *rest]), value, *digits)
+
+
+class _Sentence(string.Formatter):
+    """Fills values in, in the format of their braces: "{load.fluid_pressure:given fluid pressure}"."""
+
+    def format_field(self, value: Any, format_spec: str) -> str:
+        return written(value, format_spec) if format_spec else str(value)
+
+
+def filled(sentence: str, values: Mapping[str, object]) -> str:
+    """A sentence of words.toml with its values; numbers are `written` in the format behind their colon.
+
+    Parameters
+    ----------
+    sentence : str
+    values : mapping
+        Values of the {names} in it.
+
+    Examples
+    --------
+    >>> filled("{share:percent} of {pressure:given fluid pressure}", {"share": 0.2, "pressure": 2e6})
+    '20 % of 20 bar'
+    """
+    return _Sentence().vformat(sentence, (), values)

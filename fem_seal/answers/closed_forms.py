@@ -17,6 +17,7 @@ from fem_seal.former_names import former_attribute
 from fem_seal.loads import blow_off_of_sealed_area, contact_force, line_load
 from fem_seal.seal.load_result import SolvedSeal
 from fem_seal.seal.problem import LARGEST_TURNING, TURNED, SealFlow, SealProblem, exponential_law
+from fem_seal.units import fixed_unit
 from fem_seal.validity.words import sentence
 from leak import (
     CrossoverLine,
@@ -178,13 +179,13 @@ def closed_form_limits(case: Case, derived: Derived) -> str:
         if law is not None and load.crossover is not None:
             there = float(law.decay_length(np.array([math.log(closed.peak_pressure)]))[0])
             if there < (1 - _STIFFER) * load.crossover.u0:
-                lengths = {"low": 1e6 * load.crossover.u0, "peak": 1e6 * there}
-                return sentence("closed_forms", "stiffer", bar=load.fluid_pressure / 1e5, **lengths)
+                lengths = {"low": load.crossover.u0, "peak": there}
+                return sentence("closed_forms", "stiffer", pressure=load.fluid_pressure, **lengths)
         # Beyond two standard deviations there is a twentieth of the load; Hertz's contact ends there.
         inside = case.contact.breaks[np.abs(case.contact.breaks) < 2 * closed.std]
         if len(inside):
-            nearest = 1e6 * float(np.abs(inside).min())
-            return sentence("closed_forms", "breaks", bar=load.fluid_pressure / 1e5, nearest=nearest)
+            nearest = float(np.abs(inside).min())
+            return sentence("closed_forms", "breaks", pressure=load.fluid_pressure, nearest=nearest)
     return ""
 
 
@@ -199,8 +200,8 @@ def strain_limit(derived: Derived) -> str:
         closed = load.crossover or load.hertz
         turned = 0.0 if closed is None else 2 * closed.peak_pressure / derived.effective_modulus
         if turned > TURNED:
-            bar, limits = load.fluid_pressure / 1e5, {"limit": TURNED, "largest": LARGEST_TURNING}
-            return sentence("closed_forms", "strain", bar=bar, turned=turned, **limits)
+            limits = {"limit": TURNED, "largest": LARGEST_TURNING}
+            return sentence("closed_forms", "strain", pressure=load.fluid_pressure, turned=turned, **limits)
     return ""
 
 
@@ -211,9 +212,10 @@ def nearly_open(derived: Derived) -> str:
     ----------
     derived : Derived
     """
-    carried = [load.fluid_pressure / 1e5 for load in derived.loads if math.isnan(load.contact_force)]
-    bars = ", ".join(f"{pressure:.6g}" for pressure in carried)
-    return sentence("closed_forms", "nearly_open", bars=bars) if carried else ""
+    unit = fixed_unit("bar")
+    carried = [load.fluid_pressure for load in derived.loads if math.isnan(load.contact_force)]
+    pressures = ", ".join(f"{unit.of(pressure):.6g}" for pressure in carried) + f" {unit.name}"
+    return sentence("closed_forms", "nearly_open", pressures=pressures) if carried else ""
 
 
 def _stiffening_law(problem: SealProblem) -> InterfaceLaw | None:

@@ -62,14 +62,13 @@ def expected_contact_force(flow: SealFlow, fluid_pressure: float, target: float)
         ahead = min(at + step, highest)
         if excess(ahead) * step <= 0:
             return math.exp(root_between(excess, at, ahead, xtol=1e-3))
-        bar = fluid_pressure / 1e5
         if ahead == highest:
             least = flow.leak(flow.expected_profile(math.exp(highest)), fluid_pressure).leak_rate
             force = briefly("force", largest_force(problem))
-            values = {"force": force, "leaves": _rate(least, target), "bar": bar}
+            values = {"force": force, "leaves": _rate(least, target), "pressure": fluid_pressure}
             raise target_problem(problem, "too_small", target, **values)
         if ahead < highest + math.log(_LEAST):
-            raise target_problem(problem, "always_met", target, bar=bar)
+            raise target_problem(problem, "always_met", target, pressure=fluid_pressure)
         at = ahead
 
 
@@ -207,7 +206,7 @@ def contacts_at_target(
         reached = found[pressure]
         assert reached.leak is not None  # of what flows
         force, leaves = briefly("force", reached.contact_force), _rate(reached.leak.leak_rate, target)
-        values = {"force": force, "leaves": leaves, "bar": pressure / 1e5}
+        values = {"force": force, "leaves": leaves, "pressure": pressure}
         raise target_problem(problem, why, target, **values)
     return [found[pressure] for pressure in problem.loads.fluid_pressure]
 
@@ -402,7 +401,7 @@ def _on_model(
     if root is None:
         root = max(trials.rates)
         if trials.excess(root) < 0:
-            raise target_problem(solver.problem, "always_met", target, bar=fluid_pressure / 1e5)
+            raise target_problem(solver.problem, "always_met", target, pressure=fluid_pressure)
     else:
         why = ""
         trials.contact(root)

@@ -10,7 +10,7 @@ from typing import Any
 
 from fem_seal.errors import InputError
 from fem_seal.files import own_tables
-from fem_seal.materials import ROOM_TEMPERATURE, Material, OverTemperature, celsius
+from fem_seal.materials import ROOM_TEMPERATURE, Material, OverTemperature, in_degrees
 
 # Half the angle between opposite faces of the Vickers pyramid, 136 degrees.
 _VICKERS_HALF_ANGLE = math.radians(68)
@@ -140,7 +140,7 @@ def suggestion(name: str, key: str, unit: str) -> str:
     number = None if known is None else getattr(LIBRARY[known], key)
     if number is None:
         return f"give it, in {unit}, from the data sheet of the material"
-    return f'give it, in {unit}; the library has "{number:.4g} {unit}" for {known} at {celsius(ROOM_TEMPERATURE)}'
+    return f'give it, in {unit}; the library has "{number:.4g} {unit}" for {known} at {in_degrees(ROOM_TEMPERATURE)}'
 
 
 _MATERIALS, _ALIASES = _read()

@@ -39,7 +39,7 @@ from fem_seal.materials import (
     HardeningOverTemperature,
     Material,
     OverTemperature,
-    celsius,
+    in_degrees,
 )
 from fem_seal.units import DIMENSIONS
 
@@ -132,7 +132,7 @@ def _read(table: TextTable) -> list[TensileTest]:
     for temperature, group in groupby(rows, key=itemgetter(0)):
         _, strains, stresses = zip(*group, strict=True)
         if any(one.temperature == temperature for one in tests):
-            raise TextTableError(sentence("curve_rows", temperature=celsius(temperature)))
+            raise TextTableError(sentence("curve_rows", temperature=in_degrees(temperature)))
         tests.append(TensileTest(kinds[0], strains, stresses, temperature))
     return tests
 
@@ -218,7 +218,7 @@ def _hardening(
         except InputError as error:
             if len(tests) == 1:
                 raise
-            which = f"curve {number} ({celsius(test.temperature or 0.0)})"
+            which = f"curve {number} ({in_degrees(test.temperature or 0.0)})"
             raise InputError(
                 *(replace(one, message=f"{which}, {one.message}") for one in error.problems)
             ) from None

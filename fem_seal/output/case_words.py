@@ -280,12 +280,15 @@ def temperature_rows(
         return
     calculated = problem.heating is not None
     for name, temperature in problem.temperatures.items():
-        yield f"{name} at the contact" if calculated else f"temperature of the {name}", celsius(temperature)
-    yield "dimensions hold at", celsius(case.temperature.reference)
+        yield (
+            f"{name} at the contact" if calculated else f"temperature of the {name}",
+            in_degrees(temperature),
+        )
+    yield "dimensions hold at", in_degrees(case.temperature.reference)
     for name, face in case.temperature.faces.items():
         film, place = face.heat_transfer, prose()["heated_faces"][name]
         with_film = "" if film is None else f", {trimmed(film)} W/(m² K)"
-        yield f"{place}, {'face' if film is None else 'fluid'}", celsius(face.temperature) + with_film
+        yield f"{place}, {'face' if film is None else 'fluid'}", in_degrees(face.temperature) + with_film
         if field is not None:
             yield f"{place}, heat into the seal", f"{number(field.heat[name], 4)} W"
     if field is not None:
@@ -299,9 +302,10 @@ def temperature_rows(
         yield "wall of the seat moves inwards", format_quantity("length", problem.interference)
 
 
-def celsius(temperature: float) -> str:
+def in_degrees(temperature: float) -> str:
     """A temperature [K] in words."""
-    return f"{trimmed(round(temperature - 273.15, 2))} °C"
+    unit = unit_for("temperature", temperature)
+    return f"{trimmed(round(unit.of(temperature), 2))} {unit.name}"
 
 
 def derived_numbers(case: Case, derived: Derived) -> dict[str, Any]:

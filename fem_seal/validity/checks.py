@@ -18,7 +18,17 @@ from fem_seal.seal.findings import ORDERS_OF_MAGNITUDE, Finding, Level, Validity
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.load_result import DiscretisationError, GivenLoad, LoadResult
 from fem_seal.seal.problem import LARGEST_TURNING, TURNED, SealProblem
-from fem_seal.units import DIGITS, briefly, format_beside, number, rounded, share_text
+from fem_seal.units import (
+    DIGITS,
+    briefly,
+    fixed_beside,
+    fixed_unit,
+    format_beside,
+    number,
+    rounded,
+    share_text,
+    written,
+)
 from fem_seal.validity.fluid import fluid_cautions, molecule_cautions
 from fem_seal.validity.form import LARGEST_EXCESS, form_cautions
 from fem_seal.validity.materials import temperature_cautions
@@ -267,7 +277,7 @@ def target_cautions(problem: SealProblem, answers: Sequence[LoadResult]) -> Iter
     """
     ends = [pick(answers, key=lambda one: one.applied_force) for pick in (min, max)]
     named = dict.fromkeys(
-        f"{briefly('force', one.applied_force)} at {one.fluid_pressure / 1e5:.4g} bar" for one in ends
+        f"{briefly('force', one.applied_force)} at {written(one.fluid_pressure, '.4g bar')}" for one in ends
     )
     for one in _at_target(problem, answers):
         text = f"at the force for the target leak rate, {' to '.join(named)}: {one.text}"
@@ -319,9 +329,9 @@ def _near_opening(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator
             load,
             loads,
             share=share_text(share),
-            force=number(margin.force, 2),
+            force=_two_digits(margin.force, "N"),
             applied=load.applied_force,
-            pressure=number(margin.pressure / 1e5, 2),
+            pressure=_two_digits(margin.pressure, "bar"),
             others=others,
             counts=sentence("near_opening", "times" if times else "any", times=times),
         )
@@ -336,7 +346,6 @@ def _yielding(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Fin
         load, zone = max(over, key=lambda item: item[1].von_mises)
         first = load_name(min((load for load, _ in over), key=lambda load: load.point), loads)
         r, z = zone.place
-        limit = rounded(zone.yield_stress / 1e6, DIGITS)
         penetrates = problem.loads.closing == "penetration"
         yield caution(
             "yield_stress",
@@ -345,10 +354,10 @@ def _yielding(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Fin
             outside=zone.excess > LARGEST_EXCESS,
             name=name,
             excess=_times(zone.excess, load, 3),
-            stress=_mpa(zone.von_mises, load, limit),
-            limit=limit,
-            r=1e3 * r,
-            z=1e3 * z,
+            stress=_stress(zone.von_mises, load, zone.yield_stress),
+            limit=zone.yield_stress,
+            r=r,
+            z=z,
             depth=_um(zone.depth, load, 3),
             deepest=_um(zone.deepest, load, 3),
             first=first,
@@ -375,7 +384,7 @@ def _beyond_curve(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator
                 name=name,
                 strain=100 * zone.strain,
                 last=100 * curve.last_strain,
-                stress=curve.stress[-1] / 1e6,
+                stress=curve.stress[-1],
             )
         if zone.strain > _LARGE_STRAIN:
             strain, limit = 100 * zone.strain, 100 * _LARGE_STRAIN
@@ -390,7 +399,7 @@ def _cut_off(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Find
             load = loads[shares.index(max(shares))]
             # conforming faces always end inside the contact
             conforming = math.isinf(load.contact.model.relative_radius)
-            much, x = max(shares) > _MUCH_CUT_OFF and not conforming, 1e3 * ends[0].x[end]
+            much, x = max(shares) > _MUCH_CUT_OFF and not conforming, ends[0].x[end]
             yield caution("cut_off", load, loads, outside=much, side=side, share=max(shares), x=x)
 
 
@@ -401,7 +410,7 @@ def _over(name: str, share: Callable[[LoadResult], float], limit: float, much: f
         load = max(loads, key=share)
         worst = share(load)
         if worst > limit:
-            apart, outside = 1e6 * _gap_at_peak(load), worst > much
+            apart, outside = _gap_at_peak(load), worst > much
             yield caution(
                 name, load, loads, outside=outside, share=worst, limit=limit, largest=much, apart=apart
             )
@@ -449,9 +458,7 @@ def _moved_by_heat(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterato
     turn = 0.0 if contact.normal_turns else slide * bends * min(contact.relative_radius, 1 / _TINY)
     ends = min(abs(end) for end in contact.reach)
     if turn > _TURNS or slide > _NEAR_END * ends:
-        yield caution(
-            "heat", slide=1e6 * slide, beyond=1e6 * beyond, turn=math.degrees(turn), ends=1e6 * ends
-        )
+        yield caution("heat", slide=slide, beyond=beyond, turn=math.degrees(turn), ends=ends)
 
 
 def _flanges_meet(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
@@ -475,9 +482,15 @@ def _hot(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]
     yield from (one for one in temperature_cautions(problem) if one.level is not Level.VALID)
 
 
-def _mpa(pressure: float, load: LoadResult, limit: float) -> str:
-    """A pressure or stress of a load [Pa] in MPa, with enough digits to tell it from a limit [MPa]."""
-    return format_beside(pressure / 1e6, limit, load.pressure_digits)
+def _stress(pressure: float, load: LoadResult, limit: float) -> str:
+    """A contact pressure or stress of a load, with enough digits to tell it from a limit [Pa]."""
+    return fixed_beside("MPa", pressure, limit, load.pressure_digits)
+
+
+def _two_digits(value: float, unit: str) -> str:
+    """A force or pressure [SI] in a unit of the field, or that in its place."""
+    own = fixed_unit(unit)
+    return f"{number(own.of(value), 2)} {own.name}"
 
 
 def _times(share: float, load: LoadResult, most: int = 2) -> str:
@@ -486,8 +499,8 @@ def _times(share: float, load: LoadResult, most: int = 2) -> str:
 
 
 def _um(length: float, load: LoadResult, most: int = DIGITS) -> str:
-    """A length with the accuracy of the contact width, in um."""
-    return f"{rounded(1e6 * length, min(load.digits_of('std'), most)):g} um"
+    """A length with the accuracy of the contact width, in um or what is in its place."""
+    return written(rounded(length, min(load.digits_of("std"), most)), f".{DIGITS + 2}g um")
 
 
 def _highest_pressure(load: LoadResult) -> float:
@@ -516,7 +529,7 @@ def _above_hardness(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterat
         outside=share > 1,
         pressure=_named_pressure(load),
         times=_times(share, load),
-        peak=_mpa(peak, load, rounded(hardness / 1e6, DIGITS)),
+        peak=_stress(peak, load, hardness),
         why=sentence("hardness", "above" if share > 1 else "near"),
     )
 
@@ -540,7 +553,6 @@ def _sealed(
         load = max(tight, key=lambda load: load.peak_pressure)
         peak = load.tightest.highest
         first = load_name(min(tight, key=lambda load: load.point), loads)
-        limit = rounded(sealing / 1e6, DIGITS)
         readings = () if surface.hardness is None else map(surface.reading, surface.readings)
         leaky = any(_sealing_pressure(problem, one) > peak for one in readings)
         yield caution(
@@ -550,8 +562,8 @@ def _sealed(
             leak_factor=Bounds(0.0, math.inf) if leaky else EXACT,
             surface=surface,
             pressure=_named_pressure(load),
-            peak=_mpa(peak, load, limit),
-            limit=limit,
+            peak=_stress(peak, load, sealing),
+            limit=sealing,
             first=first,
         )
 
@@ -637,16 +649,16 @@ def _most_leak(load: LoadResult, surface: RoughContact) -> float:
 def _simulated(table: DirectTable, load: LoadResult, loads: Sequence[LoadResult]) -> Iterator[Finding]:
     """Cautions about a conductivity from direct simulation: its range, tight patches, scatter."""
     peak, (low, high) = load.peak_pressure, table.range
-    ends = [rounded(one / 1e6, DIGITS) for one in (low, high)]
-    at = f"{_mpa(peak, load, min(ends, key=lambda end: abs(end - peak / 1e6)))} MPa"
-    simulated = f"{ends[0]:g} to {ends[1]:g} MPa"
+    at = _stress(peak, load, min((low, high), key=lambda end: abs(end - peak)))
+    unit = fixed_unit("MPa")
+    simulated = f"{unit.of(low):.{DIGITS}g} to {unit.of(high):.{DIGITS}g} {unit.name}"
     if not low <= peak <= high:
         side = "above" if peak > high else "below"
         yield caution("direct_range", load, loads, side=side, simulated=simulated, at=at)
     first = [row for row in table.rows if row.branch == "load"]
     nearest = min(first, key=lambda row: abs(math.log(row.pressure / peak)))
     if tight := [row for row in first if row.blocked and row.pressure <= max(peak, nearest.pressure)]:
-        n, of, pressed = tight[-1].blocked, tight[-1].samples, f"{tight[-1].pressure / 1e6:.4g} MPa"
+        n, of, pressed = tight[-1].blocked, tight[-1].samples, written(tight[-1].pressure, ".4g MPa")
         yield caution("tight_patches", load, loads, n=n, of=of, pressed=pressed, at=at)
     row = min(table.loading, key=lambda row: abs(math.log(row.pressure / peak)))
     down, up = (math.exp(one) for one in table.log_error(row))
@@ -677,10 +689,10 @@ def _range(problem: SealProblem, surface: RoughContact, loads: Sequence[LoadResu
     load = max(loads, key=lambda load: load.std)
     std, q_low = load.std, surface.spectrum.q_low
     if q_low * std > 1 and problem.cutoff is not None:
-        yield caution("waviness", load, loads, cutoff=problem.cutoff * 1e6, width=_um(2 * np.pi * std, load))
+        yield caution("waviness", load, loads, cutoff=problem.cutoff, width=_um(2 * np.pi * std, load))
     elif q_low * std > 1:
         yield caution(
-            "roughness_range", load, loads, longest=2 * np.pi / q_low * 1e6, std=_um(std, load), q=1 / std
+            "roughness_range", load, loads, longest=2 * np.pi / q_low, std=_um(std, load), q=1 / std
         )
 
 
@@ -778,7 +790,7 @@ def _lifted_open(loads: Sequence[LoadResult]) -> Iterator[Finding]:
     blown = [load for load in loads if load.leak is not None and math.isinf(load.leak.leak_rate)]
     if blown:
         load = min(blown, key=lambda load: load.point)
-        peak = _mpa(load.peak_pressure, load, load.fluid_pressure / 1e6)
+        peak = _stress(load.peak_pressure, load, load.fluid_pressure)
         yield caution("lifted_open", load, loads, outside=True, peak=peak)
 
 
@@ -796,4 +808,4 @@ def _coarse(load: LoadResult) -> Iterator[Finding]:
             yield caution("mesh_and_steps", share=share_text(worst))
     elif worst > _LARGEST_ERROR:
         size = min(float(np.diff(line.vertices).min()) for line in model.lines)
-        yield caution("mesh", share=share_text(worst), size=1e6 * size)
+        yield caution("mesh", share=share_text(worst), size=size)

@@ -14,7 +14,7 @@ from fem_seal.seal.findings import Finding
 from fem_seal.seal.leak_model import FlowModel, as_first_loaded
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.load_result import LoadResult
-from fem_seal.units import rounded, share_text
+from fem_seal.units import rounded, share_text, written
 from fem_seal.validity.words import caution, sentence
 
 if TYPE_CHECKING:
@@ -74,8 +74,8 @@ def molecule_cautions(flow: FlowModel, loads: Sequence[LoadResult]) -> Iterator[
             load,
             loads,
             leak_factor=Bounds(0.0, 1.0),
-            gap=(load.critical_separation or 0.0) * 1e9,
-            size=size * 1e9,
+            gap=load.critical_separation,
+            size=size,
         )
 
 
@@ -89,7 +89,7 @@ def _thickening(flow: FlowModel, loads: Sequence[LoadResult]) -> Iterator[Findin
         return
     ratio = float(law.viscosity_ratio(pressure))
     if pressure > law.highest_pressure and abs(math.log(ratio)) > math.log(_SLIGHTLY):
-        known = f"{law.highest_pressure / 1e5:.4g} bar"
+        known = written(law.highest_pressure, ".4g bar")
         yield caution("thickening_extrapolated", load, loads, known=known, flow=flow, ratio=ratio)
     share = law.uncertainty * abs(math.log(effective_viscosity_ratio(law, pressure)))
     if share > _UNCERTAIN:
@@ -112,13 +112,13 @@ def _unknown_thickening(flow: FlowModel, load: LoadResult, loads: Sequence[LoadR
         return
     little, much = Barus(_LEAST), Roelands(_MOST, max(flow.viscosity, _THIN))
     most, least = (1.0 / effective_viscosity_ratio(law, pressure) for law in (little, much))
-    bar, share = f"{pressure / 1e5:.4g} bar", f"{least:.2g} to {most:.2g}"
+    share = f"{least:.2g} to {most:.2g}"
     yield caution(
         "thickening_unknown",
         load,
         loads,
         leak_factor=Bounds(least, most),
-        bar=bar,
+        pressure=written(pressure, ".4g bar"),
         share=share,
         flow=flow,
         little=1e9 * little.coefficient,
@@ -131,7 +131,7 @@ def _dense_gas(flow: FlowModel, loads: Sequence[LoadResult]) -> Iterator[Finding
     assert gas is not None  # of a gas
     highest = max(load.fluid_pressure for load in loads) + flow.outlet_pressure
     if gas.real is not None and highest > gas.real.highest_pressure:
-        at, known = f"{highest / 1e5:.4g} bar", f"{gas.real.highest_pressure / 1e5:.4g} bar"
+        at, known = (written(one, ".4g bar") for one in (highest, gas.real.highest_pressure))
         condenses = gas.real.condenses
         yield caution(
             "condensed" if condenses else "dense_gas", outside=condenses, gas=gas, at=at, known=known
@@ -155,8 +155,8 @@ def _not_ideal(flow: FlowModel, gas: Gas, highest: float) -> Iterator[Finding]:
         "not_ideal_gas",
         leak_factor=Bounds(min(ratio, 1.0), max(ratio, 1.0)),
         gas=gas,
-        at=f"{highest / 1e5:.4g} bar",
-        dilute=f"{gas.dilute_pressure / 1e5:.4g} bar",
+        at=written(highest, ".4g bar"),
+        dilute=written(gas.dilute_pressure, ".4g bar"),
         leaks=leaks,
         there=there,
         remedy="" if other is None else sentence("not_ideal_gas", "remedy", other=other),

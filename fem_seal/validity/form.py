@@ -12,7 +12,7 @@ from fem_seal.seal.circumference import Circumference
 from fem_seal.seal.findings import Finding, Level
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.problem import SealProblem
-from fem_seal.units import DIGITS, format_beside, rounded, share_text
+from fem_seal.units import fixed_beside, format_beside, share_text
 from fem_seal.validity.words import caution
 
 # Wave number times standard deviation of the contact up to which the long-wave equation is within 0.3 % of the mean
@@ -70,8 +70,8 @@ def _short_waves(loads: Sequence[LoadResult], formed: _Formed) -> Iterator[Findi
             outside=share > _LONGEST,
             times=1 / share,
             waves=waves,
-            length=2 * math.pi * r0 / waves * 1e3,
-            std=1e3 * std,
+            length=2 * math.pi * r0 / waves,
+            std=std,
             share=share,
             long=_LONG,
         )
@@ -103,8 +103,7 @@ def _crest(problem: SealProblem, loads: Sequence[LoadResult], formed: _Formed) -
     ratio = float(around.peak_pressure.max()) / load.peak_pressure
     stress = ratio * load.max_von_mises
     if load.max_von_mises <= min(limits) < stress:
-        limit = rounded(min(limits) / 1e6, DIGITS)
-        in_mpa = format_beside(stress / 1e6, limit, min(load.pressure_digits, 3))
+        limit = min(limits)
         times = format_beside(stress / min(limits), 1.0, min(load.pressure_digits, 2))
         yield caution(
             "yield_stress_in_part",
@@ -113,6 +112,6 @@ def _crest(problem: SealProblem, loads: Sequence[LoadResult], formed: _Formed) -
             outside=stress > LARGEST_EXCESS * min(limits),
             times=times,
             ratio=ratio,
-            stress=in_mpa,
+            stress=fixed_beside("MPa", stress, limit, min(load.pressure_digits, 3)),
             limit=limit,
         )

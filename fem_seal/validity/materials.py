@@ -6,9 +6,10 @@ import math
 from collections.abc import Iterator
 from dataclasses import replace
 
-from fem_seal.materials import ROOM_TEMPERATURE, Material, celsius
+from fem_seal.materials import ROOM_TEMPERATURE, Material, in_degrees
 from fem_seal.seal.findings import Finding, Level
 from fem_seal.seal.problem import SealProblem
+from fem_seal.units import written
 from fem_seal.validity.words import caution
 
 # Distance of a temperature from the known range of a number above which it is reported, and above which the results
@@ -83,7 +84,7 @@ def _table(key: str, known: float, at: float, value: str) -> str:
     # rounded outwards to tens: a calculated temperature changes a little with these numbers
     tens, outwards = (at - 273.15) / 10.0, math.copysign(1.0, at - known)
     end = 10.0 * outwards * math.ceil(outwards * tens - 1e-6)
-    ends = [f'"{one}"' for one in (celsius(known), f"{end:.4g} degC")]
+    ends = [f'"{one}"' for one in (f"{known - 273.15:.4g} degC", f"{end:.4g} degC")]
     values = [f'"{value}"', '"..."']
     order = slice(None, None, int(outwards))
     return f"{key} = {{ temperature = [{', '.join(ends[order])}], value = [{', '.join(values[order])}] }}"
@@ -93,7 +94,8 @@ def _beyond(name: str, material: Material, key: str, at: float) -> Finding:
     table = material.table(key)
     assert table is not None  # only keys with a table are checked
     end = table.temperature[0] if at < table.temperature[0] else table.temperature[-1]
-    value = _with_unit(key, table.at(end))
+    value, unit = table.at(end), _WORDS[key][1].strip()
+    pressure = unit.endswith("Pa")
     found = caution(
         "beyond_temperatures",
         name=name,
@@ -101,10 +103,10 @@ def _beyond(name: str, material: Material, key: str, at: float) -> Finding:
         number=_WORDS[key][0],
         material=material,
         table=table,
-        value=value,
-        end=celsius(end),
-        at=celsius(at),
-        example=_table(key, end, at, value),
+        value=written(value, f".4g {unit}") if pressure else _with_unit(key, value),
+        end=in_degrees(end),
+        at=in_degrees(at),
+        example=_table(key, end, at, _with_unit(key, value)),
     )
     return found if table.beyond(at) >= _FAR else replace(found, level=Level.VALID)
 
@@ -117,7 +119,7 @@ def _plain(name: str, material: Material, keys: list[str], temperature: float) -
         numbers=" and ".join(filter(None, (", ".join(keys[:-1]), keys[-1]))),
         have="have" if several else "has",
         are="are" if several else "is",
-        at=celsius(temperature),
+        at=in_degrees(temperature),
         example=_table(keys[0], ROOM_TEMPERATURE, temperature, value),
     )
     return replace(found, level=Level.VALID)

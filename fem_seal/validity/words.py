@@ -12,6 +12,7 @@ from fem_seal.seal.findings import Finding, Level
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.problem import Loads, SealProblem
+from fem_seal.units import filled, fixed_unit
 
 
 def caution(
@@ -68,7 +69,7 @@ def sentence(name: str, part: str = "text", /, **values: object) -> str:
         Values for the braces of the texts.
     """
     words: str = own_tables("findings.toml")[name][part]
-    return words.format(**values)
+    return filled(words, values)
 
 
 def left_out(loads: Loads, problems: Mapping[int, LoadProblem]) -> Iterator[Finding]:
@@ -98,8 +99,7 @@ def _alike(loads: Loads, problems: Mapping[int, LoadProblem], kind: str) -> Iter
     for applied_force in dict.fromkeys(force for _, force in points.values()):
         numbers = [number for number, (_, force) in points.items() if force == applied_force]
         nearest = min(numbers, key=lambda number: abs(direction) * loads.fluid_pressure[number])
-        pressures = {loads.fluid_pressure[number] / 1e5 for number in numbers}
-        others = pressures - {loads.fluid_pressure[nearest] / 1e5}
+        others = {loads.fluid_pressure[number] for number in numbers} - {loads.fluid_pressure[nearest]}
         yield _left_out(loads, nearest, problems[nearest], "at", others)
 
 
@@ -108,8 +108,9 @@ def _left_out(
 ) -> Finding:
     pressure, force = loads.points[number]
     several = len({applied_force for _, applied_force in loads.points}) > 1
-    load = sentence("left_out", "load_of_forces" if several else "load", bar=pressure / 1e5, force=force)
-    values = ", ".join(f"{value:.6g}" for value in sorted(others))
+    load = sentence("left_out", "load_of_forces" if several else "load", pressure=pressure, force=force)
+    unit = fixed_unit("N" if how == "with" else "bar")
+    values = ", ".join(f"{unit.of(value):.6g}" for value in sorted(others)) + f" {unit.name}"
     return caution(
         "left_out",
         # the message of an open seal has its pressure and force already

@@ -11,13 +11,11 @@ from fem_seal.output.pictures.colours import BLUE, GREY
 from fem_seal.output.pictures.style import Picture, captioned, label, number_dots, panels
 from fem_seal.output.prose import phrase
 from fem_seal.output.shown import Section, Shown, worded_section, worded_table
-from fem_seal.units import unit_for
+from fem_seal.units import fixed_unit, unit_for
 
 if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
     from fem_seal.output.tables import CsvTable
-
-_PER_MM = 1e-3
 
 
 def compression_in_words(result: SealSolution) -> list[str]:
@@ -33,10 +31,8 @@ def compression_in_words(result: SealSolution) -> list[str]:
     most = found.largest
     known = "springs" if result.problem.curves else "elastic"
     after = "unknown" if found.springback is None else known
-    values = {"most": most, "load": _PER_MM * most.line_load, "um": 1e6 * most.compression}
-    back = 0.0 if found.springback is None else 1e6 * found.springback
-    left = 0.0 if found.left is None else 1e6 * found.left
-    return [phrase("compression.result", "most", after, **values, back=back, left=left)]
+    back, left = found.springback or 0.0, found.left or 0.0
+    return [phrase("compression.result", "most", after, most=most, back=back, left=left)]
 
 
 def compression_picture(result: SealSolution) -> Picture | None:
@@ -50,13 +46,15 @@ def compression_picture(result: SealSolution) -> Picture | None:
     if found is None:
         return None
     unit = unit_for("length", found.largest.compression)
+    per_length = fixed_unit("N/mm")
     over = [step.compression / unit.size for step in found.steps]
-    loads = [_PER_MM * step.line_load for step in found.steps]
+    loads = [per_length.of(step.line_load) for step in found.steps]
     figure, (axes,) = panels(1, height=3.5, width=6.4)
     axes.plot(over, loads, "o-", color=BLUE, ms=3.8)
     axes.axvline(0.0, color=GREY, linewidth=0.8)
     number_dots(axes, over, loads, [step.load_step for step in found.steps])
-    label(axes, "Line load over compression", f"compression, both faces  [{unit.name}]", "line load  [N/mm]")
+    over_this = f"compression, both faces  [{unit.name}]"
+    label(axes, "Line load over compression", over_this, f"line load  [{per_length.name}]")
     left = len(found.steps) > len(result.loads)
     return captioned(figure, "compression", "all", "left" if left else "")
 
@@ -64,7 +62,7 @@ def compression_picture(result: SealSolution) -> Picture | None:
 def _section(result: SealSolution) -> Section | None:
     found = COMPRESSION.of(result.answers)
     steps = () if found is None else found.steps
-    table = worded_table("compression", [{"step": one, "load": _PER_MM * one.line_load} for one in steps])
+    table = worded_table("compression", [{"step": one} for one in steps])
     sentences = compression_in_words(result)
     return worded_section(
         "compression", [*sentences, phrase("compression.result", "meaning")] if sentences else [], table

@@ -12,8 +12,7 @@ from fem_seal.output.shown import Section, Shown, worded_section, worded_table
 from fem_seal.output.tables import contact_rows
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.load_result import LoadResult
-
-_PER_MM = 1e-3
+from fem_seal.units import fixed_unit
 
 
 def lands_in_words(result: SealSolution) -> list[str]:
@@ -28,15 +27,16 @@ def lands_in_words(result: SealSolution) -> list[str]:
         return [_of_both_faces(*load.of_faces)]
     if len(load.profiles) == 1:
         return []
-    carried = ", ".join(f"{_PER_MM * one.moment(0):.3g}" for one in load.profiles)
+    unit = fixed_unit("N/mm")
+    carried = ", ".join(f"{unit.of(one.moment(0)):.3g}" for one in load.profiles) + f" {unit.name}"
     told = [phrase("lands.result", "carry", load=load_name(load, result.loads), carried=carried)]
     if load.leak is not None:
         flow = None if load.rough is None else load.rough.flow
         given = (None if flow is None else flow.chambers) or (None,) * (len(load.profiles) - 1)
         for number, (held, land) in enumerate(zip(given, load.leak.lands[:-1], strict=True), start=1):
             kind = "flow" if held is None else "port" if held else "vented"
-            bar = 1e-5 * land.outer_pressure
-            told.append(phrase("lands.result", kind, inner=number, outer=number + 1, bar=bar))
+            pressure = land.outer_pressure
+            told.append(phrase("lands.result", kind, inner=number, outer=number + 1, pressure=pressure))
     return told
 
 
@@ -60,11 +60,11 @@ def _section(result: SealSolution) -> Section | None:
             "pressure": pressure,
             "force": force,
             "contact": contact,
-            "line_load": _PER_MM * line_load,
+            "line_load": line_load,
             "peak": peak,
             "fwhm": width,
-            "upstream": 1e-5 * upstream,
-            "downstream": 1e-5 * downstream,
+            "upstream": upstream,
+            "downstream": downstream,
             "rate": None if math.isnan(rate) else rate,
         }
         for pressure, force, contact, line_load, peak, width, upstream, downstream, rate in _contacts(result)

@@ -79,7 +79,7 @@ def _target_reasons(result: SealSolution, load: LoadResult) -> Iterator[str]:
         "fluid" if force < 0 else "",
         "" if contact is None else "line",
         contact=contact,
-        line_load=None if contact is None else 1e-3 * contact / (2 * math.pi * r0),
+        line_load=None if contact is None else contact / (2 * math.pi * r0),
         target=target_text(result, target),
         force=_target_force(load, force),
         difference=abs(force - acting),

@@ -24,6 +24,7 @@ from fem_seal.seal.load_names import load_name
 from fem_seal.seal.readings import THEORIES
 from fem_seal.units import (
     digits_beside,
+    fixed_unit,
     flow_unit,
     format_digits,
     format_quantity,
@@ -35,7 +36,7 @@ from fem_seal.units import (
     trimmed,
     unit_for,
 )
-from leak import millibar_litres_per_second, millilitres_per_minute
+from leak import millilitres_per_minute
 
 if TYPE_CHECKING:
     from fem_seal.answers.judgement import JudgedLoad, VerdictForce
@@ -113,7 +114,7 @@ _LOWEST_HEIGHT = 0.4
 _WITHOUT_RATES = (VerdictReason.OPEN, VerdictReason.OUTSIDE, VerdictReason.UNKNOWN)
 
 
-def _in_mbar(limit: Limit) -> bool:
+def _of_throughput(limit: Limit) -> bool:
     return isinstance(limit.leak_rate, Throughput)
 
 
@@ -138,8 +139,8 @@ def _verdict(result: SealSolution, found: SealJudgement, *, brief: bool = False)
     measured = [volume.measurable(end) for end in judged.ends]
     if key == "pass" and not measured[1]:
         key = "unmeasurable"
-    # in the unit of the limit: one in mbar l/s is compared in mbar l/s
-    low, high = (Throughput(end) if _in_mbar(limit) else end for end in measured)
+    # of the kind of the limit: a throughput is compared with a throughput
+    low, high = (Throughput(end) if _of_throughput(limit) else end for end in measured)
     # the ends in the sentence have the same unit as the limit
     beside = {"pass": judged.ends[1:], "fail": judged.ends[:1]}.get(key, judged.ends)
     over = [end / limit.leak_rate if limit.leak_rate else math.nan for end in measured]
@@ -191,7 +192,7 @@ def _as_written(leak_rate: float) -> str:
 
 def _further_sentences(result: SealSolution, found: SealJudgement) -> Iterator[str]:
     volume = volume_of(result.case)
-    if volume.state and found.worst.why not in _WITHOUT_RATES and not _in_mbar(found.worst.limit):
+    if volume.state and found.worst.why not in _WITHOUT_RATES and not _of_throughput(found.worst.limit):
         yield phrase("verdict.sentences", "volume", state=volume.state)
     limit, decided = (
         found.worst.limit,
@@ -268,27 +269,26 @@ def _amount(leak_rate: float, digits: int, limit: float) -> str:
     if not 0 < leak_rate < math.inf:
         return leak_range_text(leak_rate)
     if isinstance(leak_rate, Throughput) and isinstance(limit, Throughput):
-        name, value, allowed = "mbar l/s", _mbar_litres(leak_rate), _mbar_litres(limit)
+        unit = fixed_unit("mbar l/s")
+        name, value, allowed = unit.name, *(unit.of(one.pressure_volume) for one in (leak_rate, limit))
     else:
         unit = flow_unit((leak_rate, limit)) or unit_for("flow", leak_rate)
         name, value, allowed = unit.name, unit.of(leak_rate), unit.of(limit)
     return f"{format_digits(value, digits_beside(value, rounded(allowed, 2), digits))} {name}"
 
 
-def _mbar_litres(leak_rate: Throughput) -> float:
-    return millibar_litres_per_second(leak_rate.pressure_volume)
-
-
 def _range(low: float, high: float, digits: int, limit: float) -> str:
     if isinstance(low, Throughput) and isinstance(high, Throughput) and math.isfinite(high):
-        texts = (format_digits(_mbar_litres(one), digits) for one in (low, high))
-        return f"{range_text(*texts)} mbar l/s"
+        unit = fixed_unit("mbar l/s")
+        texts = (format_digits(unit.of(one.pressure_volume), digits) for one in (low, high))
+        return f"{range_text(*texts)} {unit.name}"
     return leak_range_text((low, high), digits, beside=(limit,))
 
 
 def _limit_text(leak_rate: float, beside: Collection[float] = ()) -> str:
     if isinstance(leak_rate, Throughput):
-        return f"{format_digits(_mbar_litres(leak_rate), 2)} mbar l/s"
+        unit = fixed_unit("mbar l/s")
+        return f"{format_digits(unit.of(leak_rate.pressure_volume), 2)} {unit.name}"
     return "no visible leakage" if leak_rate == 0 else leak_range_text(leak_rate, 2, beside=beside)
 
 
@@ -491,7 +491,9 @@ def requirement_lines(case: Case) -> list[str]:
             for limit in limits(case, pressure):
                 at.setdefault((limit.name, limit.leak_rate), []).append(pressure)
     lines = [_limit_line(name, rate, pressures) for (name, rate), pressures in at.items()]
-    if fluid.volume.state and not all(_in_mbar(one) for one in limits(case, case.load.fluid_pressure[0])):
+    if fluid.volume.state and not all(
+        _of_throughput(one) for one in limits(case, case.load.fluid_pressure[0])
+    ):
         lines.append(phrase("verdict.check", "volume", state=fluid.volume.state))
     for limit in limits(case, case.load.fluid_pressure[0]):
         if limit.name != OF_LEAK_RATE:

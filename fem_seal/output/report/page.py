@@ -20,9 +20,9 @@ from fem_seal.files import told_of, write_text
 from fem_seal.output import shown_answers
 from fem_seal.output.case_words import (
     BODIES,
-    celsius,
     earlier_load,
     finish_rows,
+    in_degrees,
     listed_dimensions,
     section,
     section_text,
@@ -195,7 +195,7 @@ def _of_case(result: SealSolution) -> dict[str, Any]:
         "decay_length": decay_length,
         "law_pressure": law_pressure,
         "decay_length_at_peak": at_peak,
-        "celsius": celsius,
+        "in_degrees": in_degrees,
         "curve_in_words": tables.curve_in_words,
     }
 

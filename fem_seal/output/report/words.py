@@ -34,6 +34,7 @@ from fem_seal.units import (
     percent,
     range_text,
     unit_for,
+    written,
 )
 from fem_seal.validity.checks import FLUID_OPENS
 from leak import (
@@ -257,16 +258,19 @@ def _interval_fact(result: SealSolution, load: LoadResult) -> Fact:
     )
 
 
+# Volume of a day below which it is called less than that [m^3].
+_LEAST_PER_DAY = 1e-9
+
+
 def per_day(leak_rate: float | tuple[float, float], digits: int = 2, volume: LeakVolume = LIQUID) -> str:
     """A leak rate, or both ends of its interval, as volume per day, with two digits at most."""
     ends = leak_rate if isinstance(leak_rate, tuple) else (leak_rate,)
-    litres = [volume.measurable(rate) * 86400e3 for rate in ends]
-    for unit, size in (("m³", 1e3), ("litres", 1.0), ("ml", 1e-3), ("µl", 1e-6)):
-        if litres[-1] >= size:
-            shown = (one / size for one in litres)
-            texts = [format_digits(one, min(digits, 2)) for one in shown]
-            return f"{range_text(texts[0], texts[-1])} {unit} per day"
-    return "" if litres[-1] == 0 else "less than 1 µl per day"
+    volumes = [volume.measurable(rate) * 86400 for rate in ends]
+    if volumes[-1] < _LEAST_PER_DAY:
+        return "" if volumes[-1] == 0 else f"less than {written(_LEAST_PER_DAY, 'volume 1')} per day"
+    unit = unit_for("volume", volumes[-1])
+    texts = [format_digits(unit.of(one), min(digits, 2)) for one in volumes]
+    return f"{range_text(texts[0], texts[-1])} {'litres' if unit.name == 'l' else unit.name} per day"
 
 
 def headline(result: SealSolution) -> str:

@@ -1,0 +1,71 @@
+"""Report, terminal and findings of one case have the units of one system, but for what sources and standards say."""
+
+from __future__ import annotations
+
+import html
+import re
+from pathlib import Path
+
+import pytest
+
+from fem_seal.case.case import load_case
+from fem_seal.case.case_file import write_case
+from fem_seal.cli.app import main
+from fem_seal.units import shown_in
+from fem_seal.validity.words import sentence
+
+EXAMPLES = Path(__file__).parents[3] / "examples"
+_END = r"(?![\w³/·*^-])"
+FOREIGN = {
+    "US": r"\d ?(?:m?bar|[MGk]?Pa|[kM]?N|N/mm|[kM]?N/m|[mun]m|µm|[mµn]?l|[mµn]?l/min|mm³/s|mbar l/s|degC|°C|mPa s)",
+    "SI": r"\d ?(?:m?bar|mbar l/s|[mµn]?l/min|psi|ksi|lbf|in|[uµ]in|lbf/in|°F|degF|in³/h|atm cm³/s)",
+    "field": r"\d ?(?:psi|ksi|lbf|in|[uµ]in|lbf/in|°F|degF|cP|in³/h|in³/min|atm cm³/s|ft lbf)",
+}
+# Sources in their own words, tests as their standards prescribe them, and the state of a standard volume.
+_OF_OTHERS = re.compile("IAPWS|ISO 3448|Thermophys|Lubrication|from memory|piping-world|101325 Pa")
+
+
+def lines_of(page: str) -> list[str]:
+    """Texts of a report without its pictures."""
+    page = re.sub(r"(?s)<(style|script|svg)[^>]*>.*?</\1>", "", page)
+    return [line.strip() for line in html.unescape(re.sub(r"<[^>]+>", "\n", page)).splitlines()]
+
+
+def foreign(lines: list[str], system: str) -> list[str]:
+    """Lines with a number in a unit of another system."""
+    unit = re.compile(FOREIGN[system] + _END)
+    return [line for line in dict.fromkeys(lines) if unit.search(line) and not _OF_OTHERS.search(line)]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("system", ["US", "SI", "field"])
+@pytest.mark.parametrize("example", ["ball_cone", "helium", "copper_ring", "double_land", "diesel_1800_bar"])
+def test_a_run_speaks_in_the_units_of_its_case(example, system, tmp_path, capsys):
+    case = load_case(EXAMPLES / f"{example}.toml").replace({"report.units": system})
+    file = write_case(case.written, tmp_path, example)
+    capsys.readouterr()
+    assert main(["run", str(file), "-o", str(tmp_path / "out"), "--details"]) == 0
+    said = capsys.readouterr()
+    terminal = [line.replace(str(tmp_path), "") for line in (said.out + said.err).splitlines()]
+    title = str(case.title)
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    lines = [line.replace(title, "") for line in (*terminal, *lines_of(page))]
+    assert foreign(lines, system) == []
+
+
+def test_a_finding_takes_the_units_of_the_system():
+    values = {"share": "3 %", "size": 2.54e-5}
+    assert "present 25.4 um" in sentence("mesh", "text", **values)
+    with shown_in("US"):
+        assert "present 1e+03 uin" in sentence("mesh", "text", **values)
+        at = {
+            "stress": "2 ksi",
+            "excess": "2",
+            "limit": 200e6,
+            "r": 0.0127,
+            "z": 0.0,
+            "depth": "",
+            "deepest": "",
+        }
+        told = sentence("yield_stress", "text", name="seat", where="290 psi", first="", closing="", **at)
+    assert "yield stress 29.01 ksi, at r = 0.5 in" in told
