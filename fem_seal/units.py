@@ -323,7 +323,7 @@ def fixed_unit(name: str) -> Unit:
     ----------
     name : str
         One of "bar", "MPa", "GPa", "N", "kN/m", "N/mm", "N m", "mm", "um", "nm", "deg", "degC", "mPa s", "ml/min",
-        "mm³/s", "mbar l/s"; "" for a plain number. That of the field; the system of display has another one in its place.
+        "mm³/s", "mbar l/s"; "" for a plain number. The system of display has another one in its place.
     """
     other = _TABLES["fixed_in"].get(_shown_in.get(), {}).get(name)
     return Unit(**other) if other else Unit(name, _TABLES["fixed"][name])
@@ -470,6 +470,18 @@ def fixed_beside(name: str, value: float, limit: float, digits: int) -> str:
     """
     unit = fixed_unit(name)
     return f"{format_beside(unit.of(value), rounded(unit.of(limit), DIGITS), digits)} {unit.name}"
+
+
+def fixed_quantity(name: str, value: float, digits: int = DIGITS) -> str:
+    """An SI value in a `fixed_unit` with some significant digits, without zeros at its end and never in powers of ten.
+
+    Examples
+    --------
+    >>> fixed_quantity("MPa", 12.7346e9), fixed_quantity("um", 3.67e-4, 2)
+    ('12730 MPa', '370 um')
+    """
+    unit = fixed_unit(name)
+    return f"{rounded(unit.of(value), digits):.{_MOST_DIGITS}g} {unit.name}"
 
 
 def superscript(power: int) -> str:

@@ -194,7 +194,9 @@ def _requirement(case: Case) -> Iterator[Choice]:
         "requirement.leak_rate", "allowed leak rate", str(written.get("leak_rate", "")), hint="1 ml/min"
     )
     rated = str(written.get("rated_capacity", ""))
-    yield Choice("requirement.rated_capacity", "rated flow, for FCI 70-2 II to IV", rated, hint="40 m^3/h")
+    yield Choice(
+        "requirement.rated_capacity", "rated flow, for FCI\u00a070\u20112 II to IV", rated, hint="40 m^3/h"
+    )
 
 
 def _requiring(case: Case, value: str) -> Case:

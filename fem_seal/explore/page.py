@@ -121,13 +121,15 @@ def _template(name: str) -> str:
 
 
 def _layout(answers: Answers, title: str, name: str) -> Any:
+    look = own_tables("explore.toml")
     (layout,) = elements(
         "page",
         title=title,
         name=name,
         meta=_meta(answers.newest),
         pictures=_PICTURES,
-        height=own_tables("explore.toml")["layout"]["height"],
+        empty={"data": [], "layout": look["empty"]},
+        height=look["layout"]["height"],
         **_controls(answers.newest, answers.newest.given),
     )
     return layout

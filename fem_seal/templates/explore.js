@@ -73,7 +73,13 @@ function remember(asked, history) {
 }
 
 function steps(history) {
-    return [history.at < 1, history.at >= history.designs.length - 1];
+    const off = [history.at < 1, history.at >= history.designs.length - 1];
+    // a button that is switched off under the focus hands it on
+    ["undo", "redo"].forEach((name, n) => {
+        const button = document.getElementById(name);
+        if (off[n] && button === document.activeElement) { document.getElementById(off[1 - n] ? "take-away" : ["redo", "undo"][n]).focus(); }
+    });
+    return off;
 }
 
 function step(_undo, _redo, history) {
@@ -106,7 +112,9 @@ function named(_) {
             const row = handle.closest(".row");
             if (row) { handle.setAttribute("aria-label", row.querySelector("label").innerText); }
         });
-        document.querySelectorAll("input[aria-hidden=true][tabindex='0']").forEach(one => { one.tabIndex = -1; });
+        document.querySelectorAll("input[aria-hidden=true][tabindex='0']").forEach(one => { one.disabled = true; });
+        // the tabulator goes to the lists themselves instead
+        document.querySelectorAll("button.dash-dropdown[tabindex='-1']").forEach(one => { one.tabIndex = 0; });
     };
     if (!window.naming) {
         window.naming = new MutationObserver(name);

@@ -22,10 +22,10 @@ from fem_seal.units import (
     DIGITS,
     briefly,
     fixed_beside,
+    fixed_quantity,
     fixed_unit,
     format_beside,
     number,
-    rounded,
     share_text,
     written,
 )
@@ -355,7 +355,7 @@ def _yielding(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Fin
             name=name,
             excess=_times(zone.excess, load, 3),
             stress=_stress(zone.von_mises, load, zone.yield_stress),
-            limit=zone.yield_stress,
+            limit=fixed_quantity("MPa", zone.yield_stress),
             r=r,
             z=z,
             depth=_um(zone.depth, load, 3),
@@ -500,7 +500,7 @@ def _times(share: float, load: LoadResult, most: int = 2) -> str:
 
 def _um(length: float, load: LoadResult, most: int = DIGITS) -> str:
     """A length with the accuracy of the contact width, in um or what is in its place."""
-    return written(rounded(length, min(load.digits_of("std"), most)), f".{DIGITS + 2}g um")
+    return fixed_quantity("um", length, min(load.digits_of("std"), most))
 
 
 def _highest_pressure(load: LoadResult) -> float:
@@ -563,7 +563,7 @@ def _sealed(
             surface=surface,
             pressure=_named_pressure(load),
             peak=_stress(peak, load, sealing),
-            limit=sealing,
+            limit=fixed_quantity("MPa", sealing),
             first=first,
         )
 

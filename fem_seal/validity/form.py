@@ -12,7 +12,7 @@ from fem_seal.seal.circumference import Circumference
 from fem_seal.seal.findings import Finding, Level
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.problem import SealProblem
-from fem_seal.units import fixed_beside, format_beside, share_text
+from fem_seal.units import fixed_beside, fixed_quantity, format_beside, share_text
 from fem_seal.validity.words import caution
 
 # Wave number times standard deviation of the contact up to which the long-wave equation is within 0.3 % of the mean
@@ -113,5 +113,5 @@ def _crest(problem: SealProblem, loads: Sequence[LoadResult], formed: _Formed) -
             times=times,
             ratio=ratio,
             stress=fixed_beside("MPa", stress, limit, min(load.pressure_digits, 3)),
-            limit=limit,
+            limit=fixed_quantity("MPa", limit),
         )

@@ -426,7 +426,14 @@ def test_texts_of_a_case_are_texts_in_its_elements(session, text):
     pytest.importorskip("dash")
     from fem_seal.explore.page import elements
 
-    said = {"factors": session.factors, "remarks": [text], "meta": {}, "pictures": {}, "height": 1}
+    said = {
+        "factors": session.factors,
+        "remarks": [text],
+        "meta": {},
+        "pictures": {},
+        "empty": {},
+        "height": 1,
+    }
     (page,) = elements("page", title=text, name=text, own_input=False, **said)
     shown = text.translate(dict.fromkeys([0x1B, 0x00, 0xD800]))
     assert page["name"].value == text
