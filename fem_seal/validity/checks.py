@@ -26,6 +26,7 @@ from fem_seal.units import (
     fixed_unit,
     format_beside,
     number,
+    rounded,
     share_text,
     written,
 )
@@ -651,7 +652,7 @@ def _simulated(table: DirectTable, load: LoadResult, loads: Sequence[LoadResult]
     peak, (low, high) = load.peak_pressure, table.range
     at = _stress(peak, load, min((low, high), key=lambda end: abs(end - peak)))
     unit = fixed_unit("MPa")
-    simulated = f"{unit.of(low):.{DIGITS}g} to {unit.of(high):.{DIGITS}g} {unit.name}"
+    simulated = f"{rounded(unit.of(low), DIGITS):g} to {rounded(unit.of(high), DIGITS):g} {unit.name}"
     if not low <= peak <= high:
         side = "above" if peak > high else "below"
         yield caution("direct_range", load, loads, side=side, simulated=simulated, at=at)

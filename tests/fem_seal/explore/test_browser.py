@@ -53,6 +53,8 @@ SI = {
     "line": "line_load_N_per_m",
 }
 _PATIENCE = 180.0
+# as selenium sends them
+TAB, ENTER, DOWN = "\ue004", "\ue007", "\ue015"
 
 
 @pytest.fixture(scope="module")
@@ -273,6 +275,82 @@ def test_a_case_is_made_by_choosing_and_taken_back(browser):
     waited(browser, "return document.querySelector('.shape.chosen[id*=sharp-edge]')")
     browser.find_element("id", "reset").click()
     waited(browser, "return document.querySelector('.shape.chosen[id*=\"seat.cone\"]') && 1")
+
+
+# every control that can be seen, and whatever has the focus, by its kind and the name of its place
+_CONTROLS = """
+const place = one => [one.tagName, (one.closest("[id]") || {id: ""}).id].join(" ");
+if (arguments[0]) {
+    const all = "button, input[type=text], summary, [role=slider]";
+    return [...document.querySelectorAll(all)].filter(one => one.checkVisibility() && !one.disabled).map(place);
+}
+const one = document.activeElement, outline = getComputedStyle(one);
+return [place(one), outline.outlineStyle === "solid" && parseFloat(outline.outlineWidth) >= 2];
+"""
+
+
+def pressed(browser, *keys):
+    from selenium.webdriver.common.action_chains import ActionChains
+
+    for key in keys:
+        ActionChains(browser).send_keys(key).perform()
+
+
+def focus(browser, selector):
+    browser.execute_script("document.querySelector(arguments[0]).focus()", selector)
+
+
+def test_every_control_is_reached_by_the_tabulator_with_a_focus_that_can_be_seen(browser):
+    numbers(browser, pressure="20 bar", at_rest=False)
+    browser.execute_script("const h = document.querySelector('h1'); h.tabIndex = -1; h.focus()")
+    controls, reached = browser.execute_script(_CONTROLS, True), []
+    for _ in range(len(controls) + 10):
+        pressed(browser, TAB)
+        place, seen = browser.execute_script(_CONTROLS, False)
+        if place.startswith("BODY"):
+            break
+        assert seen, place
+        reached.append(place)
+    assert set(controls) - set(reached) == set()
+
+
+@pytest.mark.slow
+def test_controls_are_used_by_keyboard_and_each_undo_counts(browser):
+    numbers(browser, pressure="20 bar", at_rest=False)
+    material = "document.querySelector(\"button[id*='seat.material']\").innerText"
+    first = browser.execute_script(f"return {material}")
+    focus(browser, "button[id*='seat.sharp-edge']")
+    pressed(browser, ENTER)
+    waited(browser, "return document.querySelector('.shape.chosen[id*=sharp-edge]') && 1")
+    # made anew, it still has the focus
+    waited(browser, "return document.activeElement.id.includes('seat.sharp-edge')")
+    numbers(browser, pressure="20 bar", at_rest=False)
+    focus(browser, "button[id*='seat.material']")
+    pressed(browser, ENTER)
+    waited(browser, "return document.querySelector('.dash-dropdown-content') && 1")
+    pressed(browser, DOWN, ENTER)
+    waited(browser, f"return {material} !== arguments[0]", first)
+    waited(browser, "return !document.getElementById('undo').disabled")
+    focus(browser, "#undo")
+    # the second one before the first is answered
+    pressed(browser, ENTER, ENTER)
+    waited(browser, "return document.querySelector('.shape.chosen[id*=\"seat.cone\"]') && 1")
+    waited(browser, f"return {material} === arguments[0]", first)
+    focus(browser, "#redo")
+    pressed(browser, " ", " ")
+    waited(browser, "return document.querySelector('.shape.chosen[id*=sharp-edge]') && 1")
+    waited(browser, f"return {material} !== arguments[0]", first)
+    # there is nothing to be done again: the focus is on its neighbour
+    waited(browser, "return document.activeElement.id === 'undo'")
+    focus(browser, "#pin")
+    pressed(browser, ENTER)
+    waited(browser, "return document.querySelector('#compare button') && 1")
+    focus(browser, "#reset")
+    pressed(browser, " ")
+    waited(browser, "return document.querySelector('.shape.chosen[id*=\"seat.cone\"]') && 1")
+    focus(browser, "#compare button[id*=remove]")
+    pressed(browser, ENTER)
+    waited(browser, "return !document.querySelector('#compare button')")
 
 
 @pytest.mark.parametrize("width", [1400, 400])
