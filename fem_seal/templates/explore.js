@@ -24,6 +24,7 @@ function gather(places, fluid, typed, _, meta, before) {
     const step = window.step;
     if (step && !same(step.design, design) && Date.now() - step.since < 5000) { return none; }
     window.step = undefined;
+    window.present = design;
     if (before && same([before.design, before.wrong], [design, wrong])) { return none; }
     const way = window.onItsWay;
     if (way && way.answered < way.number && Date.now() - way.since < 5000) { return none; }
@@ -83,12 +84,15 @@ function steps(history) {
 }
 
 function step(_undo, _redo, history) {
-    // Each click counts at once, the next one before its controls are there.
+    // Each click counts at once, the next one before its controls are there; so does a design that waits to be asked for.
     const none = window.dash_clientside.no_update, clicked = window.dash_clientside.callback_context.triggered_id;
-    const at = history.at + (clicked === "redo" ? 1 : -1), design = history.designs[at];
+    const known = history.designs.slice(0, history.at + 1), now = window.step ? undefined : window.present;
+    const waits = now && JSON.stringify(now) !== JSON.stringify(known[known.length - 1]);
+    const designs = waits ? [...known, now] : history.designs;
+    const at = history.at + (waits ? 1 : 0) + (clicked === "redo" ? 1 : -1), design = designs[at];
     if (!clicked || !design) { return [none, none]; }
     window.step = {design: design, since: Date.now()};
-    return [{...history, at: at, moved: ""}, design];
+    return [{...history, designs: designs, at: at, moved: ""}, design];
 }
 
 function answered(shown) {
