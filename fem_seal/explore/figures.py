@@ -224,7 +224,8 @@ def leak_figure(shown: Sequence[Shown], dark: bool) -> Figure:
             figure.add_level(unit.of(allowed), f"allowed: {name}", _LIMIT)
     spread = max(rates) / min(rates) if rates else math.inf
     ticks = {"dtick": None, "nticks": 6} if spread < 3 else {"dtick": "D2" if spread < 100 else 1}
-    title = f"leak rate [{now.volume.named(unit).name}]"
+    # in two lines: one is longer than the axis
+    title = f"leak rate [{unit.name}]" + (f"<br>at {now.volume.state}" if now.volume.state else "")
     figure.update("yaxis", title, type="log", exponentformat="power", **ticks)
     figure.update("xaxis", f"{axis} [{load_unit.name}]", rangemode="tozero")
     if not rates:

@@ -15,14 +15,17 @@ from fem_seal.units import shown_in
 from fem_seal.validity.words import sentence
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
-_END = r"(?![\w³/·*^-])"
+# a throughput in SI stands beside that of every system
+_END = r"(?![\w³/·*^-]| m³)"
 FOREIGN = {
     "US": r"\d ?(?:m?bar|[MGk]?Pa|[kM]?N|N/mm|[kM]?N/m|[mun]m|µm|[mµn]?l|[mµn]?l/min|mm³/s|mbar l/s|degC|°C|mPa s)",
     "SI": r"\d ?(?:m?bar|mbar l/s|[mµn]?l/min|psi|ksi|lbf|in|[uµ]in|lbf/in|°F|degF|in³/h|atm cm³/s)",
     "field": r"\d ?(?:psi|ksi|lbf|in|[uµ]in|lbf/in|°F|degF|cP|in³/h|in³/min|atm cm³/s|ft lbf)",
 }
-# Sources in their own words, tests as their standards prescribe them, and the state of a standard volume.
-_OF_OTHERS = re.compile("IAPWS|ISO 3448|Thermophys|Lubrication|from memory|secondary:|piping-world|101325 Pa")
+# Sources and conditions of the library in their own words, tests as their standards prescribe them, and the state of a standard volume.
+_OF_OTHERS = re.compile(
+    "IAPWS|ISO 3448|Thermophys|Lubrication|from memory|secondary:|asme.org| H(?:V|B|RC)\\b|piping-world|101325 Pa"
+)
 
 
 def lines_of(page: str) -> list[str]:
