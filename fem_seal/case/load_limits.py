@@ -78,10 +78,10 @@ def _open(case: CaseTables, fluid_pressure: float, applied_force: float) -> Load
         return None
     if case.bolts is not None:
         said = {"force": briefly("force", needed), "applied": briefly("force", applied_force)}
-        return load_problem("bolts_open", pressure=fluid_pressure / 1e5, radius=mm(r0), **said)
+        return load_problem("bolts_open", pressure=fluid_pressure, radius=mm(r0), **said)
     return load_problem(
         "lifted" if penetrates else "open",
-        pressure=fluid_pressure / 1e5,
+        pressure=fluid_pressure,
         how="lifts the closure with" if lifts else "closes with",
         force=briefly("force", abs(needed)),
         radius=mm(r0),

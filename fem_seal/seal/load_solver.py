@@ -49,7 +49,7 @@ from fem_seal.errors import (
 )
 from fem_seal.loads import blow_off_of_sealed_area, contact_force
 from fem_seal.seal.problem import Loads, SealFlow, SealProblem, condensed, sizing
-from fem_seal.units import briefly
+from fem_seal.units import briefly, written
 from meshes import Sizing, build_contact
 
 if TYPE_CHECKING:
@@ -217,8 +217,8 @@ class LoadSolver:
         allowed = "" if least is None else f"; give an applied_force above {briefly('force', least)}"
         problem = Problem(
             "load.applied_force",
-            f"the seal is open at a fluid pressure of {fluid_pressure / 1e5:.6g} bar: {error}{allowed}",
-            f"{applied_force:.6g} N",
+            f"the seal is open at a fluid pressure of {written(fluid_pressure, '.6g bar')}: {error}{allowed}",
+            written(applied_force, ".6g N"),
         )
         return InputError(problem, file=self.problem.file)
 
