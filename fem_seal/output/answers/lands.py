@@ -14,6 +14,9 @@ from fem_seal.seal.load_names import load_name
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.units import fixed_unit
 
+# What the contacts of two different flange faces are called in the report.
+_FACES = {"closure": "upper", "seat": "lower"}
+
 
 def lands_in_words(result: SealSolution) -> list[str]:
     """Line loads of the lands and the pressures between them under the highest load; empty where there is one land.
@@ -44,7 +47,7 @@ def _of_both_faces(upper: LoadResult, lower: LoadResult) -> str:
     """Share of each face in the leak."""
     assert upper.leak is not None and lower.leak is not None  # both faces are known
     share = share_of(upper.leak, lower.leak)
-    return phrase("lands.result", "faces", upper=share, lower=1.0 - share)
+    return phrase("faces.result", "share", upper=share, lower=1.0 - share)
 
 
 def _contacts(result: SealSolution) -> list[tuple[Any, ...]]:
@@ -55,11 +58,12 @@ def _section(result: SealSolution) -> Section | None:
     sentences = lands_in_words(result)
     if not sentences:
         return None
+    kind = "lands" if result.highest.of_faces is None else "faces"
     rows = [
         {
             "pressure": pressure,
             "force": force,
-            "contact": contact,
+            "contact": _FACES.get(contact, contact) if kind == "faces" else contact,
             "line_load": line_load,
             "peak": peak,
             "fwhm": width,
@@ -69,9 +73,9 @@ def _section(result: SealSolution) -> Section | None:
         }
         for pressure, force, contact, line_load, peak, width, upstream, downstream, rate in _contacts(result)
     ]
-    table = worded_table("lands", rows)
-    meaning = "meaning" if result.highest.of_faces is None else "halves"
-    return worded_section("lands", [*sentences, phrase("lands.result", meaning)], table)
+    return worded_section(
+        kind, [*sentences, phrase(f"{kind}.result", "meaning")], worded_table("lands", rows)
+    )
 
 
 SHOWN = Shown(section=_section, lines=lands_in_words)

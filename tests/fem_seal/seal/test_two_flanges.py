@@ -116,7 +116,8 @@ def test_compression_is_half_of_each() -> None:
 
 def test_the_report_tells_both_faces_apart() -> None:
     page = report(both())
-    assert "Through the upper flange face" in page and "lower flange:" in page
+    assert "Two different flange faces" in page and "Through the upper flange face" in page
+    assert "lower flange:" in page
 
 
 def test_only_a_run_calculates_both() -> None:
