@@ -116,7 +116,7 @@ def test_compression_is_half_of_each() -> None:
 
 def test_the_report_tells_both_faces_apart() -> None:
     page = report(both())
-    assert "Two different flange faces" in page and "Through the upper flange face" in page
+    assert "Two different flange faces" in page and "of the leak pass the upper flange face" in page
     assert "lower flange:" in page
 
 
