@@ -21,14 +21,10 @@ POSTPONED = frozenset(
         "numpy.testing",
     }
 )
-# What dash loads where it is installed, and goes without where it is not: no command runs in a notebook.
-_ABSENT = "IPython"
 
 
 def postpone_unused_imports() -> None:
     """Load `POSTPONED` modules on first use; call this before anything is imported."""
-    # Python's own way to say that a module is not there
-    sys.modules.setdefault(_ABSENT, None)  # type: ignore[arg-type]
     sys.meta_path.insert(0, _Postponing)
 
 
