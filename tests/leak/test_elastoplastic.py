@@ -194,6 +194,7 @@ def pressed():
     return h, path, states
 
 
+@pytest.mark.slow
 def test_stress_stays_within_the_yield_stress_and_work_is_never_negative(pressed):
     _, _, states = pressed
     before = np.zeros_like(states[0].field())

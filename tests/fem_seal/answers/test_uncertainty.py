@@ -133,6 +133,7 @@ def test_a_shared_table_is_that_of_the_surface(fluid, reading):
             np.testing.assert_allclose(shared.rarefaction(*at), own.rarefaction(*at), rtol=1e-4)
 
 
+@pytest.mark.slow
 def test_hardness_alone_gives_the_leak_rates_of_its_own_quantiles():
     """Q rises with the hardness, so the ends of the interval are the leak rates at the ends of the hardness."""
     result = rough_result()

@@ -160,6 +160,7 @@ def test_a_picture_is_drawn_by_its_name_into_any_axes(name):
     assert ElementTree.fromstring(own._repr_svg_()).tag.endswith("svg")
 
 
+@pytest.mark.slow
 def test_sensitivities_are_bars_from_one_to_what_is_left_of_the_leak():
     result = fem_seal.run(sample_results.rough_result().case, sensitivities=True)
     axes = result.plot("sensitivities")

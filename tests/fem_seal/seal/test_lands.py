@@ -327,6 +327,7 @@ def test_a_tenth_of_the_size_is_the_same_seal(angles: tuple[int, ...], side: str
     assert small.leak.lands[0].outer_pressure == pytest.approx(large.leak.lands[0].outer_pressure, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_under_a_test_port_the_opening_pressure_rises_with_the_force_as_two_circles_say() -> None:
     forces = np.array([1.5e3, 2e3, 4e3, 6e3])
     case = lands_case(

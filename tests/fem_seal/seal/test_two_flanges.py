@@ -71,6 +71,7 @@ def lower() -> SealResult:
     return run(Case(**tables(CONE, COARSE)))
 
 
+@pytest.mark.slow
 def test_the_leak_rate_is_the_mean() -> None:
     for load, one, other in zip(both().loads, upper().loads, lower().loads, strict=True):
         assert load.leak.leak_rate == pytest.approx(
@@ -89,6 +90,7 @@ def test_the_leak_rate_is_the_mean() -> None:
         assert load.peak_pressure == one.peak_pressure
 
 
+@pytest.mark.slow
 def test_the_interval_lies_between_those_of_both_and_the_verdict_follows_it() -> None:
     for load, one, other in zip(both().loads, upper().loads, lower().loads, strict=True):
         low, high = load.leak_interval
@@ -99,6 +101,7 @@ def test_the_interval_lies_between_those_of_both_and_the_verdict_follows_it() ->
         assert load.judgement.ends == pytest.approx(load.leak_interval)
 
 
+@pytest.mark.slow
 def test_each_contact_has_its_row() -> None:
     columns, rows = contact_rows(both())
     rate, peak = columns.index("leak_rate_m3_per_s"), columns.index("peak_pressure_Pa")
@@ -109,11 +112,13 @@ def test_each_contact_has_its_row() -> None:
         assert below[peak] == lower().loads[number].peak_pressure != above[peak]
 
 
+@pytest.mark.slow
 def test_compression_is_half_of_each() -> None:
     ways = [[step.compression for step in one().compression.steps] for one in (both, upper, lower)]
     assert ways[0] == pytest.approx(0.5 * np.add(ways[1], ways[2]), rel=1e-12)
 
 
+@pytest.mark.slow
 def test_the_report_tells_both_faces_apart() -> None:
     page = report(both())
     assert "Two different flange faces" in page and "of the leak pass the upper flange face" in page
