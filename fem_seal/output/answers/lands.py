@@ -58,12 +58,12 @@ def _section(result: SealSolution) -> Section | None:
     sentences = lands_in_words(result)
     if not sentences:
         return None
-    kind = "lands" if result.highest.of_faces is None else "faces"
+    alike = result.highest.of_faces is None
     rows = [
         {
             "pressure": pressure,
             "force": force,
-            "contact": _FACES.get(contact, contact) if kind == "faces" else contact,
+            "contact": contact if alike else _FACES.get(contact, contact),
             "line_load": line_load,
             "peak": peak,
             "fwhm": width,
@@ -73,9 +73,10 @@ def _section(result: SealSolution) -> Section | None:
         }
         for pressure, force, contact, line_load, peak, width, upstream, downstream, rate in _contacts(result)
     ]
-    return worded_section(
-        kind, [*sentences, phrase(f"{kind}.result", "meaning")], worded_table("lands", rows)
-    )
+    table = worded_table("lands", rows)
+    if alike:
+        return worded_section("lands", [*sentences, phrase("lands.result", "meaning")], table)
+    return worded_section("faces", [*sentences, phrase("faces.result", "meaning")], table)
 
 
 SHOWN = Shown(section=_section, lines=lands_in_words)

@@ -129,6 +129,7 @@ def test_the_table_of_each_reading_is_made_once_for_all_loads(monkeypatch):
     assert made == ["conserved", "capped"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "tables",
     [
@@ -235,6 +236,7 @@ def test_file_terminal_report_and_study_tell_the_same_interval(capsys):
     json.dumps(leakage_table(result))
 
 
+@pytest.mark.slow
 def test_outside_the_theory_no_interval_is_claimed():
     result = fem_seal.run(case(load={"fluid_pressure": "4000 bar"}))
     (load,) = result.loads

@@ -106,6 +106,7 @@ def check_coverage(y, seed):
     assert max(shares) < 1.1
 
 
+@pytest.mark.slow
 def test_intervals_of_synthetic_tests_hold_the_truth_as_often_as_they_say():
     """200 truths of the prior, readings with noise: 90 % intervals, narrower than those of the prior."""
     _, _, y = linear()
@@ -300,6 +301,7 @@ def test_a_seal_that_leaks_a_hundred_times_more_is_a_conflict(tmp_path):
     assert not found.settled
 
 
+@pytest.mark.slow
 def test_a_seal_tighter_than_it_can_be_is_a_conflict_too(tmp_path):
     case = seal(uncertainty={"hardness": {"relative": 0.1}})
     path = table(tmp_path, "5, 1e-4, 10, yes", "20, 1e-4, 10, yes")

@@ -56,6 +56,7 @@ def test_shares_are_of_the_whole_and_the_largest_stands_first():
     assert max(found.of_width["gap law"], found.of_width["few waves"]) < 0.1 < found.of_width["rms_height"]
 
 
+@pytest.mark.slow
 def test_own_error_and_inputs_add_their_variances():
     """The interval of both is narrower than the product of their intervals, and wider than either."""
     both, inputs, own = result().loads[0], result().uncertainty, result(*SPREADS).loads[0]

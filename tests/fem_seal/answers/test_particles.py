@@ -80,6 +80,7 @@ def test_particles_need_rough_surfaces_and_a_code_a_liquid():
 # ---------------------------------------------------------------- the answers
 
 
+@pytest.mark.slow
 def test_a_clean_fluid_asks_nothing():
     clean = result().case.replace({"fluid.particles": None, "load.fluid_pressure": "20 bar"})
     found = fem_seal.run(clean)
@@ -254,6 +255,7 @@ def test_a_seal_far_narrower_than_what_was_counted_gets_no_number():
     assert report(changed)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("unrendered")
 def test_files_have_what_the_answers_say(tmp_path):
     result().write(tmp_path)
@@ -270,6 +272,7 @@ def test_files_have_what_the_answers_say(tmp_path):
     assert not (tmp_path / "particles.csv").exists()
 
 
+@pytest.mark.slow
 def test_the_terminal_tells_it(tmp_path, capsys):
     file = tmp_path / "case.toml"
     file.write_text(

@@ -123,6 +123,7 @@ def test_complete_runs_with_drawn_inputs_find_the_same_share():
         assert abs(found.share - counted) < 3 * error
 
 
+@pytest.mark.slow
 def test_the_share_rises_with_what_is_allowed():
     seal = seal_with("corrected", rms_height=0.2, hurst=0.05)
     rate = seal.loads[0].leak.leak_rate
@@ -167,6 +168,7 @@ def test_complete_runs_of_a_finish_find_the_same_share_within_its_standard_error
     assert found.error <= 0.02 and abs(found.share - counted) < 3 * both
 
 
+@pytest.mark.slow
 def test_seals_with_one_finish_share_laws_and_tables_of_their_samples(monkeypatch):
     made = []
     monkeypatch.setattr(
@@ -249,6 +251,7 @@ def test_a_class_is_met_by_the_liquid_of_its_test():
     assert found.share == passing(seal, limit.leak_rate / limit.ratio[1]).share
 
 
+@pytest.mark.slow
 def test_a_class_is_met_by_the_gas_of_its_test():
     wanted = one(
         fluid={"name": "helium"},
@@ -307,6 +310,7 @@ def test_a_design_has_the_probability_of_a_run(of):
     assert beside["pass_probability"] == pytest.approx(load.pass_probability, abs=1e-4)
 
 
+@pytest.mark.slow
 def test_equal_designs_have_equal_shares_and_a_better_one_no_smaller_one(tmp_path):
     forced = {"fluid_pressure": "20 bar", "applied_force": "5.1 kN"}
     wanted = one(load=forced, uncertainty={"rms_height": {"relative": 0.2}, "hurst": {"relative": 0.05}})
@@ -326,6 +330,7 @@ def test_equal_designs_have_equal_shares_and_a_better_one_no_smaller_one(tmp_pat
     assert (table["pass_probability_error"] <= 0.02).all()
 
 
+@pytest.mark.slow
 def test_a_search_keeps_to_designs_that_pass_often_enough(tmp_path):
     wanted = one(
         load={"fluid_pressure": "20 bar", "applied_force": "10 kN"},

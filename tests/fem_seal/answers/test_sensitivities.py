@@ -82,6 +82,7 @@ def test_a_tenth_more_force_is_that_of_the_contact_where_nothing_else_closes():
     assert force.straight and step_in_words(result.case, force) == "126 N more closing force"
 
 
+@pytest.mark.slow
 def test_modulus_hardness_and_force_together_leave_the_contact_as_it_is():
     # all pressures of the bodies times one factor: no length changes, and the fluid drives as before
     _, known = found()
@@ -381,6 +382,7 @@ def test_sensitivities_of_a_body_that_yields_are_paths_of_their_own(monkeypatch)
         assert found[key].ratio[0] == pytest.approx(again / before, rel=1e-3), key
 
 
+@pytest.mark.slow
 def test_sensitivities_of_a_path_are_not_looked_for_unless_asked(monkeypatch):
     monkeypatch.setattr(
         "fem_seal.answers.sensitivities.sensitivities", lambda result: pytest.fail("looked for")

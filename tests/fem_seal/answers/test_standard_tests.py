@@ -115,6 +115,7 @@ def test_the_leak_grows_up_to_the_set_pressure(relief) -> None:
     assert test.judgement.limit.leak_rate * 3600e6 == pytest.approx(10.0)
 
 
+@pytest.mark.slow
 def test_files_and_words_have_them(tested, relief, tmp_path) -> None:
     relief.write(tmp_path / "relief")
     tested.write(tmp_path / "tested")

@@ -85,6 +85,7 @@ CHANGES = {
 }
 
 
+@pytest.mark.slow
 def test_a_sample_is_what_a_whole_run_with_its_inputs_gives():
     steel = {**STEEL, "youngs_modulus": "231 GPa", "hardness": f"{3.5 * 0.9} GPa"}
     spectrum = {
@@ -149,6 +150,7 @@ def test_hardness_alone_gives_the_leak_rates_of_its_own_quantiles():
         np.testing.assert_allclose(end, outer(conserved, capped), rtol=3e-3)
 
 
+@pytest.mark.slow
 def test_each_sample_knows_the_values_of_its_inputs():
     settings = Uncertainty(samples=64, viscosity=TEN_PER_CENT, hardness=TEN_PER_CENT)
     found = leak_interval(rough_result(), settings)
@@ -160,6 +162,7 @@ def test_each_sample_knows_the_values_of_its_inputs():
     assert np.corrcoef(fluidity.argsort().argsort(), hardness.argsort().argsort())[0, 1] > 0.999
 
 
+@pytest.mark.slow
 def test_polynomial_gives_the_samples_that_it_has_not_seen():
     settings = Uncertainty(
         samples=128, seed=3, rms_height=Spread(relative=0.1), youngs_modulus=Spread(relative=0.05)
@@ -543,6 +546,7 @@ def test_result_files_hold_the_interval_and_the_variants(tmp_path):
 # -------------------------------------------------------------------- readings of the theory
 
 
+@pytest.mark.slow
 def test_readings_of_the_theory_are_those_of_cases_that_ask_for_them():
     result = rough_result()
     variants = theory_variants(result)
@@ -596,6 +600,7 @@ def test_nothing_to_read_without_a_leak():
     assert theory_variants(smooth_result()) == ()
 
 
+@pytest.mark.slow
 def test_variants_on_the_command_line(tmp_path, capsys):
     from fem_seal.cli.app import main
 
@@ -625,6 +630,7 @@ def test_variants_on_the_command_line(tmp_path, capsys):
     assert capsys.readouterr().out == ""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "tables",
     [

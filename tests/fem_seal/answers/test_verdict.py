@@ -146,6 +146,7 @@ def test_a_factor_that_the_theory_may_be_off_by_has_to_fit_between(factor, ends,
     )
 
 
+@pytest.mark.slow
 def test_what_the_mesh_leaves_uncertain_has_to_fit_between_too():
     solved = rough_result()
     error = replace(solved.discretisation_error, leak_rate=0.05)
@@ -350,6 +351,7 @@ def test_standards_are_found_by_the_names_that_people_give_them():
         leakage_limits(-1.0, gas=True)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("unrendered")
 def test_report_terminal_and_summary_say_the_same_verdict(capsys):
     result = required(leak_rate="1 ml/min")
@@ -480,6 +482,7 @@ def test_a_design_of_a_study_is_judged_like_a_run():
     assert evaluate_design(one, ["peak_pressure_Pa"]).verdict is None
 
 
+@pytest.mark.slow
 def test_a_sealed_design_has_a_margin_that_can_be_compared():
     soft = {**STEEL, "hardness": "3.5 GPa"}
     smooth = {"kind": "self-affine", "rms_height": "0.01 um", "hurst": 0.8, "q_low": "1e4 1/m"}
@@ -495,6 +498,7 @@ def test_a_sealed_design_has_a_margin_that_can_be_compared():
     assert found.values["margin"] == LARGEST_MARGIN
 
 
+@pytest.mark.slow
 def test_a_study_has_the_verdict_beside_its_margin(tmp_path):
     study = fem_seal.Study(
         case(load={"fluid_pressure": "20 bar"}, requirement={"leak_rate": "20 ml/min"}),

@@ -31,6 +31,7 @@ def chain(size: int, springs: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.nd
     return unknowns, local, whole[:-1, :-1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("places", [[0], [170, 3, 88], list(range(200))])
 def test_springs_in_a_row(places: list[int]) -> None:
     random = np.random.default_rng(5)

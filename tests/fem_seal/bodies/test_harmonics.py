@@ -424,6 +424,7 @@ def test_short_waves_find_a_half_space(radius: float, n: int, each: float, toget
     assert closure + seat == pytest.approx(2 * half_space, rel=together)
 
 
+@pytest.mark.slow
 def test_compliance_hardly_changes_on_a_finer_mesh() -> None:
     """On the default mesh within 3e-4 of that of two thirds the size, at few waves as well; 1e-3 with a guide.
 

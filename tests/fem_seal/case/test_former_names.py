@@ -91,6 +91,7 @@ def test_both_names_of_a_key_are_refused() -> None:
         fem_seal.Case(**SMOOTH, load=load)
 
 
+@pytest.mark.slow
 def test_the_terminal_says_it_in_one_line(tmp_path, capsys) -> None:
     path = tmp_path / "old.toml"
     path.write_text(in_former_words(CASE.read_text(encoding="utf-8")), encoding="utf-8")
@@ -205,6 +206,7 @@ def test_a_stored_study_in_former_words_is_read_and_calculated_anew(tmp_path, ca
     assert len(notes) == 1
 
 
+@pytest.mark.slow
 def test_stored_verdicts_are_told_in_present_words(tmp_path) -> None:
     table = {**ROUGH, "requirement": {"leak_rate": "1 ml/min"}, "load": {"fluid_pressure": "20 bar"}}
     study = fem_seal.Study(

@@ -363,6 +363,7 @@ def spoiled(path: Path, chance: random.Random) -> str:
     return how
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("part", range(10))
 def test_study_file_damaged_at_random_says_so_or_is_read(part, done_study, call, tmp_path) -> None:
     """Numpy's warnings are errors here, too; a file that is taken gives the designs that are whole in it."""
@@ -416,6 +417,7 @@ def test_mesh_on_a_full_disc_says_so_and_leaves_no_draft(call, monkeypatch, tmp_
     assert list((tmp_path / "out").iterdir()) == []
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
 @pytest.mark.parametrize("command", ["--version", "schema", f"check {EXAMPLES / 'ball_cone.toml'}"])
 def test_output_to_a_full_disc_says_so(command) -> None:
@@ -778,6 +780,7 @@ def test_drawing_that_cannot_be_read_is_waited_for_once(tmp_path, monkeypatch) -
     assert calls == [20.0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("old", "new", "said", "limit"),
     [

@@ -67,6 +67,7 @@ def test_every_template_is_a_valid_case_in_the_words_of_a_drawing(name: str, cal
         assert any(line.startswith(path_asked) for line in lines)
 
 
+@pytest.mark.slow
 def test_a_template_runs_with_nothing_outside_the_theory(call, tmp_path) -> None:
     """The cheapest of them, without sensitivities and the interval of its finish, which take longer."""
     code, _, _ = call(

@@ -167,6 +167,7 @@ def highest_stress(result) -> float:
     return float(result.table["max_von_mises_Pa"].iloc[0])
 
 
+@pytest.mark.slow
 def test_ball_of_splines_is_pushed_like_a_ball(tmp_path) -> None:
     """A spline becomes many arcs, of which the last one is tiny: it must not carry the whole closing force."""
     ezdxf = pytest.importorskip("ezdxf", reason="DXF files need ezdxf")

@@ -75,6 +75,7 @@ def test_loads_that_come_back_are_told_once():
     assert profiles.count(">15 bar<") == 1
 
 
+@pytest.mark.slow
 def test_spring_and_fluid_are_what_the_contact_carries():
     table = valve().table
     fluid = math.pi * table.effective_seal_radius_m**2 * table.fluid_pressure_Pa
@@ -144,6 +145,7 @@ def test_an_open_seal_names_the_force_that_closes_it(side, too_little, tables, b
         under(f"{needed - below * abs(needed)} N")
 
 
+@pytest.mark.slow
 def test_loads_that_open_the_seal_are_left_out_and_named():
     opens = valve().table.blow_off_pressure_Pa.iloc[0]
     pressures = [f"{bar} bar" for bar in (10, 25, 15, 30)]
@@ -157,6 +159,7 @@ def test_loads_that_open_the_seal_are_left_out_and_named():
     assert float(re.search(r"holds ([\d.]+) bar", said).group(1)) == pytest.approx(opens / 1e5, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_forces_that_leave_the_seal_open_are_named_together():
     forces = ["1.1 kN", "1.5 kN", "0.9 kN", "1.2 kN"]
     result = run_loads(case(load={**VALVE, "fluid_pressure": "20 bar", "applied_force": forces}))
@@ -284,6 +287,7 @@ def test_pressure_that_opens_the_seal():
     assert fem_seal.blow_off_pressures(case()).tolist() == [math.inf] * 3
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("unrendered")
 def test_summary_and_report_have_the_answers():
     told = summary(valve())
@@ -307,6 +311,7 @@ def test_summary_and_report_have_the_answers():
     assert max(widths) <= 12
 
 
+@pytest.mark.slow
 def test_a_path_of_forces_is_told_by_its_forces():
     result = fem_seal.run(case(load={"fluid_pressure": "5 bar", "applied_force": ["0 N", "200 N", "1 kN"]}))
     leaks = result.table.leak_rate_m3_per_s.to_numpy()
@@ -414,6 +419,7 @@ def test_the_press_fit_stands_in_the_case():
     assert far_field_sentence(fitted) == ""
 
 
+@pytest.mark.slow
 def test_the_far_field_matters_where_the_housing_is_small():
     seat = cone("steel", bore_radius="12.5 mm", face_radius="15.5 mm", outer_radius="16 mm", height="3 mm")
     small = fem_seal.run(smooth_case(seat=seat, load={"fluid_pressure": "200 bar"}))

@@ -118,6 +118,7 @@ def unevenness(model, p):
     return np.abs(stress / p - [-1, -1, -1, 0]).max(axis=1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("closure", "seat"),
     [
@@ -154,6 +155,7 @@ def test_fluid_all_around_a_closure_with_facets_across_the_ends_of_the_line_lift
     assert abs(loads.lift(model)) < 1e-6
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seat", [LAND, {"shape": "conical-land", "angle": "45 deg", "land_width": "2 mm"}])
 def test_a_poppet_on_its_land_opens_where_the_fluid_carries_the_spring(seat):
     case, _ = wetted(POPPET, seat, applied_force="1.5 kN")

@@ -186,6 +186,7 @@ def test_even_pressure_all_around_makes_nothing_yield() -> None:
 # ---------------------------------------------------------------- balance
 
 
+@pytest.mark.slow
 def test_spring_fluid_and_contact_are_in_balance_at_every_load() -> None:
     model, spring = soft()
     line = model.line
@@ -242,6 +243,7 @@ def test_a_spring_that_closes_first_leaves_another_seat_than_one_that_comes_with
     assert after.profile.peak_pressure < 0.9 * together.profile.peak_pressure
 
 
+@pytest.mark.slow
 def test_more_steps_change_little() -> None:
     """Implicit Euler, of first order: the width changes by less than a per cent."""
     for few, many in zip(relief(4).contacts, relief().contacts, strict=True):
@@ -263,6 +265,7 @@ def test_an_open_seal_leaves_no_trace() -> None:
     assert path.contacts[-1].contact_force > path.contacts[1].contact_force
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("fluid", [flowing("inner"), FluidAtContact("inner")], ids=["flowing", "held"])
 def test_blow_off_of_a_coined_seat_is_where_its_path_ends(fluid: FluidPath) -> None:
     """Foretold from the unloading of the coined bodies, and met by the path."""
@@ -449,6 +452,7 @@ def sampled() -> tuple[SealProblem, SolvedSeal]:
     return problem, SolvedSeal(case, problem, mesh, model, (load,))
 
 
+@pytest.mark.slow
 def test_a_design_of_a_study_runs_its_own_path() -> None:
     asked = valve(fluid_pressure="350 bar")
     columns = [

@@ -72,6 +72,7 @@ def test_pictures_stand_on_the_page_with_their_words():
     assert "around the axis" in page and "at the mean line load" in page[page.index("Largest stress") :]
 
 
+@pytest.mark.slow
 def test_every_picture_is_a_drawing_with_axes_in_words(figures):
     for make in MAKERS:
         picture = make(oval_result())
@@ -123,6 +124,7 @@ def test_round_picture_shows_line_load_and_form(figures):
     assert [text.get_text() for text in form.get_yticklabels()] == ["−1", "0", "+1"]
 
 
+@pytest.mark.slow
 def test_area_under_the_leak_is_the_leak_rate(figures):
     result = oval_result()
     drawn.leak_around_picture(result)

@@ -96,6 +96,7 @@ def test_a_temperature_has_a_zero_of_its_own():
     assert celsius.name == "°C" and celsius.of(293.15) == pytest.approx(20.0)
 
 
+@pytest.mark.slow
 def test_the_highest_load_is_the_same_everywhere(capsys):
     """Shuffled, so that it is neither the first nor the last; of two at one pressure the spring decides."""
     result = rough_result()

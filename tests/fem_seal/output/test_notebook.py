@@ -71,6 +71,7 @@ def test_a_notebook_shows_the_table_and_the_pressure_profiles():
     assert len(page) < 300_000
 
 
+@pytest.mark.slow
 def test_a_study_and_its_result_are_a_few_lines_and_a_notebook_shows_its_designs():
     study = fem_seal.Study(
         sample_results.smooth_case(load={"fluid_pressure": "20 bar"}),
@@ -169,6 +170,7 @@ def test_sensitivities_are_bars_from_one_to_what_is_left_of_the_leak():
     assert sorted(ends) == pytest.approx(sorted(strongest.ratio))
 
 
+@pytest.mark.slow
 def test_a_seal_that_is_not_round_is_drawn_around_its_axis():
     oval = {"seat": {"harmonics": [{"waves": 2, "amplitude": "1 um"}]}}
     result = sample_results.run_loads(

@@ -16,6 +16,7 @@ from fem_seal.output.pictures.style import style
 from fem_seal.output.report.page import _in_css
 
 
+@pytest.mark.slow
 def test_a_page_becomes_pages(tmp_path):
     if pdf.find_browser() is None:
         pytest.skip("no Chromium, Chrome or Edge on this machine")

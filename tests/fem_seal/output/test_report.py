@@ -96,6 +96,7 @@ def page() -> Page:
     return Page(told(rough_result))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("result", [rough_result, single_result, smooth_result])
 def test_nothing_is_fetched(result):
     page = Page(told(result))
@@ -216,6 +217,7 @@ def sealed(result: SealResult, above: float) -> SealResult:
     )
 
 
+@pytest.mark.slow
 def test_a_sealed_contact_says_so():
     page = Page(report(sealed(rough_result(), 0.0)))
     assert "Sealed at every load up to 20 bar" in page.text
@@ -224,6 +226,7 @@ def test_a_sealed_contact_says_so():
     assert "nothing at 20 bar" in partly.text
 
 
+@pytest.mark.slow
 def test_many_loads_do_not_make_many_legend_entries():
     result, pressures = rough_result(), range(20, 60)
     many = replace(
@@ -367,6 +370,7 @@ def fitting():
     return fem_seal.run(case(closure=fitting_cone, load={"fluid_pressure": ["5 bar", "20 bar"]}))
 
 
+@pytest.mark.slow
 def test_where_no_closed_form_exists_none_is_announced(fitting, page):
     fit = Page(report(fitting))
     profiles = fit.pictures["profiles"].decode()
@@ -416,6 +420,7 @@ def test_pictures_are_written_as_matplotlib_writes_them(monkeypatch):
         assert written_svg(_figure()) == out.getvalue()
 
 
+@pytest.mark.slow
 def test_a_leak_rate_that_nobody_can_measure_has_its_report() -> None:
     """A fine surface pressed hard, all but sealed: one text stands for the leak rate, in no other unit."""
     spectrum = {**SPECTRUM, "rms_height": "0.15 um"}

@@ -228,6 +228,7 @@ def test_ctrl_c_while_files_change_places_brings_the_old_ones_back(two_runs, tmp
     assert contents(folder) == contents(two_runs[0])
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("unrendered")
 def test_a_part_of_another_calculation_is_marked(two_runs, tmp_path, capsys):
     """`mesh` and `leak` write into the folder of a run what does not belong to it."""

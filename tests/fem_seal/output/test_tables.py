@@ -84,6 +84,7 @@ def test_without_plasticity_both_leak_columns_agree():
     assert table["leak_rate_m3_per_s"].item() == table["leak_rate_elastic_m3_per_s"].item() > 0
 
 
+@pytest.mark.slow
 def test_what_was_not_calculated_is_not_a_number(tmp_path):
     table = pd.read_csv(write_leak_csv(smooth_result(), tmp_path / "leak.csv"))
     missing = [

@@ -240,6 +240,7 @@ def answered():
     )
 
 
+@pytest.mark.slow
 def test_columns_have_the_bolts():
     row, (load,) = answered().table.iloc[0], answered().loads
     assert row.bolt_preload_N == pytest.approx(2e3) and row.bolt_torque_N_m == pytest.approx(3.2)
@@ -302,6 +303,7 @@ def test_sentences_and_tables_have_the_bolts():
     assert bolts_in_words(replace(answered(), answers={})) == []
 
 
+@pytest.mark.slow
 def test_the_least_preload_may_open_the_seal():
     bolts = {**BOLTS, "preload": "200 N", "torque_scatter": 0.3}
     seal = case(load={"fluid_pressure": "10 bar", "pressure_side": "inner"}, bolts=bolts)
@@ -309,6 +311,7 @@ def test_the_least_preload_may_open_the_seal():
     assert load.at_preload_ends[1] == math.inf and load.leak_interval[1] == math.inf
 
 
+@pytest.mark.slow
 def test_a_study_has_columns_of_the_bolts():
     study = Study(
         smooth(),

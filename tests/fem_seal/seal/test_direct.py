@@ -176,6 +176,7 @@ def test_interval_with_tight_samples():
     assert direct_rows(none, 1e-3)[2]["conductivity_low_m3_per_Pa_s"] == 0.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("row", "words"),
     [
@@ -193,6 +194,7 @@ def test_tight_samples_make_a_result_doubtful(row, words):
     assert not any(re.search(r"\b(nan|inf)\b", caution.text) for caution in cautions)
 
 
+@pytest.mark.slow
 def test_surface_that_is_tight_at_all_pressures_has_its_pictures(tmp_path, capsys):
     file = tmp_path / "tight.toml"
     file.write_text(CASE.replace("1.9 um", "0.02 um").replace("points = 64", "points = 32"))
@@ -234,6 +236,7 @@ def test_finished_pieces_are_not_done_again(tmp_path):
     assert said == []
 
 
+@pytest.mark.slow
 def test_interruption_does_not_wait_for_what_is_left(tmp_path):
     """Ctrl-C while two processes are busy with more than a minute of pieces: they end, and what is done stays."""
     settings, surface = simulated(points=128, samples=200)
@@ -312,6 +315,7 @@ def test_metal_that_flows_is_loaded_step_by_step():
     assert direct_numbers(found)["load_step_Pa"] == pytest.approx(0.025 * 3.5e9)
 
 
+@pytest.mark.slow
 def test_interval_holds_what_load_steps_miss():
     found = metal()
     row = found.rows[0]
@@ -385,6 +389,7 @@ def test_interruption_ends_long_paths_at_once(tmp_path):
             sleep(0.1)
 
 
+@pytest.mark.slow
 def test_elastic_asperities_of_a_body_with_a_hardness():
     settings, surface = simulated(asperities="elastic", unload=["40 MPa"])
     found = settings.table(surface)
@@ -537,6 +542,7 @@ def test_report_names_what_yields(tmp_path):
     assert "Orange: contact above metal that has flowed" in page
 
 
+@pytest.mark.slow
 def test_report_shows_the_simulation(tmp_path):
     result().write(tmp_path)
     page = (tmp_path / "report.html").read_text(encoding="utf-8")

@@ -72,6 +72,7 @@ def test_simulated_seal_agrees_with_the_chain_where_little_touches(case_file):
         assert fwhm == pytest.approx(row.place.profile.fwhm, rel=0.25)
 
 
+@pytest.mark.slow
 def test_yielding_strips_leak_less_than_elastic_ones(case_file):
     case = fem_seal.load_case(case_file).replace({"load.fluid_pressure": "100 bar", "direct.samples": 2})
     elastic, capped = fem_seal.direct_seal(case)

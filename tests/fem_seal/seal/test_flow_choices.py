@@ -52,6 +52,7 @@ def local_result() -> SealResult:
     )
 
 
+@pytest.mark.slow
 def test_peklenik_reaches_the_surface_and_the_leak_rate():
     plain = rough_result()
     turned = run_loads(case(roughness={"spectrum": SPECTRUM, "peklenik": 0.2}, leak={"variants": True}))
@@ -130,6 +131,7 @@ def test_the_law_of_the_threshold_is_the_effective_medium_where_little_touches(f
     assert near.table.leak_rate_m3_per_s[0] == pytest.approx(medium.table.leak_rate_m3_per_s[0], rel=2e-3)
 
 
+@pytest.mark.slow
 def test_each_reading_seals_at_its_own_pressure():
     """A rms slope of 0.004: the sealing pressure lies within the contact pressures."""
     fine = {**SPECTRUM, "rms_height": "0.019 um"}
@@ -189,6 +191,7 @@ def test_coupled_flow_is_that_of_leak():
     assert load.leak.leak_rate > 1.02 * alone
 
 
+@pytest.mark.slow
 def test_files_of_a_seal_blown_open(tmp_path):
     result = local_result()
     assert any("62 bar" in text and "lifts the seal open" in text for text in result.warnings)
@@ -222,6 +225,7 @@ def cut_off(**tables):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "tables",
     [

@@ -91,6 +91,7 @@ def test_wrong_input(change, message):
     assert message in str(caught.value)
 
 
+@pytest.mark.slow
 def test_gas_in_a_case_is_the_gas_flow_of_its_profile():
     result = helium_result()
     load = result.loads[0]
@@ -171,6 +172,7 @@ def leak_of(**fluid):
     return load, " ".join(result.warnings)
 
 
+@pytest.mark.slow
 def test_thickening_divides_the_leak_rate_by_its_mean():
     own = {"name": "our oil", "viscosity": "3 mPa s"}
     plain, said = leak_of(**own)
@@ -227,6 +229,7 @@ def test_keys_of_thickening_that_make_no_sense(fluid, said):
         case(fluid=fluid)
 
 
+@pytest.mark.slow
 def test_fluid_opens_less_where_it_is_thick_next_to_the_inlet():
     """The high pressure gets less far: of a penetrated contact the leak falls by more than the mean viscosity."""
     settings = {"load": {"fluid_pressure": ["300 bar"], "applied_force": "3 kN", "closing": "penetration"}}
@@ -249,6 +252,7 @@ def test_fluid_opens_less_where_it_is_thick_next_to_the_inlet():
 DENSE = {"load": {"fluid_pressure": ["700 bar"], "applied_force": "46 kN", "pressure_side": "inner"}}
 
 
+@pytest.mark.slow
 def test_dense_gas_says_how_much_and_names_the_real_gas():
     warnings = " ".join(fem_seal.run(case(fluid={"name": "hydrogen"}, **DENSE), sensitivities=False).warnings)
     assert "hydrogen at 701 bar is not a dilute ideal gas" in warnings
@@ -275,6 +279,7 @@ def test_a_gas_that_is_liquid_at_the_inlet_is_outside_the_theory():
     assert any("condenses at 57.29 bar" in text for text in result.warnings)
 
 
+@pytest.mark.slow
 def test_gas_through_a_wide_gap_chokes():
     """Of a lightly loaded rough seat: what viscous flow says is more than sound allows."""
     rough = {"spectrum": {"kind": "self-affine", "rms_height": "20 um", "hurst": 0.8,
@@ -382,6 +387,7 @@ def test_inertia_says_how_much_less_may_leak(monkeypatch, acceleration, reduced,
         assert found.leak_factor == (pytest.approx(1 / (1 + 0.1 * reduced)), 1.0)
 
 
+@pytest.mark.slow
 def test_the_end_of_an_interval_that_chokes_makes_it_doubtful():
     """In the reading that leaks little the gas is slow; in the other it would be faster than sound."""
     spectrum = {"kind": "self-affine", "rms_height": "2.85 um", "hurst": 0.93,

@@ -153,6 +153,7 @@ def test_report_and_warnings_speak_of_gasket_and_flange() -> None:
     assert "Material of gasket" in page or "Material of flange and gasket" in page
 
 
+@pytest.mark.slow
 def test_the_verdict_judges_both_faces() -> None:
     result = elastic()
     leak_rate = result.loads[-1].leak.leak_rate
@@ -227,6 +228,7 @@ def test_grooves_leak_over_both_faces() -> None:
         assert isinstance(two.lower, leak.LeakResult)
 
 
+@pytest.mark.slow
 def test_a_study_over_the_section_of_a_ring(tmp_path: Path) -> None:
     study = Study(
         {

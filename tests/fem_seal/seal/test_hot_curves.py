@@ -282,6 +282,7 @@ def test_wrong_files_of_curves(tmp_path: Path) -> None:
         pressed({"file": str(path)})
 
 
+@pytest.mark.slow
 def test_a_hot_seat_is_coined_deeper_and_a_table_is_its_curve() -> None:
     cold, hot = (contact_of(pressed(LIST, temperature={"uniform": at})) for at in ("20 degC", "300 degC"))
     assert hot.states["seat"].plastic.accumulated.max() > 1.5 * cold.states["seat"].plastic.accumulated.max()
@@ -322,6 +323,7 @@ def test_each_place_of_a_body_yields_at_its_own_temperature() -> None:
     assert flows.sum() > 20 and np.ptp(solid.temperature.ravel()[flows]) > 1
 
 
+@pytest.mark.slow
 def test_a_calculated_temperature_with_equal_curves_is_the_plain_curve() -> None:
     plain = contact_of(conducting(PLAIN))
     equal = contact_of(conducting([{**PLAIN, "temperature": T} for T in ("0 degC", "100 degC", "400 degC")]))
@@ -332,6 +334,7 @@ def test_a_calculated_temperature_with_equal_curves_is_the_plain_curve() -> None
     )
 
 
+@pytest.mark.slow
 def test_surroundings_of_one_temperature_are_the_curve_of_this_temperature() -> None:
     around = conducting(LIST, "220 degC", "220 degC")
     uniform = pressed(LIST, temperature={"uniform": "220 degC"})

@@ -138,6 +138,7 @@ def test_a_test_port_feeds_both_lands(solved: Evaluation) -> None:
     assert port.lands[0].leak_rate == pytest.approx(3e5 / r_inner, rel=1e-8)
 
 
+@pytest.mark.slow
 def test_a_land_that_is_set_back_far_carries_nothing() -> None:
     back = OUTER | {"set_back": "50 um"}
     (load,) = evaluate(SealProblem.of(lands_case(INNER, back))).loads
@@ -151,6 +152,7 @@ def test_a_land_that_is_set_back_far_carries_nothing() -> None:
     assert load.leak.leak_rate == pytest.approx(single.leak.leak_rate, rel=0.03)
 
 
+@pytest.mark.slow
 def test_a_land_that_is_not_named_is_found() -> None:
     drawn = fem_seal.Case(
         closure={"shape": "disc", "radius": "30 mm", "material": STEEL},
@@ -183,6 +185,7 @@ def test_a_land_that_is_not_named_is_found() -> None:
     assert carried > 0.3 * load.contact_force
 
 
+@pytest.mark.slow
 def test_fluid_between_the_lands_lifts_the_closure() -> None:
     case = lands_case(INNER, OUTER, closing="penetration")
     (load,) = evaluate(SealProblem.of(case)).loads
@@ -292,6 +295,7 @@ def test_a_test_port_lifts_the_closure_by_its_pressure() -> None:
     assert after.contact.loads.gap_pressure.max() == pytest.approx(8e5, rel=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("angles", [(), (20, 72)])
 @pytest.mark.parametrize("side", ["inner", "outer"])
 def test_a_tenth_of_the_size_is_the_same_seal(angles: tuple[int, ...], side: str) -> None:
@@ -346,6 +350,7 @@ def test_under_a_test_port_the_opening_pressure_rises_with_the_force_as_two_circ
     assert np.pi * (23e-3**2 - 21.5e-3**2) * 12e5 < at_rest < np.pi * (24.2e-3**2 - 20e-3**2) * 12e5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("force", ["2 kN", "4 kN"])
 def test_the_interval_covers_the_chamber_that_the_sealed_area_leaves_out(force: str) -> None:
     """Against the same seal with the fluid between its faces, which lifts the closure."""

@@ -88,6 +88,7 @@ def test_without_a_load_left_there_is_no_result_and_code_3(closing, tmp_path, ca
         fem_seal.run(fem_seal.load_case(path))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("size", [None, "25 um"])
 def test_a_load_that_does_not_converge_is_tried_on_a_finer_mesh_and_then_left_out(size, monkeypatch):
     solve, tries = LoadSolver.solve, []
@@ -180,6 +181,7 @@ def test_a_later_step_that_fails_costs_neither_contact_nor_leak(broken, named, m
     assert said in json.loads((tmp_path / "summary.json").read_text())["warnings"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("broken", "named", "lost"),
     [
@@ -256,6 +258,7 @@ def test_a_leak_rate_that_fails_costs_no_contact(monkeypatch):
     assert any(text.startswith("leak rate at 5 bar: could not be calculated") for text in result.warnings)
 
 
+@pytest.mark.slow
 def test_stress_that_nobody_can_calculate_costs_neither_contact_nor_leak(monkeypatch, tmp_path):
     """Checks, report and VTK files ask for it as well."""
     from fem_seal.contact import solution
@@ -379,6 +382,7 @@ def test_each_factor_of_ten_costs_a_digit(share, digits):
     assert digits_near_opening(share) == digits
 
 
+@pytest.mark.slow
 def test_near_opening_fewer_digits_are_shown(tmp_path, capsys):
     path = example(tmp_path, 'fluid_pressure = "15.9 bar"\napplied_force = "1 kN"')
     assert cli.main(["run", "--details", str(path), "-o", str(tmp_path / "out")]) == 0

@@ -75,6 +75,7 @@ def test_a_load_answers_alike_after_pickling_touched_or_not():
     assert repr(whole) == repr(rough_result())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("of", [case(load={"fluid_pressure": "20 bar"}), single_case(), HELIUM])
 def test_a_design_with_the_contact_of_a_run_has_its_numbers(of, monkeypatch):
     monkeypatch.setattr(responses, "_source", lambda *asked: EXACT)

@@ -488,6 +488,7 @@ def test_a_run_knows_it_everywhere() -> None:
     assert plastic.leak_rate is not None
 
 
+@pytest.mark.slow
 def test_the_report_shows_the_loop_and_names_the_load() -> None:
     with style():
         picture = memory_picture(result())

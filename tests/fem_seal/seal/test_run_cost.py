@@ -63,6 +63,7 @@ def test_other_bodies_stand_one_at_a_time_and_are_gone_when_the_run_goes_on(monk
     assert not result.warnings or "could not be calculated" not in " ".join(result.warnings)
 
 
+@pytest.mark.slow
 def test_the_comparison_of_laws_needs_no_table_of_its_own(monkeypatch):
     """The contact with the other law lies within the pressures for which the loads have their tables."""
     made: list[int] = []

@@ -851,6 +851,7 @@ def warm_mesh() -> meshes.SealMesh:
 WARM = {**STEADY, "thermal_conductivity": "40 W/(m K)"}
 
 
+@pytest.mark.slow
 def test_surroundings_of_one_temperature_are_a_uniform_temperature() -> None:
     around = {"temperature": "200 degC", "heat_transfer": "500 W/(m^2 K)"}
     calculated = heated(WARM, WARM, temperature={"inner": around, "outer": around})
@@ -910,6 +911,7 @@ def test_a_calculated_temperature_goes_through_case_results_and_study(tmp_path: 
     assert hotter["contact_temperature_K"] > row["contact_temperature_K"]
 
 
+@pytest.mark.slow
 def test_bodies_that_yield_are_heated_by_the_field() -> None:
     faces = {"inner": {"temperature": "160 degC"}, "wall": {"temperature": "40 degC"}}
     curve = {"stress_strain": CURVE}
@@ -956,6 +958,7 @@ def test_conduction_needs_its_numbers() -> None:
         SealProblem.of(short)
 
 
+@pytest.mark.slow
 def test_a_body_that_yields_by_its_press_fit_is_the_same_by_heat() -> None:
     """Beyond the elastic limit, with the fluid between the surfaces: a hot seat in a cold bore and a tight one."""
     soft = {**STEADY, "stress_strain": {"plastic_strain": [0, 0.02], "stress": ["150 MPa", "300 MPa"]}}
@@ -972,6 +975,7 @@ def test_a_body_that_yields_by_its_press_fit_is_the_same_by_heat() -> None:
     assert hot.pressure == pytest.approx(fitted.pressure, rel=1e-6, abs=1e3)
 
 
+@pytest.mark.slow
 def test_a_field_of_heat_makes_a_body_yield_as_it_would_by_its_stress() -> None:
     """Heated through the path, or given as free strain to the solid at once: the same state without a contact."""
     faces = {"inner": Face(620.0), "wall": Face(300.0)}

@@ -181,6 +181,7 @@ def test_a_contact_next_to_the_threshold_leaks_no_more_than_one_pressed_less():
     assert rates[-1] == pytest.approx(load.leak.leak_rate, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_designs_by_the_papers_theory_are_set_aside_and_calculated_anew(tmp_path):
     study = {
         "base": example("ball_cone"),
@@ -327,6 +328,7 @@ def test_closed_forms_have_the_decay_length_at_their_peak():
     assert closed_form_limits(case, derived) == ""
 
 
+@pytest.mark.slow
 def test_the_corrected_theory_has_its_own_error_in_the_interval():
     """Strips of the whole seal conduct 70.6 ml/min at 20 bar, to 13 % (docs/verification/strips.md)."""
     changes = {"load__fluid_pressure": ["20 bar"]}

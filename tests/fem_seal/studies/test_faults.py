@@ -100,6 +100,7 @@ def test_a_design_that_never_ends_is_a_failed_row(tmp_path, monkeypatch, capsys,
     assert again.counts == {"done": 4, "failed": 0, "open": 0}
 
 
+@pytest.mark.slow
 def test_the_time_limit_changes_no_design(tmp_path):
     run_study(study(), folder=tmp_path, workers=0)
     keys = set(_keys(tmp_path))
@@ -443,6 +444,7 @@ def scanned_as_it_is(plan):
     return Study(plan.case, parameters=plan.written["parameters"], responses=plan.written["responses"])
 
 
+@pytest.mark.slow
 def test_a_data_file_of_a_parameter_is_watched_only_by_its_designs(tmp_path):
     from fem_seal.studies.work import DesignSpec, calculate, chunks
 
@@ -511,6 +513,7 @@ def test_workers_notice_an_edited_file_too(tmp_path):
         list(Cluster(client, 1, 60.0).results(recipe, chunks(recipe, plan.points)))
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="there no folder with open files can be deleted")
 @pytest.mark.parametrize("search", [False, True], ids=["grid", "search"])
 @pytest.mark.parametrize(

@@ -378,6 +378,7 @@ def test_the_page_escapes_what_users_write():
     assert "seat angle [°]" in body
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("width", [80, 120])
 def test_the_table_of_the_command_line_is_never_cut(tmp_path, capsys, monkeypatch, width):
     from fem_seal.cli.app import main

@@ -430,6 +430,7 @@ def test_conductivities_of_a_family_are_those_of_the_surface_itself_up_to_half_i
     assert found[p < 0.03 * sealing] == pytest.approx(own[p < 0.03 * sealing], rel=1e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "changes",
     [

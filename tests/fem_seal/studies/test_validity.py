@@ -126,6 +126,7 @@ def test_a_search_does_not_end_outside_the_theory(tmp_path):
     assert "outside the theory" in result.report().read_text()
 
 
+@pytest.mark.slow
 def test_a_row_says_what_the_run_says_but_for_the_mesh():
     case = fem_seal.load_case(CASE).replace({**CHANGES, "load.applied_force": "5 kN"})
     quick = evaluate_design(case, [LEAK_RATE]).validity
@@ -180,6 +181,7 @@ def test_designs_of_before_are_shown_without_a_verdict(calculated, tmp_path):
     assert "left out" not in page and "outside the theory" not in page
 
 
+@pytest.mark.slow
 def test_the_page_says_why_designs_are_doubtful(tmp_path):
     """A roughness value that is unusual for its process is doubtful at any load."""
     changes = {"load.fluid_pressure": "20 bar", "roughness": "ground Ra 6.4 um"}

@@ -76,6 +76,7 @@ def test_factors_are_those_of_the_direct_numerical_results(reference_folder):
             low = limit
 
 
+@pytest.mark.slow
 def test_factors_with_a_lay_are_those_of_the_direct_numerical_results(reference_folder):
     import sys
 
@@ -226,6 +227,7 @@ def test_checks_of_the_interface_are_part_of_a_run():
     assert set(result.warnings) <= {caution.text for caution in own}
 
 
+@pytest.mark.slow
 def test_flanges_that_meet_before_their_load_is_reached() -> None:
     result = gasket_result()
     kinds = [one.kind for one in warnings.load_cautions(result.problem, result.loads)]
