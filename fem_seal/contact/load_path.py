@@ -376,6 +376,8 @@ def _untold(place: PlaceOnPath) -> None:
 _HELD, _WAYS = 1e-6, 12
 # Share of the way to a load from which on the bodies are near enough to those that it would part.
 _NEAR_OPENING = 0.02
+# Plastic strain of a body that does not harden any more and carries the load by nothing but its small elastic rest.
+_COLLAPSED = 10.0
 # What keeps a step from being solved; a smaller one may be.
 _FAILURES = (ConvergenceError, OpenSealError, FloatingPointError, RuntimeError, np.linalg.LinAlgError)
 
@@ -435,6 +437,9 @@ class _Walk:
                 if not smallest:
                     continue
                 raise ConvergenceError(_gave_up(begin.between(end, way), load, error)) from error
+            if (strain := reached.plastic_strain) > _COLLAPSED:
+                flows = f"a body flows without limit, to a plastic strain of {100 * strain:.2g} %"
+                raise ConvergenceError(_gave_up(begin.between(end, way), load, flows))
             earlier, taken = here, aim - way
             step = min(2 * step, usual) if reached.flowed else 2 * step
             here, way, steps = reached, aim, steps + 1
@@ -507,7 +512,7 @@ class _Opened(Exception):
         self.reached = reached
 
 
-def _gave_up(reached: PathLoad, aim: PathLoad, error: Exception) -> str:
+def _gave_up(reached: PathLoad, aim: PathLoad, error: Exception | str) -> str:
     return (
         f"elastoplastic contact: the load step from {reached} to {aim} does not converge: {error}. The body may be "
         "near its limit load: lower the load, give a stress_strain table that hardens, or take a thicker body; else "

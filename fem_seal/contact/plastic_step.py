@@ -225,6 +225,11 @@ class Equilibrium:
     linear: ContactModel | None = None
     flowed: bool = False
 
+    @property
+    def plastic_strain(self) -> float:
+        """Largest accumulated plastic strain of all bodies [-]."""
+        return max(float(state.plastic.accumulated.max()) for state in self.states.values())
+
     def ahead(self, before: Equilibrium, share: float) -> dict[str, FloatArray]:
         """Displacements of the bodies that yield, extrapolated by a share of the step from `before` to here [m]."""
         return {

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import leak
-from fem_seal import Case, SealResult, run
+from fem_seal import Case, ConvergenceError, SealResult, run
 from fem_seal.answers.answer import Inquiry
 from fem_seal.answers.compression import COMPRESSION
 from fem_seal.answers.target import contacts_at_target
@@ -296,3 +296,12 @@ def test_ridges_of_a_kammprofile_seal_one_behind_the_other() -> None:
     # half of the seal's leak goes through the ridges of each face
     one_face = replace(found, rough=replace(found.rough, flow=replace(flow, faces=1)))
     assert one_face.leak.leak_rate == pytest.approx(found.leak.leak_rate / 2, rel=1e-12)
+
+
+def test_a_ring_that_flows_without_limit_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    # as a needle far beyond its limit load does, after a minute
+    monkeypatch.setattr("fem_seal.contact.load_path._COLLAPSED", 1e-4)
+    loads = {"fluid_pressure": "1 bar", "applied_force": "3 kN", "pressure_side": "inner"}
+    others = {"roughness": None, "fluid": None, "interface": {"law": "smooth"}}
+    with pytest.raises(ConvergenceError, match="flows without limit"):
+        solved(tables(COPPER, load=loads, mesh={"contact_size": "8 um"}, **others))
