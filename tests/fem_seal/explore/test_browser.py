@@ -184,7 +184,6 @@ def enter(browser, key, text):
     browser.find_element("css selector", f"input[id*={key}]").send_keys("\ue009a\ue000", text + "\n")
 
 
-@pytest.mark.slow
 def test_a_typed_value_is_taken_and_a_wrong_one_explained(browser):
     field = browser.find_element("css selector", "input[id*=seat_angle]")
     field.send_keys("\ue009a\ue000", "85 deg\n")
@@ -201,7 +200,6 @@ def test_a_typed_value_is_taken_and_a_wrong_one_explained(browser):
     )
 
 
-@pytest.mark.slow
 def test_each_wrong_field_keeps_its_text_and_its_message(browser, folder):
     before = numbers(browser, pressure="24.5 bar", at_rest=False)
     for key, text in (("fluid_pressure", "20 mm"), ("finish_spectrum", "fine"), ("closure_radius", "3 m")):
