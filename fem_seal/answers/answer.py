@@ -47,7 +47,7 @@ class Inquiry:
     answers : dict
         Those before it, by name.
     solve : callable
-        Solves another case, `fem_seal.answers.chain.solve`, on the bodies of this seal where it has the same.
+        Solves another case, `fem_seal.answers.chain.solve`, as a run of its own would.
     """
 
     solver: LoadSolver

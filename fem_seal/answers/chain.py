@@ -6,7 +6,6 @@ import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from functools import partial
 from typing import Any, TypeVar
 
 from fem_seal.answers.accuracy import ACCURACY
@@ -38,7 +37,6 @@ from fem_seal.seal.load_result import LoadResult, SolvedSeal
 from fem_seal.seal.load_solver import Clock, LoadSolver, Progress
 from fem_seal.seal.problem import SealProblem
 from fem_seal.seal.readings import WORDS
-from fem_seal.seal.sources import EXACT, OfSeal, Source
 from fem_seal.units import format_quantity
 from fem_seal.validity.words import left_out, of_bodies, sentence
 from leak import LeakError, Reading
@@ -101,7 +99,6 @@ def solve(
     progress: Progress | None = None,
     wanted: Wanted = NOTHING_ELSE,
     answers: Sequence[Answer[Any]] | None = None,
-    source: Source = EXACT,
 ) -> SealSolution:
     """Solve every load of a case and answer all that is asked of it; `fem_seal.run` says what can go wrong.
 
@@ -113,14 +110,11 @@ def solve(
     wanted : Wanted
     answers : sequence of Answer, optional
         In their order; all of them unless given.
-    source : Source
-        Of the bodies.
     """
     clock, steps = Clock(progress or (lambda text: None)), OptionalSteps()
-    seal = _solved(case, clock, steps, source)
+    seal = _solved(case, clock, steps)
     seal = seal.with_loads([JudgedLoad.of(load) for load in seal.loads])
-    again = partial(solve, source=OfSeal(seal.problem, seal.seal_mesh, seal.model))
-    ask = Inquiry(LoadSolver(seal.problem, seal.model), clock, wanted, steps, solve=again)
+    ask = Inquiry(LoadSolver(seal.problem, seal.model), clock, wanted, steps, solve=solve)
     seal = answered(seal, ask, ANSWERS if answers is None else answers)
     texts = [caution.text for caution in FINDINGS.of(ask.answers).cautions]
     warnings = (*texts, *_of_lower_flange(ask.answers, texts), *steps.failures)
@@ -135,7 +129,7 @@ def _of_lower_flange(answers: Mapping[str, Any], said: Collection[str]) -> Itera
             yield sentence("lower_flange", said=text)
 
 
-def _solved(case: Case, clock: Clock, steps: OptionalSteps, source: Source) -> SolvedSeal:
+def _solved(case: Case, clock: Clock, steps: OptionalSteps) -> SolvedSeal:
     """The loads of a case, without any answer."""
     with clock.step("interface", "roughness and interface law"):
         case = warmed(case)
@@ -145,7 +139,7 @@ def _solved(case: Case, clock: Clock, steps: OptionalSteps, source: Source) -> S
     refused = whole.loads.refused
     # the problem itself keeps its law
     problem = replace(whole, loads=whole.loads.without(refused)) if refused else whole
-    found = evaluate(problem, source, clock)
+    found = evaluate(problem, clock=clock)
     problem, solved = found.problem, found.solved
     kept = [number for number in range(len(whole.loads.points)) if number not in refused]
     unsolved = {kept[number]: one for number, one in solved.problems.items()}

@@ -16,14 +16,13 @@ from fem_seal.answers.answer import Answer, Inquiry
 from fem_seal.seal.bounds import EXACT, Bounds
 from fem_seal.seal.findings import Finding, Level, Validity
 from fem_seal.seal.load_result import DiscretisationError, LoadResult, SolvedSeal
-from fem_seal.seal.sources import Source
 from leak import LeakResult, Reading
 
 
 def _compute(seal: SolvedSeal, ask: Inquiry) -> SolvedSeal:
     assert ask.solve is not None and seal.case.lower_half is not None  # of `applies`
     ask.clock.progress("the lower flange on both faces of the gasket")
-    return ask.solve(seal.case.lower_half, source=Source())
+    return ask.solve(seal.case.lower_half)
 
 
 # A solution with answers and warnings of its own.

@@ -22,7 +22,7 @@ from fem_seal.errors import ConvergenceError, LoadProblem, NoLoadLeftError
 from fem_seal.seal.leak_model import LeakModel
 from fem_seal.seal.load_result import LoadResult, SolvedSeal
 from fem_seal.seal.load_solver import Clock, LoadSolver, SolvedLoads, solve_loads
-from fem_seal.seal.problem import Loads, SealProblem
+from fem_seal.seal.problem import Loads, SealProblem, sizing
 from fem_seal.seal.sources import EXACT, Source
 from meshes import MeshingError, SealMesh
 
@@ -243,7 +243,7 @@ def evaluate_many(
     def begun(number: int) -> MeshFit:
         problem = problems[number]
         size_given = problem.contact_size is not None
-        return MeshFit.begun(sources[number].sizing(problem), problem.contact, size_given=size_given)
+        return MeshFit.begun(sizing(problem), problem.contact, size_given=size_given)
 
     fits, done = batch.each(problems, begun), dict[int, Evaluation]()
 

@@ -22,7 +22,7 @@ from fem_seal.seal.conductivity_tables import family_law, family_table
 from fem_seal.seal.kept import Kept
 from fem_seal.seal.leak_model import Conductivity, FlowModel
 from fem_seal.seal.load_solver import Clock
-from fem_seal.seal.problem import SealProblem, condensed, sizing
+from fem_seal.seal.problem import SealProblem, condensed
 from leak import RoughContact
 from meshes import ContactGeometry, SealMesh, Sizing, build_contact
 
@@ -51,10 +51,6 @@ class Source:
         """The problem as it is solved with what comes from here."""
         return problem
 
-    def sizing(self, problem: SealProblem) -> Sizing:
-        """Of the first mesh that is tried for a problem."""
-        return sizing(problem)
-
     def bodies(
         self, problem: SealProblem, wanted: Sizing, clock: Clock
     ) -> tuple[SealMesh | None, ContactModel]:
@@ -78,43 +74,6 @@ class Source:
 
 
 EXACT = Source()
-
-
-@dataclass(frozen=True, eq=False)
-class OfSeal(Source):
-    """Bodies of a solved seal, for the same seal under other loads; where its mesh does not fit them, a finer one.
-
-    Parameters
-    ----------
-    of : SealProblem
-    seal_mesh : SealMesh
-    model : ContactModel
-    """
-
-    of: SealProblem
-    seal_mesh: SealMesh
-    model: ContactModel
-
-    def suited(self, problem: SealProblem) -> Source:
-        """That of a run for other bodies, and for those that yield or are warmed."""
-        alike = all(
-            _elastic(one) == _elastic(self.of.materials[name]) for name, one in problem.materials.items()
-        )
-        alike = alike and problem.supports == self.of.supports and problem.contact == self.of.contact
-        changes = any(one.curves or one.heating is not None for one in (problem, self.of))
-        return self if alike and not changes else EXACT
-
-    def sizing(self, problem: SealProblem) -> Sizing:
-        """That of the seal."""
-        return self.seal_mesh.sizing
-
-    def bodies(
-        self, problem: SealProblem, wanted: Sizing, clock: Clock
-    ) -> tuple[SealMesh | None, ContactModel]:
-        """Those of the seal, unless others are wanted."""
-        if wanted == self.seal_mesh.sizing:
-            return self.seal_mesh, self.model
-        return super().bodies(problem, wanted, clock)
 
 
 @dataclass(frozen=True)
