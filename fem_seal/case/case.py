@@ -34,8 +34,8 @@ from fem_seal.materials import ROOM_TEMPERATURE
 from fem_seal.units import DIMENSIONS
 from meshes import GeometryError
 
-# Table of the upper flange and of its face in the key of a problem.
-_LOWER = re.compile(r"^(roughness\.|)closure(\.|$)")
+# Key of a problem with the upper flange, its face, or both bodies: in the lower half that is the lower flange.
+_LOWER = re.compile(r"^(roughness\.|)(?:closure(?=\.|$)|gasket$)")
 # What completion offers besides the tables.
 _SHOWN = {"contact", "effective_modulus", "file", "hardness", "initial_contact_radius", "replace", "written"}
 
@@ -201,7 +201,7 @@ class Case(CaseTables):
             lower._read_alone(alike)
         except InputError as error:
             raise type(error)(
-                *(replace(one, key=_LOWER.sub(r"\1seat\2", one.key)) for one in error.problems)
+                *(replace(one, key=_LOWER.sub(r"\1seat", one.key)) for one in error.problems)
             ) from None
         if lower.closure == self.closure and lower.roughness == self.roughness:
             return None

@@ -124,7 +124,7 @@ def test_a_seat_is_the_lower_flange() -> None:
     assert lower is not None and lower.closure.radius == 0.031 and lower.lower_half is None
     assert "seat.shape" in problems(seat={"shape": "lands", "material": STEEL})
     assert "seat.radius" in problems(seat={"shape": "disc", "material": STEEL})
-    assert problems(seat={**same, "radius": "10 mm"})
+    assert "seat" in problems(seat={**same, "radius": "10 mm"})
 
 
 @pytest.mark.parametrize(
