@@ -93,7 +93,7 @@ def _leak_rates(seal: SolvedSeal, ask: Inquiry, bolts: Bolts, factor: float) -> 
         return [math.inf] * len(preloads)
     left = [number for number in range(len(preloads)) if number not in opened]
     solver = LoadSolver(replace(problem, loads=loads.without(opened)), seal.model)
-    solved = solve_loads(solver, ask.clock.progress)
+    solved = solve_loads(solver, ask.clock.progress, unload=False)
     numbers = [n for n in range(len(left)) if n not in solved.failures]
     found = [
         LoadResult(*solved.points[number], contact, formed=formed)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
 
@@ -21,7 +20,6 @@ from fem_seal.answers.judgement import (
     severity,
 )
 from fem_seal.answers.leakage_class import limit_of_rate, limits
-from fem_seal.answers.target import expected_contact_force
 from fem_seal.answers.uncertainty import UNCERTAINTY, leak_interval
 from fem_seal.case.case import Case
 from fem_seal.contact.solution import ContactSolution
@@ -30,7 +28,7 @@ from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.leak_model import LeakModel
 from fem_seal.seal.load_result import LoadResult, SolvedSeal
 from fem_seal.seal.load_solver import Clock, LoadSolver, Progress
-from fem_seal.seal.problem import SealFlow, SealProblem, largest_force
+from fem_seal.seal.problem import SealProblem, largest_force
 from fem_seal.units import briefly
 from fem_seal.validity.checks import earlier_cautions, load_validity
 from fem_seal.validity.words import sentence
@@ -223,9 +221,10 @@ VERDICT = Answer[Judgements](
 _FAR = 20.0
 # The force that is told passes, this much less in ln F (three per cent) does not, and it stands so far above the root.
 _LESS, _ABOVE_ROOT = 0.0304, 0.01
-# Accuracy of a root and of the edge of the theory in ln F; steps on the way to them.
-_ACCURACY, _EDGE = 5e-4, 2e-3
-_STEPS, _SLOPE = (0.03, 0.2), 6.0
+# Accuracy in ln F, of a root and of the edge of the theory.
+_ACCURACY = 2e-3
+# Steps on the way there, over those of a straight line, which falls as steeply at first and at least.
+_STEPS, _BEYOND, _SLOPES = (0.03, 0.2), 1.2, (6.0, 0.5)
 # Change over ln F of what samples and mesh add, at most.
 _STEEPEST = 3.0
 _MOST_STEPS, _MOST_RUNS = 60, 8
@@ -336,13 +335,17 @@ class _Search:
             else:
                 low = at
             added.append((at, value - self._value(at)))
-            less = self._value(at - _LESS) + _along(added, at - _LESS) > 0.0
-            if passes is not None and (high - low <= 1.01 * _LESS or (high == at and less)):
+            if passes is not None and (high - low <= 1.01 * _LESS or (high == at and self._less(at, added))):
                 return VerdictForce(passes.applied_force)
             start = at
         if passes is None:
             return VerdictForce(None, sentence("verdict_force", "not_found"))
         return VerdictForce(passes.applied_force)
+
+    def _less(self, at: float, added: Sequence[Added]) -> bool:
+        """Whether it does not pass with the share less that counts, or with a force that is tried already between."""
+        between = (one for one in self.tried if at - _LESS < one < at)
+        return any(self._value(one) + _along(added, one) > 0.0 for one in (*between, at - _LESS))
 
     def _run(self, at: float) -> LoadResult | None:
         load = self._load(at)
@@ -387,8 +390,10 @@ class _Search:
         self._tell(f"a contact force of {briefly('force', force)}")
         try:
             solver = self._bench(force).solver
-            contact, applied = solver.at_contact_force(pressure, force, progress=self.progress)
-            load = LoadResult(pressure, applied, contact, formed=problem.around(contact))
+            known = (one for one in self.tried.values() if one and one.contact.model is solver.model)
+            start, near = next(((one.contact, one.formed) for one in known), (None, None))
+            contact, applied = solver.at_contact_force(pressure, force, start, self.progress)
+            load = LoadResult(pressure, applied, contact, formed=problem.around(contact, near=near))
         except (ConvergenceError, InputError, OpenSealError):
             return None
         load = load.with_values(rough=LeakModel.of(problem.surface, problem.flow, load.contacts))
@@ -415,13 +420,10 @@ class _Search:
         return math.log(largest_force(self.problem))
 
     def _start(self) -> float | None:
-        """A force within the theory, near the one that is expected for the target; None if there is none."""
-        flow, target = SealFlow.of(self.problem), self.problem.loads.target_leak_rate
-        at = math.log(max(self.load.contact_force, 1e-9 * largest_force(self.problem)))
-        if flow is not None and target is not None:
-            with suppress(InputError):
-                at = math.log(expected_contact_force(flow, self.load.fluid_pressure, target))
-        at = min(at, self._highest)
+        """A force within the theory, near the one for the target; None if there is none."""
+        least = 1e-9 * largest_force(self.problem)
+        for_target = self.load.contact_force_for_target or self.load.contact_force
+        at = min(math.log(max(for_target, least)), self._highest)
         return next((one for one in self._near(at) if self._inside(one)), None)
 
     def _near(self, at: float) -> Iterator[float]:
@@ -437,11 +439,11 @@ class _Search:
         def excess(at: float) -> float:
             return min(self._value(at) + _along(added, at), _FAR)
 
-        at, value, ends = start, excess(start), False
+        at, value, ends, slope = start, excess(start), False, _SLOPES[0]
         for _ in range(_MOST_STEPS):
             if ends and value > 0.0:
                 return self._why_none(at)
-            step = min(max(abs(value) / _SLOPE, _STEPS[0]), _STEPS[1])
+            step = min(max(_BEYOND * abs(value) / slope, _STEPS[0]), _STEPS[1])
             if value <= 0.0:
                 ahead = at - step
                 if ahead < self._highest - _FAR:
@@ -454,18 +456,19 @@ class _Search:
             beyond = excess(ahead)
             if (beyond <= 0.0) != (value <= 0.0):
                 return root_between(excess, at, ahead, xtol=_ACCURACY)
+            slope = max(abs((beyond - value) / (ahead - at)), _SLOPES[1])
             at, value = ahead, beyond
         return self._why_none(at)
 
     def _edge(self, inside: float, outside: float) -> float:
         """The last place within the theory."""
-        while outside - inside > 0.5 * _EDGE:
+        while outside - inside > 0.5 * _ACCURACY:
             middle = 0.5 * (inside + outside)
             inside, outside = (middle, outside) if self._inside(middle) else (inside, middle)
         return inside
 
     def _why_none(self, at: float) -> str:
-        load, after = self._load(at), self._load(min(at + _EDGE, self._highest))
+        load, after = self._load(at), self._load(min(at + _ACCURACY, self._highest))
         force = "that" if load is None else briefly("force", load.applied_force)
         outside = after is not None and after.validity.outside
         ends = sentence("verdict_force", "outside" if outside else "strains", load=after)

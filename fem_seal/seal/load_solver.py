@@ -459,6 +459,8 @@ def solve_loads(
     solver: LoadSolver,
     progress: Progress | None = None,
     pressed: Mapping[int, ContactSolution | Exception] | None = None,
+    *,
+    unload: bool = True,
 ) -> SolvedLoads:
     """Solve all loads of a problem on a model; those that cannot be solved do not keep the others from it.
 
@@ -469,10 +471,12 @@ def solve_loads(
         Told now and then how far the path of bodies that yield is.
     pressed : mapping, optional
         By number of the load what is known already of `LoadSolver.pressings`.
+    unload : bool
+        Whether to ask for what is left of bodies that yield after the last load.
     """
     points = solver.problem.loads.points
     if solver.yields:
-        return _solved_path(solver, progress)
+        return _solved_path(solver, progress, unload=unload)
     failures: dict[int, Exception] = {}
     problem = solver.problem
     # the number of waves that hurts most is one for all loads, that of the highest fluid pressure
@@ -499,10 +503,10 @@ def solve_loads(
     return SolvedLoads(contacts, failures=failures, formed=formed, earlier=earlier, points=held)
 
 
-def _solved_path(solver: LoadSolver, progress: Progress | None) -> SolvedLoads:
+def _solved_path(solver: LoadSolver, progress: Progress | None, *, unload: bool) -> SolvedLoads:
     """Loads up to the first that cannot be solved: what it would leave behind is not known to those after it."""
     points = solver.problem.loads.points
-    path, earlier = _path(solver, points, progress=progress)
+    path, earlier = _path(solver, points, unload=unload, progress=progress)
     failures: dict[int, Exception] = {
         number: solver.open_on_path(points[number], opened) for number, opened in path.opened.items()
     }
