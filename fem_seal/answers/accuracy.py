@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from functools import partial
+from functools import cached_property, partial
 
 from fem_seal.answers.answer import Answer, Inquiry
 from fem_seal.bodies.supports import Supports
@@ -95,6 +95,11 @@ class CoarserLoad:
     number: int
     contact: ContactSolution
 
+    @cached_property
+    def as_it_is(self) -> Comparison:
+        """What is compared of this load itself."""
+        return self.compared("as it is", self.contact)
+
     def compared(self, name: str, contact: ContactSolution) -> Comparison:
         """What is compared of this load on some contact."""
         flow = self.solver.flow
@@ -133,21 +138,21 @@ def discretisation_error(
     """
     problem = coarser.solver.problem
     if not problem.contact.has_ready_mesh:
-        return _compared(coarser, result, coarser.contact)
+        return _compared(coarser, result, coarser.as_it_is)
     # A ready mesh cannot be made coarser, but finer.
     fine_mesh = build_contact(problem.contact.with_finer_meshes(), sizing.refined(COARSER))
     solver = LoadSolver(problem, condensed(problem, fine_mesh))
     fine = solve_load(solver, coarser.number, steps=_STEPS * COARSER)
-    return _compared(coarser, fine, result, of_coarse=True)
+    return _compared(coarser, fine, coarser.compared("coarser", result), of_coarse=True)
 
 
 def _compared(
-    load: CoarserLoad, fine: ContactSolution, coarse: ContactSolution, *, of_coarse: bool = False
+    load: CoarserLoad, fine: ContactSolution, coarse: Comparison, *, of_coarse: bool = False
 ) -> DiscretisationError:
     """Error of the fine or of the coarse one of two contacts."""
     # Load steps of implicit Euler are of first order; elements of second at least.
     order = 1 if load.solver.yields else 2
-    change = load.compared("coarser", coarse).relative_to(load.compared("finer", fine))
+    change = coarse.relative_to(load.compared("finer", fine))
 
     def estimated(change: float) -> float:
         """Relative error by Richardson's rule."""
@@ -165,12 +170,11 @@ def far_field(load: CoarserLoad) -> tuple[Comparison, ...]:
     ----------
     load : CoarserLoad
     """
-    base = load.compared("as it is", load.contact)
 
     def change(name: str, model: ContactModel) -> Comparison:
         solver, steps = replace(load.solver, model=model), _STEPS // COARSER
         changed = solve_load(solver, load.number, steps=steps, start=load.contact)
-        return load.compared(name, changed).relative_to(base)
+        return load.compared(name, changed).relative_to(load.as_it_is)
 
     changes = []
     for name, condense in _variations(load.solver, load.mesh):

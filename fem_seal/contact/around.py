@@ -41,11 +41,14 @@ class Stiffening:
         At the points of the contact line; only its shape counts.
     highest : int
         Harmonic beyond which the bodies are taken to answer as half-spaces do, from what they answer to this one.
+    known : dict
+        What the bodies answer to each harmonic, as far as it has been asked for, see `LocalContact.opened`.
     """
 
     model: ContactModel
     pressure: FloatArray = field(repr=False)
     highest: int
+    known: dict[int, FloatArray] = field(default_factory=dict, repr=False)
 
     def __call__(self, n: int) -> float:
         """c_n - c_0 [m per N/m]; of n = 1 that of a guided closure.
@@ -76,11 +79,11 @@ class Stiffening:
 
     def _opening(self, n: int) -> FloatArray:
         """By how much more the gap opens under the n-th harmonic than under an even line load [m per N/m]."""
-        model, forces = self.model, self._forces
-        opening = -(model.compliance @ forces)
-        for harmonic in model.harmonics:
-            opening = opening + harmonic.opening(n, forces)
-        return np.asarray(opening)
+        if n not in self.known:
+            model, forces = self.model, self._forces
+            of_bodies = (harmonic.opening(n, forces) for harmonic in model.harmonics)
+            self.known[n] = sum(of_bodies, -(model.compliance @ forces))
+        return self.known[n]
 
     @cached_property
     def _beyond(self) -> float:

@@ -63,6 +63,8 @@ class LocalContact:
     mean: ContactSolution
     law: Law
     near: LocalContact | None = field(default=None, repr=False)
+    opened: dict[int, FloatArray] = field(default_factory=dict, repr=False)
+    """By how much more the gap opens under each harmonic than under an even line load [m per N/m], see `Stiffening`."""
     _rungs: dict[int, ContactSolution] = field(default_factory=dict, repr=False)
     _fades_below: float = field(default=-math.inf, repr=False)
     _splines: dict[str, BSpline] = field(default_factory=dict, repr=False)
