@@ -169,6 +169,11 @@ class Store:
                 "INSERT OR REPLACE INTO design VALUES (?, ?)", enumerate(keys, start=first)
             )
 
+    @property
+    def design(self) -> list[str]:
+        """Keys of the designs of the study, in their order."""
+        return [key for (key,) in self._connection.execute("SELECT key FROM design ORDER BY number")]
+
     def known(self, keys: Sequence[str]) -> set[str]:
         """Those of the keys that have a row."""
         return {key for (key,) in self._selected("key", keys)}

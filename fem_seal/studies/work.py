@@ -102,6 +102,13 @@ class DesignSpec:
         """Values of the parameters in a design."""
         return tuple(one.value(number) for one, number in zip(self.parameters, point, strict=True))
 
+    def point(self, inputs: Sequence[float | str | bool]) -> list[float]:
+        """The design that has these values of the parameters."""
+        return [
+            float(value) if one.numeric else float(one.levels.index(value))
+            for one, value in zip(self.parameters, inputs, strict=True)
+        ]
+
     def key(self, point: Sequence[float] | FloatArray) -> str:
         """Hash of the full input of a design."""
         entries = sorted(zip((one.name for one in self.parameters), self.inputs(point), strict=True))

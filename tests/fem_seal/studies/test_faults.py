@@ -577,20 +577,20 @@ def test_a_search_that_was_killed_while_it_told_a_result_resumes_in_silence(tmp_
 
 
 @pytest.mark.parametrize(
-    "damage",
+    ("damage", "said"),
     [
-        "UPDATE trial_params SET distribution_json = '{'",
-        "UPDATE trial_params SET param_value = 'a lot'",
-        "UPDATE trials SET state = 'x' WHERE number = 1",
-        "UPDATE study_user_attributes SET value_json = '{'",
-        "UPDATE study_directions SET direction = 'x'",
+        ("UPDATE about SET text = '{' WHERE name = 'asked'", r"study\.sqlite: is damaged \(.*; restore it"),
+        ("UPDATE about SET text = '[]' WHERE name = 'asked'", "holds a search for something else"),
+        ("UPDATE design SET key = 'x' WHERE number = 1", "holds a search for something else"),
+        ('UPDATE point SET "load.applied_force" = 1234.5', "holds a search for something else"),
+        ("DELETE FROM point", "holds a search for something else"),
     ],
 )
-def test_damaged_tables_of_a_search_are_called_damaged(damage, a_search, tmp_path):
+def test_a_search_whose_trials_are_not_those_of_the_file_does_not_go_on(damage, said, a_search, tmp_path):
     folder = shutil.copytree(a_search, tmp_path / "out")
     with closing(sqlite3.connect(folder / store.FILE)) as file, file:
         file.execute(damage)
-    with pytest.raises(InputError, match=r"study\.sqlite: is damaged \(.*; restore it from a copy"):
+    with pytest.raises(InputError, match=said):
         run_study(study(**SEARCH), folder=folder, workers=0, resume=True)
 
 
