@@ -15,37 +15,12 @@ from typer.core import TyperCommand
 
 import fem_seal
 from fem_seal.case.words import problem, sentence
+from fem_seal.cli import terminal
 from fem_seal.cli.calibrate import calibrate
 from fem_seal.cli.library import fluids, materials
 from fem_seal.cli.new import new
 from fem_seal.cli.study import app as study_app
 from fem_seal.cli.table import table
-from fem_seal.cli.terminal import (
-    CaseFile,
-    Debug,
-    Details,
-    Json,
-    Quiet,
-    ResultsFolder,
-    argument,
-    case_of_command,
-    complain,
-    option,
-    output_option,
-    progress_of,
-    say,
-    say_json,
-    say_where,
-    show_derived,
-    show_first,
-    show_leak_table,
-    show_leakage,
-    show_loads,
-    show_result,
-    show_table,
-    tell,
-    warn,
-)
 from fem_seal.errors import ConvergenceError, InputError, NoLoadLeftError, SealError, unexpected
 from fem_seal.former_names import said_to, say_once
 from fem_seal.units import shown_in
@@ -71,26 +46,26 @@ for _command in (new, materials, fluids, table, calibrate):
 
 @app.callback(invoke_without_command=True)
 def _version(
-    version: Annotated[bool, option("common", "version")] = False,
-    cite: Annotated[bool, option("common", "cite")] = False,
+    version: Annotated[bool, terminal.option("common", "version")] = False,
+    cite: Annotated[bool, terminal.option("common", "cite")] = False,
 ) -> None:
     if cite:
         from fem_seal.output.sources import citation
 
-        say(*citation().split("\n"))
+        terminal.say(*citation().split("\n"))
         raise typer.Exit(DONE)
     if version:
-        say(f"fem-seal {__version__}")
+        terminal.say(f"fem-seal {__version__}")
         raise typer.Exit(DONE)
 
 
 @app.command()
 def pdf(
-    folder: ResultsFolder,
-    output: Annotated[Path | None, output_option("DIR/report.pdf", "PDF file.", "FILE")] = None,
-    one_page: Annotated[bool, option("pdf", "one_page")] = False,
-    quiet: Quiet = False,
-    debug: Debug = False,
+    folder: terminal.ResultsFolder,
+    output: Annotated[Path | None, terminal.output_option("DIR/report.pdf", "PDF file.", "FILE")] = None,
+    one_page: Annotated[bool, terminal.option("pdf", "one_page")] = False,
+    quiet: terminal.Quiet = False,
+    debug: terminal.Debug = False,
 ) -> None:
     """Print the report of a results folder into a PDF file, with Chromium, Chrome or Edge."""
     from fem_seal.output.pdf import print_pdf
@@ -101,22 +76,22 @@ def pdf(
     written = output or folder / ("page.pdf" if one_page else "report.pdf")
     print_pdf(page, written, one_page=one_page)
     if not quiet:
-        say(f"PDF in {written}")
+        terminal.say(f"PDF in {written}")
 
 
 @app.command()
 def explore(
-    case_file: Annotated[Path | None, argument("explore", "case_file")] = None,
-    port: Annotated[int, option("explore", "port")] = 8050,
-    no_browser: Annotated[bool, option("explore", "no_browser")] = False,
+    case_file: Annotated[Path | None, terminal.argument("explore", "case_file")] = None,
+    port: Annotated[int, terminal.option("explore", "port")] = 8050,
+    no_browser: Annotated[bool, terminal.option("explore", "no_browser")] = False,
     output: Annotated[
         Path | None,
-        output_option(
+        terminal.output_option(
             "that of the case file", "Folder for case files and reports that are written from the page."
         ),
     ] = None,
-    quiet: Quiet = False,
-    debug: Debug = False,
+    quiet: terminal.Quiet = False,
+    debug: terminal.Debug = False,
 ) -> None:
     """Open a live page of a case on this machine: sliders, and the leak rate that follows them. Ctrl-C ends it."""
     from fem_seal.case.new_case import TEMPLATES, read_text_case, template
@@ -132,7 +107,7 @@ def explore(
     def opened(address: str) -> None:
         if no_browser or not quiet:
             # the page opens only with the token in its address
-            say(f"{case.title}: {address}   (Ctrl-C ends it)")
+            terminal.say(f"{case.title}: {address}   (Ctrl-C ends it)")
         if not no_browser:
             import webbrowser
 
@@ -141,28 +116,28 @@ def explore(
     def failed(error: BaseException) -> None:
         if debug:
             traceback.print_exception(error)
-        complain(unexpected(error))
+        terminal.complain(unexpected(error))
 
     serve(case, folder, port, opened, failed)
 
 
 @app.command()
 def run(
-    case_file: CaseFile,
-    output: Annotated[Path | None, output_option("[output] folder of the case, CASE.out")] = None,
-    variants: Annotated[bool, option("run", "variants")] = False,
-    sensitivities: Annotated[bool | None, option("run", "sensitivities")] = None,
-    levers: Annotated[bool | None, option("run", "levers")] = None,
-    details: Details = False,
-    quiet: Quiet = False,
-    json: Json = False,
-    debug: Debug = False,
+    case_file: terminal.CaseFile,
+    output: Annotated[Path | None, terminal.output_option("[output] folder of the case, CASE.out")] = None,
+    variants: Annotated[bool, terminal.option("run", "variants")] = False,
+    sensitivities: Annotated[bool | None, terminal.option("run", "sensitivities")] = None,
+    levers: Annotated[bool | None, terminal.option("run", "levers")] = None,
+    details: terminal.Details = False,
+    quiet: terminal.Quiet = False,
+    json: terminal.Json = False,
+    debug: terminal.Debug = False,
 ) -> None:
     """Solve all loads of a case and write tables, VTK files, mesh and report to the output folder."""
     if levers is not None:
         say_once("--levers", "--sensitivities")
         sensitivities = levers if sensitivities is None else sensitivities
-    case = case_of_command(case_file)
+    case = terminal.case_of_command(case_file)
     if variants:
         case = case.replace({"leak.variants": True})
     folder = _results_folder(output, case)
@@ -172,21 +147,21 @@ def run(
     from fem_seal.output.report.brief import remarks_in_brief
     from fem_seal.output.tables import leak_rows
 
-    with folder_lock(folder), progress_of(quiet) as progress:
+    with folder_lock(folder), terminal.progress_of(quiet) as progress:
         result = seal_result.run(case, progress=progress, sensitivities=sensitivities)
         progress("writing results")
         failures = files.write(result, folder)
     if json:
         warnings = (*result.warnings, *failures)
-        say_json({"folder": str(folder), "loads": leak_rows(result), "warnings": warnings})
+        terminal.say_json({"folder": str(folder), "loads": leak_rows(result), "warnings": warnings})
     elif not quiet:
-        show_result(result, details=details)
-    warn(
+        terminal.show_result(result, details=details)
+    terminal.warn(
         (*(result.warnings if details else remarks_in_brief(result)), *failures),
         "" if details else "report.html",
     )
     if not (json or quiet):
-        say_where(folder)
+        terminal.say_where(folder)
 
 
 class _PictureNamedOrNot(TyperCommand):
@@ -204,12 +179,12 @@ class _PictureNamedOrNot(TyperCommand):
 
 @app.command(cls=_PictureNamedOrNot)
 def check(
-    case_file: CaseFile,
-    picture: Annotated[str | None, option("check", "picture")] = None,
-    details: Details = False,
-    quiet: Quiet = False,
-    json: Json = False,
-    debug: Debug = False,
+    case_file: terminal.CaseFile,
+    picture: Annotated[str | None, terminal.option("check", "picture")] = None,
+    details: terminal.Details = False,
+    quiet: terminal.Quiet = False,
+    json: terminal.Json = False,
+    debug: terminal.Debug = False,
 ) -> None:
     """Check a case file and print the closed-form results, without solving."""
     from fem_seal.answers.closed_forms import closed_form_limits, derive, nearly_open, strain_limit
@@ -217,7 +192,7 @@ def check(
     from fem_seal.output.case_words import derived_numbers, finish_rows, requirement_numbers, temperature_rows
     from fem_seal.seal.heating import warmed
 
-    case = warmed(case_of_command(case_file))
+    case = warmed(terminal.case_of_command(case_file))
     drawn = None
     if picture is not None:
         from fem_seal.output.pictures.section import write_section
@@ -232,30 +207,30 @@ def check(
     numbers["requirement"] = requirement_numbers(case)
     limits = [nearly_open(derived), strain_limit(derived), closed_form_limits(case, derived)]
     if json:
-        say_json(numbers)
+        terminal.say_json(numbers)
     elif not quiet:
-        tell(f"{case_file} is valid: {case.title}", bold=True)
-        tell(*(f"judged: {line}" for line in requirement_lines(case)))
+        terminal.tell(f"{case_file} is valid: {case.title}", bold=True)
+        terminal.tell(*(f"judged: {line}" for line in requirement_lines(case)))
         for name, text in (*finish_rows(case), *temperature_rows(case, problem)):
-            tell(f"  {name:30}{text}", indent=32)
-        show_derived(numbers, details=details)
-    warn([*_remarks(case), *filter(None, limits)], "" if details or quiet or json else "--details")
+            terminal.tell(f"  {name:30}{text}", indent=32)
+        terminal.show_derived(numbers, details=details)
+    terminal.warn([*_remarks(case), *filter(None, limits)], "" if details or quiet or json else "--details")
     if drawn is not None and not (json or quiet):
-        say(f"picture in {drawn}")
+        terminal.say(f"picture in {drawn}")
 
 
 @app.command()
 def mesh(
-    case_file: CaseFile,
-    output: Annotated[Path | None, output_option("[output] folder of the case, CASE.out")] = None,
-    quiet: Quiet = False,
-    json: Json = False,
-    debug: Debug = False,
+    case_file: terminal.CaseFile,
+    output: Annotated[Path | None, terminal.output_option("[output] folder of the case, CASE.out")] = None,
+    quiet: terminal.Quiet = False,
+    json: terminal.Json = False,
+    debug: terminal.Debug = False,
 ) -> None:
     """Mesh a case, write mesh.msh and print the quality of the elements."""
     from dataclasses import asdict
 
-    case = case_of_command(case_file)
+    case = terminal.case_of_command(case_file)
     folder = _results_folder(output, case)
     from fem_seal.output.folders import folder_lock, replaced_together
     from fem_seal.seal.problem import SealProblem, build_mesh
@@ -267,23 +242,25 @@ def mesh(
     _warn_of_unfinished(folder)
     quality = asdict(seal_mesh.quality)
     if json:
-        say_json({"file": str(path), **quality})
+        terminal.say_json({"file": str(path), **quality})
     elif not quiet:
-        say(f"{quality['elements']} triangles, {quality['vertices']} vertices")
-        say(f"shape (1 is equilateral): smallest {quality['smallest']:.3f}, mean {quality['mean']:.3f}")
-        say(f"relative error of the section area {quality['area_error']:.1e}")
-        say(f"Mesh in {path}")
+        terminal.say(f"{quality['elements']} triangles, {quality['vertices']} vertices")
+        terminal.say(
+            f"shape (1 is equilateral): smallest {quality['smallest']:.3f}, mean {quality['mean']:.3f}"
+        )
+        terminal.say(f"relative error of the section area {quality['area_error']:.1e}")
+        terminal.say(f"Mesh in {path}")
 
 
 @app.command()
 def leak(
-    profile_file: Annotated[Path, argument("leak", "profile_file")],
-    case_file: CaseFile,
-    output: Annotated[Path | None, output_option("PROFILE.leak")] = None,
-    details: Details = False,
-    quiet: Quiet = False,
-    json: Json = False,
-    debug: Debug = False,
+    profile_file: Annotated[Path, terminal.argument("leak", "profile_file")],
+    case_file: terminal.CaseFile,
+    output: Annotated[Path | None, terminal.output_option("PROFILE.leak")] = None,
+    details: terminal.Details = False,
+    quiet: terminal.Quiet = False,
+    json: terminal.Json = False,
+    debug: terminal.Debug = False,
 ) -> None:
     """Leak rate of a given pressure profile, such as one exported from another finite-element code."""
     from fem_seal.answers.leakage_class import volume_of
@@ -295,7 +272,7 @@ def leak(
     from fem_seal.seal.load_result import highest_load
     from fem_seal.seal.problem import SealProblem
 
-    case = case_of_command(case_file)
+    case = terminal.case_of_command(case_file)
     profiles = read_profiles(profile_file)
     folder = _created(output or profile_file.with_suffix(".leak"))
     loads = leak_of_profiles(SealProblem.of(case), profiles)
@@ -304,38 +281,38 @@ def leak(
         write_rows(rows, draft / "leak.csv")
     _warn_of_unfinished(folder)
     if json:
-        say_json({"folder": str(folder), "loads": rows})
+        terminal.say_json({"folder": str(folder), "loads": rows})
     elif not quiet:
         title, highest = f"{profile_file.name}: {case.title}", loads[highest_load(loads)]
-        show_first(leak_in_brief(case, highest, loads), next_class_in_words(case, highest))
+        terminal.show_first(leak_in_brief(case, highest, loads), next_class_in_words(case, highest))
         if details:
-            show_leak_table(rows, title, loads, volume_of(case))
-            show_leakage(case, loads)
+            terminal.show_leak_table(rows, title, loads, volume_of(case))
+            terminal.show_leakage(case, loads)
         else:
-            show_loads(case, loads, title)
-        say_where(folder)
+            terminal.show_loads(case, loads, title)
+        terminal.say_where(folder)
 
 
 @app.command()
 def direct(
-    case_file: CaseFile,
-    output: Annotated[Path | None, output_option("[direct] folder of the case, CASE.direct")] = None,
-    jobs: Annotated[int | None, option("direct", "jobs")] = None,
-    seal: Annotated[bool, option("direct", "seal")] = False,
-    quiet: Quiet = False,
-    json: Json = False,
-    debug: Debug = False,
+    case_file: terminal.CaseFile,
+    output: Annotated[Path | None, terminal.output_option("[direct] folder of the case, CASE.direct")] = None,
+    jobs: Annotated[int | None, terminal.option("direct", "jobs")] = None,
+    seal: Annotated[bool, terminal.option("direct", "seal")] = False,
+    quiet: terminal.Quiet = False,
+    json: terminal.Json = False,
+    debug: terminal.Debug = False,
 ) -> None:
     """Simulate rough contact and flow of a case's surface directly and compare the theory; interrupted runs go on."""
     from fem_seal import result as seal_result
     from fem_seal.output import direct as samples
     from fem_seal.output.folders import folder_lock
 
-    case = case_of_command(case_file)
+    case = terminal.case_of_command(case_file)
     given = None if case.direct is None else case.direct.folder
     folder = _created(output or (Path(given) if given else case_file.with_suffix(".direct")))
     processes = jobs or os.cpu_count() or 1
-    with folder_lock(folder), progress_of(quiet) as progress:
+    with folder_lock(folder), terminal.progress_of(quiet) as progress:
         if seal:
             strips = seal_result.direct_seal(case, folder=folder, jobs=processes, progress=progress)
             progress("drawing")
@@ -353,29 +330,29 @@ def direct(
             title, keys = "Direct simulation", 2
             lines, shown = samples.direct_lines(table), samples.shown_rows(rows)
     if json:
-        say_json({"folder": str(folder), **numbers})
+        terminal.say_json({"folder": str(folder), **numbers})
     elif not quiet:
-        tell(*lines)
-        show_table(f"{title}: {case.title}", *shown, keys=keys)
-        say_where(folder)
+        terminal.tell(*lines)
+        terminal.show_table(f"{title}: {case.title}", *shown, keys=keys)
+        terminal.say_where(folder)
 
 
 @app.command()
 def surface(
-    files: Annotated[list[Path], argument("surface", "files")],
-    output: Annotated[Path | None, output_option("FILE.surface")] = None,
-    unit: Annotated[str | None, option("surface", "unit")] = None,
-    detrend: Annotated[str, option("surface", "detrend")] = "tilt",
-    window: Annotated[str, option("surface", "window")] = "hann",
-    tip_radius: Annotated[str | None, option("surface", "tip_radius")] = None,
-    shortest_wavelength: Annotated[str | None, option("surface", "shortest_wavelength")] = None,
-    outliers: Annotated[str, option("surface", "outliers")] = "keep",
-    hurst: Annotated[float | None, option("surface", "hurst")] = None,
-    q_low: Annotated[str | None, option("surface", "q_low")] = None,
-    q_high: Annotated[str | None, option("surface", "q_high")] = None,
-    quiet: Quiet = False,
-    json: Json = False,
-    debug: Debug = False,
+    files: Annotated[list[Path], terminal.argument("surface", "files")],
+    output: Annotated[Path | None, terminal.output_option("FILE.surface")] = None,
+    unit: Annotated[str | None, terminal.option("surface", "unit")] = None,
+    detrend: Annotated[str, terminal.option("surface", "detrend")] = "tilt",
+    window: Annotated[str, terminal.option("surface", "window")] = "hann",
+    tip_radius: Annotated[str | None, terminal.option("surface", "tip_radius")] = None,
+    shortest_wavelength: Annotated[str | None, terminal.option("surface", "shortest_wavelength")] = None,
+    outliers: Annotated[str, terminal.option("surface", "outliers")] = "keep",
+    hurst: Annotated[float | None, terminal.option("surface", "hurst")] = None,
+    q_low: Annotated[str | None, terminal.option("surface", "q_low")] = None,
+    q_high: Annotated[str | None, terminal.option("surface", "q_high")] = None,
+    quiet: terminal.Quiet = False,
+    json: terminal.Json = False,
+    debug: terminal.Debug = False,
 ) -> None:
     """Evaluate measured scans of a surface: key figures, power spectrum, picture."""
     from fem_seal.case.roughness import scan_case
@@ -398,22 +375,22 @@ def surface(
     folder = _created(output or files[0].with_suffix(".surface"))
     with folder_lock(folder), replaced_together(folder, whole=False) as draft:
         write_surface(measured, draft)
-    warn(measured.warnings)
+    terminal.warn(measured.warnings)
     if json:
-        say_json({"folder": str(folder), **surface_numbers(measured)})
+        terminal.say_json({"folder": str(folder), **surface_numbers(measured)})
     elif not quiet:
         for name, text in surface_lines(measured):
-            say(f"  {name:24}{text}")
-        say_where(folder)
+            terminal.say(f"  {name:24}{text}")
+        terminal.say_where(folder)
 
 
 @app.command()
 def view(
-    folder: ResultsFolder,
-    png: Annotated[Path | None, option("view", "png")] = None,
-    load: Annotated[int | None, option("view", "load")] = None,
-    quiet: Quiet = False,
-    debug: Debug = False,
+    folder: terminal.ResultsFolder,
+    png: Annotated[Path | None, terminal.option("view", "png")] = None,
+    load: Annotated[int | None, terminal.option("view", "load")] = None,
+    quiet: terminal.Quiet = False,
+    debug: terminal.Debug = False,
 ) -> None:
     """Show a results folder in 3D: the seal cut open, contact pressure on the seat, a slider over the loads."""
     from fem_seal.output.pictures import three_d
@@ -421,22 +398,22 @@ def view(
     _warn_of_unfinished(folder)
     three_d.view(folder, png, load)
     if png is not None and not quiet:
-        say(f"picture in {png}")
+        terminal.say(f"picture in {png}")
 
 
 @app.command()
 def schema(
-    study: Annotated[bool, option("schema", "study")] = False,
+    study: Annotated[bool, terminal.option("schema", "study")] = False,
 ) -> None:
     """Print the JSON Schema of the case file, for completion and checks in an editor."""
     if study:
         from fem_seal.studies.tables import study_schema
 
-        say_json(study_schema())
+        terminal.say_json(study_schema())
         return
     from fem_seal.case.schema import case_schema
 
-    say_json(case_schema())
+    terminal.say_json(case_schema())
 
 
 def _results_folder(output: Path | None, case: Case) -> Path:
@@ -485,7 +462,7 @@ def _warn_of_unfinished(folder: Path) -> None:
     from fem_seal.output.folders import unfinished
 
     said = unfinished(folder)
-    warn([f"{folder}: {said}"] if said else [])
+    terminal.warn([f"{folder}: {said}"] if said else [])
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -503,7 +480,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
     try:
-        with said_to(lambda text: warn([text])), shown_in(None):
+        with said_to(lambda text: terminal.warn([text])), shown_in(None):
             app(args=words, prog_name="fem-seal")
         sys.stdout.flush()
     except SystemExit as leave:
@@ -514,7 +491,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if "--debug" in words:
             raise
         code, message = _explained(error)
-        complain(message)
+        terminal.complain(message)
         return code
     return DONE
 

@@ -7,35 +7,26 @@ import sys
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Annotated, Any
 
-from fem_seal.cli.terminal import (
-    Debug,
-    argument,
-    cell,
-    json_option,
-    numbers_table,
-    option,
-    say,
-    say_json,
-    show,
-)
+from fem_seal.cli import terminal
+from fem_seal.cli.terminal import cell
 from fem_seal.files import own_tables
 
 if TYPE_CHECKING:
     from rich.console import Console
 
-Json = Annotated[bool, json_option("the entries")]
-Csv = Annotated[bool, option("library", "csv")]
-Temperature = Annotated[str, option("library", "temperature")]
+Json = Annotated[bool, terminal.json_option("the entries")]
+Csv = Annotated[bool, terminal.option("library", "csv")]
+Temperature = Annotated[str, terminal.option("library", "temperature")]
 # Width of a terminal from which on a column of words fits next to the numbers.
 _WIDE = 120
 
 
 def materials(
-    name: Annotated[str | None, argument("library", "material")] = None,
+    name: Annotated[str | None, terminal.argument("library", "material")] = None,
     temperature: Temperature = "20 degC",
     json: Json = False,
     csv: Csv = False,
-    debug: Debug = False,
+    debug: terminal.Debug = False,
 ) -> None:
     """List the materials of the library: modulus, hardness, yield strength, expansion, conductivity, condition, source.
 
@@ -54,15 +45,15 @@ def materials(
     else:
         _print_table(*library.material_cells(rows), "condition", [row["condition"] for row in rows])
         more = own_tables("library.toml")["more_of_materials"]
-        say(f"Numbers at {temperature}. {library.ONE_CONDITION}", more)
+        terminal.say(f"Numbers at {temperature}. {library.ONE_CONDITION}", more)
 
 
 def fluids(
-    name: Annotated[str | None, argument("library", "fluid")] = None,
+    name: Annotated[str | None, terminal.argument("library", "fluid")] = None,
     temperature: Temperature = "20 degC",
     json: Json = False,
     csv: Csv = False,
-    debug: Debug = False,
+    debug: terminal.Debug = False,
 ) -> None:
     """List the fluids of the library: viscosity, density, range of temperature, source."""
     from fem_seal.output import library
@@ -76,12 +67,14 @@ def fluids(
         _print_lines(library.fluid_lines(rows[0]))
     else:
         _print_table(*library.fluid_cells(rows), "source", [row["source"] for row in rows])
-        say(f"Viscosity and density at {temperature}. {own_tables('library.toml')['more_of_fluids']}")
+        terminal.say(
+            f"Viscosity and density at {temperature}. {own_tables('library.toml')['more_of_fluids']}"
+        )
 
 
 def _print_rows(rows: Sequence[dict[str, Any]], single: bool, as_json_text: bool) -> None:
     if as_json_text:
-        say_json(rows[0] if single else rows)
+        terminal.say_json(rows[0] if single else rows)
         return
     writer = csv.writer(sys.stdout, lineterminator="\n")
     # a table does not fit into a cell
@@ -98,7 +91,7 @@ def _print_lines(lines: Iterable[tuple[str, str]]) -> None:
     table = Table.grid(padding=(0, 2))
     for word, text in lines:
         table.add_row(word, cell(text))
-    show(table, _console())
+    terminal.show(table, _console())
 
 
 def _print_table(
@@ -110,7 +103,7 @@ def _print_table(
     if wide:
         headings = [*headings, f"{more}\n"]
         cells = [[*line, text] for line, text in zip(cells, words, strict=True)]
-    show(numbers_table(headings, cells, narrow=True, names=True, words=wide), console)
+    terminal.show(terminal.numbers_table(headings, cells, narrow=True, names=True, words=wide), console)
 
 
 def _console() -> Console:

@@ -5,20 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from fem_seal.cli.terminal import (
-    CaseFile,
-    Debug,
-    Quiet,
-    case_of_command,
-    json_option,
-    numbers_table,
-    option,
-    output_option,
-    say,
-    say_json,
-    show,
-    warn,
-)
+from fem_seal.cli import terminal
 
 if TYPE_CHECKING:
     from fem_seal.answers.leak_map import LeakMap
@@ -27,20 +14,20 @@ _FORM = '"1 bar, 5 bar, 20 bar", or from, to and number of values: "1 bar : 20 b
 
 
 def table(
-    case_file: CaseFile,
-    output: Annotated[Path | None, output_option("CASE.table", "Folder for the tables.")] = None,
-    pressure: Annotated[str | None, option("table", "pressure", form=_FORM)] = None,
-    force: Annotated[str | None, option("table", "force")] = None,
-    quiet: Quiet = False,
-    json: Annotated[bool, json_option("the points")] = False,
-    debug: Debug = False,
+    case_file: terminal.CaseFile,
+    output: Annotated[Path | None, terminal.output_option("CASE.table", "Folder for the tables.")] = None,
+    pressure: Annotated[str | None, terminal.option("table", "pressure", form=_FORM)] = None,
+    force: Annotated[str | None, terminal.option("table", "force")] = None,
+    quiet: terminal.Quiet = False,
+    json: Annotated[bool, terminal.json_option("the points")] = False,
+    debug: terminal.Debug = False,
 ) -> None:
     """Leak rate and equivalent leakage area over pressure and force: CSV, Modelica and MATLAB tables."""
     from fem_seal.answers.leak_map import leak_map
     from fem_seal.output.folders import folder_lock, replaced_together
     from fem_seal.output.leak_map import map_rows, write_map
 
-    case = case_of_command(case_file)
+    case = terminal.case_of_command(case_file)
     pressures = None if pressure is None else grid(pressure, "pressure")
     forces = None if force is None else grid(force, "force")
     folder = output or case_file.with_suffix(".table")
@@ -49,12 +36,14 @@ def table(
         with replaced_together(folder, whole=False) as draft:
             write_map(found, draft)
     if json:
-        say_json({"folder": str(folder), "points": map_rows(found)})
+        terminal.say_json({"folder": str(folder), "points": map_rows(found)})
     elif not quiet:
         _show(found)
-    warn(_left_out(found))
+    terminal.warn(_left_out(found))
     if not (json or quiet):
-        say(f"Tables in {folder}: {', '.join(sorted(path.name for path in folder.iterdir() if path.suffix))}")
+        terminal.say(
+            f"Tables in {folder}: {', '.join(sorted(path.name for path in folder.iterdir() if path.suffix))}"
+        )
 
 
 def grid(text: str, dimension: str) -> list[float]:
@@ -115,8 +104,8 @@ def _show(found: LeakMap) -> None:
             digits = min(3, digits_within(one.leak_error))
             rate = rounded(flow.of(float(found.leak_rate[m, n])), digits)
             rows[m].append(f"{rate:.3g}{Level(one.level).mark}")
-    say(f"Leak rate of {found.fluid}{volumes_of_gas(found.is_gas)}: {found.title}")
-    show(numbers_table(headings, rows, narrow=True))
+    terminal.say(f"Leak rate of {found.fluid}{volumes_of_gas(found.is_gas)}: {found.title}")
+    terminal.show(terminal.numbers_table(headings, rows, narrow=True))
 
 
 def _left_out(found: LeakMap) -> list[str]:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fem_seal import units
 from fem_seal.answers.leakage_class import leakage_classes, limits, volume_of
 from fem_seal.files import own_tables
 from fem_seal.output.answers.verdict import next_class_of, verdict_facts, verdict_sentences
@@ -20,15 +21,6 @@ from fem_seal.output.columns import COLUMNS
 from fem_seal.output.pictures.section import contact_window
 from fem_seal.seal.findings import Level
 from fem_seal.seal.load_result import highest_load
-from fem_seal.units import (
-    LIQUID,
-    LeakVolume,
-    duration,
-    format_quantity,
-    leak_range_text,
-    leak_rate_text,
-    quantity_worth,
-)
 
 if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
@@ -195,7 +187,7 @@ class Screen:
     facts: tuple[tuple[str, str, str], ...] = ()
     limits: tuple[tuple[str, float], ...] = ()
     widens: bool = False
-    volume: LeakVolume = LIQUID
+    volume: units.LeakVolume = units.LIQUID
     wrong: dict[str, str] = field(default_factory=dict)
     sensitivities: tuple[str, ...] = ()
 
@@ -417,15 +409,15 @@ class Shown:
         return validity_words(self.screen) if self.screen.load else ("", "–")
 
 
-def leak_words(load: ShownLoad, volume: LeakVolume) -> str:
+def leak_words(load: ShownLoad, volume: units.LeakVolume) -> str:
     """The leak rate of a load, an interval where there is one."""
     rate, low, high = (load.values[name] for name in LEAK)
     if not math.isfinite(rate) and not math.isfinite(low):
         return "–"
     digits, claimed = load.digits["leak_rate_m3_per_s"], load.level != str(Level.OUTSIDE)
     if math.isfinite(low) and math.isfinite(high):
-        return leak_range_text((low, high), digits, claimed=claimed, volume=volume)
-    return leak_rate_text(rate, digits, claimed=claimed, volume=volume)
+        return units.leak_range_text((low, high), digits, claimed=claimed, volume=volume)
+    return units.leak_rate_text(rate, digits, claimed=claimed, volume=volume)
 
 
 def numbers_of(screen: Screen) -> list[Number]:
@@ -439,7 +431,7 @@ def numbers_of(screen: Screen) -> list[Number]:
     if load is None:
         return []
     values = load.values
-    at = f"at {format_quantity('fluid pressure', values['fluid_pressure_Pa'])}"
+    at = f"at {units.format_quantity('fluid pressure', values['fluid_pressure_Pa'])}"
     more = "; ".join(filter(None, [at, state_in_words(screen.volume), preliminary_words(screen)]))
     rate = values["leak_rate_m3_per_s"]
     waits = screen.waiting and not math.isfinite(rate)
@@ -447,7 +439,7 @@ def numbers_of(screen: Screen) -> list[Number]:
     found = [Number("leak", "leak rate", leak, more, rate)]
     for name, one in own_tables("explore.toml")["numbers"].items():
         column = one["column"]
-        value = quantity_worth(COLUMNS[column].kind, values[column], load.digits[column])
+        value = units.quantity_worth(COLUMNS[column].kind, values[column], load.digits[column])
         found.append(Number(name, one["what"], value, one["more"], values[column]))
     if load.classes and preliminary_words(screen):
         # a class is met by a whole interval or not at all
@@ -493,7 +485,7 @@ def slow_words(seconds: float) -> str:
     seconds : float
         Estimated processor time [s].
     """
-    return f"Each change takes about {duration(seconds)}; it is calculated when the sliders rest."
+    return f"Each change takes about {units.duration(seconds)}; it is calculated when the sliders rest."
 
 
 def lost_words(code: int, again: bool, left: bool) -> str:

@@ -18,18 +18,8 @@ from fem_seal.output.prose import phrase, template
 from fem_seal.output.report.words import volumes_of_gas
 from fem_seal.seal.findings import Level
 from fem_seal.seal.readings import WORDS
-from fem_seal.studies import plots
+from fem_seal.studies import designs_table, plots
 from fem_seal.studies.designs import SENSITIVITY
-from fem_seal.studies.designs_table import (
-    LEAK_RATE,
-    PASSES,
-    Designs,
-    Sensitivity,
-    class_shares,
-    other_leak_rates,
-    quantiles,
-    sensitivities,
-)
 from fem_seal.studies.display import LOOKS, Display, share_text, short
 from fem_seal.studies.store import FILE, open_to_read
 from fem_seal.units import leak_rate_text
@@ -53,14 +43,14 @@ def write_page(folder: Path, path: Path) -> Path:
         If the folder holds no study, or plotly is not installed.
     """
     with closing(open_to_read(folder / FILE)) as store:
-        designs, counts, reasons = Designs.read(store), store.counts(), store.reasons()
+        designs, counts, reasons = designs_table.Designs.read(store), store.counts(), store.reasons()
     try:
         return write_text(path, page(designs, counts, reasons))
     except ImportError as error:
         raise InputError.at("report", needed("studies", error)) from None
 
 
-def page(designs: Designs, counts: dict[str, int], reasons: list[tuple[str, int]]) -> str:
+def page(designs: designs_table.Designs, counts: dict[str, int], reasons: list[tuple[str, int]]) -> str:
     """The page as HTML.
 
     Parameters
@@ -90,13 +80,13 @@ def _words() -> Any:
     return template("study.words.j2", escaped=False).module
 
 
-def _headline(designs: Designs, counts: dict[str, int]) -> str:
-    both = LEAK_RATE in designs.done and bool(other_leak_rates(designs))
+def _headline(designs: designs_table.Designs, counts: dict[str, int]) -> str:
+    both = designs_table.LEAK_RATE in designs.done and bool(designs_table.other_leak_rates(designs))
     titles = list(map(Display(designs).title, designs.parameters))
     return str(_words().headline(designs, counts, titles, both))
 
 
-def _doubts(designs: Designs) -> Iterator[str]:
+def _doubts(designs: designs_table.Designs) -> Iterator[str]:
     """How many designs are outside the theory or doubtful, and what is wrong with the first of each."""
     for level in (Level.OUTSIDE, Level.DOUBTFUL):
         found = designs.worst_reason[designs.validity == str(level)]
@@ -122,7 +112,7 @@ class Section:
     broad: bool = False
 
 
-def sections(designs: Designs) -> Iterator[Section]:
+def sections(designs: designs_table.Designs) -> Iterator[Section]:
     """All sections that a study has something to show in.
 
     Parameters
@@ -147,7 +137,7 @@ def sections(designs: Designs) -> Iterator[Section]:
     parallel = words.parallel(part, missing)
     yield from _plotted("Pareto front", words.pareto(), plots.pareto_plot(display))
     yield from _plotted("Search", words.search(designs), plots.search_plot(display))
-    line = share_text(designs.confidence) if PASSES in designs.done else ""
+    line = share_text(designs.confidence) if designs_table.PASSES in designs.done else ""
     yield from _plotted("Map", words.crosses(designs, line), plots.map_plot(display))
     yield from _plotted(
         "Responses over parameters", part + words.hollow(designs), plots.response_plot(display)
@@ -161,7 +151,7 @@ def sections(designs: Designs) -> Iterator[Section]:
 
 def _how_often(display: Display) -> Iterator[Section]:
     designs = display.designs
-    if designs.kind not in _WITHOUT_SHARES and LEAK_RATE in designs.done:
+    if designs.kind not in _WITHOUT_SHARES and designs_table.LEAK_RATE in designs.done:
         yield from _distribution(display)
         yield from _classes(designs)
 
@@ -212,19 +202,19 @@ _MOST_ROWS = 500
 def _passing(display: Display) -> Iterator[Section]:
     """Which designs keep the requirement often enough, the likeliest first."""
     designs = display.designs
-    if PASSES not in designs.done:
+    if designs_table.PASSES not in designs.done:
         return
-    likely = designs.done[PASSES].sort_values(ascending=False, kind="stable")
+    likely = designs.done[designs_table.PASSES].sort_values(ascending=False, kind="stable")
     numbers = likely.index[:_MOST_ROWS].tolist()
     note = _words().passing(passing_words(designs), len(likely), len(numbers))
     yield _table_of("Designs that pass", note, numbers, display.told(numbers))
 
 
-def passing_words(designs: Designs) -> str:
+def passing_words(designs: designs_table.Designs) -> str:
     """How many designs pass often enough, or how often the best one does, as a sentence; empty where nobody asks."""
-    if PASSES not in designs.done or designs.done.empty:
+    if designs_table.PASSES not in designs.done or designs.done.empty:
         return ""
-    likely, limit = designs.done[PASSES], designs.limit
+    likely, limit = designs.done[designs_table.PASSES], designs.limit
     allowed = f" less than {leak_rate_text(limit)}" if limit else ""
     count, unknown = int((likely >= designs.confidence).sum()), int(likely.isna().sum())
     best = share_text(float(likely.max()))
@@ -237,14 +227,14 @@ def at_edge(display: Display) -> str:
     return str(_words().at_edge(list(map(display.title, display.designs.at_edge))))
 
 
-def outside_left_out(designs: Designs) -> str:
+def outside_left_out(designs: designs_table.Designs) -> str:
     """How many designs are left out, as a sentence without its point."""
     return str(_words().outside_left_out(designs.left_out))
 
 
 def _sensitivity(display: Display) -> Iterator[Section]:
     designs = display.designs
-    found = sensitivities(designs)
+    found = designs_table.sensitivities(designs)
     if not found and designs.kind in SENSITIVITY:
         yield Section("Sensitivity", _words().indices_missing())
     for one in found:
@@ -252,7 +242,7 @@ def _sensitivity(display: Display) -> Iterator[Section]:
             yield _indices(display, one)
 
 
-def _indices(display: Display, found: Sensitivity) -> Section:
+def _indices(display: Display, found: designs_table.Sensitivity) -> Section:
     of, size, unit = plots.scale(display, found)
     title, noise = display.title(found.output), found.noise.tolist()
     if found.method == "morris":
@@ -287,16 +277,16 @@ def _distribution(display: Display) -> Iterator[Section]:
     if figure is None:
         return
     designs = display.designs
-    found = quantiles(designs.done[LEAK_RATE].dropna().to_numpy())
+    found = designs_table.quantiles(designs.done[designs_table.LEAK_RATE].dropna().to_numpy())
     leak_rate = f"leak rate{volumes_of_gas(bool(designs.about['seal'].get('gas')))}"
     headings: tuple[str, ...] = ("share of the designs below", leak_rate, "[m³/s]")
     rows: list[tuple[str, ...]] = [
         (f"{100 * share:g} %", leak_rate_text(value), short(value)) for share, value in found.items()
     ]
     other = ""
-    for reading, rates in other_leak_rates(designs).items():
+    for reading, rates in designs_table.other_leak_rates(designs).items():
         headings += (WORDS[reading].title, "[m³/s]")
-        ends = quantiles(rates).values()
+        ends = designs_table.quantiles(rates).values()
         rows = [(*row, leak_rate_text(end), short(end)) for row, end in zip(rows, ends, strict=True)]
         other = phrase("readings.ends", "what")
     yield Section(
@@ -308,10 +298,10 @@ def _distribution(display: Display) -> Iterator[Section]:
     )
 
 
-def _classes(designs: Designs) -> Iterator[Section]:
-    if designs.done[LEAK_RATE].dropna().empty:
+def _classes(designs: designs_table.Designs) -> Iterator[Section]:
+    if designs.done[designs_table.LEAK_RATE].dropna().empty:
         return
-    shares, both = class_shares(designs), bool(other_leak_rates(designs))
+    shares, both = designs_table.class_shares(designs), bool(designs_table.other_leak_rates(designs))
     yield Section(
         "Leakage classes",
         _words().classes(designs.about, _counted(designs), bool(shares), both),
@@ -323,9 +313,9 @@ def _classes(designs: Designs) -> Iterator[Section]:
     )
 
 
-def _counted(designs: Designs) -> tuple[int, int, int]:
+def _counted(designs: designs_table.Designs) -> tuple[int, int, int]:
     """Designs that shares are shares of, those that failed, and those of the former outside the theory."""
-    calculated = int(designs.done[LEAK_RATE].notna().sum())
+    calculated = int(designs.done[designs_table.LEAK_RATE].notna().sum())
     return calculated, len(designs.table) - len(designs.done), int(designs.outside.sum())
 
 

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import math
-from typing import Any
-
 from fem_seal.answers.lower_flange import share_of
 from fem_seal.answers.solution import SealSolution
 from fem_seal.output.prose import phrase
@@ -50,29 +47,14 @@ def _of_both_faces(upper: LoadResult, lower: LoadResult) -> str:
     return phrase("faces.result", "share", upper=share, lower=1.0 - share)
 
 
-def _contacts(result: SealSolution) -> list[tuple[Any, ...]]:
-    return [tuple(row) for row in contact_rows(result)[1]]
-
-
 def _section(result: SealSolution) -> Section | None:
     sentences = lands_in_words(result)
     if not sentences:
         return None
-    alike = result.highest.of_faces is None
-    rows = [
-        {
-            "pressure": pressure,
-            "force": force,
-            "contact": contact if alike else _FACES.get(contact, contact),
-            "line_load": line_load,
-            "peak": peak,
-            "fwhm": width,
-            "upstream": upstream,
-            "downstream": downstream,
-            "rate": None if math.isnan(rate) else rate,
-        }
-        for pressure, force, contact, line_load, peak, width, upstream, downstream, rate in _contacts(result)
-    ]
+    alike, (columns, contacts) = result.highest.of_faces is None, contact_rows(result)
+    rows = [dict(zip(columns, row, strict=True)) for row in contacts]
+    for row in () if alike else rows:
+        row["contact"] = _FACES.get(str(row["contact"]), row["contact"])
     table = worded_table("lands", rows)
     if alike:
         return worded_section("lands", [*sentences, phrase("lands.result", "meaning")], table)

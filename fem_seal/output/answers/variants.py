@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import asdict
 
+from fem_seal import units
 from fem_seal.answers.accuracy import Comparison
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.answers.solution import SealSolution
@@ -14,16 +15,6 @@ from fem_seal.output.shown import ReadableTable, Shown, by_reading, worded_table
 from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.load_result import LoadResult, highest_load
-from fem_seal.units import (
-    LeakVolume,
-    Unit,
-    format_digits,
-    leak_rate_text,
-    number,
-    range_text,
-    trimmed,
-    unit_for,
-)
 
 
 def variant_table(result: SealSolution) -> ReadableTable:
@@ -31,7 +22,7 @@ def variant_table(result: SealSolution) -> ReadableTable:
     ends = [rate for one in result.interface_variants for rate in (one.leak_rate, *one.others.values())]
     rates = [rate for rate in ends if rate is not None]
     volume = volume_of(result.case)
-    unit = volume.named(unit_for("flow", max(rates, default=0.0)))
+    unit = volume.named(units.unit_for("flow", max(rates, default=0.0)))
     load = result.strongest
     used = result.case.interface.plastic
     return worded_table(
@@ -51,7 +42,7 @@ def variant_table(result: SealSolution) -> ReadableTable:
     )
 
 
-def _both_readings(variant: Comparison, unit: Unit, load: LoadResult, volume: LeakVolume) -> str:
+def _both_readings(variant: Comparison, unit: units.Unit, load: LoadResult, volume: units.LeakVolume) -> str:
     """The leak rate in both readings of yielding asperities, or the only one."""
     claimed = not load.validity.outside
     if variant.leak_rate is None:
@@ -59,10 +50,10 @@ def _both_readings(variant: Comparison, unit: Unit, load: LoadResult, volume: Le
     ends = Bounds.of([variant.leak_rate, *variant.others.values()])
     digits = min(load.leak_digits, 2 if ends.apart else 3)
     texts = [
-        format_digits(unit.of(one), digits) if one else leak_rate_text(0.0, claimed=claimed)
+        units.format_digits(unit.of(one), digits) if one else units.leak_rate_text(0.0, claimed=claimed)
         for one in map(volume.measurable, ends)
     ]
-    return range_text(*texts)
+    return units.range_text(*texts)
 
 
 def theory_table(result: SealSolution) -> ReadableTable:
@@ -74,7 +65,7 @@ def theory_table(result: SealSolution) -> ReadableTable:
     of_case = [load.leak.leak_rate if load.leak else 0.0 for load in result.loads]
     largest = max(variant.leak_rate[n] for variant in result.theory_variants for n in shown)
     volume = volume_of(result.case)
-    unit = volume.named(unit_for("flow", largest))
+    unit = volume.named(units.unit_for("flow", largest))
     headings = ["p(u)", "channels", "P(u)", "percolation threshold"]
     for n in shown:
         pressure = load_name(result.loads[n], result.loads)
@@ -85,12 +76,12 @@ def theory_table(result: SealSolution) -> ReadableTable:
             variant.interface_law + (" (used)" if variant.used else ""),
             prose()["channels"][variant.conductivity],
             variant.separation_width or "–",
-            trimmed(variant.percolation_threshold),
+            units.trimmed(variant.percolation_threshold),
         ]
         for n in shown:
             rate, digits = variant.leak_rate[n], min(result.loads[n].leak_digits, 3)
-            cells += [format_digits(unit.of(volume.measurable(rate)), digits)]
-            cells += [number(ratio_to_case(rate, of_case[n]), 2)]
+            cells += [units.format_digits(unit.of(volume.measurable(rate)), digits)]
+            cells += [units.number(ratio_to_case(rate, of_case[n]), 2)]
         rows.append(tuple(cells))
     return ReadableTable(tuple(headings), tuple(rows))
 

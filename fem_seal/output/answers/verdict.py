@@ -7,35 +7,15 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
+from fem_seal import units
+from fem_seal.answers import leakage_class
 from fem_seal.answers.judgement import Limit, SealJudgement, Utilisation, VerdictReason, worst_of
-from fem_seal.answers.leakage_class import (
-    OF_LEAK_RATE,
-    PER_LENGTH,
-    class_size,
-    limits,
-    next_class,
-    volume_of,
-)
 from fem_seal.case.fields import Bubbles, NormalVolume, Throughput
 from fem_seal.output.prose import phrase
 from fem_seal.output.shown import Shown
 from fem_seal.seal.findings import YIELD_STRESS, Level
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.readings import THEORIES
-from fem_seal.units import (
-    digits_beside,
-    fixed_unit,
-    flow_unit,
-    format_digits,
-    format_quantity,
-    leak_range_text,
-    leak_rate_text,
-    percent,
-    range_text,
-    rounded,
-    trimmed,
-    unit_for,
-)
 from leak import millilitres_per_minute
 
 if TYPE_CHECKING:
@@ -66,7 +46,7 @@ def factor_text(factor: float, digits: int = 2) -> str:
     """
     if factor > _FAR:
         return f"more than {_FAR_IN_WORDS}"
-    return format_digits(factor, digits_beside(factor, 1.0, digits))
+    return units.format_digits(factor, units.digits_beside(factor, 1.0, digits))
 
 
 def verdict_sentences(result: SealSolution) -> list[str]:
@@ -121,9 +101,9 @@ def _of_throughput(limit: Limit) -> bool:
 def _place(result: SealSolution, found: SealJudgement) -> str:
     if found.number is not None:
         return load_name(result.loads[found.number], result.loads)
-    pressure = format_quantity("fluid pressure", found.fluid_pressure)
+    pressure = units.format_quantity("fluid pressure", found.fluid_pressure)
     return (
-        f"{pressure} with {format_quantity('force', found.applied_force)}"
+        f"{pressure} with {units.format_quantity('force', found.applied_force)}"
         if found.applied_force
         else pressure
     )
@@ -131,7 +111,7 @@ def _place(result: SealSolution, found: SealJudgement) -> str:
 
 def _verdict(result: SealSolution, found: SealJudgement, *, brief: bool = False) -> str:
     judged, limit, key = found.worst, found.worst.limit, _sentence(found)
-    digits, volume, load = _digits(result, found), volume_of(result.case), _place(result, found)
+    digits, volume, load = _digits(result, found), leakage_class.volume_of(result.case), _place(result, found)
     if found.number is not None and result.loads[found.number].tested:
         load = f"{load} after the leak test"
     if judged.verdict != "inconclusive" and _doubt(result, found):
@@ -144,9 +124,9 @@ def _verdict(result: SealSolution, found: SealJudgement, *, brief: bool = False)
     # the ends in the sentence have the same unit as the limit
     beside = {"pass": judged.ends[1:], "fail": judged.ends[:1]}.get(key, judged.ends)
     over = [end / limit.leak_rate if limit.leak_rate else math.nan for end in measured]
-    none = leak_rate_text(judged.ends[1], volume=volume)
+    none = units.leak_rate_text(judged.ends[1], volume=volume)
     at_most = _amount(high, digits, limit.leak_rate) if high else none
-    own = limit.name == OF_LEAK_RATE
+    own = limit.name == leakage_class.OF_LEAK_RATE
     return phrase(
         "brief.verdict" if brief else "verdict.sentences",
         key,
@@ -159,7 +139,7 @@ def _verdict(result: SealSolution, found: SealJudgement, *, brief: bool = False)
         limit=f"required{_as_written(limit.leak_rate)}" if own else limit.name,
         factor=factor_text(judged.margin, digits),
         times_low=factor_text(over[0], digits),
-        times_range=range_text(*(factor_text(one, digits) for one in over)),
+        times_range=units.range_text(*(factor_text(one, digits) for one in over)),
         fluid=limit.test_fluid,
         reason=judged.reason,
     )
@@ -184,14 +164,14 @@ def _sentence(found: SealJudgement) -> str:
 def _as_written(leak_rate: float) -> str:
     """A limit as given, if in another state or in bubbles: ", 1 Nml/min"; empty for all others."""
     if isinstance(leak_rate, NormalVolume):
-        return f", {trimmed(rounded(millilitres_per_minute(leak_rate.normal), 4))} Nml/min"
+        return f", {units.trimmed(units.rounded(millilitres_per_minute(leak_rate.normal), 4))} Nml/min"
     if isinstance(leak_rate, Bubbles):
-        return f", {trimmed(rounded(60.0 * leak_rate.count, 4))} bubbles/min"
+        return f", {units.trimmed(units.rounded(60.0 * leak_rate.count, 4))} bubbles/min"
     return ""
 
 
 def _further_sentences(result: SealSolution, found: SealJudgement) -> Iterator[str]:
-    volume = volume_of(result.case)
+    volume = leakage_class.volume_of(result.case)
     if volume.state and found.worst.why not in _WITHOUT_RATES and not _of_throughput(found.worst.limit):
         yield phrase("verdict.sentences", "volume", state=volume.state)
     limit, decided = (
@@ -255,41 +235,43 @@ def _other_theory(result: SealSolution, found: SealJudgement) -> Iterator[str]:
             theory=THEORIES[theory],
             verdict=judged.verdict,
             own=own,
-            rate=leak_range_text(judged.ends, 2, beside=(judged.limit.leak_rate,)),
+            rate=units.leak_range_text(judged.ends, 2, beside=(judged.limit.leak_rate,)),
             load=load_name(result.loads[place], result.loads),
         )
 
 
 def _bubble(volume: float) -> str:
-    return f"{trimmed(rounded(1e6 * volume, 2))} ml"
+    return f"{units.trimmed(units.rounded(1e6 * volume, 2))} ml"
 
 
 def _amount(leak_rate: float, digits: int, limit: float) -> str:
     """A leak rate with enough digits to be on the correct side of the limit in the sentence."""
     if not 0 < leak_rate < math.inf:
-        return leak_range_text(leak_rate)
+        return units.leak_range_text(leak_rate)
     if isinstance(leak_rate, Throughput) and isinstance(limit, Throughput):
-        unit = fixed_unit("mbar l/s")
+        unit = units.fixed_unit("mbar l/s")
         name, value, allowed = unit.name, *(unit.of(one.pressure_volume) for one in (leak_rate, limit))
     else:
-        unit = flow_unit((leak_rate, limit)) or unit_for("flow", leak_rate)
+        unit = units.flow_unit((leak_rate, limit)) or units.unit_for("flow", leak_rate)
         name, value, allowed = unit.name, unit.of(leak_rate), unit.of(limit)
-    return f"{format_digits(value, digits_beside(value, rounded(allowed, 2), digits))} {name}"
+    return (
+        f"{units.format_digits(value, units.digits_beside(value, units.rounded(allowed, 2), digits))} {name}"
+    )
 
 
 def _range(low: float, high: float, digits: int, limit: float) -> str:
     if isinstance(low, Throughput) and isinstance(high, Throughput) and math.isfinite(high):
-        unit = fixed_unit("mbar l/s")
-        texts = (format_digits(unit.of(one.pressure_volume), digits) for one in (low, high))
-        return f"{range_text(*texts)} {unit.name}"
-    return leak_range_text((low, high), digits, beside=(limit,))
+        unit = units.fixed_unit("mbar l/s")
+        texts = (units.format_digits(unit.of(one.pressure_volume), digits) for one in (low, high))
+        return f"{units.range_text(*texts)} {unit.name}"
+    return units.leak_range_text((low, high), digits, beside=(limit,))
 
 
 def _limit_text(leak_rate: float, beside: Collection[float] = ()) -> str:
     if isinstance(leak_rate, Throughput):
-        unit = fixed_unit("mbar l/s")
-        return f"{format_digits(unit.of(leak_rate.pressure_volume), 2)} {unit.name}"
-    return "no visible leakage" if leak_rate == 0 else leak_range_text(leak_rate, 2, beside=beside)
+        unit = units.fixed_unit("mbar l/s")
+        return f"{units.format_digits(unit.of(leak_rate.pressure_volume), 2)} {unit.name}"
+    return "no visible leakage" if leak_rate == 0 else units.leak_range_text(leak_rate, 2, beside=beside)
 
 
 def used_in_words(result: SealSolution, shares: Utilisation) -> str:
@@ -311,11 +293,11 @@ def _shares(result: SealSolution, shares: Utilisation) -> dict[str, str]:
     digits = min(2, *(load.pressure_digits for load in result.loads))
     known = {"yield": shares.yield_stress, "hardness": shares.hardness}
     used = {
-        name: f"{format_digits(100 * share, digits_beside(100 * share, 100, digits))} %"
+        name: f"{units.format_digits(100 * share, units.digits_beside(100 * share, 100, digits))} %"
         for name, share in known.items()
         if share is not None
     }
-    return used if shares.opening is None else {**used, "opening": percent(shares.opening)}
+    return used if shares.opening is None else {**used, "opening": units.percent(shares.opening)}
 
 
 _USED = {"yield": "Of the yield stress", "hardness": "Of the hardness", "opening": "Margin to opening"}
@@ -392,7 +374,7 @@ def next_class_in_words(case: Case, load: LoadResult) -> str:
     case : Case
     load : LoadResult
     """
-    found = next_class(case, load)
+    found = leakage_class.next_class(case, load)
     if found is None:
         return ""
     if found.as_calculated:
@@ -470,9 +452,9 @@ def force_to_pass(force: float) -> str:
     '75.2 kN'
     """
     if force == 0.0:
-        return format_quantity("force", 0.0)
+        return units.format_quantity("force", 0.0)
     step = 10.0 ** (math.floor(math.log10(abs(force))) - 2)
-    return format_quantity("force", rounded(step * math.ceil(force / step - 1e-9), 3))
+    return units.format_quantity("force", units.rounded(step * math.ceil(force / step - 1e-9), 3))
 
 
 def requirement_lines(case: Case) -> list[str]:
@@ -488,17 +470,19 @@ def requirement_lines(case: Case) -> list[str]:
     at: dict[tuple[str, float], list[float]] = {}
     for pressure in dict.fromkeys(case.load.fluid_pressure):
         if required.judges(pressure):
-            for limit in limits(case, pressure):
+            for limit in leakage_class.limits(case, pressure):
                 at.setdefault((limit.name, limit.leak_rate), []).append(pressure)
     lines = [_limit_line(name, rate, pressures) for (name, rate), pressures in at.items()]
     if fluid.volume.state and not all(
-        _of_throughput(one) for one in limits(case, case.load.fluid_pressure[0])
+        _of_throughput(one) for one in leakage_class.limits(case, case.load.fluid_pressure[0])
     ):
         lines.append(phrase("verdict.check", "volume", state=fluid.volume.state))
-    for limit in limits(case, case.load.fluid_pressure[0]):
-        if limit.name != OF_LEAK_RATE:
-            per_length = limit.name.startswith(tuple(PER_LENGTH))
-            lines.append(phrase("verdict.check", "size", size=class_size(case, per_length=per_length)[1]))
+    for limit in leakage_class.limits(case, case.load.fluid_pressure[0]):
+        if limit.name != leakage_class.OF_LEAK_RATE:
+            per_length = limit.name.startswith(tuple(leakage_class.PER_LENGTH))
+            lines.append(
+                phrase("verdict.check", "size", size=leakage_class.class_size(case, per_length=per_length)[1])
+            )
         if limit.bubble_volume is not None:
             lines.append(phrase("verdict.check", "bubble", volume=_bubble(limit.bubble_volume)))
         if limit.test_fluid:

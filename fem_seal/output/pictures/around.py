@@ -11,20 +11,9 @@ import numpy as np
 
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.arrays import FloatArray
+from fem_seal.output.pictures import style
 from fem_seal.output.pictures.colours import GREY, INK, ORANGE
 from fem_seal.output.pictures.fields import SCALE_ROOM, even_levels, scale_of_colours
-from fem_seal.output.pictures.style import (
-    WIDTH,
-    Picture,
-    captioned,
-    few,
-    label,
-    load_colours,
-    logarithmic,
-    panels,
-    positive,
-    spans_decades,
-)
 from fem_seal.seal.circumference import Circumference
 from fem_seal.seal.load_names import different, load_axis, load_name
 from fem_seal.units import unit_for
@@ -45,7 +34,7 @@ _LINES = 4
 _DEGREE = math.pi / 180
 
 
-def unrolled_picture(result: SealSolution) -> Picture | None:
+def unrolled_picture(result: SealSolution) -> style.Picture | None:
     """The contact pressure at the highest load, unrolled; None for a round seal, even with scratches.
 
     Parameters
@@ -62,7 +51,7 @@ def unrolled_picture(result: SealSolution) -> Picture | None:
     strongest = replace(profile, pressure=pressure[int(np.argmax(pressure.max(axis=1)))])
     reach = min(_REACH * strongest.std + abs(strongest.centroid), float(np.abs(profile.x).max()))
     length, unit = unit_for("length", reach), unit_for("contact pressure", float(pressure.max()))
-    figure, (axes,) = panels(1, height=3.5, side=SCALE_ROOM)
+    figure, (axes,) = style.panels(1, height=3.5, side=SCALE_ROOM)
     largest = unit.of(float(pressure.max()))
     whole_turn = np.append(angle, 2 * math.pi) / _DEGREE
     bands = axes.contourf(
@@ -77,14 +66,14 @@ def unrolled_picture(result: SealSolution) -> Picture | None:
     axes.plot(whole_turn, np.append(peaks, peaks[:1]) / length.size, color=INK, linewidth=1.0, label="peak")
     axes.set_ylim(-reach / length.size, reach / length.size)
     axes.legend(loc="upper right", handlelength=1.4)
-    label(axes, f"Contact pressure at {name}", "angle around the axis  [°]", f"x  [{length.name}]")
+    style.label(axes, f"Contact pressure at {name}", "angle around the axis  [°]", f"x  [{length.name}]")
     _turn(axes)
     scale_of_colours([axes], bands, f"contact pressure  [{unit.name}]", lowest="0")
     parted = bool(np.isnan(peaks).any())
-    return captioned(figure, "unrolled", "map", "parted" if parted else "", load=name)
+    return style.captioned(figure, "unrolled", "map", "parted" if parted else "", load=name)
 
 
-def line_load_picture(result: SealSolution) -> Picture | None:
+def line_load_picture(result: SealSolution) -> style.Picture | None:
     """Line load of some loads around the axis, and the form error; None for a round seal, even with scratches.
 
     Parameters
@@ -95,7 +84,7 @@ def line_load_picture(result: SealSolution) -> Picture | None:
     if not shown:
         return None
     figure, (loads, form) = _round_panels()
-    over, colour = load_axis(result.loads), load_colours(len(shown))
+    over, colour = load_axis(result.loads), style.load_colours(len(shown))
     mean = np.ones(361)
     circle = np.linspace(0.0, 2 * math.pi, 361)
     loads.plot(circle, mean, color=GREY, linewidth=1.0, linestyle=(0, (4, 2)), label="mean")
@@ -113,7 +102,7 @@ def line_load_picture(result: SealSolution) -> Picture | None:
     )
     around = shown[-1][1]
     _form_error(form, around, circle)
-    return captioned(figure, "line_load_around", "both", "" if around.form.guided else "free")
+    return style.captioned(figure, "line_load_around", "both", "" if around.form.guided else "free")
 
 
 def _form_error(axes: Axes, around: Circumference, circle: FloatArray) -> None:
@@ -157,7 +146,7 @@ def draw_line_load(axes: Axes, result: SealSolution) -> bool:
         Whether there is any: not of a round seal.
     """
     shown, over = _shown(result), load_axis(result.loads)
-    colour = load_colours(len(shown))
+    colour = style.load_colours(len(shown))
     for n, (load, around) in enumerate(shown):
         share = around.line_load / around.line_load.mean()
         turn, closed = _closed(around.angle / _DEGREE, share, 360.0)
@@ -165,12 +154,14 @@ def draw_line_load(axes: Axes, result: SealSolution) -> bool:
     if shown:
         axes.set_ylim(0.0)
         axes.legend(title=over.name, loc="best", handlelength=1.4)
-        label(axes, "Line load around the axis", "angle around the axis  [°]", "line load over its mean")
+        style.label(
+            axes, "Line load around the axis", "angle around the axis  [°]", "line load over its mean"
+        )
         _turn(axes)
     return bool(shown)
 
 
-def leak_around_picture(result: SealSolution) -> Picture | None:
+def leak_around_picture(result: SealSolution) -> style.Picture | None:
     """Leak per degree around the axis at some loads; None where nothing leaks, and for a round seal with scratches.
 
     Parameters
@@ -180,11 +171,11 @@ def leak_around_picture(result: SealSolution) -> Picture | None:
     shown = _leaking_around(result)
     if not shown:
         return None
-    figure, (axes,) = panels(1, height=3.3)
+    figure, (axes,) = style.panels(1, height=3.3)
     draw_leak_around(axes, result)
     rates = [rate for load, _, own in shown for rate in (own, *_in_others(load))]
     scratched = any(around.scratches is not None for _, around in _shown(result))
-    return captioned(
+    return style.captioned(
         figure,
         "leak_around",
         "lines",
@@ -210,7 +201,7 @@ def draw_leak_around(axes: Axes, result: SealSolution) -> bool:
     shown = _leaking_around(result)
     if not shown:
         return False
-    over, colour = load_axis(result.loads), load_colours(len(shown))
+    over, colour = load_axis(result.loads), style.load_colours(len(shown))
     rates = np.concatenate([rate for _, _, rate in shown])
     unit = volume_of(result.case).named(unit_for("flow", float(rates.max())))
     for n, (load, angle, rate) in enumerate(shown):
@@ -220,14 +211,16 @@ def draw_leak_around(axes: Axes, result: SealSolution) -> bool:
         lines += [(other, dashed) for other in others]
         for values, how in lines:
             turn, closed = _closed(angle / _DEGREE, values / unit.size, 360.0)
-            axes.plot(turn, positive(closed), color=colour(n), **how)
+            axes.plot(turn, style.positive(closed), color=colour(n), **how)
         rates = np.concatenate([rates, *others])
-    if spans_decades(rates):
-        logarithmic(axes, "y")
+    if style.spans_decades(rates):
+        style.logarithmic(axes, "y")
     else:
         axes.set_ylim(0.0, 1.12 * float(rates.max()) / unit.size)
     axes.legend(title=over.name, loc="best", handlelength=1.4)
-    label(axes, "Leak around the axis", "angle around the axis  [°]", f"leak rate per degree  [{unit.name}]")
+    style.label(
+        axes, "Leak around the axis", "angle around the axis  [°]", f"leak rate per degree  [{unit.name}]"
+    )
     _turn(axes)
     return True
 
@@ -254,7 +247,7 @@ def _shown(result: SealSolution) -> list[tuple[LoadResult, Circumference]]:
     """A few loads with their results around the axis, in order of the line load."""
     loads = [result.loads[n] for n in different(result.loads)]
     known = [(load, load.around) for load in loads if load.around is not None and load.around.form.felt]
-    return [known[n] for n in few(len(known), _LINES)] if known else []
+    return [known[n] for n in style.few(len(known), _LINES)] if known else []
 
 
 def _closed(
@@ -276,7 +269,7 @@ def _round_panels() -> tuple[Figure, Sequence[Axes]]:
     """Two polar axes side by side, with room for a legend between them."""
     from matplotlib.figure import Figure
 
-    height, width, size, right = 3.9, WIDTH, 2.85, 0.75
+    height, width, size, right = 3.9, style.WIDTH, 2.85, 0.75
     figure = Figure(figsize=(width, height))
     axes = [
         figure.add_axes((left / width, 0.38 / height, size / width, size / height), projection="polar")

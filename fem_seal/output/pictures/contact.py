@@ -10,20 +10,8 @@ import numpy as np
 
 from fem_seal.files import told_of
 from fem_seal.output.case_words import law_word
+from fem_seal.output.pictures import style
 from fem_seal.output.pictures.colours import BLUE, GREEN, GREY, INK, ORANGE
-from fem_seal.output.pictures.style import (
-    WIDTH,
-    Picture,
-    captioned,
-    few,
-    inches,
-    label,
-    load_colours,
-    logarithmic,
-    number_dots,
-    panels,
-    spans_decades,
-)
 from fem_seal.seal.load_names import LoadAxis, different, load_axis, load_name
 from fem_seal.units import Unit, format_quantity, quantity, unit_for
 
@@ -52,7 +40,7 @@ _CLOSED_FORMS = {
 }
 
 
-def profile_picture(result: SealSolution, derived: Derived) -> Picture:
+def profile_picture(result: SealSolution, derived: Derived) -> style.Picture:
     """Pressure profiles of all loads, and the lowest and highest load compared with the closed forms.
 
     Parameters
@@ -66,7 +54,7 @@ def profile_picture(result: SealSolution, derived: Derived) -> Picture:
     closed = not math.isinf(result.model.relative_radius)
     shown = ([order[-1]] if len(order) == 1 else [order[0], order[-1]]) if closed else []
     together = len(order) > 1 or not closed
-    figure, axes = panels(len(shown) + together, height=3.7, width=WIDTH if closed else _NARROW)
+    figure, axes = style.panels(len(shown) + together, height=3.7, width=style.WIDTH if closed else _NARROW)
     length = unit_for("length", _reach(loads))
     if together:
         all_profiles(axes[0], loads, order, length)
@@ -82,7 +70,7 @@ def profile_picture(result: SealSolution, derived: Derived) -> Picture:
     else:
         words += ["hertz", "gaussian" if rough else "", law]
     alt = ("alt", "alt_closed" if closed else "")
-    return captioned(figure, "profiles", *words, alt=alt, group="profile")
+    return style.captioned(figure, "profiles", *words, alt=alt, group="profile")
 
 
 def all_profiles(axes: Axes, loads: Sequence[LoadResult], order: Sequence[int], length: Unit) -> None:
@@ -98,10 +86,10 @@ def all_profiles(axes: Axes, loads: Sequence[LoadResult], order: Sequence[int], 
         Of x.
     """
     pressure = unit_for("contact pressure", max(load.peak_pressure for load in loads))
-    colour = load_colours(len(order))
+    colour = style.load_colours(len(order))
     over = load_axis(loads)
-    drawn = few(len(order), _DRAWN_LOADS)
-    named = [drawn[n] for n in few(len(drawn), _NAMED_LOADS if len(drawn) <= _NAMED_LOADS else 4)]
+    drawn = style.few(len(order), _DRAWN_LOADS)
+    named = [drawn[n] for n in style.few(len(drawn), _NAMED_LOADS if len(drawn) <= _NAMED_LOADS else 4)]
     for n in drawn:
         name = over.names[order[n]] if n in named else None
         _plot_profiles(
@@ -115,7 +103,7 @@ def all_profiles(axes: Axes, loads: Sequence[LoadResult], order: Sequence[int], 
     )
     if len(order) == 1:
         title = load_name(loads[order[0]], loads)
-    label(axes, title, f"x  [{length.name}]", f"contact pressure  [{pressure.name}]")
+    style.label(axes, title, f"x  [{length.name}]", f"contact pressure  [{pressure.name}]")
 
 
 def draw_profiles(axes: Axes, result: SealSolution) -> None:
@@ -161,10 +149,10 @@ def _against_closed_forms(axes: Axes, load: LoadResult, name: str, closed: Deriv
     axes.set_xlim(-reach / length.size, reach / length.size)
     axes.set_ylim(0.0, top / pressure.size)
     axes.legend(loc="upper right", handlelength=1.9, borderpad=0.1)
-    label(axes, f"{name}, closed forms", f"x  [{length.name}]", f"contact pressure  [{pressure.name}]")
+    style.label(axes, f"{name}, closed forms", f"x  [{length.name}]", f"contact pressure  [{pressure.name}]")
 
 
-def size_picture(result: SealSolution, sizes: Mapping[str, Sizes]) -> Picture | None:
+def size_picture(result: SealSolution, sizes: Mapping[str, Sizes]) -> style.Picture | None:
     """Peak pressure and width at every load, compared with the closed forms; None if there is only one.
 
     Parameters
@@ -176,12 +164,12 @@ def size_picture(result: SealSolution, sizes: Mapping[str, Sizes]) -> Picture | 
     if len(result.loads) == 1:
         return None
     over = load_axis(result.loads)
-    figure, axes = panels(2, height=3.3)
+    figure, axes = style.panels(2, height=3.3)
     peak = _draw_sizes(axes[0], over, sizes, "peak_pressure", "contact pressure")
-    label(axes[0], "Peak contact pressure", over.label, f"peak pressure  [{peak.name}]")
+    style.label(axes[0], "Peak contact pressure", over.label, f"peak pressure  [{peak.name}]")
     width = _draw_sizes(axes[1], over, sizes, "fwhm", "length")
-    label(axes[1], "Width of the contact", over.label, f"full width at half maximum  [{width.name}]")
-    return captioned(
+    style.label(axes[1], "Width of the contact", over.label, f"full width at half maximum  [{width.name}]")
+    return style.captioned(
         figure, "sizes", "all", "gaussian" if "gaussian" in sizes else "", over.order, over=over.name
     )
 
@@ -197,17 +185,17 @@ def _draw_sizes(axes: Axes, over: LoadAxis, sizes: Mapping[str, Sizes], measure:
             axes.plot(x[order], y, color=colour, linestyle=dashes, label=text)
     dots = "o-" if over.ordered else "o"
     axes.plot(x, calculated / unit.size, dots, color=BLUE, linewidth=0.8, ms=4.5, label="calculated")
-    scales = ["x"] if x.min() > 0 and spans_decades(x) else []
-    if measure == "peak_pressure" and spans_decades(calculated):
+    scales = ["x"] if x.min() > 0 and style.spans_decades(x) else []
+    if measure == "peak_pressure" and style.spans_decades(calculated):
         scales.append("y")
     else:
         # A closed form far outside its range must not flatten the other curves.
         # points on the frame cannot be read
         highest = max(axes.get_ylim()[1], 1.15 * float(calculated.max()) / unit.size)
         axes.set_ylim(0.0, min(highest, 5 * float(calculated.max()) / unit.size))
-    logarithmic(axes, *scales)
+    style.logarithmic(axes, *scales)
     if over.returns:
-        number_dots(axes, x, calculated / unit.size, range(1, len(x) + 1))
+        style.number_dots(axes, x, calculated / unit.size, range(1, len(x) + 1))
     axes.legend(loc="best")
     return unit
 
@@ -232,7 +220,7 @@ def draw_gap(axes: Axes, result: SealSolution) -> None:
     for load, name, colour in chosen:
         _plot_profiles(axes, load, "gap", length, gap, name, color=colour)
     axes.set_ylim(0.0, 1.08 * widest / gap.size or 1.0)
-    label(axes, "Mean gap between the surfaces", f"x  [{length.name}]", f"gap  [{gap.name}]")
+    style.label(axes, "Mean gap between the surfaces", f"x  [{length.name}]", f"gap  [{gap.name}]")
     axes.set_xlim(low / length.size, high / length.size)
     axes.legend(title=load_axis(result.loads).name, loc="best", handlelength=1.4)
 
@@ -240,12 +228,12 @@ def draw_gap(axes: Axes, result: SealSolution) -> None:
 def _few_loads(loads: Sequence[LoadResult]) -> list[tuple[LoadResult, str, Any]]:
     """A few different loads with their names and colours."""
     order, names = different(loads), load_axis(loads).names
-    drawn = [order[n] for n in few(len(order), 4)]
-    colour = load_colours(len(drawn))
+    drawn = [order[n] for n in style.few(len(order), 4)]
+    colour = style.load_colours(len(drawn))
     return [(loads[n], names[n], colour(place)) for place, n in enumerate(drawn)]
 
 
-def contact_picture(result: SealSolution, load: LoadResult) -> Picture:
+def contact_picture(result: SealSolution, load: LoadResult) -> style.Picture:
     """The contact enlarged: its pressure, and below it the section with the gap through which the fluid leaks.
 
     Parameters
@@ -295,7 +283,7 @@ def contact_picture(result: SealSolution, load: LoadResult) -> Picture:
     below.set_xlim(low / length.size, high / length.size)
     below.set_ylim(-0.3 * top / gap.size, top / gap.size)
     below.set_yticks([one for one in below.get_yticks() if 0.0 <= one <= top / gap.size])
-    width, height = inches(below)
+    width, height = style.inches(below)
     times = (high - low) / width / (1.3 * top / height)
     how: dict[str, Any] = {"transform": below.transAxes, "va": "center", "bbox": _ON_FLUID}
     for at, name in ((0.93, "closure"), (0.06, "seat")):
@@ -311,10 +299,10 @@ def contact_picture(result: SealSolution, load: LoadResult) -> Picture:
         above.plot(
             load.whole.x / length.size, share * load.peak_pressure / pressure.size, color=BLUE, linestyle="--"
         )
-    label(above, "", "", f"contact pressure  [{pressure.name}]")
-    label(below, "", f"x  [{length.name}]", f"gap  [{gap.name}]")
+    style.label(above, "", "", f"contact pressure  [{pressure.name}]")
+    style.label(below, "", f"x  [{length.name}]", f"gap  [{gap.name}]")
     name = load_name(load, result.loads)
-    return captioned(figure, "contact", "all", "flow" if flows else "", load=name, times=times)
+    return style.captioned(figure, "contact", "all", "flow" if flows else "", load=name, times=times)
 
 
 def _shown(loads: Sequence[LoadResult]) -> tuple[float, float]:

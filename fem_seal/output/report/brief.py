@@ -11,18 +11,11 @@ from fem_seal.answers.findings import FINDINGS
 from fem_seal.answers.judgement import JudgedLoad, Verdict
 from fem_seal.answers.leakage_class import leakage_classes, volume_of
 from fem_seal.case.fields import Throughput
+from fem_seal.output.answers import verdict
 from fem_seal.output.answers.error_shares import largest_share, measurement_in_brief
 from fem_seal.output.answers.sensitivities import in_words, strongest
 from fem_seal.output.answers.target import OPENS
 from fem_seal.output.answers.uncertainty import told_after_test
-from fem_seal.output.answers.verdict import (
-    force_to_pass,
-    next_class_in_words,
-    used_in_words,
-    verdict_facts,
-    verdict_in_brief,
-    would_pass,
-)
 from fem_seal.output.columns import COLUMNS, MOST_COLUMNS, PROFILE_LEAK_COLUMNS, SHOWN_COLUMNS
 from fem_seal.output.pictures.style import few
 from fem_seal.output.prose import phrase
@@ -62,7 +55,7 @@ def first_line(result: SealSolution) -> str:
     """
     if result.highest.leak is None and result.judgement is None:
         return contact_alone(result)
-    return verdict_in_brief(result) or leak_in_brief(result.case, result.highest, result.loads)
+    return verdict.verdict_in_brief(result) or leak_in_brief(result.case, result.highest, result.loads)
 
 
 def leak_in_brief(case: Case, load: LoadResult, loads: Sequence[LoadResult]) -> str:
@@ -120,7 +113,7 @@ def _force(result: SealSolution, load: JudgedLoad) -> str:
     found = load.verdict_force
     if found is None or found.force is None:
         return ""
-    return phrase("brief.second", "force", load=load, force=force_to_pass(found.force))
+    return phrase("brief.second", "force", load=load, force=verdict.force_to_pass(found.force))
 
 
 def _share(result: SealSolution, load: JudgedLoad) -> str:
@@ -129,16 +122,16 @@ def _share(result: SealSolution, load: JudgedLoad) -> str:
 
 
 def _used(result: SealSolution, load: JudgedLoad) -> str:
-    used = "" if result.judgement is None else used_in_words(result, result.judgement.shares)
+    used = "" if result.judgement is None else verdict.used_in_words(result, result.judgement.shares)
     return phrase("brief.second", "used", used=used) if used else ""
 
 
 _ADVICE: dict[str, Callable[[SealSolution, JudgedLoad], str]] = {
-    "profile": lambda result, load: would_pass(result, brief=True),
+    "profile": lambda result, load: verdict.would_pass(result, brief=True),
     "measure": lambda result, load: measurement_in_brief(result, result.loads.index(load)),
     "helps": _helps,
     "force": _force,
-    "class": lambda result, load: next_class_in_words(result.case, load),
+    "class": lambda result, load: verdict.next_class_in_words(result.case, load),
     "share": _share,
     "used": _used,
     "none": lambda result, load: phrase("brief.second", "none"),
@@ -166,7 +159,7 @@ def three_numbers(result: SealSolution) -> list[Fact]:
         rate, *units = leakage_text(load, volume_of(result.case)).split(" = ")
         first = replace(first, value=rate, remark=" = ".join(units))
     second = next((one for name in (OPENS, PEAK) for one in others if one.name == name), first)
-    share, margin = largest_share(result, result.loads.index(load)), verdict_facts(result)[:1]
+    share, margin = largest_share(result, result.loads.index(load)), verdict.verdict_facts(result)[:1]
     third = (
         [Fact(phrase("brief.fact", "share"), share[1], share[0])] if share else [Fact(*one) for one in margin]
     )

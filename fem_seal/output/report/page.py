@@ -17,17 +17,7 @@ from fem_seal.answers.leakage_class import volume_of
 from fem_seal.case.tables import curves
 from fem_seal.contact.laws import HardContact
 from fem_seal.files import told_of, write_text
-from fem_seal.output import shown_answers
-from fem_seal.output.case_words import (
-    BODIES,
-    earlier_load,
-    finish_rows,
-    in_degrees,
-    listed_dimensions,
-    section,
-    section_text,
-    temperature_rows,
-)
+from fem_seal.output import case_words, shown_answers
 from fem_seal.output.pictures.contact import contact_picture, profile_picture, size_picture
 from fem_seal.output.pictures.fields import imprint_picture, mesh_picture, stress_picture, temperature_picture
 from fem_seal.output.pictures.leak import leak_picture, memory_picture
@@ -175,7 +165,7 @@ def _simulated(result: SealSolution) -> tuple[Picture, ...]:
 def _of_case(result: SealSolution) -> dict[str, Any]:
     """Texts of the groups of the case that the result does not contain in this form."""
     case, problem = result.case, result.problem
-    drawn = {name: section(case, name) for name in BODIES}
+    drawn = {name: case_words.section(case, name) for name in case_words.BODIES}
     heating = problem.heating
     field = None if heating is None else heating.field(result.seal_mesh, problem.materials)
     decay_length, law_pressure = exponential_law(case.interface, result.surface)
@@ -184,18 +174,18 @@ def _of_case(result: SealSolution) -> dict[str, Any]:
         peak = max(load.peak_pressure for load in result.loads)
         at_peak = float(problem.law.decay_length(np.array([math.log(peak)]))[0])
     return {
-        "drawn_sections": {name: section_text(one) if one else {} for name, one in drawn.items()},
-        "dimensions": {name: listed_dimensions(case, name) for name in BODIES},
+        "drawn_sections": {name: case_words.section_text(one) if one else {} for name, one in drawn.items()},
+        "dimensions": {name: case_words.listed_dimensions(case, name) for name in case_words.BODIES},
         # for bodies that yield the order of the loads matters
         "pressures_in_order": case.load.fluid_pressure if curves(case) else sorted(case.load.fluid_pressure),
-        "largest_earlier_load": earlier_load(case.load),
+        "largest_earlier_load": case_words.earlier_load(case.load),
         "gas_state": volume_of(case).state,
-        "temperature_rows": list(temperature_rows(case, problem, field)),
-        "finish_rows": finish_rows(case),
+        "temperature_rows": list(case_words.temperature_rows(case, problem, field)),
+        "finish_rows": case_words.finish_rows(case),
         "decay_length": decay_length,
         "law_pressure": law_pressure,
         "decay_length_at_peak": at_peak,
-        "in_degrees": in_degrees,
+        "in_degrees": case_words.in_degrees,
         "curve_in_words": tables.curve_in_words,
     }
 
