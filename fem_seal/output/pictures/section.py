@@ -19,7 +19,7 @@ from fem_seal.errors import InputError
 from fem_seal.files import told_of
 from fem_seal.output.case_words import chosen_dimensions, listed_dimensions, section, section_text
 from fem_seal.output.pictures.colours import BLUE, FILL, GREY, INK, ORANGE
-from fem_seal.output.pictures.style import INCH, Picture, captioned, outside_text, style
+from fem_seal.output.pictures.style import INCH, WIDTH, Picture, captioned, inches, outside_text, style
 from fem_seal.units import fixed_unit, number, quantity, rounded, trimmed
 from meshes.geometry.curve import Curve
 from meshes.geometry.segment import Point, Segment
@@ -44,9 +44,8 @@ _SMALL, _CHARACTER = 8.5, 0.078
 # Chords of a quarter of a circle, in the section and in the enlarged contact.
 _CHORDS, _FINE_CHORDS = 60, 2000
 _AXIS_DASHES = (0, (12, 3, 2, 3))
-# The report's section [pt]: width; space at the sides, above, and below for rollers and dimensions; font sizes.
-_SKETCH, _SIDE, _TOP, _FOOT = 390.0, 25.5, 10.5, 58.5
-_LARGE, _MEASURE = 10.5, 9.0
+# Height of the report's picture [inch].
+_SKETCH = 5.2
 # Distance of the rollers, their diameter, and distance of a surface from their middle and from the ground [pt].
 _SPACING, _ROLLER, _OFF, _GROUND = 11.0, 5.4, 3.3, 6.6
 
@@ -89,14 +88,12 @@ def section_figure(case: Case) -> Figure:
 
     figure = Figure(figsize=(_WIDTH, _HEIGHT))
     figure.suptitle(outside_text(case.title), x=0.02, y=0.975, ha="left", fontsize=11, weight="bold")
-    whole = figure.add_axes((0.01, 0.03, _SHARE, 0.89))
+    whole = figure.add_axes((0.01, 0.01, _SHARE, 0.91))
     detail = figure.add_axes((_SHARE + 0.045, 0.45, 0.94 - _SHARE, 0.46))
     listed = figure.add_axes((_SHARE + 0.045, 0.03, 0.94 - _SHARE, 0.37))
     _draw_whole(whole, case)
     _draw_detail(detail, case)
     _list(listed, case)
-    text = f"dimensions in {fixed_unit('mm').name}; grey: left open by the case, chosen by the program"
-    figure.text(0.02, 0.015, text, color=GREY, fontsize=8)
     return figure
 
 
@@ -117,12 +114,15 @@ def _draw_whole(axes: Axes, case: Case) -> None:
     low, high = _heights(contact, below_it)
     widest = 1e3 * max(contact.closure.largest_radius, contact.seat.largest_radius)
     below = sorted(_seat_diameters(case), key=lambda one: one.radius)
-    width, height = _WIDTH * _SHARE, 0.89 * _HEIGHT
+    width, height = inches(axes)
     # millimetres per inch, so that the rows of dimensions fit above and below
     rows = len(below) + 1.6
     scale = max(2.1 * widest / width, (high - low) / (height - _ROW * (rows + 1.4)))
     middle = 0.5 * (high + low) + 0.5 * _ROW * scale * (1.2 - rows)
     _frame(axes, 0.5 * width * scale, middle - 0.5 * height * scale, middle + 0.5 * height * scale)
+    _fluids(axes, case, widest, low, high)
+    if case.gasket is None:
+        _supports(axes, case, contact.seat, scale / INCH)
     ends = [low - _ROW * scale * 0.5, high + _ROW * scale * 0.5]
     axes.plot([0, 0], ends, color=INK, lw=0.8, ls=_AXIS_DASHES)
     for row, one in enumerate(below, start=1):
@@ -134,8 +134,10 @@ def _draw_whole(axes: Axes, case: Case) -> None:
     angle = getattr(case.seat, "angle", None)
     if angle is not None:
         _included_angle(axes, contact, angle, scale)
-    _names(axes, contact, 9.0, 0.8, case.faces)
-    _pressures(axes, case, (0.97 * widest, high), (0.0, low), _SMALL, scale)
+    text = f"dimensions in {fixed_unit('mm').name}; grey: left open by the case, chosen by the program"
+    axes.text(0.02, 0.0, text, transform=axes.transAxes, color=GREY, fontsize=8)
+    _names(axes, contact, case.faces)
+    _pressures(axes, case, (0.97 * widest, high), (0.0, low), scale)
 
 
 def _below_mid_plane(case: Case) -> ContactGeometry | None:
@@ -163,8 +165,8 @@ def _frame(axes: Axes, reach: float, low: float, high: float) -> None:
     axes.axis("off")
 
 
-def _names(axes: Axes, contact: ContactGeometry, size: float, white: float, faces: int) -> None:
-    """Dots at first touch, and the names of both bodies on white of this opacity."""
+def _names(axes: Axes, contact: ContactGeometry, faces: int) -> None:
+    """Dots at first touch, and the names of both bodies."""
     r0 = 1e3 * contact.initial_contact_radius
     axes.plot([-r0, r0], [0, 0], "o", color=ORANGE, ms=4.5, zorder=6)
     closure, seat = contact.closure, contact.seat
@@ -175,7 +177,7 @@ def _names(axes: Axes, contact: ContactGeometry, size: float, white: float, face
     ):
         place = 1e3 * r, 1e3 * z
         words = told_of(name, faces=faces)
-        _note(axes, place, words, INK, 1.0, white, fontsize=size, ha="center", va="center", zorder=5)
+        _note(axes, place, words, INK, 1.0, 0.8, fontsize=9.0, ha="center", va="center", zorder=5)
 
 
 def _seat_diameters(case: Case) -> Iterator[_Diameter]:
@@ -249,22 +251,22 @@ def _included_angle(axes: Axes, contact: ContactGeometry, angle: float, scale: f
     _note(axes, (0.0, apex + radius), text, BLUE, 0.6, 0.9, ha="center", va="center")
 
 
-def _pressures(axes: Axes, case: Case, above: Point, below: Point, size: float, width: float) -> None:
+def _pressures(axes: Axes, case: Case, above: Point, below: Point, scale: float) -> None:
     """Names of the two sides: above the seat, and in its bore; of a gasket between the flanges, if there is room."""
     sides = [("low pressure", GREY), ("high pressure", BLUE)]
     (top, top_colour), (bottom, bottom_colour) = sides[:: -1 if case.load.pressure_side == "outer" else 1]
-    if case.gasket is not None:
-        middle, rim = 1e3 * _mid_plane(case.contact), 1e3 * case.contact.seat.largest_radius
-        _note(axes, (0.0, middle), bottom, bottom_colour, 0.6, 0.8, ha="center", va="center", fontsize=size)
-        if above[0] - rim > width:
-            _note(axes, (above[0], middle), top, top_colour, 0.6, 0.8, ha="right", va="center", fontsize=size)
-            return
-    where = "center" if case.gasket is None else "bottom"
-    axes.text(*above, top, ha="right", va=where, color=top_colour, fontsize=size)
-    if case.gasket is not None:
+    if case.gasket is None:
+        place = above[0], above[1] - 0.1 * scale
+        axes.text(*place, top, ha="right", va="top", color=top_colour, fontsize=_SMALL)
+        words = bottom.replace(" ", "\n")
+        _note(axes, below, words, bottom_colour, 0.6, 0.8, ha="center", va="bottom")
         return
-    words = bottom.replace(" ", "\n")
-    _note(axes, below, words, bottom_colour, 0.6, 0.0, ha="center", va="bottom", fontsize=size)
+    middle, rim = 1e3 * _mid_plane(case.contact), 1e3 * case.contact.seat.largest_radius
+    _note(axes, (0.0, middle), bottom, bottom_colour, 0.6, 0.8, ha="center", va="center")
+    if above[0] - rim > scale:
+        _note(axes, (above[0], middle), top, top_colour, 0.6, 0.8, ha="right", va="center")
+    else:
+        axes.text(*above, top, ha="right", va="bottom", color=top_colour, fontsize=_SMALL)
 
 
 def _draw_detail(axes: Axes, case: Case) -> None:
@@ -344,12 +346,7 @@ def _list(axes: Axes, case: Case) -> None:
 
 
 def _bodies(
-    axes: Axes,
-    contact: ContactGeometry,
-    *,
-    mirrored: bool,
-    hatched: bool = True,
-    image: ContactGeometry | None = None,
+    axes: Axes, contact: ContactGeometry, *, mirrored: bool, image: ContactGeometry | None = None
 ) -> None:
     """Both bodies, on both sides of the axis if `mirrored`; of a gasket also the image below its mid-plane."""
     from matplotlib.patches import Polygon
@@ -364,7 +361,7 @@ def _bodies(
         outline: Outline = getattr(whose, name)
         pieces = list(_pieces(outline, _CHORDS if mirrored else _FINE_CHORDS))
         r, z = np.hstack([points for _, points in pieces])
-        how: dict[str, Any] = {"facecolor": fill, "edgecolor": "#c3c9d2", "hatch": hatch if hatched else None}
+        how: dict[str, Any] = {"facecolor": fill, "edgecolor": "#c3c9d2", "hatch": hatch}
         for side in sides:
             # the limits follow from the lines around it: `add_patch` would check each of its chords in Python
             axes.add_artist(Polygon(np.column_stack([side * r, level + way * z]), lw=0, zorder=2, **how))
@@ -385,7 +382,7 @@ def _pieces(outline: Outline, chords: int) -> Iterator[tuple[Segment, FloatArray
 
 
 def sketch(result: SealSolution) -> Picture:
-    """The section of the report: bodies, supports and the contact normal.
+    """The section of the report, with the contact enlarged.
 
     Parameters
     ----------
@@ -393,25 +390,10 @@ def sketch(result: SealSolution) -> Picture:
     """
     from matplotlib.figure import Figure
 
-    case, contact = result.case, result.seal_mesh.contact
-    image = _below_mid_plane(case)
-    low, high = _heights(contact, image)
-    widest = 1e3 * max(contact.closure.largest_radius, contact.seat.largest_radius)
-    # millimetres per point
-    scale = 2 * widest / (_SKETCH - 2 * _SIDE)
-    bottom, top = low - _FOOT * scale, high + _TOP * scale
-    figure = Figure(figsize=(_SKETCH / INCH, (top - bottom) / scale / INCH))
-    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
-    _frame(axes, 0.5 * _SKETCH * scale, bottom, top)
-    _fluids(axes, case, widest, low, top)
-    _bodies(axes, contact, mirrored=True, hatched=False, image=image)
-    axes.plot([0, 0], [low + 36 * scale, high], color=GREY, lw=0.8, ls=_AXIS_DASHES)
-    _normal(axes, contact)
-    _names(axes, contact, _LARGE, 0.0, case.faces)
-    _pressures(axes, case, (widest - 7 * scale, high - 2 * scale), (0.0, low + 4 * scale), _LARGE, 80 * scale)
-    if case.gasket is None:
-        _supports(axes, case, contact.seat, scale)
-    _measures(axes, case, contact.seat, scale, 1e-3 * low)
+    case, contact = result.case, result.case.contact
+    figure = Figure(figsize=(WIDTH, _SKETCH))
+    _draw_whole(figure.add_axes((0.0, 0.02, _SHARE, 0.96)), case)
+    _draw_detail(figure.add_axes((_SHARE + 0.03, 0.26, 0.96 - _SHARE, 0.58)), case)
     return captioned(
         figure,
         "sketch",
@@ -433,34 +415,6 @@ def _fluids(axes: Axes, case: Case, widest: float, low: float, top: float) -> No
     inner_end = 0.0 if case.gasket is None else top
     for reach, end, fill in ((widest, top, fills[1]), (r0, inner_end, fills[0])):
         axes.add_artist(Rectangle((-reach, low), 2 * reach, end - low, facecolor=fill, lw=0, zorder=1))
-
-
-def _normal(axes: Axes, contact: ContactGeometry) -> None:
-    """The contact normal with its angle, and the radius of first touch."""
-    r0, theta, size = (
-        1e3 * contact.initial_contact_radius,
-        contact.angle,
-        1e3 * contact.closure.largest_radius,
-    )
-    face = contact.closure_face
-    curvature = 1e-3 * face.curvature(face.project_radius(contact.initial_contact_radius))
-    # drawn to the centre of the closure's curvature if that is visible in the picture
-    drawn = curvature > 0 and 0.15 * size < 1 / curvature < 1.01 * size
-    arm = 1 / curvature if drawn else 0.5 * size
-    r, z = r0 - arm * math.sin(theta), arm * math.cos(theta)
-    axes.plot([r, r0], [z, 0], color=BLUE, lw=1.1, zorder=5)
-    axes.plot([-r0, r0], [0, 0], color=ORANGE, lw=0.8, ls=(0, (3, 3)), zorder=5)
-    notes = [(-0.55 * r0, 0.0, "r₀", ORANGE, (0, 4), "center")]
-    if drawn:
-        notes.append((0.5 * (r + r0), 0.5 * z, "R", BLUE, (6, 4), "left"))
-    if abs(theta) >= math.radians(3):
-        turn = np.linspace(0, theta, 40)
-        axes.plot(r + 0.36 * arm * np.sin(turn), z - 0.36 * arm * np.cos(turn), color=INK, lw=0.8, zorder=5)
-        half = 0.48 * arm * np.array([math.sin(theta / 2), -math.cos(theta / 2)])
-        notes.append((r + half[0], z + half[1], "θ", INK, (0, -4), "center"))
-    for x, y, text, colour, away, ha in notes:
-        how: dict[str, Any] = {"textcoords": "offset points", "fontsize": _LARGE, "zorder": 6}
-        axes.annotate(text, (x, y), away, color=colour, ha=ha, **how)
 
 
 def _supports(axes: Axes, case: Case, seat: Outline, scale: float) -> None:
@@ -486,26 +440,4 @@ def _supports(axes: Axes, case: Case, seat: Outline, scale: float) -> None:
         for side in (1, -1):
             axes.annotate("", (side * r, z), (side * (r + 18 * scale), z), arrowprops=arrow)
         text = f"pressed in by {quantity('length', case.lower.interference)}"
-        axes.text(r - 4 * scale, z + 6 * scale, text, color=ORANGE, ha="right", fontsize=_MEASURE, zorder=5)
-
-
-def _measures(axes: Axes, case: Case, seat: Outline, scale: float, below: float) -> None:
-    """Radii of bore and housing below the section [m], height of the seat inside its wall."""
-    (inner, outer), (low, high) = seat.extent
-    chosen = chosen_dimensions(case, "seat")
-
-    def measure(key: str, a: Point, b: Point, marks: str, at: Point, text: str) -> None:
-        colour = GREY if key in chosen else INK
-        axes.plot(*zip(a, b, strict=True), color=colour, lw=0.8, marker=marks, ms=6, markevery=[1], zorder=4)
-        axes.text(*at, text, color=colour, ha="right", va="center", fontsize=_MEASURE, zorder=5)
-
-    for row, (what, radius) in enumerate((("bore", inner), ("outer", outer))):
-        z = 1e3 * below - (18 + 15 * row) * scale
-        word, factor = ("diameter", 2) if case.in_diameters("seat") else ("radius", 1)
-        size = f"{word} {quantity('length', factor * radius)}"
-        measure(f"{what}_radius", (0.0, z), (1e3 * radius, z), "|", (-4 * scale, z), f"{what} {size}")
-    if case.gasket is not None:
-        return
-    r, z = 1e3 * outer - 8 * scale, 1e3 * (0.4 * high + 0.6 * low)
-    text = f"total height {quantity('length', high - low)}"
-    measure("height", (r, 1e3 * low), (r, 1e3 * high), "", (r - 3 * scale, z), text)
+        axes.text(r - 4 * scale, z + 6 * scale, text, color=ORANGE, ha="right", fontsize=_SMALL, zorder=5)
