@@ -23,6 +23,7 @@ from fem_seal.cli.study import app as study_app
 from fem_seal.cli.table import table
 from fem_seal.errors import ConvergenceError, InputError, NoLoadLeftError, SealError, unexpected
 from fem_seal.former_names import said_to, say_once
+from fem_seal.output.folders import folder_lock, replaced_together, unfinished
 from fem_seal.units import shown_in
 from fem_seal.version import __version__
 
@@ -143,7 +144,6 @@ def run(
     folder = _results_folder(output, case)
     from fem_seal import result as seal_result
     from fem_seal.output import files
-    from fem_seal.output.folders import folder_lock
     from fem_seal.output.report.brief import remarks_in_brief
     from fem_seal.output.tables import leak_rows
 
@@ -232,7 +232,6 @@ def mesh(
 
     case = terminal.case_of_command(case_file)
     folder = _results_folder(output, case)
-    from fem_seal.output.folders import folder_lock, replaced_together
     from fem_seal.seal.problem import SealProblem, build_mesh
 
     seal_mesh = build_mesh(SealProblem.of(case))
@@ -266,7 +265,6 @@ def leak(
     from fem_seal.answers.leakage_class import volume_of
     from fem_seal.answers.profile_leak import leak_of_profiles, read_profiles
     from fem_seal.output.answers.verdict import next_class_in_words
-    from fem_seal.output.folders import folder_lock, replaced_together
     from fem_seal.output.report.brief import leak_in_brief
     from fem_seal.output.tables import profile_leak_rows, write_rows
     from fem_seal.seal.load_result import highest_load
@@ -306,7 +304,6 @@ def direct(
     """Simulate rough contact and flow of a case's surface directly and compare the theory; interrupted runs go on."""
     from fem_seal import result as seal_result
     from fem_seal.output import direct as samples
-    from fem_seal.output.folders import folder_lock
 
     case = terminal.case_of_command(case_file)
     given = None if case.direct is None else case.direct.folder
@@ -356,7 +353,6 @@ def surface(
 ) -> None:
     """Evaluate measured scans of a surface: key figures, power spectrum, picture."""
     from fem_seal.case.roughness import scan_case
-    from fem_seal.output.folders import folder_lock, replaced_together
     from fem_seal.output.surface import surface_lines, surface_numbers, write_surface
 
     entries = {
@@ -402,9 +398,7 @@ def view(
 
 
 @app.command()
-def schema(
-    study: Annotated[bool, terminal.option("schema", "study")] = False,
-) -> None:
+def schema(study: Annotated[bool, terminal.option("schema", "study")] = False) -> None:
     """Print the JSON Schema of the case file, for completion and checks in an editor."""
     if study:
         from fem_seal.studies.tables import study_schema
@@ -459,8 +453,6 @@ def _remarks(case: Case) -> list[str]:
 
 
 def _warn_of_unfinished(folder: Path) -> None:
-    from fem_seal.output.folders import unfinished
-
     said = unfinished(folder)
     terminal.warn([f"{folder}: {said}"] if said else [])
 

@@ -89,10 +89,7 @@ def _show(found: LeakMap) -> None:
     # a volume too small to be seen in ml is read in its power of ten
     fluid, flow, newton = (fixed_unit(name) for name in ("bar", "ml/min", "N"))
     forces = map(newton.of, found.applied_force.tolist())
-    headings = [
-        f"p fluid\n{fluid.name}",
-        *(f"{force:.4g} {newton.name}\n{flow.name}" for force in forces),
-    ]
+    headings = [f"p fluid\n{fluid.name}", *(f"{force:.4g} {newton.name}\n{flow.name}" for force in forces)]
     rows = []
     for m, pressure in enumerate(found.fluid_pressure.tolist()):
         rows.append([f"{fluid.of(pressure):.4g}"])

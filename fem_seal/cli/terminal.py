@@ -304,10 +304,7 @@ def say_where(folder: Path) -> None:
 
 
 def show_leak_table(
-    rows: Sequence[Mapping[str, Any]],
-    title: str,
-    loads: Sequence[LoadResult],
-    volume: LeakVolume = LIQUID,
+    rows: Sequence[Mapping[str, Any]], title: str, loads: Sequence[LoadResult], volume: LeakVolume = LIQUID
 ) -> None:
     """Print rows of leak.csv as a table without empty columns, and a legend of its marks.
 

@@ -32,14 +32,7 @@ if TYPE_CHECKING:
 
 # Columns of leak.csv that stand on the page, those of a leak rate among them.
 LEAK = ("leak_rate_m3_per_s", "leak_rate_low_m3_per_s", "leak_rate_high_m3_per_s")
-SHOWN = (
-    "fluid_pressure_Pa",
-    "contact_force_N",
-    "line_load_N_per_m",
-    "peak_pressure_Pa",
-    "fwhm_m",
-    *LEAK,
-)
+SHOWN = ("fluid_pressure_Pa", "contact_force_N", "line_load_N_per_m", "peak_pressure_Pa", "fwhm_m", *LEAK)
 _POINTS = 241
 _ARC_STEPS = 24
 

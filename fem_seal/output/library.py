@@ -9,15 +9,7 @@ from typing import Any
 from fem_seal.case.material_library import ALIASES, LIBRARY
 from fem_seal.files import own_tables
 from fem_seal.materials import Material
-from leak.fluids.library import (
-    ENTRIES,
-    ROOM_TEMPERATURE,
-    gas,
-    is_gas,
-    is_liquid,
-    known_name,
-    liquid,
-)
+from leak.fluids.library import ENTRIES, ROOM_TEMPERATURE, gas, is_gas, is_liquid, known_name, liquid
 
 _SAID = own_tables("library.toml")
 ONE_CONDITION, CREEPS = _SAID["one_condition"], _SAID["creeps"]

@@ -289,9 +289,7 @@ def _without_shear(body: BodyField, level: float) -> BodyField:
 def _image(body: BodyField, level: float) -> BodyField:
     """The mirror image of a body below a level [m]."""
     return replace(
-        _scaled(body, _TENSOR),
-        points=_mirrored(body.points, level),
-        displacement=_VECTOR * body.displacement,
+        _scaled(body, _TENSOR), points=_mirrored(body.points, level), displacement=_VECTOR * body.displacement
     )
 
 

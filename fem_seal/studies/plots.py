@@ -287,10 +287,7 @@ def pareto_plot(display: Display) -> Figure | None:
         return None
     names = list(goals.columns)
     on_front = pareto_front(goals.to_numpy())
-    groups = {
-        "others": drawn(goals[~on_front]).index,
-        "front": goals[on_front].sort_values(names).index,
-    }
+    groups = {"others": drawn(goals[~on_front]).index, "front": goals[on_front].sort_values(names).index}
     told = [*names, *display.designs.parameters]
     traces = [
         _trace(look, **_points(display, rows, names[0], names[1], told)) for look, rows in groups.items()

@@ -97,11 +97,7 @@ def evaluate_design(case: Case, columns: Sequence[str], *, interpolate: bool = T
 
 
 def evaluate_designs(
-    batch: Batch,
-    cases: Mapping[int, Case],
-    columns: Sequence[str],
-    *,
-    interpolate: bool = True,
+    batch: Batch, cases: Mapping[int, Case], columns: Sequence[str], *, interpolate: bool = True
 ) -> dict[int, DesignResult]:
     """`evaluate_design` of several cases, which share their contact calculations; without those that fail.
 

@@ -117,10 +117,7 @@ def interval_numbers(result: SealSolution, interval: LeakInterval) -> dict[str, 
 
 SHOWN = Shown(
     summary=lambda result: {
-        "uncertainty": None if result.uncertainty is None else interval_numbers(result, result.uncertainty),
+        "uncertainty": None if result.uncertainty is None else interval_numbers(result, result.uncertainty)
     },
-    words=lambda result: {
-        "interval": interval_table(result),
-        "interval_note": interval_note(result),
-    },
+    words=lambda result: {"interval": interval_table(result), "interval_note": interval_note(result)},
 )

@@ -94,12 +94,7 @@ def line_load_picture(result: SealSolution) -> style.Picture | None:
     most = max(around.most_over_mean for _, around in shown)
     loads.set_ylim(0.0, 1.08 * most)
     _round_label(loads, "Line load over its mean")
-    loads.legend(
-        title=over.name,
-        loc="center left",
-        bbox_to_anchor=(1.14, 0.5),
-        handlelength=1.4,
-    )
+    loads.legend(title=over.name, loc="center left", bbox_to_anchor=(1.14, 0.5), handlelength=1.4)
     around = shown[-1][1]
     _form_error(form, around, circle)
     return style.captioned(figure, "line_load_around", "both", "" if around.form.guided else "free")

@@ -246,9 +246,7 @@ def contact_picture(result: SealSolution, load: LoadResult) -> style.Picture:
 
     figure = Figure(figsize=_ENLARGED)
     above, below = figure.subplots(
-        2,
-        1,
-        gridspec_kw={"left": 0.075, "right": 0.985, "bottom": 0.13, "top": 0.92, "hspace": 0.0},
+        2, 1, gridspec_kw={"left": 0.075, "right": 0.985, "bottom": 0.13, "top": 0.92, "hspace": 0.0}
     )
     low, high = _shown([load])
     length, pressure = unit_for("length", max(-low, high)), unit_for("contact pressure", load.peak_pressure)

@@ -133,12 +133,7 @@ def leak_rates(loads: Sequence[LoadResult]) -> FloatArray:
 
 
 def _single_leak(
-    load: str,
-    series: list[tuple[str, float, str]],
-    unit: Unit,
-    volume: LeakVolume,
-    digits: int,
-    zero: str,
+    load: str, series: list[tuple[str, float, str]], unit: Unit, volume: LeakVolume, digits: int, zero: str
 ) -> Picture:
     """Bars for a case with one load; `zero` is the text for a leak rate of zero."""
     figure, (axes,) = panels(1, height=1.1 + 0.42 * len(series), width=7.2)

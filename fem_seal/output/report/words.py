@@ -37,12 +37,7 @@ from fem_seal.units import (
     written,
 )
 from fem_seal.validity.checks import FLUID_OPENS
-from leak import (
-    CoupledLeakResult,
-    LeakResult,
-    Reading,
-    drops_per_minute,
-)
+from leak import CoupledLeakResult, LeakResult, Reading, drops_per_minute
 
 if TYPE_CHECKING:
     from fem_seal.answers.closed_forms import Derived
