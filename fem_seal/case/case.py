@@ -19,7 +19,7 @@ from fem_seal.case.case_file import FILES, case_text, with_files
 from fem_seal.case.checks import contradictions, of_unlike_flanges
 from fem_seal.case.drawing_words import as_written, in_keys, partner, said_twice, same_entry, words_of
 from fem_seal.case.fields import quantities_of
-from fem_seal.case.gauge import as_differences, is_said_of_one_side
+from fem_seal.case.gauge import as_differences
 from fem_seal.case.material_table import library_table
 from fem_seal.case.messages import choices, missing, problems, tables_of
 from fem_seal.case.roughness import roughness_like
@@ -36,6 +36,8 @@ from meshes import GeometryError
 
 # Key of a problem with the upper flange, its face, or both bodies: in the lower half that is the lower flange.
 _LOWER = re.compile(r"^(roughness\.|)(?:closure(?=\.|$)|gasket$)")
+# Tables that are quickly read, and depend on others: temperature, outlet of the fluid, bolts, circle of first touch.
+_READ_ANEW = {"fluid", "load", "requirement"}
 # What completion offers besides the tables.
 _SHOWN = {"contact", "effective_modulus", "file", "hardness", "initial_contact_radius", "replace", "written"}
 
@@ -109,33 +111,15 @@ class Case(CaseTables):
         """Read and check tables; those that are the very ones of another case are taken from it as they were read."""
         before = {} if like is None else like._input
         known = {name for name, table in tables.items() if name in before and before[name] is table}
+        known -= _READ_ANEW
         of_gasket = tables.get("gasket") is not None
         if of_gasket:
-            # [seat] is then the lower flange, and no seat
-            known.discard("seat")
-            if isinstance(tables.get("roughness"), Mapping) and "seat" in tables["roughness"]:
-                known.discard("roughness")
-        if before.get("temperature") is not tables.get("temperature"):
-            # the fluid is as warm as the bodies unless it has its own temperature
-            known.discard("fluid")
-        if before.get("fluid") is not tables.get("fluid"):
-            # whose outlet makes differences of absolute pressures
-            known -= {
-                name
-                for name in ("load", "requirement")
-                if name in known and is_said_of_one_side(tables[name])
-            }
-        bolted = tables.get("bolts")
-        if isinstance(tables.get("load"), Mapping) and tables["load"].get("set_pressure") is not None:
-            # on whose circle the force of the spring depends
-            known.discard("load")
-        if before.get("bolts") is not bolted:
-            # the bolts close in place of its applied force
-            known.discard("load")
+            # [seat] is then the lower flange, and no seat; its face stands in [roughness]
+            known -= {"seat", "roughness"}
         written, wrong = _in_keys({name: table for name, table in tables.items() if name not in known})
         written, without = as_differences(written, tables.get("fluid"))
         wrong += without
-        given = tables.get("load")
+        bolted, given = tables.get("bolts"), tables.get("load")
         if bolted is not None and isinstance(given, Mapping) and given.get("applied_force") is not None:
             wrong.append(problem("bolts_and_force"))
         if of_gasket:

@@ -116,7 +116,7 @@ class FinishKeys(Table):
         given = [key for key in HEIGHTS if getattr(self, key) is not None]
         if len(given) > 1:
             raise ValueError(f"has {' and '.join(given)}; a finish has one of them")
-        self.finish.surface()
+        _surface(self.finish, (), ())
 
     @property
     def finish(self) -> Finish:
@@ -152,7 +152,7 @@ class FinishKeys(Table):
         """That the value is unusual for the process; empty if it is not."""
         found = self.finish
         low, high = found.process.Ra
-        Ra = found.surface().expected.Ra
+        Ra = _surface(found, (), ()).expected.Ra
         if low / _UNUSUAL <= Ra <= high * _UNUSUAL:
             return ""
         values = {"Ra": 1e6 * Ra, "low": 1e6 * low, "high": 1e6 * high}
