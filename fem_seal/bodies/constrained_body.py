@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -104,11 +104,6 @@ class ConstrainedBody:
     def contact_dofs(self) -> IntArray:
         """Radial and axial dof of the contact nodes, shape (2, n)."""
         return node_dofs(self.mesh)[:, self.contact_nodes]
-
-    def holding_wall(self) -> ConstrainedBody:
-        """The same seat with its outer wall held radially."""
-        wall = boundary_dofs(self.mesh, "seat_wall", 0)
-        return replace(self, free=np.setdiff1d(self.free, wall), wall=wall)
 
     @cached_property
     def nodes(self) -> tuple[FloatArray, IntArray]:

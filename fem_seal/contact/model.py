@@ -21,12 +21,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem_seal.arrays import FloatArray
-from fem_seal.bodies.condensed import (
-    BoundaryLoad,
-    CondensedBody,
-    condense_body,
-    with_wall_held,
-)
+from fem_seal.bodies.condensed import BoundaryLoad, CondensedBody, condense_body
 from fem_seal.bodies.constrained_body import ConstrainedBody, Heat, LoadName, constrained_body
 from fem_seal.bodies.dissected_body import DissectedBody
 from fem_seal.bodies.elasticity import at_quadrature_points, grown_by_one, stiffness_matrix, thermal_load
@@ -275,8 +270,8 @@ def condense(
     def body(name: str) -> CondensedBody:
         # what the seat changes warms the closure otherwise, too
         if known is not None and not warm and _same_line(known, seal_mesh, x, area_weight):
-            found = _as_known(getattr(known, name), getattr(seal_mesh, name), materials[name], supports)
-            if found is not None:
+            found: CondensedBody = getattr(known, name)
+            if _is_same(found, getattr(seal_mesh, name), materials[name], supports):
                 return found
         return _condense_body(
             constrained_body(seal_mesh, name, materials[name], x, area_weight, supports, warm.get(name))
@@ -326,20 +321,13 @@ def _same_line(known: ContactModel, seal_mesh: SealMesh, x: FloatArray, area_wei
     )
 
 
-def _as_known(
-    body: CondensedBody, mesh: MeshTri, material: Material, supports: Supports | None
-) -> CondensedBody | None:
-    """A body of a model that was condensed before, if it is that of a mesh to the last digit; None if it is not."""
+def _is_same(body: CondensedBody, mesh: MeshTri, material: Material, supports: Supports | None) -> bool:
+    """Whether a body of a model that was condensed before is that of a mesh, to the last digit."""
     before = body.held.mesh
-    if material != body.material or not (
-        np.array_equal(mesh.p, before.p) and np.array_equal(mesh.t, before.t)
-    ):
-        return None
     # supports hold the seat alone
     to_hold = body.held.name == "seat" and supports is not None and supports.wall == "fixed"
-    if to_hold == bool(len(body.held.wall)):
-        return body
-    return with_wall_held(body) if to_hold and body.solve is not None else None
+    alike = np.array_equal(mesh.p, before.p) and np.array_equal(mesh.t, before.t)
+    return alike and material == body.material and to_hold == bool(len(body.held.wall))
 
 
 def line_points(seal_mesh: SealMesh) -> tuple[FloatArray, FloatArray]:

@@ -14,7 +14,6 @@ import numpy as np
 import pytest
 from contact_models import STEEL, ball_on_cone
 
-from fem_seal.bodies.supports import Supports
 from fem_seal.contact.laws import HardContact
 from fem_seal.contact.model import ContactModel, condense
 from fem_seal.contact.newton import solve
@@ -287,29 +286,6 @@ def test_the_largest_stress_is_that_of_a_finer_mesh() -> None:
         fields = body_fields(solve(model, LAW, contact_force=1257.0))
         found.append([float(field.von_mises.max()) for field in fields.values()])
     assert found[0] == pytest.approx(found[1], rel=3e-3)
-
-
-def test_a_wall_held_by_forces_is_a_wall_that_is_held() -> None:
-    ball = Ball(0.02)
-    mesh = build(
-        ball, ConicalSeat.around(math.radians(45), ball), Sizing(8e-5, 4e-4, (-1e-3, 1e-3), 0.3, 0.4, 4e-3)
-    )
-    materials = {"closure": STEEL, "seat": STEEL}
-    free, fixed = condense(mesh, materials), condense(mesh, materials, Supports(wall="fixed"))
-    found = condense(mesh, materials, Supports(wall="fixed"), known=free)
-    assert found.closure is free.closure
-    pairs = [(found.compliance, fixed.compliance), (found.seat.held.free, fixed.seat.held.free)]
-    assert found.seat.loads.keys() == fixed.seat.loads.keys()
-    for name, expected in fixed.seat.loads.items():
-        load = found.seat.loads[name]
-        pairs += [(load.opening, expected.opening), (load.response, expected.response)]
-        assert load.axial_force == pytest.approx(
-            expected.axial_force, abs=1e-2
-        )  # of forces of GN by the wall
-    forces = np.random.default_rng(0).normal(size=fixed.seat.held.size)
-    pairs.append((found.seat.solve(forces), fixed.seat.solve(forces)))
-    for one, other in pairs:
-        assert one == pytest.approx(other, abs=1e-12 * np.abs(other).max())
 
 
 def test_displaced_bodies_keep_the_gap(default: tuple[ContactModel, list[ContactSolution]]) -> None:
