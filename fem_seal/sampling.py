@@ -151,10 +151,6 @@ class UncertainInput:
         outside = ndtr(-end)
         return Normal(1.0, self.relative, cut_off=end).quantile(outside + uniform * (1.0 - 2.0 * outside))
 
-    def scores(self, values: FloatArray) -> FloatArray:
-        """Variable in which a leak rate is a smooth function: ln of the factor."""
-        return np.log(values)
-
     def shown(self, values: FloatArray) -> FloatArray:
         """The factors, shape (n,)."""
         return values[:, 0]

@@ -28,13 +28,12 @@ from fem_seal.answers.measurements import (
     Draws,
     error_root,
     instruments,
-    variables,
     weighted_quantiles,
 )
 from fem_seal.answers.opening import OPENING
 from fem_seal.answers.pass_probability import why_none
 from fem_seal.answers.posterior import Posterior, columns_of
-from fem_seal.answers.response_surface import fit
+from fem_seal.answers.response_surface import fit, variables
 from fem_seal.answers.solution import SealSolution
 from fem_seal.answers.uncertainty import AnyInput, drawn_values, leak_interval, uncertain_inputs
 from fem_seal.answers.verdict import VERDICT, Judgements, seal_judgement, with_judgements

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from fem_seal.answers.response_surface import fit
+from fem_seal.answers.response_surface import fit, variables
 from fem_seal.answers.uncertainty import LeakInterval
 from fem_seal.arrays import FloatArray
 from fem_seal.case.finish import FinishTable
@@ -259,17 +259,6 @@ def weighted_quantiles(values: FloatArray, weights: FloatArray, shares: Sequence
     order = np.argsort(values)
     passed = np.cumsum(weights[order])
     return np.interp(np.array(shares) * passed[-1], passed - 0.5 * weights[order], values[order])
-
-
-def variables(values: Mapping[str, FloatArray]) -> list[FloatArray]:
-    """Variables of a polynomial for each input, shape (n, d): ln of a value, all weights of scans but the last.
-
-    Parameters
-    ----------
-    values : mapping of ndarray
-        See `LeakInterval`.
-    """
-    return [np.log(one)[:, None] if one.ndim == 1 else one[:, :-1] for one in values.values()]
 
 
 def error_root(log_peaks: FloatArray) -> FloatArray:

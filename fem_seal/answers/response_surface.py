@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import combinations_with_replacement
 
@@ -196,6 +196,17 @@ def fit_with_prior(polynomials: Polynomials, inputs: FloatArray, outputs: FloatA
     free = len(inputs) - inputs.shape[1] - 1
     error = np.sqrt(((values - design @ coefficients) ** 2).sum(axis=0) / free)
     return ResponseSurface(polynomials, coefficients, error, np.linalg.inv(r))
+
+
+def variables(values: Mapping[str, FloatArray]) -> list[FloatArray]:
+    """Variables of a polynomial for each input, shape (n, d): ln of a value, all weights of scans but the last.
+
+    Parameters
+    ----------
+    values : mapping of ndarray
+        Of each input, see `fem_seal.answers.uncertainty.LeakInterval`.
+    """
+    return [np.log(one)[:, None] if one.ndim == 1 else one[:, :-1] for one in values.values()]
 
 
 def _orthonormal(values: FloatArray) -> FloatArray:

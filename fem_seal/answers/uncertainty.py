@@ -15,7 +15,7 @@ import numpy as np
 from fem_seal.answers.answer import Answer, Inquiry
 from fem_seal.answers.lower_flange import LOWER_FLANGE
 from fem_seal.answers.posterior import Posterior, columns_of
-from fem_seal.answers.response_surface import ResponseSurface, fit
+from fem_seal.answers.response_surface import ResponseSurface, fit, variables
 from fem_seal.arrays import FloatArray, IntArray
 from fem_seal.case.checks import problems_with_uncertainty
 from fem_seal.case.roughness import (
@@ -651,7 +651,7 @@ class SampledSeal:
     @cached_property
     def scores(self) -> FloatArray:
         """Variables of the polynomial, shape (samples, dimensions of `calculated`)."""
-        parts = [one.scores(self.values[one.name]) for one in self.calculated]
+        parts = variables({one.name: one.shown(self.values[one.name]) for one in self.calculated})
         return np.concatenate(parts, axis=1) if parts else np.empty((len(self.uniform), 0))
 
     def columns(self, wanted: AnyInput) -> list[int]:
@@ -954,10 +954,6 @@ class UncertainScans:
         rest = (1.0 - uniform) ** (1.0 / left)
         before = np.cumprod(np.column_stack([np.ones(len(uniform)), rest]), axis=1)
         return np.asarray(before * np.column_stack([1.0 - rest, np.ones(len(uniform))]), dtype=float)
-
-    def scores(self, values: FloatArray) -> FloatArray:
-        """Variables in which a leak rate is a smooth function: all weights but the last."""
-        return values[:, :-1]
 
     def shown(self, values: FloatArray) -> FloatArray:
         """The weights, shape (n, scans)."""

@@ -528,10 +528,6 @@ class UncertainHeight:
         middle = float(np.log(self.height.quantile([0.5])[0]))
         return np.exp(middle + np.sqrt(self.share) * (np.log(self.height.quantile(uniform)) - middle))
 
-    def scores(self, values: FloatArray) -> FloatArray:
-        """Variable in which a leak rate is a smooth function: ln of the factor."""
-        return np.log(values)
-
     def shown(self, values: FloatArray) -> FloatArray:
         """The factors, shape (n,)."""
         return values[:, 0]
@@ -607,15 +603,10 @@ class UncertainFinish:
         """Places in the ranges from numbers between 0 and 1, shape (n, 1) to (n, 1)."""
         return uniform
 
-    def scores(self, values: FloatArray) -> FloatArray:
-        """Variable in which a leak rate is a smooth function: ln of the value, mean over the faces."""
-        return np.asarray(
-            np.mean([np.log(one.at(values, log=self.name != "hurst")) for one in self.spreads], axis=0)
-        )
-
     def shown(self, values: FloatArray) -> FloatArray:
         """The values themselves, geometric mean over the faces, of waves their wavenumber, shape (n,)."""
-        found = np.exp(self.scores(values)[:, 0])
+        each = [np.log(one.at(values[:, 0], log=self.name != "hurst")) for one in self.spreads]
+        found = np.exp(np.mean(each, axis=0))
         return np.asarray(2.0 * np.pi / found if self.name.startswith("q_") else found)
 
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Hashable, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
@@ -452,25 +452,28 @@ class ProfileLeak:
     conductivity: Callable[[FloatArray], FloatArray]
 
 
-def _made(
-    table: Callable[[FlowModel, RoughContact, Sequence[float]], Conductivity],
-    peaks: Sequence[float],
-    flow: FlowModel,
-    surface: RoughContact,
-) -> Conductivity:
-    # by name, because results can be pickled
-    return table(flow, surface, peaks)
+@dataclass(frozen=True, eq=False)
+class _Tables:
+    """Conductivities over the pressures of some contacts, each made once for all readings, ends and gases.
 
+    Parameters
+    ----------
+    table : callable
+        Conductivity of a flow and a surface, over peak pressures given as decimal logarithms.
+    peaks : sequence of float
+        Decimal logarithms of the peak pressures [Pa].
+    """
 
-def _table_of(rough: LeakModel, flow: FlowModel, surface: RoughContact) -> Conductivity:
-    if flow.end:
-        return rough.make(flow, surface)
-    # of one surface there are readings that differ in nothing else
-    readings = (rough, *map(rough.reading, Reading))
-    reading = surface.yielding, surface.hardness
-    known = next(one for one in readings if (one.surface.yielding, one.surface.hardness) == reading)
-    assert known.table is not None  # there is a fluid
-    return known.table
+    table: Callable[[FlowModel, RoughContact, Sequence[float]], Conductivity]
+    peaks: Sequence[float]
+    known: dict[Hashable, Conductivity] = field(default_factory=dict, repr=False)
+
+    def __call__(self, flow: FlowModel, surface: RoughContact) -> Conductivity:
+        # a table is that of all liquids, or of all gases
+        name = surface, flow.conductivity, flow.simulated, flow.end, flow.gas is None
+        if name not in self.known:
+            self.known[name] = self.table(flow, surface, self.peaks)
+        return self.known[name]
 
 
 def range_around(log_peaks: Sequence[float]) -> tuple[float, float]:
@@ -530,7 +533,7 @@ class LeakModel(ByReading):
         """
         if surface is None:
             return None
-        make = partial(_made, table or FlowModel.table_around, log_peaks(contacts))
+        make = _Tables(table or FlowModel.table_around, log_peaks(contacts))
         return cls(surface, flow, make, tuple(contact.profile.peak_pressure for contact in contacts))
 
     def _read_as(self, reading: Reading) -> LeakModel:
@@ -556,20 +559,8 @@ class LeakModel(ByReading):
     @variant
     def in_test(self) -> LeakModel:
         """The same with the gas that the standards test with; itself where the fluid is one, and of a liquid."""
-        return (
-            self if self.flow is None or self.flow.in_test is self.flow else self.with_flow(self.flow.in_test)
-        )
-
-    def with_flow(self, flow: FlowModel) -> LeakModel:
-        """The same with another gas, of which the tables know nothing.
-
-        Parameters
-        ----------
-        flow : Flow
-        """
-        # what is shared is worked out before; a copy of it does not know the other, which would hold it in turn
-        _ = self.table, *map(self.reading, Reading)
-        return replace(self, flow=flow, make=partial(_table_of, self.with_values()))
+        flow = self.flow
+        return self if flow is None or flow.in_test is flow else replace(self, flow=flow.in_test)
 
     @cached_property
     def table(self) -> Conductivity | None:

@@ -473,7 +473,7 @@ def leak_rates(
     assert first is not None  # there is a surface
     found = []
     for flow in flows:
-        rough = first if flow is flows[0] else first.with_flow(flow)
+        rough = replace(first, flow=flow)
         leaks = [replace(load, rough=rough).leak for load in loads]
         found.append(tuple(math.nan if leak is None else leak.leak_rate for leak in leaks))
     return found
