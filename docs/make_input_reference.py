@@ -15,7 +15,7 @@ from pydantic.fields import FieldInfo
 
 from fem_seal.case.case import Case
 from fem_seal.case.drawing_words import words_of
-from fem_seal.case.fields import Number, Place, Pressures, Quantity, Table, about, key_of
+from fem_seal.case.fields import Number, Place, Quantity, Several, Table, about, key_of
 from fem_seal.case.material_library import ALIASES, LIBRARY
 from fem_seal.case.material_table import MaterialTable
 from fem_seal.case.messages import choices, tables_of, toml
@@ -253,7 +253,7 @@ def _allowed(table: type[Table], key: str, field: FieldInfo) -> str:
     for marker in chain(field.metadata, *members):
         if isinstance(marker, (Quantity, Number, Place)):
             return marker.range
-        if isinstance(marker, Pressures):
+        if isinstance(marker, Several):
             return marker.one.range
     return ""
 

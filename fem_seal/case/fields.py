@@ -147,35 +147,21 @@ _RANGE = re.compile(rf"\s*({NUMBER})\s*(\S*)\s+to\s+({NUMBER})\s*([^\s\d.]\S*)\s
 _WIDEST = 20.0
 
 
-@dataclass(frozen=True)
-class ChamberPressures(Quantity):
-    """Pressure of one chamber or of several, each a pressure, "vented" (zero) or "sealed" (None)."""
+class Chamber(Quantity):
+    """Pressure of a chamber: a pressure, "vented" (zero) or "sealed" (None)."""
 
-    def read(self, value: object) -> tuple[float | None, ...]:  # type: ignore[override]
-        """Pressures in SI in the user's order; ValueError names the entry that is wrong."""
-        if not isinstance(value, (list, tuple)):
-            return (self._one(value),)
-        _check_count(value)
-        found = list[float | None]()
-        for number, entry in enumerate(value, start=1):
-            try:
-                found.append(self._one(entry))
-            except ValueError as error:
-                raise ValueError(f"entry {number}, {shown(entry)}, {error}") from None
-        return tuple(found)
-
-    def _one(self, value: object) -> float | None:
-        if isinstance(value, str) and value in _CHAMBERS:
-            return _CHAMBERS[value]
+    def read(self, text: object) -> float | None:  # type: ignore[override]
+        """Pressure in SI; ValueError if it is neither."""
+        if isinstance(text, str) and text in _CHAMBERS:
+            return _CHAMBERS[text]
         try:
-            return super().read(value)
+            return super().read(text)
         except ValueError as error:
             raise ValueError(f'{error}; or write "vented" or "sealed"') from None
 
     @property
     def _schema(self) -> dict[str, Any]:
-        one = {"type": "string", "examples": ["vented", "3 bar"]}
-        return {"anyOf": [one, {"type": "array", "items": one, "minItems": 1}]}
+        return {"type": "string", "examples": ["vented", "3 bar"]}
 
 
 _CHAMBERS: dict[str, float | None] = {"vented": 0.0, "sealed": None}
@@ -281,18 +267,28 @@ class Place(Entry):
 
 
 @dataclass(frozen=True)
-class Pressures(Entry):
-    """One pressure, a list of pressures, or a range ``{ start, stop, num, spacing }``; a tuple [Pa]."""
+class Several(Entry):
+    """One value or a list of values; a tuple after reading."""
 
-    one: Quantity
+    one: Entry
 
-    def read(self, value: object) -> tuple[float, ...]:
-        """Pressures [Pa] in the user's order; ValueError names the entry that is wrong."""
-        if isinstance(value, dict):
-            return self._read_range(value)
+    def read(self, value: object) -> tuple[Any, ...]:
+        """Values in SI in the user's order; ValueError names the entry that is wrong."""
         entries = value if isinstance(value, (list, tuple)) else [value]
         _check_count(entries)
         return (self.one.read(entries[0]),) if len(entries) == 1 else _read_each(self.one, entries)
+
+    @property
+    def _schema(self) -> dict[str, Any]:
+        return {"anyOf": [self.one._schema, _list_of(self.one)]}
+
+
+class Pressures(Several):
+    """One pressure, a list of pressures, or a range ``{ start, stop, num, spacing }``; a tuple [Pa]."""
+
+    def read(self, value: object) -> tuple[float, ...]:
+        """Pressures [Pa] in the user's order; ValueError names the entry that is wrong."""
+        return self._read_range(value) if isinstance(value, dict) else super().read(value)
 
     def _read_range(self, table: dict[Any, Any]) -> tuple[float, ...]:
         known = ("start", "stop", "num", "spacing")
@@ -327,7 +323,7 @@ class Pressures(Entry):
             "required": ["start", "stop", "num"],
             "additionalProperties": False,
         }
-        return {"anyOf": [one, _list_of(self.one), spaced]}
+        return {"anyOf": [*super()._schema["anyOf"], spaced]}
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from fem_seal.case.drawn import ClosureProfile, GasketProfile, SeatProfile
 from fem_seal.case.fields import (
     RATES,
     Bubbles,
-    ChamberPressures,
+    Chamber,
     LeakRate,
     NominalSizeEntry,
     NormalVolume,
@@ -27,6 +27,7 @@ from fem_seal.case.fields import (
     OneOrMany,
     Pressures,
     Quantity,
+    Several,
     Table,
     Whole,
 )
@@ -50,6 +51,7 @@ if TYPE_CHECKING:
 
 SEPARATION = Quantity("length", "1e-3 nm", "1 mm")
 FLUID_PRESSURE = Quantity("pressure", "0 Pa", "10 GPa", exclusive=True)
+CHAMBER_PRESSURE = Chamber("pressure", "0 Pa", "10 GPa")
 EARLIER_FORCE = Quantity("force", "0 N", "1e9 N", exclusive=True)
 
 
@@ -74,9 +76,7 @@ class Load(Table):
     largest_earlier_force: Annotated[float, EARLIER_FORCE] | None = None
     largest_earlier_pressure: Annotated[float, FLUID_PRESSURE] | None = None
     target_leak_rate: Annotated[float, LeakRate("leak rate", "1e-30 m^3/s", "1e3 m^3/s")] | None = None
-    chamber_pressure: (
-        Annotated[tuple[float | None, ...], ChamberPressures("pressure", "0 Pa", "10 GPa")] | None
-    ) = None
+    chamber_pressure: Annotated[tuple[float | None, ...], Several(CHAMBER_PRESSURE)] | None = None
 
     @model_validator(mode="after")
     def _one_pressure_under_all_forces(self) -> Load:
