@@ -276,7 +276,7 @@ def leak(
     loads = leak_of_profiles(SealProblem.of(case), profiles)
     rows = profile_leak_rows(loads)
     with folder_lock(folder), replaced_together(folder, whole=False) as draft:
-        write_rows(rows, draft / "leak.csv")
+        write_rows(draft / "leak.csv", rows)
     _warn_of_unfinished(folder)
     if json:
         terminal.say_json({"folder": str(folder), "loads": rows})

@@ -14,7 +14,7 @@ import numpy as np
 
 from fem_seal.files import as_json, write_bytes, write_text
 from fem_seal.output.prose import phrase, prose
-from fem_seal.output.tables import write_rows_csv
+from fem_seal.output.tables import write_rows
 from fem_seal.seal.direct import QUANTILES, DirectRow, DirectSimulation, DirectTable
 from fem_seal.seal.readings import FURTHER, OWN
 from fem_seal.units import attributes, number
@@ -164,8 +164,8 @@ def write_direct(table: DirectTable, folder: Path, viscosity: float | None) -> N
     from fem_seal.output.pictures.direct import curves_picture, map_picture
     from fem_seal.output.pictures.style import style
 
-    _write(folder / TABLE, direct_rows(table, viscosity))
-    _write(folder / GAPS, list(gap_rows(table)))
+    write_rows(folder / TABLE, direct_rows(table, viscosity))
+    write_rows(folder / GAPS, list(gap_rows(table)))
     write_text(folder / ABOUT, as_json({**direct_numbers(table), "sentences": direct_lines(table)}))
     with style():
         write_bytes(folder / "direct.svg", curves_picture(table).svg)
@@ -174,10 +174,6 @@ def write_direct(table: DirectTable, folder: Path, viscosity: float | None) -> N
             ("low", "middle", "high"), np.linspace(0, len(rows) - 1, 3).round().astype(int), strict=True
         ):
             write_bytes(folder / f"direct_map_{name}.svg", map_picture(table, rows[n].pressure).svg)
-
-
-def _write(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
-    write_rows_csv(path, tuple(rows[0]), [list(row.values()) for row in rows])
 
 
 def shown_rows(rows: Sequence[Mapping[str, Any]]) -> tuple[list[str], list[list[str]]]:
@@ -268,7 +264,7 @@ def write_direct_seal(rows: Sequence[SealRow], folder: Path) -> None:
     from fem_seal.output.pictures.direct import seal_picture
     from fem_seal.output.pictures.style import style
 
-    _write(folder / SEAL_TABLE, [seal_numbers(row) for row in rows])
+    write_rows(folder / SEAL_TABLE, [seal_numbers(row) for row in rows])
     with style():
         write_bytes(folder / "direct_seal.svg", seal_picture(rows).svg)
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from fem_seal.files import write_text
 from fem_seal.output.prose import phrase
-from fem_seal.output.tables import with_text, write_rows_csv
+from fem_seal.output.tables import write_rows
 from fem_seal.version import __version__
 
 if TYPE_CHECKING:
@@ -60,8 +60,7 @@ def write_map(found: LeakMap, folder: Path) -> None:
     found : LeakMap
     folder : pathlib.Path
     """
-    rows = [with_text(row) for row in map_rows(found)]
-    write_rows_csv(folder / CSV, tuple(rows[0]), [list(row.values()) for row in rows])
+    write_rows(folder / CSV, map_rows(found))
     whole = found.complete
     write_text(folder / MODELICA, modelica_text(whole))
     write_text(folder / MATLAB, matlab_text(whole))

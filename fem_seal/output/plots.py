@@ -18,13 +18,14 @@ from fem_seal.output.answers.sensitivities import load_of, shown_sensitivities, 
 from fem_seal.output.pictures.around import draw_leak_around, draw_line_load
 from fem_seal.output.pictures.colours import BLUE, INK, ORANGE
 from fem_seal.output.pictures.contact import draw_gap, draw_profiles
-from fem_seal.output.pictures.leak import leak_rates, leaking_loads
+from fem_seal.output.pictures.leak import leak_rates, leaking_loads, mark_outside
 from fem_seal.output.pictures.style import (
     label,
     logarithmic,
     outside_text,
     panels,
     positive,
+    scale_over_loads,
     spans_decades,
     style,
 )
@@ -129,16 +130,7 @@ def _draw_leak_rates(axes: Axes, result: SealSolution) -> None:
     name = "leak rate, C_pl" if any(load.yields for load in result.loads) else "leak rate"
     axes.plot(over.shown, shown_rates, "o-", color=BLUE, ms=4, label=name)
     outside = np.array([load.validity.outside for load in loads])
-    if outside.any():
-        axes.plot(
-            over.shown[outside],
-            shown_rates[outside],
-            "x",
-            color=ORANGE,
-            ms=9,
-            mew=1.8,
-            label="outside the theory",
-        )
+    mark_outside(axes, over.shown, shown_rates, outside)
     if np.isfinite(low).any():
         sampled = result.uncertainty
         name = "interval" if sampled is None else f"{percent(sampled.confidence)} interval"
@@ -155,10 +147,7 @@ def _draw_leak_rates(axes: Axes, result: SealSolution) -> None:
     if required is not None and required.leak_rate is not None:
         shown = np.append(shown, required.leak_rate)
         axes.axhline(required.leak_rate / unit.size, color=ORANGE, linestyle="--", label="allowed")
-    if spans_decades(shown):
-        logarithmic(axes, "y")
-    else:
-        axes.set_ylim(0.0, max(1.1 * float(np.nanmax(shown)) / unit.size, 1e-9))
+    scale_over_loads(axes, over, shown)
     axes.legend(loc="best")
     sealed = int(np.count_nonzero((rates == 0) & ~outside))
     title = "Leak rate" if not sealed else f"Leak rate ({sealed} of {len(loads)} loads sealed)"

@@ -22,7 +22,7 @@ from fem_seal.output.columns import (
     PROFILE_LEAK_COLUMNS,
     TEXT_COLUMNS,
 )
-from fem_seal.seal.findings import VALIDITY_COLUMNS, validity_entries
+from fem_seal.seal.findings import validity_entries
 from leak.standards import STANDARDS, Standard
 
 if TYPE_CHECKING:
@@ -122,8 +122,13 @@ def profile_array(result: SealSolution) -> NDArray[np.float64]:
 
 def write_leak_csv(result: SealSolution, path: Path) -> Path:
     """Write leak.csv, atomically."""
-    rows = [with_text(row) for row in leak_rows(result)]
-    return write_rows_csv(path, (*LEAK_COLUMNS, *TEXT_COLUMNS), [list(row.values()) for row in rows])
+    return write_rows(path, leak_rows(result))
+
+
+def write_rows(path: Path, rows: Sequence[Mapping[str, Any]]) -> Path:
+    """Write rows by the names of their columns, reasons as one text; see `write_rows_csv`."""
+    texts = [with_text(row) if "validity_reasons" in row else row for row in rows]
+    return write_rows_csv(path, tuple(texts[0]), [list(row.values()) for row in texts])
 
 
 def write_rows_csv(path: Path, columns: Sequence[str], rows: Sequence[Sequence[float | str]]) -> Path:
@@ -213,10 +218,3 @@ def standards_used(result: SealSolution) -> list[Standard]:
     named = [one.standard for load in result.loads for one in leakage_classes(result.case, load)]
     required = result.case.requirement and result.case.requirement.standard_and_class
     return [STANDARDS[name] for name in dict.fromkeys([*named, *(required or ())[:1]])]
-
-
-def write_rows(rows: Sequence[Mapping[str, Any]], path: Path) -> None:
-    """Write rows as a CSV file; OutputError if it cannot be written."""
-    write_rows_csv(
-        path, (*PROFILE_LEAK_COLUMNS, *VALIDITY_COLUMNS), [list(with_text(row).values()) for row in rows]
-    )

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import os
 import shutil
 import weakref
 from collections.abc import Callable
 from contextlib import closing
 from functools import cached_property
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 from fem_seal.case.words import problem
@@ -162,17 +162,13 @@ def _parquet(designs: Designs, path: Path) -> Path:
 
 def _netcdf(designs: Designs, path: Path) -> Path:
     # the netCDF library writes to files only
-    draft = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        dataset(designs).to_netcdf(draft, engine="netcdf4")
-        os.replace(draft, path)
-    except (OSError, RuntimeError) as error:  # a full disc is a RuntimeError of the library
-        reason = (getattr(error, "strerror", None) or str(error)).lower()
-        raise OutputError(f"{path}: cannot be written ({reason})") from error
-    finally:
-        draft.unlink(missing_ok=True)
-    return path
+    with TemporaryDirectory(prefix="fem-seal-") as folder:
+        draft = Path(folder) / path.name
+        try:
+            dataset(designs).to_netcdf(draft, engine="netcdf4")
+        except RuntimeError as error:  # a full disc, in the words of the library
+            raise OutputError(f"{path}: cannot be written ({error})") from error
+        return write_bytes(path, draft.read_bytes())
 
 
 _WRITERS: dict[str, Callable[[Designs, Path], Path]] = {".csv": _csv, ".parquet": _parquet, ".nc": _netcdf}

@@ -88,7 +88,7 @@ def leak_picture(result: SealSolution) -> Picture | None:
         axes.plot(
             over.shown, positive(values) / unit.size, "o-", color=colour, linewidth=thin, ms=3.8, label=name
         )
-    _mark_outside(axes, over.shown, positive(rates) / unit.size, outside)
+    mark_outside(axes, over.shown, positive(rates) / unit.size, outside)
     if np.isfinite(known).any():
         sampled = result.uncertainty
         name = "interval" if sampled is None else f"{percent(sampled.confidence)} interval of the result"
@@ -163,7 +163,7 @@ def _mark_at_foot(axes: Axes, x: FloatArray, name: str | None, fill: str) -> Non
         axes.plot(x, np.full(x.shape, 0.02), "v", ms=6, mec=INK, mfc=fill, label=name, **cast(Any, foot))
 
 
-def _mark_outside(axes: Axes, x: FloatArray, rates: FloatArray, outside: NDArray[np.bool_]) -> None:
+def mark_outside(axes: Axes, x: FloatArray, rates: FloatArray, outside: NDArray[np.bool_]) -> None:
     """Mark loads outside the theory by hollow dots; those with a calculated zero are at the foot."""
     name = "outside the theory: nothing to claim"
     drawn = outside & np.isfinite(rates)
