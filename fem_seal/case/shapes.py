@@ -31,7 +31,7 @@ _KINDS: dict[str, Any] = {
     "recess": SmallLength,
 }
 # Keys of a body that are no dimensions of its shape.
-_OTHER_KEYS = {"shape", "material", "wall", "interference"}
+_OTHER_KEYS = {"shape", "material", "wall", "interference", "stop"}
 
 
 class Body(Table):
@@ -91,6 +91,7 @@ class Gasket(Body):
 
     wall: ClassVar[Literal["free"]] = "free"
     interference: ClassVar[None] = None
+    stop: Annotated[float, Quantity("length", "1 um", "10 m")] | None = None
 
     def body(self, closure: Shape) -> Shape:
         """The upper half, which is meshed."""

@@ -421,10 +421,11 @@ class CaseTables(Table):
 
     def _of_the_shape_of(self, like: CaseTables) -> bool:
         """Whether closure and seat are those of another case but for their material; a file may have changed."""
+        apart = {"material": None, "stop": None}
         return all(
             type(one) is type(other)
             and getattr(one, "file", None) is None
-            and {**dict(one), "material": None} == {**dict(other), "material": None}
+            and {**dict(one), **apart} == {**dict(other), **apart}
             for one, other in ((self.closure, like.closure), (self.lower, like.lower))
         )
 

@@ -13,7 +13,7 @@ _MAX_CHANGES = 100
 
 
 def solve_hard(model: ContactModel, contact_force: float, loads: BodyLoads | None = None) -> ContactSolution:
-    """Solve the contact of smooth bodies.
+    """Solve the contact of smooth bodies, which carries no more than the stop of the model leaves it.
 
     The pressure is continuous and linear between the element ends, the gap is taken as its weighted mean
     over each of these functions; this pair is stable with a quadratic displacement.
@@ -43,8 +43,12 @@ def solve_hard(model: ContactModel, contact_force: float, loads: BodyLoads | Non
             ]
         )
         solution = np.linalg.solve(matrix, np.append(-gap0[inside], -contact_force))
-        pressure, approach = np.zeros(len(active)), float(solution[-1])
+        pressure, approach, carried = np.zeros(len(active)), float(solution[-1]), contact_force
         pressure[inside] = solution[:-1]
+        if approach > model.stop:
+            approach = model.stop
+            pressure[inside] = np.linalg.solve(matrix[:-1, :-1], approach * axial[inside] - gap0[inside])
+            carried = float(axial @ pressure)
         opening = gap0 + compliance @ pressure - approach * axial
         settled = np.where(active, pressure > 0, opening < 0)
         if np.array_equal(settled, active):
@@ -53,7 +57,15 @@ def solve_hard(model: ContactModel, contact_force: float, loads: BodyLoads | Non
             with np.errstate(divide="ignore"):
                 log_pressure = np.log(np.maximum(p, 0.0))
             return ContactSolution(
-                model, contact_force, approach, log_pressure, np.where(p > 0, 0.0, gap), change, (), loads
+                model,
+                carried,
+                approach,
+                log_pressure,
+                np.where(p > 0, 0.0, gap),
+                change,
+                (),
+                loads,
+                stop_force=contact_force - carried,
             )
         active = settled
     raise ConvergenceError(

@@ -374,6 +374,8 @@ def _untold(place: PlaceOnPath) -> None:
 
 # Accuracy of the force of bolts, of their preload, and the most ways to it.
 _HELD, _WAYS = 1e-6, 12
+# A step that takes so many times its part of the way to a stop is halved.
+_LEAP = 1.5
 # Share of the way to a load from which on the bodies are near enough to those that it would part.
 _NEAR_OPENING = 0.02
 # Plastic strain of a body that does not harden any more and carries the load by nothing but its small elastic rest.
@@ -407,16 +409,22 @@ class _Walk:
 
         Told is how far it is, if the load has a number; `passed` gets every step.
 
+        With a stop none along which something flows takes more of the way to it than one of all steps would, and from
+        there on a larger load changes nothing but the force of the stop.
+
         While nothing flows, steps become longer: elastic bodies forget how they came. That takes that nothing flows at
         the end of one, nor where it would end if all went on as before; else it is taken back. A step under which the
         fluid lifts the closure off is halved, too: from far away it may do so because the bodies are not yet those of
         the step's end.
         """
+        begin = begin.relieved(here)
         share = begin.change(end, self.model.initial_contact_radius)
         usual = step = 1 / max(1, math.ceil(share * self.settings.steps * (1 - 1e-9)))
         way, steps = 0.0, 0
         earlier, taken = None, 1.0
         while way < 1:
+            if (beyond := end.past_stop(here)) is not None:
+                return beyond, steps
             if number is not None:
                 self.tell(PlaceOnPath(number, way, steps, step))
             aim = way + step if way + 1.5 * step < 1 else 1.0
@@ -440,6 +448,9 @@ class _Walk:
             if (strain := reached.plastic_strain) > _COLLAPSED:
                 flows = f"a body flows without limit, to a plastic strain of {100 * strain:.2g} %"
                 raise ConvergenceError(_gave_up(begin.between(end, way), load, flows))
+            if reached.flowed and reached.came_nearer(here) * self.settings.steps > _LEAP * self.model.stop:
+                usual = step = (aim - way) / 2
+                continue
             earlier, taken = here, aim - way
             step = min(2 * step, usual) if reached.flowed else 2 * step
             here, way, steps = reached, aim, steps + 1

@@ -153,6 +153,9 @@ class ContactModel:
         Closure and seat under loads that wave around the axis.
     screens : mapping of StressBound
         Of "closure" and "seat", where many loads ask whether they pass a stress.
+    stop : float
+        Approach at which the loaded surfaces meet beside the contact [m], so that it carries no more; infinite where
+        they do not.
 
     Examples
     --------
@@ -177,6 +180,7 @@ class ContactModel:
     relative_radius: float
     harmonics: tuple[HarmonicBody, HarmonicBody] = field(repr=False)
     screens: Mapping[str, StressBound] = field(default_factory=dict, repr=False)
+    stop: float = math.inf
 
     def __repr__(self) -> str:
         return (
@@ -205,6 +209,10 @@ class ContactModel:
     def effective_modulus(self) -> float:
         """E* of the pair [Pa]."""
         return effective_modulus(self.closure.material, self.seat.material)
+
+    def with_stop(self, approach: float) -> ContactModel:
+        """The same with a stop at an approach [m]."""
+        return self if approach == self.stop else replace(self, stop=approach)
 
     def line_load(self, contact_force: float) -> float:
         """f_N = F_N / (2 pi r0 cos theta) [N/m] (Fischer et al., above eq. 1)."""

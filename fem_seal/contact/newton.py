@@ -41,14 +41,15 @@ def solve(
     settings: ContactSettings | None = None,
     start: ContactSolution | None = None,
 ) -> ContactSolution:
-    """Press the closure on the seat with a given axial force.
+    """Press the closure on the seat with a given axial force, which goes past the contact from a stop on.
 
     Parameters
     ----------
     law : InterfaceLaw or HardContact
         `leak.ExponentialLaw`, `leak.TabulatedLaw`, `RoughContact.interface_law()` or `HardContact()`.
     contact_force : float
-        F_N that the solid contact carries [N], positive.
+        F_N that the solid contact carries [N], positive; where it would approach further than the stop of the model,
+        what contact and stop carry together.
     loads : BodyLoads, optional
         What else acts on the bodies, with given magnitudes. The force on the top of the closure is then F_N plus the
         lift of these loads; `fem_seal.contact.penetration` finds fluid pressure and F_N together.
@@ -68,7 +69,8 @@ def solve(
     Unknowns are v = ln p at the points and the approach d:
     u(v) = g0 - d n_z + C (w e^v),  sum(n_z w e^v) = F_N,
     with the opening by further loads as a part of g0, and in a hollow seat the lift that the separation at the highest
-    pressure asks for (`ContactLine.lift`).
+    pressure asks for (`ContactLine.lift`). With a stop d_s the force is F_N + F_s, where 0 <= F_s and d <= d_s, and one
+    of both is an equation: a step ends at the stop, where a force that is missing is that of the stop.
     Increments of v are applied as they are where they fall and as log(1 + dv) where they rise: the pressure
     then never rises faster than linear extrapolation says, and the exponential cannot run away.
 
@@ -101,7 +103,7 @@ class ContactProblem:
     model : ContactModel
     law : InterfaceLaw or HardContact
     contact_force : float
-        [N]
+        Of contact and stop together [N].
     loads : BodyLoads or None
     settings : ContactSettings
     start : ContactSolution or None
@@ -196,8 +198,20 @@ def _solution(one: ContactProblem, state: State, residuals: Sequence[float]) -> 
     assert not isinstance(one.law, HardContact)  # that has no states
     (v, d), loads = state, one.loads or BodyLoads()
     # the last residual is that of the solution, after which no step is taken
-    steps = len(residuals) - 1
-    return ContactSolution(one.model, one.contact_force, d, v, one.law.gap(v), steps, tuple(residuals), loads)
+    steps, carried = len(residuals) - 1, one.contact_force
+    if d >= one.model.stop:
+        carried = min(float(_Rows.of([one]).carried(v[None])[0]), carried)
+    return ContactSolution(
+        one.model,
+        carried,
+        d,
+        v,
+        one.law.gap(v),
+        steps,
+        tuple(residuals),
+        loads,
+        stop_force=one.contact_force - carried,
+    )
 
 
 State = tuple[FloatArray, float]
@@ -243,6 +257,18 @@ class _Rows:
         model = self.model
         return self.force[:, None] * (model.line_load(1.0) / (np.pi * model.effective_modulus))
 
+    def hardest(self, floor: float, v: FloatArray, d: FloatArray) -> FloatArray:
+        """A share `floor` of f_N/(pi E*) of what the contact carries, at the stop not all of F_N, shape (rows, 1) [m]."""
+        if np.isinf(self.model.stop):
+            return floor * self.softest
+        carried = self.carried(v) / self.force
+        return floor * self.softest * np.where(d >= self.model.stop, np.minimum(carried, 1.0)[:, None], 1.0)
+
+    def carried(self, v: FloatArray) -> FloatArray:
+        """Axial force of pressures at the points, shape (rows,) [N]."""
+        line = self.model.line
+        return (line.normal[1] * (line.area_weight * np.exp(v))).sum(axis=1)
+
     def opened(self, force: FloatArray) -> FloatArray:
         """Opening of the gap by normal forces at the points, shape (rows, m) [m]."""
         # a product with several at once would depend on how many they are
@@ -276,23 +302,25 @@ def _newton(
             v, d = np.stack([one for one, _ in states]), np.array([[one] for _, one in states])
         else:
             v, d = _first_guess(rows, floor)
+        d = np.minimum(d, rows.model.stop)
         residuals: list[list[float]] = [[] for _ in v]
         solved, left = np.zeros(len(v), dtype=bool), np.arange(len(v))
         for _ in range(settings.max_iterations):
             at_v, at_d = v[left], d[left]
-            decay = rows.law.decay_length(at_v) + floor * rows.softest
-            gap_residual, missing_force, worst = _unbalanced(rows, floor, at_v, at_d, decay, settings)
+            hardest = rows.hardest(floor, at_v, at_d)
+            decay = rows.law.decay_length(at_v) + hardest
+            gap_residual, missing_force, worst = _unbalanced(rows, hardest, at_v, at_d, decay, settings)
             for number, one in zip(left.tolist(), worst.tolist(), strict=True):
                 residuals[number].append(one)
-            done = (worst < settings.gap_tolerance) & (
-                np.abs(missing_force) < settings.force_tolerance * rows.force
-            )
+            stopped = at_d[:, 0] >= rows.model.stop
+            unheld = np.where(stopped, np.minimum(missing_force, 0.0), missing_force)
+            done = (worst < settings.gap_tolerance) & (np.abs(unheld) < settings.force_tolerance * rows.force)
             solved[left] = done
             if done.all():
                 break
             least = _least_carrying(worst, min(settings.gap_tolerance, settings.force_tolerance))
             step_v, step_d, stepped = _newton_step(
-                rows.model, at_v, decay, gap_residual, missing_force, least, ~done
+                rows.model, at_v, at_d, decay, gap_residual, missing_force, least, ~done
             )
             for number in left[~(done | stepped)].tolist():
                 residuals[number].append(np.inf)
@@ -330,7 +358,7 @@ def _first_guess(rows: _Rows, floor: float) -> tuple[FloatArray, FloatArray]:
 
 def _unbalanced(
     rows: _Rows,
-    floor: float,
+    hardest: FloatArray,
     v: FloatArray,
     d: FloatArray,
     decay: FloatArray,
@@ -339,7 +367,7 @@ def _unbalanced(
     """How far the bodies are from the gap of the law [m], and the force from F_N [N]; the former in decay lengths."""
     model, line = rows.model, rows.model.line
     f = line.area_weight * np.exp(v)
-    separation = rows.law.gap(v) - floor * rows.softest * v
+    separation = rows.law.gap(v) - hardest * v
     terms = (rows.gap0 + rows.lift(v, separation), -d * line.normal[1], rows.opened(f), -separation)
     gap_residual = terms[0] + terms[1] + terms[2] + terms[3]
     # Lengths cancel in the gap: what is below their round-off is no residual.
@@ -351,7 +379,7 @@ def _unbalanced(
     lost /= settings.gap_tolerance
     lost += decay
     worst = np.where(f > 0, np.abs(gap_residual) / lost, 0.0).max(axis=1)
-    return gap_residual, rows.force - (line.normal[1] * f).sum(axis=1), worst
+    return gap_residual, rows.force - rows.carried(v), worst
 
 
 def _least_carrying(worst: FloatArray, tolerance: float) -> FloatArray:
@@ -363,6 +391,7 @@ def _least_carrying(worst: FloatArray, tolerance: float) -> FloatArray:
 def _newton_step(
     model: ContactModel,
     v: FloatArray,
+    d: FloatArray,
     decay: FloatArray,
     gap_residual: FloatArray,
     missing_force: FloatArray,
@@ -383,7 +412,12 @@ def _newton_step(
     for row in asked.nonzero()[0].tolist():
         try:
             step_d[row], opened[row] = _step_of_row(
-                model, active[row].nonzero()[0], softness[row], gap_residual[row], float(missing_force[row])
+                model,
+                active[row].nonzero()[0],
+                softness[row],
+                gap_residual[row],
+                float(missing_force[row]),
+                model.stop - float(d[row, 0]),
             )
         except np.linalg.LinAlgError:
             stepped[row] = False
@@ -397,8 +431,9 @@ def _step_of_row(
     softness: FloatArray,
     gap_residual: FloatArray,
     missing: float,
+    room: float,
 ) -> tuple[float, FloatArray]:
-    """Step of the approach [m], and opening of the gap by that of the pressures [m]."""
+    """Step of the approach [m], at most up to the stop, and opening of the gap by that of the pressures [m]."""
     if not len(active):
         raise np.linalg.LinAlgError("no point carries anything")
     # mostly one stretch of them, of which nothing is copied
@@ -415,5 +450,5 @@ def _step_of_row(
         raise np.linalg.LinAlgError("the contact is not stable")
     forces = dpotrs(factor, right, lower=True, overwrite_b=True)[0]
     by_residual, by_approach = forces[:, 0], forces[:, 1]
-    step_d = float((missing - n_z @ by_residual) / (n_z @ by_approach))
+    step_d = min(float((missing - n_z @ by_residual) / (n_z @ by_approach)), room)
     return step_d, columns @ (by_residual + step_d * by_approach)

@@ -164,6 +164,19 @@ class PathLoad:
         force = held_force(held.bolts, held.preload, approach, tightened)
         return replace(self, force=force + held.end_force)
 
+    def past_stop(self, here: Equilibrium) -> Equilibrium | None:
+        """The balance under this load where it leaves bodies at the stop that are there; else None."""
+        contact = here.contact
+        if not here.at_stop or contact is None or self.path is not None or self.force < contact.contact_force:
+            return None
+        return replace(here, contact=replace(contact, stop_force=self.force - contact.contact_force))
+
+    def relieved(self, here: Equilibrium) -> PathLoad:
+        """The load under which bodies are in balance, without the force of the stop, which goes first."""
+        if not here.at_stop or here.contact is None or self.path is not None:
+            return self
+        return replace(self, force=here.contact.contact_force)
+
     def rest(self, further: BodyLoads) -> PathLoad:
         """The same way of loading with nothing that presses, where these loads act."""
         return replace(self, force=0.0, fluid_pressure=0.0, further=further)
@@ -229,6 +242,16 @@ class Equilibrium:
     def plastic_strain(self) -> float:
         """Largest accumulated plastic strain of all bodies [-]."""
         return max(float(state.plastic.accumulated.max()) for state in self.states.values())
+
+    @property
+    def at_stop(self) -> bool:
+        """Whether a stop carries some of the force."""
+        return self.contact is not None and self.contact.stop_force > 0
+
+    def came_nearer(self, before: Equilibrium) -> float:
+        """By how much the bodies have come nearer to each other since then [m]."""
+        here, there = (0.0 if one.contact is None else one.contact.approach for one in (self, before))
+        return here - there
 
     def ahead(self, before: Equilibrium, share: float) -> dict[str, FloatArray]:
         """Displacements of the bodies that yield, extrapolated by a share of the step from `before` to here [m]."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -71,6 +72,8 @@ class ContactSolution:
         Largest pressure that each place has carried before [Pa]; None where nothing is known of it.
     earlier : ContactSolution or None
         The contact that carried it last.
+    stop_force : float
+        What goes past the contact through the stop of the model [N].
 
     Examples
     --------
@@ -97,6 +100,7 @@ class ContactSolution:
     loads: BodyLoads = NO_LOADS
     largest: FloatArray | None = field(default=None, repr=False)
     earlier: ContactSolution | None = field(default=None, repr=False)
+    stop_force: float = 0.0
 
     def __repr__(self) -> str:
         profile = self.profile
@@ -176,9 +180,14 @@ class ContactSolution:
     closing_force = former_attribute("closing_force", "applied_force")
 
     @property
+    def pressing_force(self) -> float:
+        """Force that presses the bodies together [N]: that of the contact, and what goes through a stop."""
+        return self.contact_force + self.stop_force
+
+    @property
     def applied_force(self) -> float:
         """Force of spring or actuator on the top of the closure [N], in balance with contact and further loads."""
-        return self.contact_force + self.loads.lift(self.model)
+        return self.pressing_force + self.loads.lift(self.model)
 
     @property
     def force_error(self) -> float:
@@ -230,6 +239,12 @@ class ContactSolution:
         before = earlier.pressure
         largest = before if earlier.largest is None else np.maximum(before, earlier.largest)
         return replace(self, largest=largest, earlier=earlier)
+
+    @property
+    def unstopped(self) -> Self:
+        """The same contact on bodies without a stop."""
+        model = self.model.with_stop(math.inf)
+        return self if model is self.model else replace(self, model=model)
 
     @property
     def first_loading(self) -> Self:

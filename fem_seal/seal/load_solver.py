@@ -245,7 +245,7 @@ class LoadSolver:
     def point_of(self, fluid_pressure: float, contact: ContactSolution) -> tuple[float, float]:
         """A fluid pressure [Pa], and the applied force of a contact under it [N]."""
         if self._on_sealed_area:
-            return fluid_pressure, contact.contact_force - self._closes(fluid_pressure)
+            return fluid_pressure, contact.pressing_force - self._closes(fluid_pressure)
         return fluid_pressure, contact.applied_force
 
     def at_contact_force(
@@ -714,10 +714,12 @@ def linearised_again(contacts: Sequence[ContactSolution], law: Law) -> list[Cont
     for contact in contacts:
         for one in reversed([one for one in _history(contact) if id(one) not in found]):
             assert isinstance(one, ElastoplasticContact) and one.linear is not None
-            again = solve(one.linear, law, contact_force=one.contact_force, loads=one.loads, start=one)
+            again = solve(one.linear, law, contact_force=one.pressing_force, loads=one.loads, start=one)
             # a contact of the true bodies, in the states that they are in
             moved = replace(
                 one,
+                contact_force=again.contact_force,
+                stop_force=again.stop_force,
                 approach=again.approach,
                 log_pressure=again.log_pressure,
                 gap=again.gap,
@@ -779,7 +781,7 @@ def solved_with(
     """
     loads = [*contacts] if earlier is None else [earlier, *contacts]
     pressings = [
-        ContactProblem(model, law, one.contact_force, one.loads, settings, one)
+        ContactProblem(model, law, one.pressing_force, one.loads, settings, one)
         for model, law in others
         for one in loads
     ]

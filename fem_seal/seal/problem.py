@@ -232,6 +232,8 @@ class SealProblem:
     faces : int
         Sealing faces, through which fluid leaks side by side: 1 of a valve seat, 2 of a gasket. The bodies are those of
         one face: of a gasket a flange, as closure, and the upper half of the gasket, as seat.
+    stop : float
+        Approach of one face at which the flanges of a gasket meet at a stop [m]; infinite without one.
     """
 
     contact: ContactGeometry
@@ -259,6 +261,7 @@ class SealProblem:
     file: Path | None = None
     given_law: Law | None = None
     faces: int = 1
+    stop: float = math.inf
 
     @classmethod
     def of(cls, case: CaseTables) -> SealProblem:
@@ -298,6 +301,7 @@ class SealProblem:
             bolts=bolts_of(case),
             file=case.file,
             faces=case.faces,
+            stop=math.inf if case.gasket is None else (case.gasket.stop or math.inf) / case.faces,
         )
 
     @cached_property
@@ -408,12 +412,12 @@ class SealProblem:
         from fem_seal.contact.local_contact import LocalContact
         from fem_seal.seal.circumference import around_after
 
-        own = law or self.law
+        own, contact = law or self.law, contact.unstopped
         local = LocalContact(contact, own, None if near is None else near.local)
         if contact.earlier is None:
             return around_after(self.form, local, None, near)
         known = None if near is None or near.before is None else near.before.local
-        return around_after(self.form, local, LocalContact(contact.earlier, own, known), near)
+        return around_after(self.form, local, LocalContact(contact.earlier.unstopped, own, known), near)
 
     @property
     def leaks(self) -> bool:
@@ -588,7 +592,8 @@ def condensed(problem: SealProblem, seal_mesh: SealMesh, known: ContactModel | N
     from fem_seal.contact.model import condense
 
     heat = None if problem.heating is None else problem.heating.of_bodies(seal_mesh, problem.materials)
-    return condense(seal_mesh, problem.materials, problem.supports, heat, known=known)
+    model = condense(seal_mesh, problem.materials, problem.supports, heat, known=known)
+    return model.with_stop(problem.stop)
 
 
 def expected_forces(problem: SealProblem) -> list[float]:

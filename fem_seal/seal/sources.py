@@ -174,13 +174,14 @@ class Shared(Source):
         """Those that are kept, of rounded sizes."""
         name = Bodies.of(problem, wanted, self.rounding)
         if not self.stress:
-            return None, self.light.get(name, name.made_light)
+            return None, self.light.get(name, name.made_light).with_stop(problem.stop)
         can_yield = tuple(kind for kind, one in problem.materials.items() if one.yield_stress)
         if next(_uses.get(name, count)) < _WORTH_A_SCREEN:
-            return None, _full.get(name, name.made)
-        return None, _full.get(
+            return None, _full.get(name, name.made).with_stop(problem.stop)
+        screened = _full.get(
             (name, can_yield), lambda: with_stress_bound(_full.get(name, name.made), can_yield)
         )
+        return None, screened.with_stop(problem.stop)
 
     def table(self, flow: FlowModel, surface: RoughContact, log_peaks: Sequence[float]) -> Conductivity:
         """From tables that are shared."""
