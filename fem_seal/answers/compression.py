@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -27,12 +28,15 @@ class CompressionStep:
     compression : float
         By how much the flanges have come nearer to each other since the mean planes of all faces touched [m]: at small
         loads it is negative, as the asperities keep them apart.
+    stop_force : float or None
+        See `LoadResult.stop_force` [N].
     """
 
     load_step: int
     applied_force: float
     line_load: float
     compression: float
+    stop_force: float | None = None
 
 
 @dataclass(frozen=True)
@@ -46,15 +50,18 @@ class Compression:
     left : float or None
         Compression without load after the last one [m], the layer of asperities between the faces as thick as under
         that load; None where it is not known.
+    stop : float or None
+        Compression at which the flanges meet [m]; None without a stop.
     """
 
     steps: tuple[CompressionStep, ...]
     left: float | None
+    stop: float | None = None
 
     @property
     def largest(self) -> CompressionStep:
-        """The load that presses the gasket together most."""
-        return max(self.steps, key=lambda step: step.compression)
+        """The load that presses the gasket together most; of several at a stop the largest."""
+        return max(self.steps, key=lambda step: (step.compression, step.stop_force or 0.0))
 
     @property
     def springback(self) -> float | None:
@@ -98,19 +105,22 @@ def _compute(seal: SolvedSeal, ask: Inquiry) -> Compression:
 
 def _of_both_faces(seal: SolvedSeal) -> Compression:
     # the half that is solved comes nearer to one of the faces
-    faces = seal.problem.faces
-    steps = []
+    faces, steps = seal.problem.faces, []
+    stop = None if math.isinf(seal.problem.stop) else faces * seal.problem.stop
     for number, load in enumerate(seal.loads, start=1):
         approach = faces * load.contact.approach
-        steps.append(CompressionStep(number, load.applied_force, load.line_load, approach))
+        steps.append(
+            CompressionStep(number, load.applied_force, load.line_load, approach, load.stop_force)
+        )
     last = seal.loads[-1].contact
     layer = faces * float(last.gap[np.argmax(last.pressure)]) / last.model.touch_normal_z
     if not seal.problem.curves:
-        return Compression(tuple(steps), 0.0)
+        return Compression(tuple(steps), 0.0, stop)
     if seal.unloaded is None:
-        return Compression(tuple(steps), None)
+        return Compression(tuple(steps), None, stop)
     left = faces * _lasting(seal.unloaded) - layer
-    return Compression((*steps, CompressionStep(len(seal.loads) + 1, 0.0, 0.0, left)), left)
+    steps.append(CompressionStep(len(seal.loads) + 1, 0.0, 0.0, left, None if stop is None else 0.0))
+    return Compression(tuple(steps), left, stop)
 
 
 COMPRESSION = Answer[Compression | None](

@@ -381,7 +381,8 @@ def _on_model(
     Or the contact under the largest force, and behind it why there is no larger one.
     """
     trials = _Trials(solver, flow, fluid_pressure, target)
-    highest, why = math.log(largest_force(solver.problem)) if solver.yields else math.inf, "not_met"
+    ends = solver.yields or math.isfinite(solver.model.stop)
+    highest, why = math.log(largest_force(solver.problem)) if ends else math.inf, "not_met"
     start = min(math.log(expected), highest)
     while True:
         try:
@@ -402,6 +403,7 @@ def _on_model(
         root = max(trials.rates)
         if trials.excess(root) < 0:
             raise target_problem(solver.problem, "always_met", target, pressure=fluid_pressure)
+        why = "stopped" if trials.contact(root).stop_force > 0 else why
     else:
         why = ""
         trials.contact(root)

@@ -469,9 +469,11 @@ class _Search:
 
     def _why_none(self, at: float) -> str:
         load, after = self._load(at), self._load(min(at + _ACCURACY, self._highest))
-        force = "that" if load is None else briefly("force", load.applied_force)
+        stopped = 0.0 if load is None else load.contact.stop_force
+        force = "that" if load is None else briefly("force", load.applied_force - stopped)
         outside = after is not None and after.validity.outside
-        ends = sentence("verdict_force", "outside" if outside else "strains", load=after)
+        kind = "stopped" if stopped else "outside" if outside else "strains"
+        ends = sentence("verdict_force", kind, load=after)
         why = "" if load is None else load.leak_validity.leak_reason(more=True)
         off = sentence("verdict_force", "off", why=why) if why else ""
         return sentence("verdict_force", "more_leaks", force=force, off=off, ends=ends)

@@ -124,6 +124,9 @@ def _bodies(case: CaseTables) -> Iterator[Problem]:
 def _meets_beside(case: CaseTables) -> Iterator[Problem]:
     """Flanges that meet each other, or penetrate the gasket beside its contact, before it is touched."""
     closure, seat = case.contact.closure, case.contact.seat
+    height, stop = 2 * (seat.extent[1][1] - seat.extent[1][0]), case.gasket and case.gasket.stop
+    if stop is not None and stop > height / 2:
+        yield problem("stop_beyond_half", height=mm(height), value=mm(stop))
     apart = closure.extent[1][0] - seat.extent[1][0]
     if apart < 0:
         yield problem("flanges_meet", deep=mm(-apart))
@@ -241,6 +244,7 @@ def of_unlike_flanges(case: CaseTables) -> Iterator[Problem]:
     local = case.leak.fluid_in_gap == "local"
     given = {
         "form": case.form is not None,
+        "gasket.stop": case.gasket is not None and case.gasket.stop is not None,
         "fluid.particles": particles,
         "load.target_leak_rate": case.load.target_leak_rate is not None,
         "leak.conductivity": case.leak.conductivity == "direct",

@@ -198,9 +198,9 @@ def _solution(one: ContactProblem, state: State, residuals: Sequence[float]) -> 
     assert not isinstance(one.law, HardContact)  # that has no states
     (v, d), loads = state, one.loads or BodyLoads()
     # the last residual is that of the solution, after which no step is taken
-    steps, carried = len(residuals) - 1, one.contact_force
+    steps, carried, line = len(residuals) - 1, one.contact_force, one.model.line
     if d >= one.model.stop:
-        carried = min(float(_Rows.of([one]).carried(v[None])[0]), carried)
+        carried = min(float((line.normal[1] * line.area_weight) @ np.exp(v)), carried)
     return ContactSolution(
         one.model,
         carried,
@@ -261,13 +261,8 @@ class _Rows:
         """A share `floor` of f_N/(pi E*) of what the contact carries, at the stop not all of F_N, shape (rows, 1) [m]."""
         if np.isinf(self.model.stop):
             return floor * self.softest
-        carried = self.carried(v) / self.force
+        carried = (self.model.line.normal[1] * self.model.line.area_weight * np.exp(v)).sum(axis=1) / self.force
         return floor * self.softest * np.where(d >= self.model.stop, np.minimum(carried, 1.0)[:, None], 1.0)
-
-    def carried(self, v: FloatArray) -> FloatArray:
-        """Axial force of pressures at the points, shape (rows,) [N]."""
-        line = self.model.line
-        return (line.normal[1] * (line.area_weight * np.exp(v))).sum(axis=1)
 
     def opened(self, force: FloatArray) -> FloatArray:
         """Opening of the gap by normal forces at the points, shape (rows, m) [m]."""
@@ -379,7 +374,7 @@ def _unbalanced(
     lost /= settings.gap_tolerance
     lost += decay
     worst = np.where(f > 0, np.abs(gap_residual) / lost, 0.0).max(axis=1)
-    return gap_residual, rows.force - rows.carried(v), worst
+    return gap_residual, rows.force - (line.normal[1] * f).sum(axis=1), worst
 
 
 def _least_carrying(worst: FloatArray, tolerance: float) -> FloatArray:

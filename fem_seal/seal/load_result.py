@@ -268,6 +268,11 @@ class LoadResult(ByReading):
     axial_force = former_attribute("axial_force", "contact_force")
 
     @property
+    def stop_force(self) -> float | None:
+        """What goes past the gasket through its stop [N]; None without a stop."""
+        return None if math.isinf(self.contact.model.stop) else self.contact.stop_force
+
+    @property
     def line_load(self) -> float:
         """f_N [N/m]."""
         return self.contact.line_load

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from dataclasses import asdict, astuple
 from typing import TYPE_CHECKING
 
 from fem_seal.answers.compression import COMPRESSION, Compression
@@ -32,7 +32,8 @@ def compression_in_words(result: SealSolution) -> list[str]:
     known = "springs" if result.problem.curves else "elastic"
     after = "unknown" if found.springback is None else known
     back, left = found.springback or 0.0, found.left or 0.0
-    return [phrase("compression.result", "most", after, most=most, back=back, left=left)]
+    meet = "" if found.stop is None else "stopped" if most.stop_force else "not_stopped"
+    return [phrase("compression.result", "most", after, meet, most=most, back=back, left=left, stop=found.stop)]
 
 
 def compression_picture(result: SealSolution) -> Picture | None:
@@ -51,12 +52,14 @@ def compression_picture(result: SealSolution) -> Picture | None:
     loads = [per_length.of(step.line_load) for step in found.steps]
     figure, (axes,) = panels(1, height=3.5, width=6.4)
     axes.plot(over, loads, "o-", color=BLUE, ms=3.8)
-    axes.axvline(0.0, color=GREY, linewidth=0.8)
+    for place in (0.0,) if found.stop is None else (0.0, found.stop / unit.size):
+        axes.axvline(place, color=GREY, linewidth=0.8)
     number_dots(axes, over, loads, [step.load_step for step in found.steps])
     over_this = f"compression, both faces  [{unit.name}]"
     label(axes, "Line load over compression", over_this, f"line load  [{per_length.name}]")
     left = len(found.steps) > len(result.loads)
-    return captioned(figure, "compression", "all", "left" if left else "")
+    stop = "" if found.stop is None else "stop"
+    return captioned(figure, "compression", "all", "left" if left else "", stop)
 
 
 def _section(result: SealSolution) -> Section | None:
@@ -72,9 +75,7 @@ def _section(result: SealSolution) -> Section | None:
 def _rows(result: SealSolution) -> CsvTable:
     found = COMPRESSION.of(result.answers)
     steps = () if found is None else found.steps
-    return COMPRESSION_COLUMNS, [
-        (one.load_step, one.applied_force, one.line_load, one.compression) for one in steps
-    ]
+    return COMPRESSION_COLUMNS, [astuple(one) for one in steps]
 
 
 def _numbers(found: Compression | None) -> dict[str, object] | None:
