@@ -171,6 +171,8 @@ def closed_form_limits(case: Case, derived: Derived) -> str:
     derived : Derived
         Of the same case.
     """
+    if case.gasket is not None and case.gasket.stop is not None:
+        return sentence("closed_forms", "stop")
     law = _stiffening_law(SealProblem.of(case))
     for load in derived.loads:
         closed = load.crossover or load.hertz

@@ -109,9 +109,7 @@ def _of_both_faces(seal: SolvedSeal) -> Compression:
     stop = None if math.isinf(seal.problem.stop) else faces * seal.problem.stop
     for number, load in enumerate(seal.loads, start=1):
         approach = faces * load.contact.approach
-        steps.append(
-            CompressionStep(number, load.applied_force, load.line_load, approach, load.stop_force)
-        )
+        steps.append(CompressionStep(number, load.applied_force, load.line_load, approach, load.stop_force))
     last = seal.loads[-1].contact
     layer = faces * float(last.gap[np.argmax(last.pressure)]) / last.model.touch_normal_z
     if not seal.problem.curves:

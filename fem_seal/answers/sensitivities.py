@@ -51,7 +51,7 @@ _AT_CONTACT = {
         "edge_radius",
     },
     "seat": {
-        *("angle", "contact_angle", "top_angle", "relief_angle"),
+        *("angle", "contact_angle", "top_angle", "relief_angle", "stop"),
         *("radius", "centre_radius", "land_radius", "land_inner_radius", "land_outer_radius", "bore_radius"),
         *("land_width", "edge_radius", "mean_radius", "section_radius", "spherical_radius"),
     },

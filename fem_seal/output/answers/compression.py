@@ -33,7 +33,9 @@ def compression_in_words(result: SealSolution) -> list[str]:
     after = "unknown" if found.springback is None else known
     back, left = found.springback or 0.0, found.left or 0.0
     meet = "" if found.stop is None else "stopped" if most.stop_force else "not_stopped"
-    return [phrase("compression.result", "most", after, meet, most=most, back=back, left=left, stop=found.stop)]
+    return [
+        phrase("compression.result", "most", after, meet, most=most, back=back, left=left, stop=found.stop)
+    ]
 
 
 def compression_picture(result: SealSolution) -> Picture | None:
