@@ -4,10 +4,17 @@ from __future__ import annotations
 
 import csv
 import sys
+from collections.abc import Sequence
 
 import numpy as np
 import pytest
 from places import ROOT
+
+from fem_seal.contact.load_path import load_path
+from fem_seal.contact.model import ContactModel, condense
+from fem_seal.contact.newton import solve
+from fem_seal.contact.plastic_step import PathLoad, PlasticSettings
+from fem_seal.contact.solution import ContactSolution
 
 sys.path.append(str(ROOT / "benchmarks"))
 import calculix_ring as ring
@@ -36,3 +43,32 @@ def test_a_ring_is_pressed_and_springs_back_as_in_another_code(
     assert own_way[up:] == pytest.approx(their_way[up:], rel=springback)
     # copper has flowed: less comes back than was pressed in
     assert (-own_way[up:].sum() < 0.9 * own_way[:up].sum()) == (name == "plastic")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "force", "springback"), [("elastic", 0.003, 0.003), ("plastic", 0.01, 0.01)]
+)
+def test_a_ring_at_a_stop_carries_what_its_compression_takes_in_another_code(
+    name: str, force: float, springback: float
+) -> None:
+    """The stop stands where CalculiX has the plate at 6 kN; 20 kN press it there, and 3 kN and 1 kN are left."""
+    with ring.TABLE.open() as file:
+        way = [float(row[-1]) for row in csv.reader(file) if row[0] == name]
+    seal_mesh, settings = ring.mesh(name), PlasticSettings(steps=2 * ring.STEPS)
+    model, loads = condense(seal_mesh, ring.MATERIALS[name]), (1e3, 20e3, 3e3, 1e3)
+
+    def pressed(model: ContactModel) -> Sequence[ContactSolution]:
+        if name == "elastic":
+            return [solve(model, ring.LAW, contact_force=one) for one in loads]
+        return load_path(
+            model, ring.LAW, list(map(PathLoad, loads)), settings=settings, unload=False
+        ).contacts
+
+    begins = ring.ours(name, seal_mesh)[0].approach
+    at = pressed(model.with_stop(begins + way[2] - way[0]))
+    assert at[1].contact_force == pytest.approx(6e3, rel=force)
+    assert at[1].contact_force + at[1].stop_force == pytest.approx(20e3, rel=1e-12)
+    assert [at[1].approach - one.approach for one in at[2:]] == pytest.approx(
+        [way[2] - way[3], way[2] - way[4]], rel=springback
+    )
