@@ -124,9 +124,9 @@ def _bodies(case: CaseTables) -> Iterator[Problem]:
 def _meets_beside(case: CaseTables) -> Iterator[Problem]:
     """Flanges that meet each other, or penetrate the gasket beside its contact, before it is touched."""
     closure, seat = case.contact.closure, case.contact.seat
-    height, stop = 2 * (seat.extent[1][1] - seat.extent[1][0]), case.gasket and case.gasket.stop
-    if stop is not None and stop > height / 2:
-        yield problem("stop_beyond_half", height=mm(height), value=mm(stop))
+    height = case.faces * (seat.extent[1][1] - seat.extent[1][0])
+    if case.gasket is not None and case.gasket.stop is not None and case.gasket.stop > height / 2:
+        yield problem("stop_beyond_half", height=mm(height), value=mm(case.gasket.stop))
     apart = closure.extent[1][0] - seat.extent[1][0]
     if apart < 0:
         yield problem("flanges_meet", deep=mm(-apart))

@@ -116,6 +116,10 @@ def _force(result: SealSolution, load: JudgedLoad) -> str:
     return phrase("brief.second", "force", load=load, force=verdict.force_to_pass(found.force))
 
 
+def _stop(result: SealSolution, load: JudgedLoad) -> str:
+    return phrase("brief.second", "stop", load=load) if load.stop_force else ""
+
+
 def _share(result: SealSolution, load: JudgedLoad) -> str:
     found = largest_share(result, result.loads.index(load))
     return "" if found is None else phrase("brief.second", "share", name=found[0], share=found[1])
@@ -131,6 +135,7 @@ _ADVICE: dict[str, Callable[[SealSolution, JudgedLoad], str]] = {
     "measure": lambda result, load: measurement_in_brief(result, result.loads.index(load)),
     "helps": _helps,
     "force": _force,
+    "stop": _stop,
     "class": lambda result, load: verdict.next_class_in_words(result.case, load),
     "share": _share,
     "used": _used,
@@ -140,9 +145,9 @@ _ADVICE: dict[str, Callable[[SealSolution, JudgedLoad], str]] = {
 # What is told after each verdict, the first that is known.
 _ORDER: dict[Verdict | None, Sequence[str]] = {
     Verdict.PASS: ("share", "used"),
-    Verdict.INCONCLUSIVE: ("profile", "measure", "helps", "force", "share", "used"),
-    Verdict.FAIL: ("helps", "force", "measure", "ask", "used"),
-    None: ("helps", "measure", "class", "share", "force", "none"),
+    Verdict.INCONCLUSIVE: ("profile", "measure", "helps", "force", "stop", "share", "used"),
+    Verdict.FAIL: ("helps", "force", "stop", "measure", "ask", "used"),
+    None: ("helps", "measure", "class", "stop", "share", "force", "none"),
 }
 
 

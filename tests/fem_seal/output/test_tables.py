@@ -38,7 +38,7 @@ LEAK_HEADER = (
     "contact_force_for_target_N,line_load_for_target_N_per_m,leak_rate_per_length_m2_per_s,"
     "leak_rate_per_length_kg_per_m_s,leak_rate_per_length_Pa_m2_per_s,bolt_preload_N,bolt_torque_N_m,"
     "bolt_force_N,bolt_stress_Pa,leak_rate_least_preload_m3_per_s,leak_rate_largest_preload_m3_per_s,"
-    "bolt_preload_for_target_N,bolt_torque_for_target_N_m,bolt_stress_for_target_Pa,"
+    "bolt_preload_for_target_N,bolt_torque_for_target_N_m,bolt_stress_for_target_Pa,stop_force_N,"
     "leak_rate_paper_m3_per_s,leak_rate_corrected_m3_per_s,verdict,validity,validity_reasons"
 )
 PROFILE_HEADER = (
@@ -137,6 +137,7 @@ def test_what_was_not_calculated_is_not_a_number(tmp_path):
         "bolt_preload_for_target_N",
         "bolt_torque_for_target_N_m",
         "bolt_stress_for_target_Pa",
+        "stop_force_N",
         "leak_rate_paper_m3_per_s",
         "leak_rate_corrected_m3_per_s",
     ]
