@@ -67,7 +67,8 @@ def compression_picture(result: SealSolution) -> Picture | None:
 def _section(result: SealSolution) -> Section | None:
     found = COMPRESSION.of(result.answers)
     steps = () if found is None else found.steps
-    table = worded_table("compression", [{"step": one} for one in steps])
+    without = () if found is not None and found.stop is not None else ("force of the stop",)
+    table = worded_table("compression", [{"step": one} for one in steps], without=without)
     sentences = compression_in_words(result)
     return worded_section(
         "compression", [*sentences, phrase("compression.result", "meaning")] if sentences else [], table

@@ -133,8 +133,8 @@ def test_compression_and_force_of_the_stop_are_written(tmp_path: Path) -> None:
         assert (float(row["stop_force_N"]) > 0) == (float(row["applied_force_N"]) > 10e3)
     assert [float(row["compression_m"]) for row in tables[0]][1:] == [STOP, STOP]
     (said,) = compression_in_words(result)
-    assert "the flanges meet" in said and "presses the gasket no harder" in said
-    assert "the flanges meet" in (tmp_path / "report.html").read_text()
+    assert "The flanges meet at 4.00" in said and "presses the gasket no harder" in said
+    assert "The flanges meet at 4.00" in (tmp_path / "report.html").read_text()
 
 
 def test_a_stop_that_no_load_reaches_changes_nothing() -> None:
