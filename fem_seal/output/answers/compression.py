@@ -56,6 +56,7 @@ def compression_picture(result: SealSolution) -> Picture | None:
     axes.plot(over, loads, "o-", color=BLUE, ms=3.8)
     for place in (0.0,) if found.stop is None else (0.0, found.stop / unit.size):
         axes.axvline(place, color=GREY, linewidth=0.8)
+    axes.margins(y=0.12)
     number_dots(axes, over, loads, [step.load_step for step in found.steps])
     over_this = f"compression, both faces  [{unit.name}]"
     label(axes, "Line load over compression", over_this, f"line load  [{per_length.name}]")
