@@ -153,9 +153,10 @@ def lines(found: Calibration) -> Iterator[str]:
         yield phrase(
             "calibration.sentences", "silent", inputs=", ".join(input_name(one.name) for one in silent)
         )
-    ranked = sorted(found.alternatives.items(), key=lambda one: -one[1])
-    if len(ranked) > 1:
-        (best, share), (second, less) = ranked[:2]
+    given, *others = found.alternatives.items()
+    for other in others:
+        own = ("as given", given[1]) if other[0] == "first loading" else given
+        (best, share), (second, less) = sorted((own, other), key=lambda one: -one[1])
         ratio = share / less if less > 0.0 else math.inf
         which = "prefers_clearly" if ratio > 100.0 else "prefers" if ratio > _PREFERRED else "no_preference"
         names = {"best": _alternative(best), "second": _alternative(second)}

@@ -354,12 +354,10 @@ class RoughContact:
         p = 0, one from the hardness on.
         """
         p = _checked(pressure)
-        found = np.where(
-            p > 0.0, self._over_pressure(p, self._corrected_area, acting=self._elastic_pressure), 0.0
-        )
-        return _scalar(
-            found if self.hardness is None else np.where(p >= self.hardness * (1.0 - 1e-9), 1.0, found)
-        )
+        most = math.inf if self.hardness is None else self.hardness * (1.0 - 1e-9)
+        acts = self._elastic_pressure(np.minimum(p, most)).ravel()
+        area = self._corrected_area(acts, self._seen(acts)).reshape(p.shape)
+        return _scalar(np.where(p < most, np.where(p > 0.0, area, 0.0), 1.0))
 
     def elastic_area(self, pressure: ArrayLike, wavenumber: ArrayLike | None = None) -> FloatArray | float:
         """Relative area A_el/A0 in elastic contact; all of the contact area without a hardness."""
@@ -697,14 +695,13 @@ class RoughContact:
         pressure: ArrayLike,
         function: Callable[[FloatArray, RoughnessSeen], FloatArray],
         largest: ArrayLike | None = None,
-        acting: Callable[[FloatArray], FloatArray] | None = None,
     ) -> FloatArray | float:
         """Apply `function` where 0 < p < hardness; separations are infinite at p = 0, zero from the hardness on."""
         p = _checked(pressure) if largest is None else self.first_loading_pressure(pressure, largest)
         flat = p.ravel()
 
         def at(p: FloatArray) -> FloatArray:
-            acts = (acting or self.acting_pressure)(p)
+            acts = self.acting_pressure(p)
             return function(acts, self._seen(acts))
 
         out = np.full(flat.shape, np.inf)

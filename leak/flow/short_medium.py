@@ -11,6 +11,7 @@ spectra, contact areas up to 0.25, 1 to 8 waves; theory/gap in the manual). No s
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cache, lru_cache
 from typing import NamedTuple
@@ -131,6 +132,14 @@ def short_medium(
     >>> 1.0 < found.waves < 20.0 and 0.42 < found.percolation_threshold < 0.6
     True
     """
+    found, log_n = _medium(surface, table, log_pressure, length)
+    return found(log_n)
+
+
+def _medium(
+    surface: RoughContact, table: ConductivityTable, log_pressure: FloatArray, length: FloatArray
+) -> tuple[Callable[[float], ShortMedium], float]:
+    """What a medium with ln n makes of a contact, and the ln n that it asks for itself, see `short_medium`."""
     touches = log_pressure > log_pressure.max() + math.log(_FAINT)
     log_p, length = log_pressure[touches], length[touches]
     area, wave = _contact_area(surface, log_p), surface.wavelength_along_flow
@@ -140,7 +149,8 @@ def short_medium(
     def found(log_n: float) -> ShortMedium:
         opened = _with_threshold(table, endless, -math.expm1(-log_n))
         with np.errstate(divide="ignore"):
-            resistance = 1.0 / opened.at_log_pressure(asked) ** 3
+            gap = opened.at_log_pressure(asked)
+            resistance = 1.0 / (gap * gap * gap)
         waves = resisting_width(length, resistance) / wave
         weight = length * _shares(resistance)
         touching = float(weight @ area / weight.sum())
@@ -148,15 +158,14 @@ def short_medium(
 
     # a more open medium resists over a wider piece: the threshold that it asks for falls, and is met once
     low = -math.log1p(-endless)
-    widest = found(low)
-    high = -math.log1p(-widest.percolation_threshold)
+    high = -math.log1p(-found(low).percolation_threshold)
     if high - low < _CLOSE:
-        return widest
+        return found, high
 
     def excess(log_n: float) -> float:
         return log_n + math.log1p(-found(log_n).percolation_threshold)
 
-    return found(root_of_rising(excess, low, high, high, _CLOSE))
+    return found, root_of_rising(excess, low, high, high, _CLOSE)
 
 
 def in_contact(surface: RoughContact, table: AnyTable, x: FloatArray, pressure: FloatArray) -> AnyTable:
@@ -211,11 +220,9 @@ def in_profile(surface: RoughContact, table: AnyTable, profile: ContactProfile, 
     if surface.theory == "paper" or liquid.method != "bruggeman":
         return table
     log_p, weight, _ = profile.quadrature
-    medium = short_medium(surface, liquid, log_p, 2.0 * math.pi * radius * weight)
+    _, log_n = _medium(surface, liquid, log_p, 2.0 * math.pi * radius * weight)
     # what rarefaction adds goes by the share of the sealing pressure, which stays
-    return table.with_liquid(
-        with_threshold(liquid, surface.percolation_threshold, medium.percolation_threshold)
-    )
+    return table.with_liquid(with_threshold(liquid, surface.percolation_threshold, -math.expm1(-log_n)))
 
 
 def with_threshold(table: ConductivityTable, endless: float, threshold: float) -> ConductivityTable:

@@ -66,13 +66,20 @@ def verdict_sentences(result: SealSolution) -> list[str]:
 
 
 def verdict_in_brief(result: SealSolution) -> str:
-    """The verdict in one line: by how much, and at which load; empty without a requirement.
+    """The verdict in one line, and how many pass where it is open; empty without a requirement.
 
     Parameters
     ----------
     result : SealSolution
     """
-    return "" if result.judgement is None else _verdict(result, result.judgement, brief=True)
+    found = result.judgement
+    if found is None:
+        return ""
+    told = _verdict(result, found, brief=True)
+    passing = None if found.number is None else result.loads[found.number].passing
+    if passing is None or passing.why_none or found.worst.verdict != "inconclusive":
+        return told
+    return f"{told}; " + phrase("brief.first", "passes", share=_in_percent(passing.share))
 
 
 def _digits(result: SealSolution, found: SealJudgement) -> int:

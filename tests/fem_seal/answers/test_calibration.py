@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -437,6 +438,17 @@ def test_lines_and_table_say_how_the_seat_differs(after):
         "Ra in its range [µm]",
         "0.200",
         "0.300",
+    ]
+
+
+@pytest.mark.slow
+def test_each_other_theory_and_history_is_told_against_that_of_the_case(after):
+    found = replace(after[0], alternatives={"corrected": 0.49, "paper": 0.5, "first loading": 0.01})
+    told = [one for one in lines(found) if "as likely by" in one or "do not decide" in one]
+    assert told == [
+        "The readings do not decide between the paper's theory and the corrected theory.",
+        "The readings are 49.0 times as likely by a seal with the earlier load as given as by a seal that was never "
+        "closed harder.",
     ]
 
 

@@ -17,7 +17,8 @@ from fem_seal.answers.judgement import PassProbability
 from fem_seal.answers.pass_probability import pass_probabilities
 from fem_seal.answers.response_surface import Polynomials, fit_with_prior
 from fem_seal.answers.uncertainty import SampledSeal, uncertain_inputs
-from fem_seal.output.answers.verdict import verdict_facts, verdict_lines, verdict_numbers
+from fem_seal.output.answers.verdict import verdict_facts, verdict_in_brief, verdict_lines, verdict_numbers
+from fem_seal.output.report.brief import first_line
 from fem_seal.output.tables import leak_table
 from fem_seal.sampling import sobol_points
 from fem_seal.seal.evaluate import evaluate
@@ -289,6 +290,11 @@ def test_a_result_tells_it_in_table_report_and_on_the_terminal():
     assert any("more than 99.9 % of the samples pass" in line for line in verdict_lines(result))
     assert ("Passes", "more than 99.9 %") in [fact[:2] for fact in verdict_facts(result)]
     assert verdict_numbers(result)["pass_probability"] == 1.0
+    # of a verdict that is open it is the first line that says it
+    limit = {"requirement.leak_rate": last.leak.leak_rate, "requirement.fluid_pressure": ["5 bar", "20 bar"]}
+    assert verdict_in_brief(result) == first_line(result) and "such seals" not in first_line(result)
+    line = first_line(fem_seal.run(wanted.replace(limit), sensitivities=False))
+    assert line.startswith("Inconclusive at 20 bar: ") and line.endswith(" % of such seals pass")
     none = replace(result, loads=(first, last.with_values(passing=PassProbability(why_none="of this"))))
     assert any("no probability to pass is known: of this" in line for line in verdict_lines(none))
 
