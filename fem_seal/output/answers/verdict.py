@@ -363,7 +363,7 @@ def _pass_sentence(result: SealSolution) -> str:
         "" if math.isnan(found.batch_low) else "batch",
         load=load_name(load, result.loads),
         share=_in_percent(found.share),
-        error=f"{100.0 * found.error:.1f} %",
+        error=_in_percent(found.error),
         batch=_in_percent(found.batch_low),
         why=found.why_none,
     )
