@@ -3,8 +3,8 @@
 A design is a few texts, "20.5 bar", in place of those of the case. What it shows depends on it alone, never on the
 designs before it; what they share is kept: condensed bodies of the last geometries, and flow conductivities of one
 family of surfaces (`fem_seal.seal.sources`). The mesh is that of `fem-seal run` with sizes rounded to powers of
-the square root of two, never coarser where the bodies touch, and coarser inside of them: its numbers are good to the
-digits that are shown. Those of `fem-seal run` itself follow when the sliders rest (`fem_seal.explore.worker`).
+the square root of two and coarser, most inside the bodies and between edges: its numbers are good to the digits
+that are shown. Those of `fem-seal run` itself follow when the sliders rest (`fem_seal.explore.worker`).
 """
 
 from __future__ import annotations
@@ -41,9 +41,9 @@ _LIVE_LOADS = 5
 _FILLS, _FEW, _SHARES = 0.1, 3, (0.2, 0.4, 0.6, 0.8)
 # Of a gas each takes several times as long.
 _LIVE_LOADS_OF_GAS, _SHARES_OF_GAS = 3, (0.5,)
-# Steps of the sizes in the logarithm to base 2, and how much faster the elements grow into the bodies and along the
-# faces than those of a run: its numbers to 2e-4.
-_ROUNDING = Rounding(step=0.5, reach_step=0.5, along=1.41, deep=2.1)
+# Steps of the sizes in the logarithm to base 2, and how much coarser the elements are than those of a run, chosen for
+# its numbers to 4e-4.
+_ROUNDING = Rounding(step=0.5, reach_step=0.5, along=1.41, deep=2.1, touching=1.41, edges=2.0)
 _MODELS, _TABLES = 96, 2048
 # Decades below the peak pressure over which a table of one surface alone reaches.
 _DECADES = 9

@@ -78,7 +78,7 @@ EXACT = Source()
 
 @dataclass(frozen=True)
 class Rounding:
-    """How far apart rounded sizes are, and how much coarser than a run's elements are inside the bodies.
+    """How far apart rounded sizes are, and how much coarser than a run's the elements are.
 
     Parameters
     ----------
@@ -86,12 +86,18 @@ class Rounding:
         Of the sizes and of the reach, in the logarithm to base 2. A longer reach costs few elements.
     along, deep : float
         Factors on the growth of the elements along the faces and into the bodies.
+    touching : float
+        Factor on the size where the bodies touch.
+    edges : float
+        Further factor on sizes and growth along faces with edges, of which a run follows each as if it bore the most.
     """
 
     step: float = 0.25
     reach_step: float = 1.0
     along: float = 1.0
     deep: float = 1.0
+    touching: float = 1.0
+    edges: float = 1.0
 
 
 OF_STUDIES = Rounding()
@@ -195,7 +201,9 @@ _full, _uses = Kept(2 * _FULL_MODELS), Kept(_LIGHT_MODELS)
 def rounded(
     sizing: Sizing, contact: ContactGeometry, *, exact_size: bool = False, rounding: Rounding = OF_STUDIES
 ) -> Sizing:
-    """Sizing with rounded numbers: never coarser nor narrower along the contact; a spot moves by half an element.
+    """Sizing with rounded numbers: never narrower along the contact, nor coarser than the rounding says.
+
+    A spot moves by half an element.
 
     Parameters
     ----------
@@ -209,7 +217,13 @@ def rounded(
     lower, upper = contact.reach
     step = rounding.step
     start, end = (_up(abs(x), rounding.reach_step) for x in sizing.zone)
-    size = sizing.contact_size if exact_size else min(_down(sizing.contact_size, step), sizing.far_size)
+    edges = rounding.edges if sizing.spots else 1.0
+    coarser = 1.0 if exact_size else rounding.touching * edges
+    size = (
+        sizing.contact_size
+        if exact_size
+        else min(_down(coarser * sizing.contact_size, step), sizing.far_size)
+    )
     elements = _SOFT_CORE * _up(sizing.core / sizing.contact_size / _SOFT_CORE, step)
     return replace(
         sizing,
@@ -217,19 +231,21 @@ def rounded(
         # so many of the largest elements that are rounded to this size: it brings no meshes of its own beside theirs
         core=elements * (size if exact_size else 2.0**step * size),
         zone=(max(-start, lower), min(end, upper)),
-        growth_along=rounding.along * _down(sizing.growth_along, step),
+        growth_along=rounding.along * edges * _down(sizing.growth_along, step),
         growth_deep=rounding.deep * sizing.growth_deep,
-        spots=_rounded_spots(sizing, contact, step),
+        spots=_rounded_spots(sizing, contact, step, coarser),
     )
 
 
-def _rounded_spots(sizing: Sizing, contact: ContactGeometry, step: float) -> tuple[tuple[float, float], ...]:
+def _rounded_spots(
+    sizing: Sizing, contact: ContactGeometry, step: float, coarser: float
+) -> tuple[tuple[float, float], ...]:
     """Spots with rounded sizes, at multiples of them; edges and ends of the faces stay where they are."""
     lower, upper = contact.reach
     edges = {lower, upper, *contact.breaks.tolist()}
     found = set()
     for place, wanted in sizing.spots:
-        size = _down(wanted, step)
+        size = _down(coarser * wanted, step)
         near = min(max(size * round(place / size), lower), upper)
         found.add((place if place in edges else near, size))
     return tuple(sorted(found))
