@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 _LIVE_LOADS = 5
 # Processor time of a load [s] and pressures of a case below which the curve gets more points, these over the highest.
 _FILLS, _FEW, _SHARES = 0.1, 3, (0.2, 0.4, 0.6, 0.8)
-# Of a gas each takes several times as long.
+# Of a gas, and of a seal that is not round, each takes several times as long.
 _LIVE_LOADS_OF_GAS, _SHARES_OF_GAS = 3, (0.5,)
 # Steps of the sizes in the logarithm to base 2, and how much coarser the elements are than those of a run, chosen for
 # its numbers to 4e-4.
@@ -211,7 +211,9 @@ class Live:
         loads = replace(whole.loads.without(gone), target_leak_rate=None)
         own = len(loads.points)
         if load_seconds(case) < _FILLS:
-            loads = replace(loads, points=(*loads.points, *_between(loads.points, gas)))
+            shares = _SHARES if case.form is None and not gas else _SHARES_OF_GAS
+            most = _FEW if case.form is None else 1
+            loads = replace(loads, points=(*loads.points, *_between(loads.points, shares, most)))
         return replace(whole, loads=loads), own
 
     def _evaluated(self, case: Case, waits: bool) -> tuple[Evaluation, int]:
@@ -268,15 +270,16 @@ def _evenly_spread(numbers: Sequence[int], problem: SealProblem, most: int) -> s
     return {highest, *(numbers[round(n * steps)] for n in range(most - 1))}
 
 
-def _between(points: Sequence[tuple[float, float]], gas: bool) -> list[tuple[float, float]]:
-    """Loads that fill a curve of few points over the fluid pressure; none where the force changes, too."""
+def _between(
+    points: Sequence[tuple[float, float]], shares: Sequence[float], most: int
+) -> list[tuple[float, float]]:
+    """Loads that fill a curve of at most so many pressures; none where the force changes, too."""
     force = points[0][1]
-    if len({applied for _, applied in points}) > 1 or len({pressure for pressure, _ in points}) > _FEW:
+    if len({applied for _, applied in points}) > 1 or len({pressure for pressure, _ in points}) > most:
         return []
     highest = max(pressure for pressure, _ in points)
-    filled = (share * highest for share in (_SHARES_OF_GAS if gas else _SHARES))
     return [
-        (pressure, force)
-        for pressure in filled
-        if all(abs(pressure - other) > 0.08 * highest for other, _ in points)
+        (share * highest, force)
+        for share in shares
+        if all(abs(share * highest - other) > 0.08 * highest for other, _ in points)
     ]
