@@ -59,8 +59,10 @@ def run(
     from fem_seal.studies.progress import shown_progress
     from fem_seal.studies.session import run_study
     from fem_seal.studies.study import load_study
+    from fem_seal.units import show_in
 
     study = load_study(study_file)
+    show_in(study.case.report.units)
     result = run_study(
         study,
         folder=output or study_file.with_suffix(".study"),

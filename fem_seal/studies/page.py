@@ -22,7 +22,7 @@ from fem_seal.studies import designs_table, plots
 from fem_seal.studies.designs import SENSITIVITY
 from fem_seal.studies.display import LOOKS, Display, share_text, short
 from fem_seal.studies.store import FILE, open_to_read
-from fem_seal.units import leak_rate_text
+from fem_seal.units import leak_rate_text, shown_in
 from fem_seal.version import __version__
 from leak.extras import needed
 
@@ -64,15 +64,16 @@ def page(designs: designs_table.Designs, counts: dict[str, int], reasons: list[t
     from markupsafe import Markup
     from plotly.offline import get_plotlyjs
 
-    return template("study.html.j2").render(
-        title=designs.about["title"] or "Study",
-        headline=_headline(designs, counts),
-        warnings=[*(f"{times} failed: {reason}" for reason, times in reasons), *_doubts(designs)],
-        sections=list(sections(designs)),
-        plotly=Markup(get_plotlyjs()),
-        version=__version__,
-        created=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
-    )
+    with shown_in(designs.about.get("units")):
+        return template("study.html.j2").render(
+            title=designs.about["title"] or "Study",
+            headline=_headline(designs, counts),
+            warnings=[*(f"{times} failed: {reason}" for reason, times in reasons), *_doubts(designs)],
+            sections=list(sections(designs)),
+            plotly=Markup(get_plotlyjs()),
+            version=__version__,
+            created=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
+        )
 
 
 def _words() -> Any:

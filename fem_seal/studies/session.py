@@ -211,6 +211,7 @@ def description(study: StudyPlan) -> dict[str, Any]:
         "design": {**study.design.model_dump(), "optimise": study.optimise is not None},
         "outside_theory": "keep" if study.keeps_outside else "leave out",
         "standard": study.report.standard,
+        "units": case.report.units,
         "seal": {
             "nominal_size": nominal_size(case).size,
             "gas": getattr(case.fluid, "gas", None) is not None,
