@@ -8,8 +8,8 @@ from fem_seal.case.tables import CaseTables, Direct
 # none; conduction of heat in both bodies.
 _LOAD, OWN, _HEAT = 0.004, 0.3, 0.7
 # A path of load steps to one load, with the fluid between the surfaces twice as many of them; the way of the fluid
-# between surfaces that do not yield; contacts around a seal with waves or scratches.
-_PATH, _FLUID, _AROUND = 0.4, 0.03, 0.05
+# between surfaces that do not yield, and of a gas; contacts around a seal with waves or scratches.
+_PATH, _FLUID, _GAS, _AROUND = 0.4, 0.03, 0.5, 0.05
 # A point of a simulated map at one pressure, and how much longer metal takes that flows below the surface.
 _POINT, _FLOWS = 1.2e-5, 40.0
 
@@ -22,7 +22,9 @@ def load_seconds(case: CaseTables) -> float:
     case : CaseTables
     """
     form, penetrates = case.form, case.load.closing == "penetration"
-    path = _PATH * (2 if penetrates else 1) if yields(case) else _FLUID * penetrates
+    of_gas = case.fluid is not None and case.fluid.gas is not None
+    way = _GAS if of_gas else _FLUID
+    path = _PATH * (2 if penetrates else 1) if yields(case) else way * penetrates
     return _LOAD + path + _AROUND * (form is not None)
 
 

@@ -106,6 +106,23 @@ def test_live_numbers_are_those_of_a_run_in_the_digits_that_are_shown(live, run)
     assert live.load.level == str(run.highest.validity.level)
 
 
+def test_between_edges_the_elements_are_far_fewer_and_the_numbers_those_of_a_run():
+    case = load_case(EXAMPLES / "poppet_on_land.toml")
+    run, live = fem_seal.run(case), Session(case)
+    bodies = live.make(next(live.needs({})))
+    assert len(bodies.line.x) < 0.6 * len(run.model.line.x)
+    screen = live.answer({})
+    for number, load in enumerate(screen.loads):
+        expected = columns(run, number)
+        for name in ("leak_rate_m3_per_s", "peak_pressure_Pa", "fwhm_m"):
+            assert load.values[name] == pytest.approx(expected[name], rel=4e-4), name
+
+
+def test_a_gas_that_lifts_the_closure_does_not_follow_the_sliders():
+    lifted = Session(load_case(EXAMPLES / "double_land.toml"))
+    assert lifted.answer({}).waiting.startswith("Each change takes about")
+
+
 def test_all_that_was_chosen_stands_in_the_written_file(written):
     assert written.load.fluid_pressure == pytest.approx((7.5e5, 30e5), rel=1e-12)
     assert written.load.applied_force == 200.0

@@ -68,6 +68,31 @@ def test_a_run_speaks_in_the_units_of_its_case(example, system, tmp_path, capsys
     assert foreign(lines, system) == []
 
 
+def test_a_study_speaks_in_the_units_of_its_case(tmp_path, capsys):
+    changes = {
+        "report.units": "US",
+        "load.fluid_pressure": "10 bar",
+        "requirement.leak_rate": "1 ml/min",
+        "mesh.contact_size": "0.1 mm",
+    }
+    write_case(load_case(EXAMPLES / "ball_cone.toml").replace(changes).written, tmp_path, "case")
+    (tmp_path / "study.toml").write_text(
+        'base = "case.toml"\nresponses = ["leak_rate_m3_per_s", "peak_pressure_Pa", "line_load_N_per_m"]\n'
+        '[parameters]\n"closure.radius" = ["19 mm", "20 mm"]\n[report]\n'
+        'goals = { leak_rate_m3_per_s = "min" }\n'
+    )
+    assert main(["study", str(tmp_path / "study.toml"), "--workers", "1"]) == 0
+    said = capsys.readouterr().out
+    page = (tmp_path / "study.study" / "report.html").read_text(encoding="utf-8")
+    # headings have the unit in brackets, axes of the plots too
+    headings = re.findall(
+        r"\[([^\[\]<>\"]{1,12})\]", said + re.sub(r"(?s)<script[^>]*>.{200000,}?</script>", "", page)
+    )
+    assert {"ksi", "in", "lbf/in"} <= set(headings)
+    assert {"MPa", "bar", "mm", "N/m", "N/mm", "kN/m", "mm³/s", "ml/min"} & set(headings) == set()
+    assert foreign([*said.replace(str(tmp_path), "").splitlines(), *lines_of(page)], "US") == []
+
+
 def test_a_finding_takes_the_units_of_the_system():
     values = {"share": "3 %", "size": 2.54e-5}
     assert "present 25.4 um" in sentence("mesh", "text", **values)
