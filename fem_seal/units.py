@@ -697,6 +697,17 @@ def percent(share: float | None, digits: int = 2) -> str:
     return "–" if share is None or not math.isfinite(share) else f"{number(100 * share, digits)} %"
 
 
+def strain_text(strain: float, digits: int = 2) -> str:
+    """A plastic strain in per cent; far beyond small strains its number says nothing.
+
+    Examples
+    --------
+    >>> strain_text(0.0123), strain_text(4e2)
+    ('1.2 %', 'more than 100 %')
+    """
+    return "more than 100 %" if strain > 1 else percent(strain, digits)
+
+
 def share_text(share: float) -> str:
     """A share with two digits and no zeros at its end.
 
@@ -790,6 +801,7 @@ def duration(seconds: float) -> str:
 _PLAIN: dict[str, Callable[..., str]] = {
     "number": number,
     "percent": percent,
+    "strain": strain_text,
     "trimmed": trimmed,
     "worth": format_digits,
 }
@@ -804,7 +816,7 @@ def written(value: Any, how: str) -> str:
     value : float or tuple of float
         SI; None is a dash.
     how : str
-        "number", "percent", "trimmed" or "worth", or a kind of `fem_seal.units.unit_for`, before which "given" or
+        "number", "percent", "strain", "trimmed" or "worth", or a kind of `fem_seal.units.unit_for`, before which "given" or
         "worth" may stand; then the digits. A format of Python's is one, too, "g" or one that begins with no letter, and
         may have a name of `fixed_unit` behind it.
 

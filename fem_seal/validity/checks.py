@@ -383,13 +383,13 @@ def _beyond_curve(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator
                 loads,
                 outside=True,
                 name=name,
-                strain=100 * zone.strain,
+                strain=zone.strain,
                 last=100 * curve.last_strain,
                 stress=curve.stress[-1],
             )
         if zone.strain > _LARGE_STRAIN:
-            strain, limit = 100 * zone.strain, 100 * _LARGE_STRAIN
-            yield caution("large_strain", load, loads, outside=True, name=name, strain=strain, limit=limit)
+            limit = 100 * _LARGE_STRAIN
+            yield caution("large_strain", load, loads, outside=True, name=name, strain=zone.strain, limit=limit)
 
 
 def _cut_off(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:

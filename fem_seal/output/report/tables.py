@@ -18,7 +18,7 @@ from fem_seal.output.shown import ReadableTable, columns_table, filled_column, w
 from fem_seal.seal.findings import Level
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.load_result import LoadResult
-from fem_seal.units import format_quantity, percent, quantity_worth
+from fem_seal.units import format_quantity, percent, quantity_worth, strain_text
 
 if TYPE_CHECKING:
     from fem_seal.materials import HardeningCurve
@@ -123,7 +123,7 @@ def yielding_table(result: SealSolution) -> ReadableTable:
                 depth = (
                     f"{quantity_worth('length', zone.depth, digits)} depth" if zone.depth else "the surface"
                 )
-                row |= {"strain": percent(zone.strain), "largest": depth, "deepest": zone.deepest}
+                row |= {"strain": strain_text(zone.strain), "largest": depth, "deepest": zone.deepest}
             rows.append({"strain": "none", "largest": "–", "deepest": None, "digits": digits} | row)
     return worded_table("yielding", rows)
 

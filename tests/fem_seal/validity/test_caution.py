@@ -22,6 +22,7 @@ from fem_seal.seal.findings import NOT_JUDGED, VALID, Finding, Level, Validity, 
 from fem_seal.seal.load_result import GivenContact, GivenLoad, LoadResult
 from fem_seal.validity import checks as warnings
 from fem_seal.validity.checks import load_validity, profile_validity
+from fem_seal.validity.words import sentence
 
 
 def caution(level, reason):
@@ -335,3 +336,8 @@ def test_a_thick_layer_on_a_small_steep_seat_says_so():
     assert any(f"{share:.2g} of the radius of first touch" in reason for reason in steep.validity.reasons)
     wide = run(layered("3 um", seat=cone("steel", "20 deg"), load=load))
     assert str(wide.loads[0].validity.level) == "valid"
+
+
+def test_a_strain_far_beyond_small_ones_is_told_without_a_number():
+    for strain, told in ((0.1234, "reaches 12.3 % at"), (400.0, "reaches more than 100 % at")):
+        assert told in sentence("large_strain", name="needle", strain=strain, where="20 bar", limit=10.0)
