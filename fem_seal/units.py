@@ -816,9 +816,9 @@ def written(value: Any, how: str) -> str:
     value : float or tuple of float
         SI; None is a dash.
     how : str
-        "number", "percent", "strain", "trimmed" or "worth", or a kind of `fem_seal.units.unit_for`, before which "given" or
-        "worth" may stand; then the digits. A format of Python's is one, too, "g" or one that begins with no letter, and
-        may have a name of `fixed_unit` behind it.
+        "number", "percent", "strain", "trimmed" or "worth", or a kind of `fem_seal.units.unit_for`, before which
+        "given" or "worth" may stand; then the digits. A format of Python's is one, too, "g" or one that begins with no
+        letter, and may have a name of `fixed_unit` behind it.
 
     Examples
     --------

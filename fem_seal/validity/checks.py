@@ -389,7 +389,9 @@ def _beyond_curve(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator
             )
         if zone.strain > _LARGE_STRAIN:
             limit = 100 * _LARGE_STRAIN
-            yield caution("large_strain", load, loads, outside=True, name=name, strain=zone.strain, limit=limit)
+            yield caution(
+                "large_strain", load, loads, outside=True, name=name, strain=zone.strain, limit=limit
+            )
 
 
 def _cut_off(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
