@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, Generic, TypeVar, overload
 
@@ -48,6 +48,8 @@ class Inquiry:
         Those before it, by name.
     solve : callable
         Solves another case, `fem_seal.answers.chain.solve`, as a run of its own would.
+    lower_half : list of Inquiry
+        The one about a lower flange of its own, once it was asked anything.
     """
 
     solver: LoadSolver
@@ -56,6 +58,21 @@ class Inquiry:
     steps: OptionalSteps = field(default_factory=OptionalSteps)
     answers: dict[str, Any] = field(default_factory=dict)
     solve: Callable[..., SolvedSeal] | None = None
+    lower_half: list[Inquiry] = field(default_factory=list)
+
+    def of_lower_half(self, seal: SolvedSeal) -> Inquiry:
+        """The one about a lower flange of its own, with its own answers, made on first use.
+
+        Parameters
+        ----------
+        seal : SolvedSeal
+            With the lower flange on both faces.
+        """
+        if not self.lower_half:
+            solver = LoadSolver(seal.problem, seal.model)
+            own = replace(self, solver=solver, steps=OptionalSteps(), answers={}, lower_half=[])
+            self.lower_half.append(own)
+        return self.lower_half[0]
 
 
 @dataclass(frozen=True)
@@ -82,6 +99,9 @@ class Answer(Generic[T]):
         Told while it is computed, and then it is timed; empty where `compute` sees to that with `Inquiry.clock`.
     clock : str
         Name of its time; `name` unless given.
+    of_face : bool
+        Whether each of two different flange faces is asked by itself, before the whole seal: `LoadResult.beside`
+        joins what is known of its loads, and the answer that is kept is that of the upper one.
     """
 
     name: str
@@ -92,6 +112,7 @@ class Answer(Generic[T]):
     of_load: Callable[[LoadResult, int, T], LoadResult] = lambda load, number, found: load
     doing: str = ""
     clock: str = ""
+    of_face: bool = False
 
     def found(self, seal: SolvedSeal, ask: Inquiry) -> T:
         """The answer; a failure becomes a warning.
@@ -134,6 +155,13 @@ def answered(seal: Seal, ask: Inquiry, answers: Sequence[Answer[Any]]) -> Seal:
     answers : sequence of Answer
         In their order.
     """
+    if seal.lower_half is not None:
+        upper, lower = seal.faces
+        of_face = [one for one in answers if one.of_face]
+        seal = seal.with_faces(
+            answered(upper, ask, of_face), answered(lower, ask.of_lower_half(lower), of_face)
+        )
+        answers = [one for one in answers if not one.of_face]
     for one in answers:
         ask.answers[one.name] = found = one.found(seal, ask)
         seal = seal.with_loads([one.of_load(load, n, found) for n, load in enumerate(seal.loads)])

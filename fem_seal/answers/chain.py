@@ -13,10 +13,9 @@ from fem_seal.answers.answer import NOTHING_ELSE, Answer, Inquiry, Wanted, answe
 from fem_seal.answers.bolts import BOLTS
 from fem_seal.answers.compression import COMPRESSION
 from fem_seal.answers.error_shares import ERROR_SHARES
-from fem_seal.answers.findings import FINDINGS
+from fem_seal.answers.findings import FINDINGS, all_cautions
 from fem_seal.answers.form import FORM
 from fem_seal.answers.judgement import JudgedLoad
-from fem_seal.answers.lower_flange import BOTH_FACES, LOWER_FLANGE
 from fem_seal.answers.opening import OPENING
 from fem_seal.answers.particles import PARTICLES
 from fem_seal.answers.pass_probability import PASS_PROBABILITY
@@ -43,7 +42,6 @@ from leak import LeakError, Reading
 
 # All that is asked of a solved seal, each after those whose answers it uses.
 ANSWERS: tuple[Answer[Any], ...] = (
-    LOWER_FLANGE,
     ACCURACY,
     COMPRESSION,
     OPENING,
@@ -56,7 +54,6 @@ ANSWERS: tuple[Answer[Any], ...] = (
     FINDINGS,
     THEORY_VARIANTS,
     UNCERTAINTY,
-    BOTH_FACES,
     ERROR_SHARES,
     PASS_PROBABILITY,
     VERDICT_FORCE,
@@ -116,17 +113,17 @@ def solve(
     seal = seal.with_loads([JudgedLoad.of(load) for load in seal.loads])
     ask = Inquiry(LoadSolver(seal.problem, seal.model), clock, wanted, steps, solve=solve)
     seal = answered(seal, ask, ANSWERS if answers is None else answers)
-    texts = [caution.text for caution in FINDINGS.of(ask.answers).cautions]
-    warnings = (*texts, *_of_lower_flange(ask.answers, texts), *steps.failures)
+    texts = [caution.text for caution in all_cautions(ask.answers)]
+    warnings = (*texts, *_of_lower_half(ask, texts), *steps.failures)
     return SealSolution(**vars(seal), answers=ask.answers, warnings=warnings, timings=clock.timings)
 
 
-def _of_lower_flange(answers: Mapping[str, Any], said: Collection[str]) -> Iterator[str]:
+def _of_lower_half(ask: Inquiry, said: Collection[str]) -> Iterator[str]:
     """What is said against the lower flange, where it is another one, and not against the upper."""
-    lower = LOWER_FLANGE.of(answers)
-    for text in () if lower is None else lower.warnings:
-        if text not in said:
-            yield sentence("lower_flange", said=text)
+    for one in ask.lower_half:
+        for text in (*(caution.text for caution in FINDINGS.of(one.answers).cautions), *one.steps.failures):
+            if text not in said:
+                yield sentence("lower_flange", said=text)
 
 
 def _solved(case: Case, clock: Clock, steps: OptionalSteps) -> SolvedSeal:
@@ -147,19 +144,14 @@ def _solved(case: Case, clock: Clock, steps: OptionalSteps) -> SolvedSeal:
     if solved.not_unloaded is not None:
         steps.name_failure("residual stress and imprint", solved.not_unloaded)
     with clock.step("leak", "flow conductivity and leak rates"):
-        rough = found.loads[0].rough
-        rough = None if rough is None else _read(steps, rough, {"table": "flow conductivity"})
         loads = tuple(
-            _read(
-                steps,
-                _compute_values(steps, load.with_values(rough=rough), {} if load.formed is None else _AROUND),
-                _LEAK,
-            )
-            for load in found.loads
+            _read(steps, _compute_values(steps, load, {} if load.formed is None else _AROUND), _LEAK)
+            for load in _with_tables(steps, found.loads)
         )
     with clock.step("stress", "stress in both bodies"):
         with suppress(MemoryError):  # one after the other they may fit
-            move_together([load.contact for load in loads])
+            for same in _by_face(loads):
+                move_together([load.contact for load in same])
         loads = tuple(
             _compute_values(steps, _read(steps, load, _SEPARATION), _STRESS, _NO_STRESS) for load in loads
         )
@@ -168,6 +160,21 @@ def _solved(case: Case, clock: Clock, steps: OptionalSteps) -> SolvedSeal:
         missing={whole.loads.points[number]: one for number, one in missing.items()},
         left_out=tuple(of_bodies(whole, left_out(whole.loads, missing))),
     )
+
+
+def _by_face(loads: Sequence[LoadResult]) -> list[tuple[LoadResult, ...]]:
+    """Loads of each of two different faces; of alike ones the loads themselves."""
+    return list(zip(*(load.of_faces or (load,) for load in loads), strict=True))
+
+
+def _with_tables(steps: OptionalSteps, loads: Sequence[LoadResult]) -> list[LoadResult]:
+    """Loads whose flow conductivity is worked out, of each of two different faces."""
+    if loads[0].of_faces is not None:
+        upper, lower = (_with_tables(steps, one) for one in _by_face(loads))
+        return list(map(LoadResult.beside, upper, lower))
+    rough = loads[0].rough
+    rough = None if rough is None else _read(steps, rough, {"table": "flow conductivity"})
+    return [load.with_values(rough=rough) for load in loads]
 
 
 def _read(steps: OptionalSteps, one: Read, values: Mapping[str, str]) -> Read:

@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fem_seal.answers.answer import Answer, Inquiry
-from fem_seal.answers.lower_flange import LOWER_FLANGE
 from fem_seal.contact.load_path import Unloaded
 from fem_seal.seal.load_result import SolvedSeal
 
@@ -99,8 +98,8 @@ def _lasting(unloaded: Unloaded) -> float:
 
 
 def _compute(seal: SolvedSeal, ask: Inquiry) -> Compression:
-    upper, lower = _of_both_faces(seal), LOWER_FLANGE.of(ask.answers)
-    return upper if lower is None else upper.mean(_of_both_faces(lower))
+    upper, *lower = map(_of_both_faces, seal.faces)
+    return upper.mean(*lower) if lower else upper
 
 
 def _of_both_faces(seal: SolvedSeal) -> Compression:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
+from typing import Any
 
 from fem_seal.answers.answer import Answer, Inquiry
 from fem_seal.answers.target import TARGET
@@ -35,7 +36,7 @@ class Findings:
 
 
 def _compute(seal: SolvedSeal, ask: Inquiry) -> Findings:
-    problem, target, compute = seal.problem, TARGET.of(ask.answers), ask.steps.compute
+    problem, compute = seal.problem, ask.steps.compute
     checks = compute("checks of what the theory allows", partial(contact_cautions, problem, seal.loads), ())
     find = partial(earlier_cautions, problem, seal.earlier, seal.loads[0].mesh_error)
     before = compute("checks of the largest earlier load", find, ())
@@ -47,13 +48,12 @@ def _compute(seal: SolvedSeal, ask: Inquiry) -> Findings:
         )
         for load in seal.loads
     ]
-    asked = () if target is None else target.remarks
     others = compute(
         "validity by the other theory",
         partial(_of_other_theories, seal, before),
         ({},) * len(seal.loads),
     )
-    cautions = tuple(worst_first((*seal.left_out, *checks, *before, *asked)))
+    cautions = tuple(worst_first((*seal.left_out, *checks, *before)))
     return Findings(tuple(validity), cautions, others)
 
 
@@ -85,4 +85,18 @@ def _of_load(load: LoadResult, number: int, found: Findings) -> LoadResult:
     return load.with_values(validity=validity, by_theory=by_theory)
 
 
-FINDINGS = Answer[Findings]("findings", "checks of the result", _compute, Findings(), of_load=_of_load)
+FINDINGS = Answer[Findings](
+    "findings", "checks of the result", _compute, Findings(), of_load=_of_load, of_face=True
+)
+
+
+def all_cautions(answers: Mapping[str, Any]) -> tuple[Finding, ...]:
+    """What is said against a result, and against its force for a target leak rate, the worst first.
+
+    Parameters
+    ----------
+    answers : mapping
+        Of the result.
+    """
+    target = TARGET.of(answers)
+    return worst_first((*FINDINGS.of(answers).cautions, *(() if target is None else target.remarks)))

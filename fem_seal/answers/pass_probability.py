@@ -358,7 +358,6 @@ PASS_PROBABILITY = Answer[Sequence[PassProbability | None]](
     lambda seal, wanted: (
         seal.case.requirement is not None
         and seal.problem.leaks
-        and seal.case.lower_half is None
         and (seal.case.bolts is None or seal.case.bolts.torque_scatter == 0.0)
     ),
     lambda load, number, found: JudgedLoad.of(load, passing=found[number]) if found else load,

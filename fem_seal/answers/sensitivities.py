@@ -333,16 +333,30 @@ class _ChangedSeal:
     @cached_property
     def _drawn(self) -> dict[str, float]:
         """Heights that a drawing gives [m], by their key in the case; none unless all the roughness is from it."""
-        roughness = self.case.roughness
-        if roughness is None or len(roughness.finishes) < len(roughness.parts):
+        roughness, lower = self.case.roughness, self._lower
+        rough = [one for one in (roughness, lower and lower.roughness) if one is not None]
+        if not rough or any(len(one.finishes) < len(one.parts) for one in rough):
             return {}
-        if roughness.height is not None:
+        if roughness is not None and roughness.height is not None:
             return {f"roughness.{roughness.height}": roughness.finish.value}
+        faces = dict(rough[0].finishes)
+        if len(rough) > 1 and "seat" in self.case.written["roughness"]:
+            faces["seat"] = rough[1].finishes["closure"]
         return {
             f"roughness.{face}.{one.height}": one.finish.value
-            for face, one in roughness.finishes.items()
+            for face, one in faces.items()
             if one.height is not None
         }
+
+    @property
+    def _lower(self) -> Case | None:
+        """The case with a lower flange of its own on both faces; None where both flanges are alike."""
+        return self.case.lower_half
+
+    @property
+    def _lower_flange(self) -> Case | None:
+        """The same where it has a table [seat]: its shape and material are then no longer those of [closure]."""
+        return self._lower if "seat" in self.case.written else None
 
     def _with_surface(self, key: str, factor: float) -> SealProblem:
         """The problem with one input of its surface changed.
@@ -353,14 +367,18 @@ class _ChangedSeal:
         if key == "rms_height" and factor == 1.0 / _TWICE and self._drawn:
             halved = {path: factor * value for path, value in self._drawn.items()}
             return self._at_load(SealProblem.of(self.case.replace(halved)))
-        problem = self.problem
-        assert problem.surface is not None  # of `leaks`
-        stiffness = factor if key == "youngs_modulus" else 1.0
-        return replace(
-            problem,
-            surface=changed_surface(self.case, problem.surface, {key: factor}),
-            materials=stiffer_bodies(problem.materials, stiffness),
-        )
+
+        def changed(problem: SealProblem, case: Case) -> SealProblem:
+            assert problem.surface is not None  # of `leaks`
+            lower, below = problem.lower_half, case.lower_half
+            return replace(
+                problem,
+                surface=changed_surface(case, problem.surface, {key: factor}),
+                materials=stiffer_bodies(problem.materials, factor if key == "youngs_modulus" else 1.0),
+                lower_half=None if lower is None or below is None else changed(lower, below),
+            )
+
+        return changed(self.problem, self.case)
 
     def _with_form(self, factor: float) -> SealProblem:
         form = self.problem.form
@@ -400,10 +418,15 @@ class _ChangedSeal:
 
     def _at_contact(self) -> Iterator[tuple[str, str, float]]:
         """Path, kind and value of each dimension at the contact that a drawing has."""
-        made: dict[str, Any] = {"closure": self.case.closure.body()}
-        made["seat"] = self.case.lower.body(made["closure"])
-        for body, shape in made.items():
-            table, name = self.case.table_of(body), self.case.key_of(body)
+        case, lower = self.case, self._lower_flange
+        closure: Any = case.closure.body()
+        made = [
+            ("closure", "closure", case.closure, closure),
+            ("seat", case.key_of("seat"), case.lower, case.lower.body(closure)),
+        ]
+        if lower is not None:
+            made.append(("closure", "seat", lower.closure, lower.closure.body()))
+        for body, name, table, shape in made:
             for key, entry in type(table).model_fields.items():
                 marker = next(quantities_of(entry), None)
                 if marker is None or key not in _AT_CONTACT[body]:
@@ -416,20 +439,23 @@ class _ChangedSeal:
     def _materials(self) -> Iterator[_Change]:
         """Another material of closure or seat; not where the body yields, whose curve nobody knows of the other."""
         assert self.problem.flow is not None  # of `leaks`
-        for body, own in self.problem.materials.items():
+        bodies = {self.case.key_of(body): own for body, own in self.problem.materials.items()}
+        if self._lower_flange is not None:
+            bodies["seat"] = self._lower_flange.closure.material
+        for body, own in bodies.items():
             if own.hardening is not None or self.problem.flow.simulated is not None:
                 continue
             for name in _MATERIALS:
                 if name != own.name:
                     yield _Change(
-                        f"{self.case.key_of(body)}.material",
+                        f"{body}.material",
                         math.nan,
                         partial(self._with_material, body, name),
                         material=name,
                     )
 
     def _with_material(self, body: str, name: str, factor: float) -> SealProblem:
-        return self._at_load(SealProblem.of(self.case.replace({f"{self.case.key_of(body)}.material": name})))
+        return self._at_load(SealProblem.of(self.case.replace({f"{body}.material": name})))
 
 
 def _round_step(length: float) -> float:
@@ -460,8 +486,6 @@ def _compute(seal: SolvedSeal, ask: Inquiry) -> tuple[Sensitivity, ...]:
 
 def _applies(seal: SolvedSeal, wanted: Wanted) -> bool:
     # of a path of loads they take as long as some twenty paths: only if they are asked for
-    if seal.case.lower_half is not None:
-        return False
     unasked = seal.case.requirement is not None and not seal.problem.curves
     return unasked if wanted.sensitivities is None else wanted.sensitivities
 

@@ -12,7 +12,6 @@ from fem_seal.answers.accuracy import ACCURACY
 from fem_seal.answers.answer import Answer, Inquiry
 from fem_seal.answers.findings import FINDINGS
 from fem_seal.answers.judgement import Judgement
-from fem_seal.answers.lower_flange import BOTH_FACES, LOWER_FLANGE
 from fem_seal.answers.opening import OPENING
 from fem_seal.answers.uncertainty import UNCERTAINTY
 from fem_seal.answers.verdict import VERDICT, of_missing
@@ -23,7 +22,7 @@ from fem_seal.seal.load_result import SolvedSeal
 from leak.standards import ClosureTest
 
 # What a verdict on a load needs.
-_ANSWERS = (LOWER_FLANGE, ACCURACY, OPENING, FINDINGS, UNCERTAINTY, BOTH_FACES, VERDICT)
+_ANSWERS = (ACCURACY, OPENING, FINDINGS, UNCERTAINTY, VERDICT)
 # Shares of the set pressure at which the leak rate of a relief valve is told.
 SHARES = (0.5, 0.7, 0.8, 0.9, 0.95, 0.98)
 

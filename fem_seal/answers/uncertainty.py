@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from fem_seal.answers.answer import Answer, Inquiry
-from fem_seal.answers.lower_flange import LOWER_FLANGE
+from fem_seal.answers.answer import Answer
 from fem_seal.answers.posterior import Posterior, columns_of
 from fem_seal.answers.response_surface import ResponseSurface, fit, variables
 from fem_seal.arrays import FloatArray, IntArray
@@ -174,36 +173,6 @@ class LeakInterval:
         """Share of the samples that do not leak, shape (loads,)."""
         return (self.leak_rate == 0).mean(axis=1)
 
-    def mean(self, other: LeakInterval) -> LeakInterval:
-        """Of a gasket half of whose faces leak as here and half as in another interval, from the same values of inputs.
-
-        Parameters
-        ----------
-        other : LeakInterval
-            Of the same inputs and loads; where it has more samples or fewer, the first of both count.
-        """
-        count = min(self.samples, other.samples)
-        own_rate, other_rate = self.leak_rate[:, :count], other.leak_rate[:, :count]
-        whole = own_rate + other_rate
-        # each input moves the sum by its part of it
-        part = np.mean(own_rate / np.where(whole > 0.0, whole, 1.0), axis=1, keepdims=True)
-        own = zip(part[:, 0], self.own_error or (), other.own_error or (), strict=False)
-        return replace(
-            self,
-            runs=self.runs + other.runs,
-            leak_rate=0.5 * whole,
-            shares=part * self.shares + (1.0 - part) * other.shares,
-            error=None if self.error is None or other.error is None else max(self.error, other.error),
-            others={
-                key: 0.5 * (one[:, :count] + other.others[key][:, :count]) for key, one in self.others.items()
-            },
-            values={key: one[:count] for key, one in self.values.items()},
-            own_error=[mine if share > 0.5 else theirs for share, mine, theirs in own],
-            in_test=None
-            if self.in_test is None or other.in_test is None
-            else self.in_test.mean(other.in_test),
-        )
-
     def ends(self, number: int) -> Bounds:
         """`low` and `high` of a load [m^3/s]."""
         return Bounds(float(self.low[number]), float(self.high[number]))
@@ -281,7 +250,7 @@ def leak_interval(
     if wrong:
         raise InputError(*wrong)
     told = progress or (lambda text: None)
-    if result.case.roughness is not None and result.case.roughness.finishes:
+    if any(one.case.roughness is not None and one.case.roughness.finishes for one in result.faces):
         return _interval_of_finish(result, settings, told)
     return _interval(SampledSeal.of(result, settings), settings, told)
 
@@ -556,6 +525,8 @@ class SampledSeal:
         of the case.
     numbers : sequence of int, optional
         Which of the loads of the problem are sampled; all unless given.
+    of_faces : tuple of tuple
+        Inputs of each of two different flange faces, with the same value where they have the same name.
     """
 
     result: SolvedSeal
@@ -565,6 +536,7 @@ class SampledSeal:
     exact: bool = False
     whole_paths: bool = False
     numbers: Sequence[int] | None = None
+    of_faces: tuple[tuple[AnyInput, ...], ...] = ()
 
     @classmethod
     def of(cls, result: SolvedSeal, settings: Uncertainty) -> SampledSeal:
@@ -577,13 +549,14 @@ class SampledSeal:
             The table [uncertainty].
         """
         inputs = uncertain_inputs(result.case, settings)
+        faces = tuple(_inputs_of_face(one.case, settings) for one in result.faces)
         if settings.posterior is None:
             dimensions = sum(one.dimensions for one in inputs)
             uniform = sobol_points(settings.samples, dimensions, settings.seed)
         else:
             columns = [name for one in inputs for name in columns_of(one.name, one.dimensions)]
             uniform = Posterior.read(settings.posterior).of_inputs(columns)
-        study = cls(result, inputs, uniform)
+        study = cls(result, inputs, uniform, of_faces=faces)
         return replace(study, whole_paths=study._bulk)
 
     @property
@@ -662,6 +635,8 @@ class SampledSeal:
     def leak_rates(self, samples: Sequence[int]) -> FloatArray:
         """Leak rates at the case's own viscosity, calculated, shape (samples, readings times loads) [m^3/s]."""
         result = self.result
+        if result.lower_half is not None:
+            return np.asarray(np.mean([one.leak_rates(samples) for one in self.faces], axis=0))
         if self.exact or result.problem.curves or result.problem.form is not None:
             # the first makes the tables that all share, if they do not have their own
             shared = 0 if self.exact else 1
@@ -674,6 +649,22 @@ class SampledSeal:
             zip(moved, solved_with(result.contact, others, result.earlier, _OF_SAMPLES), strict=True)
         )
         return np.array([self._rates_at(one, contacts.get(n)) for n, one in enumerate(found)])
+
+    @property
+    def faces(self) -> list[SampledSeal]:
+        """The samples of each of two different faces."""
+        ends = np.cumsum([one.dimensions for one in self.inputs], dtype=int)
+        columns = {
+            one.name: self.uniform[:, end - one.dimensions : end]
+            for one, end in zip(self.inputs, ends, strict=True)
+        }
+        found = []
+        for seal, inputs in zip(self.result.faces, self.of_faces, strict=True):
+            if any(columns[one.name].shape[1] != one.dimensions for one in inputs):
+                raise ConvergenceError("the scans of both flange faces must be as many")
+            uniform = np.concatenate([self.uniform[:, :0], *(columns[one.name] for one in inputs)], axis=1)
+            found.append(replace(self, result=seal, inputs=inputs, uniform=uniform))
+        return found
 
     def _leak_rates(self, sample: int) -> list[float]:
         return self._rates_at(self._sample(sample))
@@ -978,12 +969,22 @@ AnyInput = UncertainInput | UncertainScans | UncertainHeight | UncertainFinish
 def uncertain_inputs(case: Case, settings: Uncertainty) -> tuple[AnyInput, ...]:
     """The uncertain inputs of a case, in the order of the table, then what a finish and too short scans leave open.
 
+    Of a lower flange of its own those follow that the upper one has not.
+
     Parameters
     ----------
     case : Case
     settings : Uncertainty
         Its table [uncertainty], or another one.
     """
+    own = _inputs_of_face(case, settings)
+    if case.lower_half is None:
+        return own
+    names = {one.name for one in own}
+    return (*own, *(one for one in _inputs_of_face(case.lower_half, settings) if one.name not in names))
+
+
+def _inputs_of_face(case: Case, settings: Uncertainty) -> tuple[AnyInput, ...]:
     inputs: list[AnyInput] = [
         UncertainInput(name, spread.distribution, spread.relative)
         for name, spread in settings.spreads.items()
@@ -1067,21 +1068,10 @@ def _reshaped(case: Case, key: str, factors: Mapping[str, float]) -> PowerSpectr
     )
 
 
-def _of_both_faces(seal: SolvedSeal, ask: Inquiry) -> LeakInterval:
-    found = leak_interval(seal, progress=ask.clock.progress)
-    if seal.case.lower_half is None:
-        return found
-    lower = LOWER_FLANGE.of(ask.answers)
-    other = None if lower is None else UNCERTAINTY.of(lower.answers)
-    if other is None:
-        raise ConvergenceError("nothing is known of the lower flange")
-    return found.mean(other)
-
-
 UNCERTAINTY = Answer[LeakInterval | None](
     "uncertainty",
     "interval of the leak rates",
-    _of_both_faces,
+    lambda seal, ask: leak_interval(seal, progress=ask.clock.progress),
     None,
     lambda seal, wanted: seal.case.sampled is not None,
     lambda load, number, found: load if found is None else found.of_load(load, number),

@@ -122,6 +122,7 @@ THEORIES = Answer[Theories](
     lambda seal, wanted: bool(seal.problem.other_theories),
     _of_load,
     "contacts and leak rates by the other theory",
+    of_face=True,
 )
 
 
@@ -265,6 +266,7 @@ INTERFACE_VARIANTS = Answer[tuple[Comparison, ...]](
     (),
     doing="comparing elastic and plastic interface law",
     clock="variants",
+    of_face=True,
 )
 THEORY_VARIANTS = Answer[tuple[TheoryVariant, ...]](
     "theory_variants",

@@ -5,12 +5,12 @@ from __future__ import annotations
 import copy
 import os
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, is_dataclass, replace
 from html import escape
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 from pydantic import BaseModel, PrivateAttr, ValidationError
 from pydantic.fields import FieldInfo
@@ -23,7 +23,7 @@ from fem_seal.case.gauge import as_differences
 from fem_seal.case.material_table import library_table
 from fem_seal.case.messages import choices, missing, problems, tables_of
 from fem_seal.case.roughness import roughness_like
-from fem_seal.case.tables import CaseTables
+from fem_seal.case.tables import CaseTables, Uncertainty
 from fem_seal.case.temperature import with_film_temperature
 from fem_seal.case.tightening import closed_by
 from fem_seal.case.words import problem
@@ -197,6 +197,19 @@ class Case(CaseTables):
     def lower_half(self) -> Case | None:
         """The case with the lower flange on both faces of the gasket; None where both flanges are alike."""
         return self._lower_half
+
+    @property
+    def sampled(self) -> Uncertainty | None:
+        """What is uncertain, of a lower flange of its own as well; None if nothing is."""
+        found = super().sampled
+        return found if found is not None or self._lower_half is None else self._lower_half.sampled
+
+    def without_loads(self, numbers: Collection[int]) -> Self:
+        """The same without some of its loads; at least one must be left."""
+        found = super().without_loads(numbers)
+        if numbers and self._lower_half is not None:
+            found._lower_half = self._lower_half.without_loads(numbers)
+        return found
 
     def of_alike_flanges(self) -> Case:
         """Itself; InputError where the flanges of a gasket differ."""

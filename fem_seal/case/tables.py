@@ -619,6 +619,11 @@ class CaseTables(Table):
         count = len(self.contact.chambers)
         return given * count if len(given) == 1 else given
 
+    @property
+    def lower_half(self) -> CaseTables | None:
+        """The case with the lower flange on both faces of a gasket; None where both flanges are alike."""
+        return None
+
     def without_loads(self, numbers: Collection[int]) -> Self:
         """The same without some of its loads; at least one must be left."""
         return self.model_copy(update={"load": self.load.without(numbers)}) if numbers else self

@@ -116,6 +116,10 @@ def _answers(
         return [error] if len(asked) == 1 else [found for one in asked for found in _answers([one], answers)]
 
 
+def _but(every: Sequence[T], gone: Collection[int]) -> Sequence[T]:
+    return [one for place, one in enumerate(every) if place not in gone]
+
+
 # Tells nobody what is being done.
 SILENT = Clock(lambda text: None)
 
@@ -137,6 +141,8 @@ class Evaluation:
         Where bodies and flow conductivities come from.
     asked : Loads
         Of the problem before any was left out.
+    lower_half : Evaluation or None
+        Of the lower flange on both faces of a gasket, under the same loads; None where the flanges are alike.
     """
 
     problem: SealProblem
@@ -145,6 +151,7 @@ class Evaluation:
     seal_mesh: SealMesh | None
     source: Source
     asked: Loads
+    lower_half: Evaluation | None = None
 
     @cached_property
     def solver(self) -> LoadSolver:
@@ -166,7 +173,10 @@ class Evaluation:
         ]
         shown = [contact for load in bare for contact in load.contacts]
         rough = LeakModel.of(self.problem.surface, self.problem.flow, shown, self.source.table)
-        return tuple(load.with_values(rough=rough) for load in bare)
+        own = tuple(load.with_values(rough=rough) for load in bare)
+        if self.lower_half is None:
+            return own
+        return tuple(map(LoadResult.beside, own, self.lower_half.loads))
 
     def seal(self, case: Case) -> SolvedSeal:
         """What answers are computed from; bodies that are shared have no mesh, which few of them ask for.
@@ -184,7 +194,38 @@ class Evaluation:
             self.loads,
             self.solved.unloaded,
             self.solved.earlier,
+            lower_half=None if self.lower_half is None else self.lower_half.seal(case.lower_half or case),
         )
+
+    @property
+    def halves(self) -> tuple[Evaluation, ...]:
+        """Each of two different flanges on both faces; only itself where they are alike."""
+        if self.lower_half is None:
+            return (self,)
+        return replace(self, problem=self.problem.halves[0], lower_half=None), self.lower_half
+
+    def without(self, failures: Mapping[int, Exception]) -> Evaluation:
+        """Without some more of the loads that were asked for, by their numbers."""
+        found = [number for number in range(len(self.asked.points)) if number not in self.solved.failures]
+        gone = {place for place, number in enumerate(found) if number in failures}
+        if not gone:
+            return self
+        solved = replace(
+            self.solved,
+            contacts=_but(self.solved.contacts, gone),
+            formed=_but(self.solved.formed, gone),
+            failures=dict(sorted({**failures, **self.solved.failures}.items())),
+        )
+        if not solved.contacts:
+            raise _no_load_left(self.problem, solved)
+        return replace(
+            self, problem=replace(self.problem, loads=self.problem.loads.without(gone)), solved=solved
+        )
+
+    def beside(self, lower: Evaluation) -> Evaluation:
+        """A gasket with this flange above and another one below, under the loads that both can carry."""
+        upper, lower = self.without(lower.solved.failures), lower.without(self.solved.failures)
+        return replace(upper, problem=replace(upper.problem, lower_half=lower.problem), lower_half=lower)
 
 
 def evaluate(problem: SealProblem, source: Source = EXACT, clock: Clock = SILENT) -> Evaluation:
@@ -237,6 +278,20 @@ def evaluate_many(
     clock : Clock
         Told what is being done.
     """
+    found = _evaluated({n: one.halves[0] for n, one in problems.items()}, sources, batch, clock)
+    unlike = {n: problems[n].halves[1] for n in found if problems[n].lower_half is not None}
+    if not unlike:
+        return found
+    clock.progress("the lower flange on both faces of the gasket")
+    lower = _evaluated(unlike, sources, batch, clock)
+    return {n: one for n, one in found.items() if n not in unlike} | batch.each(
+        lower, lambda n: found[n].beside(lower[n])
+    )
+
+
+def _evaluated(
+    problems: Mapping[int, SealProblem], sources: Mapping[int, Source], batch: Batch, clock: Clock
+) -> dict[int, Evaluation]:
     sources = {number: sources[number].suited(problem) for number, problem in problems.items()}
     problems = batch.each(problems, lambda n: sources[n].problem(problems[n]))
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from html import escape
 from typing import TYPE_CHECKING, Self
@@ -13,6 +13,7 @@ import numpy as np
 
 from fem_seal.former_names import former_attribute
 from fem_seal.profile import PressureProfile, joined
+from fem_seal.seal.both_faces import joined_validity, mean_leak, share_of
 from fem_seal.seal.bounds import AGREE, EXACT, Bounds
 from fem_seal.seal.findings import DIRECT_SCATTER, VALID, Finding, Level, Validity
 from fem_seal.seal.lazy import ByReading, variant
@@ -87,7 +88,7 @@ class LoadResult(ByReading):
         Leak rate with the least and the largest preload of its bolts [m^3/s]; None where the preload is taken as given.
     of_faces : tuple of LoadResult or None
         The same load with the upper and with the lower flange on both faces of a gasket, of which the leak rate is the
-        mean; None where the flanges are alike.
+        mean; None where the flanges are alike. All that is no leak rate is that of the upper one.
     """
 
     fluid_pressure: float
@@ -111,6 +112,45 @@ class LoadResult(ByReading):
     by_theory: Mapping[str, LoadResult] | None = None
     at_preload_ends: Bounds | None = None
     of_faces: tuple[LoadResult, LoadResult] | None = None
+
+    def beside(self, lower: LoadResult) -> Self:
+        """The load of a gasket with this face above and another one below, with what is known of each.
+
+        Parameters
+        ----------
+        lower : LoadResult
+            The same load with the lower flange on both faces.
+        """
+        return replace(self, by_theory=None).with_faces(self, lower)
+
+    def with_faces(self, upper: LoadResult, lower: LoadResult) -> Self:
+        """`beside` with all that is known of the whole seal already."""
+        found = self.with_values(of_faces=(upper, lower))
+        margins = [one.opening for one in (upper, lower) if one.opening is not None]
+        opens = [one.blow_off_pressure for one in (upper, lower) if one.blow_off_pressure is not None]
+        theories, below = upper.by_theory, lower.by_theory or {}
+        return found.with_values(
+            effective_radius=upper.effective_radius,
+            blow_off_pressure=min(opens, default=None),
+            opening=min(margins, key=lambda one: one.share, default=None),
+            validity=joined_validity(upper.validity, lower.validity, found.upper_share),
+            mesh_error=_joined_error(upper.mesh_error, lower.mesh_error, found.upper_share),
+            by_theory=theories
+            and {key: one.beside(below[key]) for key, one in theories.items() if key in below},
+        )
+
+    def upper_share(self) -> float:
+        """Share of the upper of two different faces in the leak; a half without a leak rate."""
+        leaks = [None if self.leak is None else one.leak for one in self.of_faces or ()]
+        upper, lower = leaks or (None, None)
+        return 0.5 if upper is None or lower is None else share_of(upper, lower)
+
+    def _faces_as(self, change: Callable[[LoadResult], LoadResult]) -> tuple[LoadResult, LoadResult] | None:
+        """Both faces changed; the very same where neither is."""
+        if self.of_faces is None:
+            return None
+        upper, lower = map(change, self.of_faces)
+        return self.of_faces if (upper, lower) == self.of_faces else (upper, lower)
 
     def __repr__(self) -> str:
         pressure = format_quantity("fluid pressure", self.fluid_pressure)
@@ -188,6 +228,9 @@ class LoadResult(ByReading):
         By `RoughContact.flow_error` at the peak pressure, with the waves of the sealing area; None where the
         conductivity is itself simulated, and for the paper's theory, which does not know its error.
         """
+        if self.of_faces is not None:
+            # that of the face that decides
+            return self.of_faces[0 if self.upper_share() >= 0.5 else 1].flow_error
         surface = None if self.rough is None or self.rough.ends else self.rough.surface
         if surface is None or surface.theory == "paper" or not self.peak_pressure > 0.0:
             return None
@@ -279,7 +322,13 @@ class LoadResult(ByReading):
 
     @cached_property
     def leak(self) -> LeakResult | None:
-        """Flow through the contact, with its form error; None without roughness or fluid."""
+        """Flow through the contact, with its form error; None without roughness or fluid.
+
+        Through different faces the mean of both, where it flows that of the upper one.
+        """
+        if self.of_faces is not None:
+            upper, lower = (one.leak for one in self.of_faces)
+            return None if upper is None or lower is None else mean_leak(upper, lower)
         if self.formed is None:
             return self.leak_round
         return None if self.around is None else self.around.leak
@@ -302,11 +351,13 @@ class LoadResult(ByReading):
 
     def _read_as(self, reading: Reading) -> Self:
         rough = None if self.rough is None else self.rough.reading(reading)
-        if rough is self.rough:
+        faces = self._faces_as(lambda one: one.reading(reading))
+        if rough is self.rough and faces is self.of_faces:
             return self
         return replace(
             self,
             rough=rough,
+            of_faces=faces,
             force_for_target=None,
             contact_force_for_target=None,
             preload_for_target=None,
@@ -334,7 +385,9 @@ class LoadResult(ByReading):
         """The same load if no place had carried more before; itself where none is known to have."""
         contact = self.contact.first_loading
         formed = None if self.formed is None else self.formed.first_loading
-        return self if contact is self.contact else replace(self, contact=contact, formed=formed)
+        faces = self._faces_as(lambda one: one.first_loading)
+        same = contact is self.contact and faces is self.of_faces
+        return self if same else replace(self, contact=contact, formed=formed, of_faces=faces)
 
     @property
     def remembers(self) -> bool:
@@ -404,7 +457,9 @@ class LoadResult(ByReading):
     def with_test_gas(self) -> Self:
         """`in_test` without what is known of its interval."""
         rough = None if self.rough is None else self.rough.in_test
-        return self if rough is self.rough else replace(self, rough=rough)
+        if rough is self.rough:
+            return self
+        return replace(self, rough=rough, of_faces=self._faces_as(lambda one: one.with_test_gas))
 
     @property
     def effective_viscosity(self) -> float | None:
@@ -553,6 +608,21 @@ class DiscretisationError:
     leak_rate: float | None
 
 
+def _joined_error(
+    upper: DiscretisationError | None, lower: DiscretisationError | None, share: Callable[[], float]
+) -> DiscretisationError | None:
+    """Of two different faces, of which the upper one has a share in the leak."""
+    if upper is None or lower is None:
+        return upper or lower
+    peak, fwhm, std = (
+        max(getattr(upper, key), getattr(lower, key)) for key in ("peak_pressure", "fwhm", "std")
+    )
+    rate = upper.leak_rate
+    if rate is not None and lower.leak_rate is not None:
+        rate = share() * rate + (1.0 - share()) * lower.leak_rate
+    return DiscretisationError(peak, fwhm, std, rate)
+
+
 @dataclass(frozen=True)
 class OpeningMargin:
     """Distance of a load from opening the seal.
@@ -614,6 +684,8 @@ class SolvedSeal:
         Fluid pressure [Pa] and applied force [N] of each load without a result, with the reason.
     left_out : tuple of Finding
         The same in words.
+    lower_half : SolvedSeal or None
+        With the lower flange on both faces of a gasket; None where the flanges are alike.
     """
 
     case: Case
@@ -625,6 +697,30 @@ class SolvedSeal:
     earlier: ContactSolution | None = None
     missing: Mapping[tuple[float, float], LoadProblem] = field(default_factory=dict)
     left_out: tuple[Finding, ...] = ()
+    lower_half: SolvedSeal | None = None
+
+    @property
+    def faces(self) -> tuple[SolvedSeal, ...]:
+        """The seal with each of two different flanges on both faces; only itself where they are alike."""
+        if self.lower_half is None:
+            return (self,)
+        upper, lower = zip(*(load.of_faces or (load, load) for load in self.loads), strict=True)
+        known = {field.name: getattr(self, field.name) for field in fields(SolvedSeal)}
+        return (
+            SolvedSeal(**{**known, "loads": upper, "lower_half": None}),
+            replace(self.lower_half, loads=lower),
+        )
+
+    def with_faces(self, upper: SolvedSeal, lower: SolvedSeal) -> Self:
+        """The same seal, of whose two faces more is known.
+
+        Parameters
+        ----------
+        upper, lower : SolvedSeal
+            Its `faces`.
+        """
+        each = zip(self.loads, upper.loads, lower.loads, strict=True)
+        return replace(self, loads=tuple(load.with_faces(*faces) for load, *faces in each), lower_half=lower)
 
     def with_loads(self, loads: Sequence[LoadResult]) -> Self:
         """The same seal, whose loads know more."""

@@ -126,6 +126,9 @@ class Loads:
     def of(cls, case: CaseTables) -> Loads:
         """Those of a case."""
         load, earlier, bolts = case.load, case.load.earlier, bolts_of(case)
+        refused = refused_loads(case)
+        if case.lower_half is not None:
+            refused = {**refused_loads(case.lower_half), **refused}
         preloads = () if bolts is None else tuple(force for _, force in load.points)
         if len(set(preloads)) == 1:
             earlier, preloads = (0.0, preloads[0]), ()
@@ -134,7 +137,7 @@ class Loads:
             load.pressure_side,
             load.closing,
             load.target_leak_rate,
-            refused_loads(case),
+            refused,
             earlier,
             bolts,
             preloads,
@@ -234,6 +237,8 @@ class SealProblem:
         one face: of a gasket a flange, as closure, and the upper half of the gasket, as seat.
     stop : float
         Approach of one face at which the flanges of a gasket meet at a stop [m]; infinite without one.
+    lower_half : SealProblem or None
+        With the lower flange on both faces of a gasket, under the same loads; None where the flanges are alike.
     """
 
     contact: ContactGeometry
@@ -262,6 +267,7 @@ class SealProblem:
     given_law: Law | None = None
     faces: int = 1
     stop: float = math.inf
+    lower_half: SealProblem | None = None
 
     @classmethod
     def of(cls, case: CaseTables) -> SealProblem:
@@ -272,7 +278,7 @@ class SealProblem:
         case : CaseTables
             Whose tables fit together, as those of a `Case` do.
         """
-        case = warmed(case)
+        case, lower = warmed(case), case.lower_half
         of_finish = case.roughness is not None and bool(case.roughness.finishes)
         return cls(
             contact=case.contact,
@@ -302,7 +308,17 @@ class SealProblem:
             file=case.file,
             faces=case.faces,
             stop=math.inf if case.gasket is None else (case.gasket.stop or math.inf) / case.faces,
+            lower_half=None if lower is None else cls.of(lower),
         )
+
+    @property
+    def halves(self) -> tuple[SealProblem, ...]:
+        """The problem with each of two different flanges on both faces; only itself where they are alike."""
+        if self.lower_half is None:
+            return (self,)
+        bolts = None if self.loads.bolts is None else self.lower_half.bolts
+        loads = replace(self.loads, bolts=bolts)
+        return replace(self, lower_half=None), replace(self.lower_half, loads=loads)
 
     @cached_property
     def law(self) -> Law:

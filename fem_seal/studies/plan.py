@@ -78,7 +78,7 @@ class StudyPlan:
         InputError
             If the design contradicts itself.
         """
-        return self.case.replace_written(entries(self.parameters, point)).of_alike_flanges()
+        return self.case.replace_written(entries(self.parameters, point))
 
 
 # Columns of the study's own table.

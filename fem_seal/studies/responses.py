@@ -134,7 +134,8 @@ def _source(case: Case, columns: Sequence[str], interpolate: bool) -> Source:
     """Where a design's bodies come from: a mesh of its own costs little beside samples of its inputs."""
     if case.sampled is not None and not INTERVAL.isdisjoint(columns):
         return EXACT
-    can_yield = any(body.material.yield_stress for body in (case.closure, case.lower))
+    bodies = [body for one in (case, case.lower_half) if one for body in (one.closure, one.lower)]
+    can_yield = any(body.material.yield_stress for body in bodies)
     stress = can_yield or not {"max_von_mises_Pa", "max_accumulated_plastic_strain"}.isdisjoint(columns)
     return _SOURCES[stress, interpolate]
 
@@ -165,7 +166,7 @@ def _checked(
     """A load with its validity, the samples of its inputs and what is said of it, as far as columns ask."""
     sampled = case.sampled is not None and not INTERVAL.isdisjoint(columns)
     passing = not PASSING.isdisjoint(columns)
-    usual_only = leaks and found.problem.of_finish and not (sampled or passing)
+    usual_only = leaks and not (sampled or passing)
     load = load.with_values(
         validity=validity_of(found, load, by_table=leaks and interpolated, usual_only=usual_only)
     )

@@ -13,6 +13,7 @@ import numpy as np
 from fem_seal.contact.load_path import yielding_bodies
 from fem_seal.contact.solution import ContactSolution, PlasticZone, YieldedZone, yielding_of
 from fem_seal.materials import creep_remarks
+from fem_seal.seal.both_faces import joined_validity
 from fem_seal.seal.bounds import EXACT, Bounds
 from fem_seal.seal.findings import ORDERS_OF_MAGNITUDE, Finding, Level, Validity
 from fem_seal.seal.load_names import load_name
@@ -199,8 +200,12 @@ def validity_of(
     usual_only : bool
         Whether the range of a finish is left out.
     """
+    if load.of_faces is not None:
+        each = zip(found.halves, load.of_faces, strict=True)
+        upper, lower = (validity_of(*one, by_table=by_table, usual_only=usual_only) for one in each)
+        return joined_validity(upper, lower, load.upper_share)
     problem, before, sealing = found.problem, found.solved.earlier, None
-    if usual_only:
+    if usual_only and problem.of_finish:
         problem = replace(problem, usual_only=True)
     if found.model.closure.solve is None:
         # stresses cannot be calculated

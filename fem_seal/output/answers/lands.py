@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from fem_seal.answers.lower_flange import share_of
 from fem_seal.answers.solution import SealSolution
 from fem_seal.output.prose import phrase
 from fem_seal.output.shown import Section, Shown, worded_section, worded_table
 from fem_seal.output.tables import contact_rows
+from fem_seal.seal.both_faces import share_of
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.units import fixed_unit

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from fem_seal.answers.findings import FINDINGS
+from fem_seal.answers.findings import all_cautions
 from fem_seal.answers.judgement import JudgedLoad, Verdict
 from fem_seal.answers.leakage_class import leakage_classes, volume_of
 from fem_seal.case.fields import Throughput
@@ -279,6 +279,5 @@ def remarks_in_brief(result: SealSolution) -> list[str]:
     ----------
     result : SealSolution
     """
-    cautions = FINDINGS.of(result.answers).cautions
-    short = {one.text: one.reason for one in cautions}
+    short = {one.text: one.reason for one in all_cautions(result.answers)}
     return list(dict.fromkeys(short.get(text, text) for text in result.warnings))

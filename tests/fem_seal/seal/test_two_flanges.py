@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from fem_seal import Case, InputError, SealResult, run
-from fem_seal.answers.lower_flange import mean_leak, share_of
 from fem_seal.output.report.page import report
 from fem_seal.output.tables import contact_rows
+from fem_seal.seal.both_faces import mean_leak, share_of
 from fem_seal.studies.study import Study
 from leak import LeakResult
 
