@@ -79,8 +79,7 @@ def step_in_words(case: Case, one: Sensitivity) -> str:
             return phrase("sensitivities.step", "force", more=one.factor - 1.0)
         return phrase("sensitivities.step", "force_added", added=one.after - one.before)
     if one.material:
-        body, _, _ = one.key.partition(".")
-        own = getattr(case, body).material.name
+        body, own = _body_of(case, one.key)
         own = "its own" if own == UNNAMED else own
         return phrase("sensitivities.step", "material", body=body, material=one.material, own=own)
     if one.key == "form":
@@ -88,7 +87,8 @@ def step_in_words(case: Case, one: Sensitivity) -> str:
         drawn = parts and all(part.tolerance is not None for part in parts)
         return phrase("sensitivities.step", "tolerance" if drawn else "form")
     if one.key.startswith("roughness."):
-        _, face, height = one.key.split(".")
+        _, _, height = one.key.split(".")
+        face, _ = _body_of(case, one.key.removeprefix("roughness."))
         return phrase("sensitivities.step", "finish", finish=f"{height} of the {face}")
     if one.key in _SCALED:
         finish = _finish(case)
@@ -97,6 +97,15 @@ def step_in_words(case: Case, one: Sensitivity) -> str:
         key = f"{one.key}_{'more' if one.factor > 1 else 'less'}"
         return phrase("sensitivities.step", key, one=one)
     return _dimension(case, one)
+
+
+def _body_of(case: Case, key: str) -> tuple[str, str]:
+    """What the body is called to which a key belongs, and its material."""
+    name = key.partition(".")[0]
+    if name == "seat" and case.gasket is not None:
+        return "lower flange", (case.lower_half or case).closure.material.name
+    own = getattr(case, name).material.name
+    return ("upper flange" if name == "closure" and case.lower_half is not None else name), own
 
 
 def _finish(case: Case) -> str:
@@ -112,11 +121,17 @@ def _dimension(case: Case, one: Sensitivity) -> str:
     """In the words of the case: where it has diameters and included angles, in these."""
     assert one.before is not None and one.after is not None  # of a dimension
     first, _, both = one.key.partition(" and ")
-    body, _, key = first.partition(".")
+    table, _, key = first.partition(".")
+    body, _ = _body_of(case, first)
     more, word = one.after - one.before, partner(key)
-    if key == "angle" and word and word in case.written[body]:
+    if key == "angle" and word and word in case.written[table]:
         more, key = -2.0 * more, word
-    elif key.endswith("radius") and word and key != "edge_radius" and case.in_diameters(body):
+    elif (
+        key.endswith("radius")
+        and word
+        and key != "edge_radius"
+        and any(name.endswith("diameter") for name in case.written[table])
+    ):
         more, key = 2.0 * more, word
     unit = unit_for("angle" if key.endswith("angle") else "length", abs(more))
     by = f"{trimmed(unit.of(abs(more)))} {unit.name} {'larger' if more > 0 else 'smaller'}".replace(" °", "°")
