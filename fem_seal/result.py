@@ -396,7 +396,7 @@ def applied_force_for_leak(case: CaseSource, target_leak_rate: float | None = No
     >>> fem_seal.applied_force_for_leak(case, 1e-9)     # doctest: +SKIP
     array([312.6])
     """
-    found = target.contacts_at_target(SealProblem.of(case_of(case).of_alike_flanges()), target_leak_rate)
+    found = target.contacts_at_target(SealProblem.of(case_of(case)), target_leak_rate)
     return np.array([one.applied_force for one in found])
 
 
@@ -428,7 +428,8 @@ def blow_off_pressures(case: CaseSource) -> FloatArray:
     >>> print(f"{fem_seal.blow_off_pressures(against)[0] / 1e5:.1f} bar")
     31.8 bar
     """
-    return opening.blow_off_pressures(SealProblem.of(case_of(case).of_alike_flanges()))
+    halves = SealProblem.of(case_of(case)).halves
+    return np.asarray(np.min([opening.blow_off_pressures(one) for one in halves], axis=0))
 
 
 def direct(

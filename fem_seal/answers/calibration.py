@@ -452,7 +452,6 @@ def calibrate(
     ----------
     A. Gelman et al., Bayesian Data Analysis (2013), section 10.4: importance sampling; 6.3: predictive checks.
     """
-    case.of_alike_flanges()
     if case.roughness is None or case.fluid is None or case.leak.conductivity == "direct":
         raise InputError(problem("calibrate_without_leak"))
     if case.uncertainty is not None and case.uncertainty.posterior is not None:

@@ -32,7 +32,7 @@ from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.heating import warmed
 from fem_seal.seal.lazy import OptionalSteps
 from fem_seal.seal.leak_model import LeakModel
-from fem_seal.seal.load_result import LoadResult, SolvedSeal
+from fem_seal.seal.load_result import LoadResult, SolvedSeal, by_face
 from fem_seal.seal.load_solver import Clock, LoadSolver, Progress
 from fem_seal.seal.problem import SealProblem
 from fem_seal.seal.readings import WORDS
@@ -150,7 +150,7 @@ def _solved(case: Case, clock: Clock, steps: OptionalSteps) -> SolvedSeal:
         )
     with clock.step("stress", "stress in both bodies"):
         with suppress(MemoryError):  # one after the other they may fit
-            for same in _by_face(loads):
+            for same in by_face(loads):
                 move_together([load.contact for load in same])
         loads = tuple(
             _compute_values(steps, _read(steps, load, _SEPARATION), _STRESS, _NO_STRESS) for load in loads
@@ -162,15 +162,10 @@ def _solved(case: Case, clock: Clock, steps: OptionalSteps) -> SolvedSeal:
     )
 
 
-def _by_face(loads: Sequence[LoadResult]) -> list[tuple[LoadResult, ...]]:
-    """Loads of each of two different faces; of alike ones the loads themselves."""
-    return list(zip(*(load.of_faces or (load,) for load in loads), strict=True))
-
-
 def _with_tables(steps: OptionalSteps, loads: Sequence[LoadResult]) -> list[LoadResult]:
     """Loads whose flow conductivity is worked out, of each of two different faces."""
     if loads[0].of_faces is not None:
-        upper, lower = (_with_tables(steps, one) for one in _by_face(loads))
+        upper, lower = (_with_tables(steps, one) for one in by_face(loads))
         return list(map(LoadResult.beside, upper, lower))
     rough = loads[0].rough
     rough = None if rough is None else _read(steps, rough, {"table": "flow conductivity"})

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
+from functools import partial, reduce
 
 from fem_seal.answers.answer import Answer, Inquiry
 from fem_seal.contact.solution import ContactSolution
@@ -13,7 +13,7 @@ from fem_seal.errors import ConvergenceError, InputError
 from fem_seal.loads import contact_force
 from fem_seal.seal.findings import Finding, Level, Validity
 from fem_seal.seal.leak_model import LeakModel
-from fem_seal.seal.load_result import LoadResult, SolvedSeal
+from fem_seal.seal.load_result import LoadResult, SolvedSeal, by_face
 from fem_seal.seal.load_solver import LoadSolver
 from fem_seal.seal.problem import LARGEST_TURNING, SealFlow, SealProblem, expected_forces, largest_force
 from fem_seal.seal.readings import WORDS
@@ -49,8 +49,7 @@ def expected_contact_force(flow: SealFlow, fluid_pressure: float, target: float)
     problem = flow.problem
 
     def excess(log_force: float) -> float:
-        profile = flow.expected_profile(math.exp(log_force))
-        return log_excess(flow.leak(profile, fluid_pressure).leak_rate, target)
+        return log_excess(flow.expected_rate(math.exp(log_force), fluid_pressure), target)
 
     highest = math.log(largest_force(problem))
     area = math.pi * problem.initial_contact_radius**2
@@ -63,7 +62,7 @@ def expected_contact_force(flow: SealFlow, fluid_pressure: float, target: float)
         if excess(ahead) * step <= 0:
             return math.exp(root_between(excess, at, ahead, xtol=1e-3))
         if ahead == highest:
-            least = flow.leak(flow.expected_profile(math.exp(highest)), fluid_pressure).leak_rate
+            least = flow.expected_rate(math.exp(highest), fluid_pressure)
             force = briefly("force", largest_force(problem))
             values = {"force": force, "leaves": _rate(least, target), "pressure": fluid_pressure}
             raise target_problem(problem, "too_small", target, **values)
@@ -174,25 +173,26 @@ def contacts_at_target(
     if flow is None:
         raise target_problem(problem, "without_leak", target)
     if reading is not None:
-        flow = replace(flow, surface=flow.surface.reading(reading))
+        flow = flow.reading(reading)
     # up and down again, or under several forces, a pressure may come more than once
     pressures = dict.fromkeys(problem.loads.fluid_pressure)
     expected = {pressure: _first_guess(flow, pressure, target) for pressure in pressures}
     found: dict[float, LoadResult] = {}
     near, unmet = dict(expected), dict[float, str]()
 
-    def solve(solver: LoadSolver) -> Sequence[ContactSolution]:
+    def solve(solver: LoadSolver) -> list[list[ContactSolution]]:
         for pressure, force in near.items():
             found[pressure], at, unmet[pressure] = _on_model(solver, flow, pressure, force, target)
             if solver.yields:
                 # on a better mesh it is looked for where it was
                 near[pressure] = at
+        return [contacts(*one) for one in zip(solver.both, by_face(found.values()), strict=True)]
+
+    def contacts(solver: LoadSolver, loads: Sequence[LoadResult]) -> list[ContactSolution]:
         before = () if solver.earlier is None else (solver.earlier,)
-        contacts = [contact for one in found.values() for contact in one.contacts]
-        tight = [
-            one.earlier for one in contacts if problem.loads.bolts is not None and one.earlier is not None
-        ]
-        return [*contacts, *tight, *before]
+        known = [contact for one in loads for contact in one.contacts]
+        tight = [one.earlier for one in known if problem.loads.bolts is not None and one.earlier is not None]
+        return [*known, *tight, *before]
 
     forces = [*expected.values()]
     if problem.loads.bolts is not None:
@@ -222,7 +222,7 @@ def _first_guess(flow: SealFlow, fluid_pressure: float, target: float) -> float:
         if not flow.problem.curves:
             raise
         highest = largest_force(flow.problem)
-        least = flow.leak(flow.expected_profile(highest), fluid_pressure).leak_rate
+        least = flow.expected_rate(highest, fluid_pressure)
         return highest if least > target else min(max(expected_forces(flow.problem)), highest)
 
 
@@ -293,7 +293,15 @@ def _forces(seal: SolvedSeal, reading: Reading | None) -> TargetForces:
     if reading is not None:
         return forces
     validity = [target_validity(problem, one) for one in found]
-    return replace(forces, validity=validity, remarks=tuple(target_cautions(problem, found)))
+    upper, *lower = (list(target_cautions(*one)) for one in zip(problem.halves, by_face(found), strict=True))
+    known = {one.text for one in upper}
+    remarks = [
+        replace(one, text=sentence("lower_flange", said=one.text))
+        for half in lower
+        for one in half
+        if one.text not in known
+    ]
+    return replace(forces, validity=validity, remarks=(*upper, *remarks))
 
 
 def _of_load(load: LoadResult, number: int, found: TargetForces | None) -> LoadResult:
@@ -329,7 +337,10 @@ class _TooFarError(Exception):
 
 @dataclass(frozen=True)
 class _Trials:
-    """Contacts of a seal on one model at one fluid pressure, by ln of their force F_N, and how much they leak."""
+    """Contacts of a seal on one model at one fluid pressure, by ln of their force F_N, and how much they leak.
+
+    Of two different flange faces `below` has those of the lower one, by the forces of the upper.
+    """
 
     solver: LoadSolver
     flow: SealFlow
@@ -337,6 +348,22 @@ class _Trials:
     target: float
     known: dict[float, tuple[ContactSolution, float]] = field(default_factory=dict)
     rates: dict[float, float] = field(default_factory=dict)
+    below: tuple[_Trials, ...] = ()
+
+    @classmethod
+    def of(cls, solver: LoadSolver, flow: SealFlow, fluid_pressure: float, target: float) -> _Trials:
+        """Those of a seal, or of each of its two different faces."""
+        each = zip(solver.both, flow.both, strict=True)
+        upper, *lower = (cls(*one, fluid_pressure, target) for one in each)
+        return replace(upper, below=tuple(lower))
+
+    def halves(self, log_force: float) -> list[tuple[_Trials, float]]:
+        """Each face with ln of its own force, under the force of spring or actuator that makes this one above."""
+        if not self.below:
+            return [(self, log_force)]
+        forces = self.solver.at_same_force(self.fluid_pressure, math.exp(log_force))
+        logs = [log_force, *(math.log(force) if force > 0 else -math.inf for _, force in forces[1:])]
+        return list(zip((self, *self.below), logs, strict=True))
 
     def contact(self, log_force: float) -> ContactSolution:
         if log_force not in self.known:
@@ -347,16 +374,35 @@ class _Trials:
 
     def excess(self, log_force: float) -> float:
         """ln of the leak rate over the target."""
+        rates = [one.rate(at) for one, at in self.halves(log_force)]
+        return log_excess(sum(rates) / len(rates), self.target)
+
+    def rate(self, log_force: float) -> float:
+        """Leak rate through this face on both sides [m^3/s]."""
+        if log_force == -math.inf:
+            return math.inf
         try:
             contact = self.contact(log_force)
         except InputError:
             # open bodies that yield: everything flows
-            return log_excess(math.inf, self.target)
+            return math.inf
         if self.solver.yields and self._room(log_force) < 0:
             raise _TooFarError
         if log_force not in self.rates:
             self.rates[log_force] = self.flow.leak_of(contact, self.fluid_pressure).leak_rate
-        return log_excess(self.rates[log_force], self.target)
+        return self.rates[log_force]
+
+    def load(self, log_force: float) -> LoadResult:
+        """The load with this contact, of different faces with both."""
+        faces = []
+        for one, at in self.halves(log_force):
+            one.contact(at)
+            contact, applied_force = one.known[at]
+            formed = one.solver.problem.around(contact)
+            load = LoadResult(self.fluid_pressure, applied_force, contact, formed=formed)
+            rough = LeakModel.of(one.flow.surface, one.flow.flow, load.contacts)
+            faces.append(load.with_values(rough=rough))
+        return reduce(LoadResult.beside, faces)
 
     def farthest(self) -> float:
         """ln of the largest force that small strains describe, less than a contact that they do not."""
@@ -366,11 +412,13 @@ class _Trials:
 
     def reached(self) -> float | None:
         """ln of the largest force to which the load steps came; None where it is not known."""
-        force = self.solver.reached(self.fluid_pressure)
-        return None if force is None else max(math.log(force), *self.known)
+        found = [one.solver.reached(self.fluid_pressure) for one in (self, *self.below)]
+        known = [force for force in found if force is not None]
+        return max(math.log(min(known)), *self.known) if known else None
 
     def _room(self, log_force: float) -> float:
-        return 1.0 - self.contact(log_force).turning / LARGEST_TURNING
+        turned = max(one.contact(at).turning for one, at in self.halves(log_force) if at > -math.inf)
+        return 1.0 - turned / LARGEST_TURNING
 
 
 def _on_model(
@@ -380,7 +428,7 @@ def _on_model(
 
     Or the contact under the largest force, and behind it why there is no larger one.
     """
-    trials = _Trials(solver, flow, fluid_pressure, target)
+    trials = _Trials.of(solver, flow, fluid_pressure, target)
     ends = solver.yields or math.isfinite(solver.model.stop)
     highest, why = math.log(largest_force(solver.problem)) if ends else math.inf, "not_met"
     start = min(math.log(expected), highest)
@@ -406,15 +454,12 @@ def _on_model(
         why = "stopped" if trials.contact(root).stop_force > 0 else why
     else:
         why = ""
-        trials.contact(root)
-    contact, applied_force = trials.known[root]
-    load = LoadResult(fluid_pressure, applied_force, contact, formed=solver.problem.around(contact))
+    load = trials.load(root)
     loads, preload = solver.problem.loads, None
     if loads.bolts is not None:
         r0 = solver.problem.initial_contact_radius
         preload = max(math.exp(root) - contact_force(r0, fluid_pressure, 0.0, loads.pressure_side), 0.0)
-    rough = LeakModel.of(flow.surface, flow.flow, load.contacts)
-    return load.with_values(rough=rough, preload_for_target=preload), math.exp(root), why
+    return load.with_values(preload_for_target=preload), math.exp(root), why
 
 
 def _root_near(

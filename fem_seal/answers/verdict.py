@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
+from functools import partial, reduce
 
 from fem_seal.answers.accuracy import discretisation_error, on_coarser_mesh
 from fem_seal.answers.answer import Answer, Inquiry, Wanted
@@ -386,16 +386,23 @@ class _Search:
         return self.tried[at]
 
     def _made(self, force: float) -> LoadResult | None:
-        pressure, problem = self.load.fluid_pressure, self.problem
+        pressure = self.load.fluid_pressure
         self._tell(f"a contact force of {briefly('force', force)}")
         try:
-            solver = self._bench(force).solver
-            known = (one for one in self.tried.values() if one and one.contact.model is solver.model)
-            start, near = next(((one.contact, one.formed) for one in known), (None, None))
-            contact, applied = solver.at_contact_force(pressure, force, start, self.progress)
-            load = LoadResult(pressure, applied, contact, formed=problem.around(contact, near=near))
+            halves = self._bench(force).solver.at_same_force(pressure, force)
+            faces = [self._face(solver, own) for solver, own in halves]
         except (ConvergenceError, InputError, OpenSealError):
             return None
+        return reduce(LoadResult.beside, faces)
+
+    def _face(self, solver: LoadSolver, force: float) -> LoadResult:
+        """The load on one of two different faces, or on both alike."""
+        pressure, problem = self.load.fluid_pressure, solver.problem
+        tried = (face for one in self.tried.values() if one for face in one.of_faces or (one,))
+        known = (one for one in tried if one.contact.model is solver.model)
+        start, near = next(((one.contact, one.formed) for one in known), (None, None))
+        contact, applied = solver.at_contact_force(pressure, force, start, self.progress)
+        load = LoadResult(pressure, applied, contact, formed=problem.around(contact, near=near))
         load = load.with_values(rough=LeakModel.of(problem.surface, problem.flow, load.contacts))
         return load.with_values(validity=load_validity(problem, load))
 
@@ -409,8 +416,10 @@ class _Search:
             return known[0]
         low, high = (share * force for share in _SHARED)
 
-        def solve(solver: LoadSolver) -> Sequence[ContactSolution]:
-            return [solver.at_contact_force(self.load.fluid_pressure, force, progress=self.progress)[0]]
+        def solve(solver: LoadSolver) -> list[list[ContactSolution]]:
+            pressure = self.load.fluid_pressure
+            halves = solver.at_same_force(pressure, force)
+            return [[one.at_contact_force(pressure, at, progress=self.progress)[0]] for one, at in halves]
 
         self.benches.append(_Bench(LoadSolver.fitted(self.problem, [low, high], solve), low, high))
         return self.benches[-1]
@@ -524,13 +533,17 @@ def _alone(seal: SolvedSeal, progress: Progress, fluid_pressure: float, applied_
     problem = replace(seal.problem, loads=loads)
     clock = Clock(progress)
     alone = evaluate(problem, clock=clock).seal(seal.case)
-    problem, sizing, (load,) = alone.problem, alone.seal_mesh.sizing, alone.loads
-    with clock.step("error", "estimating the discretisation error"):
-        error = discretisation_error(load.contact, on_coarser_mesh(problem, sizing, 0), sizing)
-    load = load.with_values(mesh_error=error)
-    validity = load_validity(problem, load, earlier_cautions(problem, alone.earlier, error))
-    load = load.with_values(validity=validity)
-    if seal.case.sampled is None or validity.outside:
+
+    def checked(one: SolvedSeal) -> LoadResult:
+        problem, sizing, (load,) = one.problem, one.seal_mesh.sizing, one.loads
+        with clock.step("error", "estimating the discretisation error"):
+            error = discretisation_error(load.contact, on_coarser_mesh(problem, sizing, 0), sizing)
+        load = load.with_values(mesh_error=error)
+        before = earlier_cautions(problem, one.earlier, error)
+        return load.with_values(validity=load_validity(problem, load, before))
+
+    load = reduce(LoadResult.beside, map(checked, alone.faces))
+    if seal.case.sampled is None or load.validity.outside:
         return load
     return leak_interval(alone.with_loads([load]), progress=progress).of_load(load, 0)
 

@@ -211,12 +211,6 @@ class Case(CaseTables):
             found._lower_half = self._lower_half.without_loads(numbers)
         return found
 
-    def of_alike_flanges(self) -> Case:
-        """Itself; InputError where the flanges of a gasket differ."""
-        if self._lower_half is not None:
-            raise InputError(problem("unlike_flanges"), file=self._file)
-        return self
-
     def in_diameters(self, name: str) -> bool:
         """Whether the case writes dimensions of a body, "closure" or "seat", as diameters."""
         written = self._input.get(self.key_of(name))

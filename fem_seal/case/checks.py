@@ -246,7 +246,6 @@ def of_unlike_flanges(case: CaseTables) -> Iterator[Problem]:
         "form": case.form is not None,
         "gasket.stop": case.gasket is not None and case.gasket.stop is not None,
         "fluid.particles": particles,
-        "load.target_leak_rate": case.load.target_leak_rate is not None,
         "leak.conductivity": case.leak.conductivity == "direct",
         "leak.fluid_in_gap": local,
         "leak.variants": case.leak.variants,

@@ -26,7 +26,7 @@ from fem_seal.seal.evaluate import SILENT, Evaluation, evaluate
 from fem_seal.seal.heating import warmed
 from fem_seal.seal.kept import Kept
 from fem_seal.seal.leak_model import MARGIN, Conductivity, FlowModel, theory_table
-from fem_seal.seal.load_result import highest_load
+from fem_seal.seal.load_result import by_face, highest_load
 from fem_seal.seal.problem import SealProblem, sizing
 from fem_seal.seal.sources import Bodies, Rounding, Shared
 from fem_seal.validity.checks import validity_of
@@ -201,7 +201,7 @@ class Live:
 
         Those behind them only fill the curve.
         """
-        whole = SealProblem.of(case.of_alike_flanges())
+        whole = SealProblem.of(case)
         left = [number for number in range(len(whole.loads.points)) if number not in whole.loads.refused]
         gas = whole.flow is not None and whole.flow.gas is not None
         kept = (
@@ -239,15 +239,16 @@ class Live:
         problem, _ = self.problem(warmed(case))
         if source.suited(problem) is not source:
             return
-        name = Bodies.of(problem, sizing(problem), _ROUNDING)
-        if self.bodies.known(name) is None:
-            yield name
-        rough = evaluate(problem, source).loads[0].rough
-        for one in () if rough is None else map(rough.reading, rough.readings):
-            try:
-                _ = one.table
-            except Missing as missing:
-                yield from missing.keys
+        for half in problem.halves:
+            name = Bodies.of(half, sizing(half), _ROUNDING)
+            if self.bodies.known(name) is None:
+                yield name
+        for load, *_ in by_face(evaluate(problem, source).loads):
+            for one in () if load.rough is None else map(load.rough.reading, load.rough.readings):
+                try:
+                    _ = one.table
+                except Missing as missing:
+                    yield from missing.keys
 
     def make(self, name: Hashable) -> Any:
         """Make what a design needs, and keep it."""

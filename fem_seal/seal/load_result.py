@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from html import escape
@@ -552,6 +552,16 @@ def rate_of(load: LoadResult) -> float | Bounds:
     return ends if ends.apart else load.leak.leak_rate
 
 
+def by_face(loads: Iterable[LoadResult]) -> list[tuple[LoadResult, ...]]:
+    """Loads with each of two different faces; of alike ones the loads themselves.
+
+    Parameters
+    ----------
+    loads : iterable of LoadResult
+    """
+    return list(zip(*(load.of_faces or (load,) for load in loads), strict=True))
+
+
 def strongest_load(loads: Sequence[LoadResult]) -> int:
     """Number of the load with the largest closing force F_N."""
     return max(range(len(loads)), key=lambda n: loads[n].contact_force)
@@ -704,7 +714,7 @@ class SolvedSeal:
         """The seal with each of two different flanges on both faces; only itself where they are alike."""
         if self.lower_half is None:
             return (self,)
-        upper, lower = zip(*(load.of_faces or (load, load) for load in self.loads), strict=True)
+        upper, lower = by_face(self.loads)
         known = {field.name: getattr(self, field.name) for field in fields(SolvedSeal)}
         return (
             SolvedSeal(**{**known, "loads": upper, "lower_half": None}),

@@ -36,7 +36,7 @@ from fem_seal.contact.penetration import (
     solve_penetration,
 )
 from fem_seal.contact.plastic_step import HeldByBolts, PathLoad, PlasticSettings
-from fem_seal.contact.sizing import solve_fitted
+from fem_seal.contact.sizing import MeshFit
 from fem_seal.contact.solution import DEFAULT_SETTINGS, ContactSettings, ContactSolution
 from fem_seal.errors import (
     ConvergenceError,
@@ -50,7 +50,7 @@ from fem_seal.errors import (
 from fem_seal.loads import blow_off_of_sealed_area, contact_force
 from fem_seal.seal.problem import Loads, SealFlow, SealProblem, condensed, sizing
 from fem_seal.units import briefly, written
-from meshes import Sizing, build_contact
+from meshes import MeshingError, Sizing, build_contact
 
 if TYPE_CHECKING:
     from fem_seal.arrays import FloatArray
@@ -67,10 +67,13 @@ class LoadSolver:
     ----------
     problem : SealProblem
     model : ContactModel
+    lower_half : LoadSolver or None
+        With the lower flange on both faces of a gasket; None where the flanges are alike, or nobody asks for both.
     """
 
     problem: SealProblem
     model: ContactModel
+    lower_half: LoadSolver | None = None
 
     @classmethod
     def on_mesh(cls, problem: SealProblem, wanted: Sizing) -> LoadSolver:
@@ -82,24 +85,46 @@ class LoadSolver:
         cls,
         problem: SealProblem,
         forces: Sequence[float],
-        solve: Callable[[LoadSolver], Sequence[ContactSolution]],
+        solve: Callable[[LoadSolver], Sequence[Sequence[ContactSolution]]],
     ) -> LoadSolver:
-        """On a mesh sized for contact forces F_N [N] that fits the contacts which `solve` finds on it.
+        """On meshes sized for contact forces F_N [N] that fit the contacts which `solve` finds on each of `both`.
 
         Raises
         ------
         ConvergenceError, MeshingError
-            See `fem_seal.contact.sizing.solve_fitted`.
+            See `fem_seal.contact.sizing.MeshFit.after`.
         """
-        solvers: list[LoadSolver] = []
+        fits = [
+            MeshFit.begun(sizing(half, forces), half.contact, size_given=half.contact_size is not None)
+            for half in problem.halves
+        ]
+        known: list[LoadSolver] = []
+        while any(fit.sizing is not None for fit in fits):
+            outcome: Sequence[Sequence[ContactSolution] | Exception]
+            try:
+                own, *lower = (
+                    known[n] if fit.sizing is None else cls.on_mesh(half, fit.sizing)
+                    for n, (half, fit) in enumerate(zip(problem.halves, fits, strict=True))
+                )
+                known = (replace(own, lower_half=lower[0]) if lower else own).both
+                outcome = solve(known[0])
+            except (MeshingError, ConvergenceError) as error:
+                outcome = [error] * len(fits)
+            fits = [
+                fit if fit.sizing is None else fit.after(one) for fit, one in zip(fits, outcome, strict=True)
+            ]
+        return known[0]
 
-        def solve_on(wanted: Sizing) -> Sequence[ContactSolution]:
-            solvers.append(cls.on_mesh(problem, wanted))
-            return solve(solvers[-1])
+    @property
+    def both(self) -> list[LoadSolver]:
+        """Of each of two different flanges on both faces; only itself where they are alike."""
+        return [one for one in (self, self.lower_half) if one is not None]
 
-        size_given = problem.contact_size is not None
-        solve_fitted(sizing(problem, forces), problem.contact, solve_on, size_given=size_given)
-        return solvers[-1]
+    def at_same_force(self, fluid_pressure: float, contact_force: float) -> list[tuple[LoadSolver, float]]:
+        """Each of `both` with its contact force [N] under the force of spring or actuator that makes this one here."""
+        applied = contact_force - self._closes(fluid_pressure)
+        below = [(one, applied + one._closes(fluid_pressure)) for one in self.both[1:]]
+        return [(self, contact_force), *below]
 
     def solve(
         self, fluid_pressure: float, applied_force: float, start: ContactSolution | None = None

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from fem_seal.form import FormError
     from fem_seal.seal.circumference import Circumference
     from fem_seal.seal.direct import DirectSettings
-    from leak import LeakResult, RoughContact
+    from leak import LeakResult, Reading, RoughContact
 
 # Ratio of decay length to rms height of Fischer et al. 2020, below eq. 8.
 DEFAULT_GAMMA = 0.4
@@ -640,6 +640,8 @@ def largest_force(problem: SealProblem) -> float:
     ----------
     problem : SealProblem
     """
+    if problem.lower_half is not None:
+        return min(map(largest_force, problem.halves))
     contact, modulus = problem.contact, problem.effective_modulus
     r0, R = contact.initial_contact_radius, contact.relative_radius
     if math.isinf(R):
@@ -668,11 +670,14 @@ class SealFlow:
         Of which the expected contacts are.
     surface : RoughContact
     flow : Flow
+    lower_half : SealFlow or None
+        With the lower flange on both faces of a gasket; None where the flanges are alike.
     """
 
     problem: SealProblem
     surface: RoughContact
     flow: FlowModel
+    lower_half: SealFlow | None = None
 
     @classmethod
     def of(cls, problem: SealProblem) -> SealFlow | None:
@@ -684,7 +689,23 @@ class SealFlow:
         """
         if problem.surface is None or problem.flow is None:
             return None
-        return cls(problem, problem.surface, problem.flow)
+        lower = None if problem.lower_half is None else cls.of(problem.halves[1])
+        return cls(problem, problem.surface, problem.flow, lower)
+
+    @property
+    def both(self) -> list[SealFlow]:
+        """Of each of two different flanges on both faces; only itself where they are alike."""
+        return [one for one in (self, self.lower_half) if one is not None]
+
+    def reading(self, reading: Reading) -> SealFlow:
+        """The same, yielding asperities read in another way."""
+        upper, *lower = (replace(one, surface=one.surface.reading(reading)) for one in self.both)
+        return replace(upper, lower_half=lower[0]) if lower else upper
+
+    def expected_rate(self, contact_force: float, fluid_pressure: float) -> float:
+        """Leak rate of `expected_profile` under a force F_N [N] at a pressure difference [Pa] [m^3/s]."""
+        profiles = [(one, one.expected_profile(contact_force)) for one in self.both]
+        return sum(one.leak(profile, fluid_pressure).leak_rate for one, profile in profiles) / len(profiles)
 
     def leak(self, profile: PressureProfile, fluid_pressure: float) -> LeakResult:
         """Flow through a contact at a pressure difference [Pa]."""

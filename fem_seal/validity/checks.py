@@ -298,7 +298,10 @@ def target_validity(problem: SealProblem, answer: LoadResult) -> Validity:
     problem : SealProblem
     answer : LoadResult
     """
-    return Validity.of(_at_target(problem, [answer]))
+    if answer.of_faces is None:
+        return Validity.of(_at_target(problem, [answer]))
+    upper, lower = map(target_validity, problem.halves, answer.of_faces)
+    return joined_validity(upper, lower, answer.upper_share)
 
 
 def _at_target(problem: SealProblem, answers: Sequence[LoadResult]) -> Iterator[Finding]:

@@ -9,11 +9,10 @@ import numpy as np
 import pytest
 from flanges import BOTH, COARSE, CONE, DISC, FINE, tables
 
-from fem_seal import Case, InputError, SealResult, run
+from fem_seal import Case, SealResult, run
 from fem_seal.output.report.page import report
 from fem_seal.output.tables import contact_rows
 from fem_seal.seal.both_faces import mean_leak, share_of
-from fem_seal.studies.study import Study
 from leak import LeakResult
 
 
@@ -84,19 +83,6 @@ def test_the_report_tells_both_faces_apart() -> None:
     page = report(both())
     assert "Two different flange faces" in page and "of the leak pass the upper flange face" in page
     assert "lower flange:" in page
-
-
-def test_only_a_run_calculates_both() -> None:
-    case = Case(**tables(DISC, BOTH, seat=CONE))
-    study = {
-        "base": case,
-        "parameters": {"load.applied_force": ["2 kN", "3 kN"]},
-        "responses": ["leak_rate_m3_per_s"],
-    }
-    with pytest.raises(InputError, match="only run calculates both"):
-        case.of_alike_flanges()
-    with pytest.raises(InputError, match="only run calculates both"):
-        Study(study)
 
 
 @pytest.mark.parametrize(
