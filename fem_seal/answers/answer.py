@@ -155,9 +155,9 @@ def answered(seal: Seal, ask: Inquiry, answers: Sequence[Answer[Any]]) -> Seal:
     answers : sequence of Answer
         In their order.
     """
-    if seal.lower_half is not None:
+    of_face = [one for one in answers if one.of_face]
+    if of_face and seal.lower_half is not None:
         upper, lower = seal.faces
-        of_face = [one for one in answers if one.of_face]
         seal = seal.with_faces(
             answered(upper, ask, of_face), answered(lower, ask.of_lower_half(lower), of_face)
         )

@@ -86,7 +86,8 @@ class Case(CaseTables):
     _lower_half: Case | None = PrivateAttr(default=None)
 
     def __init__(self, /, **tables: Any) -> None:
-        self._read_alone(with_units(CaseTables, in_present_entries(tables)))
+        present = in_present_entries(tables)
+        self._read_alone(_tables_with_units(present, of_gasket=present.get("gasket") is not None))
 
     def _read_alone(self, tables: dict[str, Any]) -> None:
         self._read(tables, None)
@@ -259,7 +260,8 @@ class Case(CaseTables):
         """
         changed = _changed(self._with(changes or {}), in_present_entries(copy.deepcopy(tables)))
         new = {name: table for name, table in changed.items() if table is not self._input.get(name)}
-        return self._checked({**changed, **with_units(CaseTables, new)})
+        of_gasket = changed.get("gasket") is not None
+        return self._checked({**changed, **_tables_with_units(new, of_gasket=of_gasket)})
 
     def replace_written(self, changes: Mapping[str, Any]) -> Case:
         """The same with entries as they stand in a file, where a quantity without a unit is an error.
@@ -516,6 +518,14 @@ def with_units(table: type[BaseModel], entries: Mapping[str, Any]) -> dict[str, 
         else value
         for key, value in entries.items()
     }
+
+
+def _tables_with_units(tables: Mapping[str, Any], *, of_gasket: bool) -> dict[str, Any]:
+    found = with_units(CaseTables, tables)
+    if of_gasket and "seat" in found:
+        # the lower flange, which has the shapes of the upper one
+        found["seat"] = _entry_with_units(CaseTables.model_fields["closure"], tables["seat"])
+    return found
 
 
 def _entry_with_units(field: FieldInfo, value: Any) -> Any:

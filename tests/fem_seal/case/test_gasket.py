@@ -122,6 +122,9 @@ def test_a_seat_is_the_lower_flange() -> None:
     assert case.contact == Case(**tables()).contact and case.lower_half is None
     lower = Case(**tables(seat={**same, "radius": "31 mm"})).lower_half
     assert lower is not None and lower.closure.radius == 0.031 and lower.lower_half is None
+    # a number in SI as in any other table
+    moved = Case(**tables(seat={**same, "radius": 0.031})).replace({"seat.radius": 0.032}).lower_half
+    assert moved is not None and moved.closure.radius == 0.032
     assert "seat.shape" in problems(seat={"shape": "lands", "material": STEEL})
     assert "seat.radius" in problems(seat={"shape": "disc", "material": STEEL})
     assert "seat" in problems(seat={**same, "radius": "10 mm"})
@@ -131,14 +134,6 @@ def test_a_seat_is_the_lower_flange() -> None:
     ("others", "key"),
     [
         ({"form": {"closure": {"tolerance": "2 um"}}}, "form"),
-        (
-            {
-                "load": {"fluid_pressure": "1 bar", "applied_force": "3 kN", "target_leak_rate": "1 ml/min"},
-                "fluid": {"name": "helium"},
-                "roughness": {"closure": "lapped Ra 0.2 um"},
-            },
-            "load.target_leak_rate",
-        ),
         ({"leak": {"fluid_in_gap": "local"}, "fluid": {"name": "water"}}, "leak.fluid_in_gap"),
     ],
 )

@@ -7,12 +7,15 @@ from dataclasses import replace
 from functools import cache
 from typing import Any
 
+import pandas as pd
 import pytest
 from flanges import BOTH, COARSE, CONE, DISC, FINE, surface, tables
 
-from fem_seal import Case, SealResult, run
+from fem_seal import Case, SealResult, blow_off_pressures, calibrate, run
 from fem_seal.answers.pass_probability import pass_probabilities
 from fem_seal.answers.sensitivities import sensitivities
+from fem_seal.answers.target import contacts_at_target
+from fem_seal.explore.live import Live
 from fem_seal.output.columns import COLUMNS
 from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.load_result import SolvedSeal
@@ -134,3 +137,60 @@ def test_the_share_that_passes_is_that_of_the_mean_of_both_faces() -> None:
         replace(whole(), case=asked(UNLIKE).replace(requirement={"leak_rate": median}))
     )
     assert found is not None and found.share == pytest.approx(0.5, abs=0.06)
+
+
+def test_the_force_for_a_target_is_that_of_alike_faces_and_of_the_mean() -> None:
+    target = 0.5 * rates(seal_of(UPPER))[0]
+    (alike,) = contacts_at_target(SealProblem.of(UPPER), target)
+    (equal,) = contacts_at_target(of_two_equal_faces(UPPER), target)
+    assert equal.of_faces is not None
+    assert equal.applied_force == pytest.approx(alike.applied_force, rel=1e-9)
+    target = 0.8 * rates(seal_of(UNLIKE))[0]
+    forces = [contacts_at_target(SealProblem.of(one), target)[0].applied_force for one in (UNLIKE, SWAPPED)]
+    assert forces[0] == pytest.approx(forces[1], rel=1e-5)
+    found = seal_of(UNLIKE.replace({"load.applied_force": forces[0]}))
+    assert rates(found)[0] == pytest.approx(target, rel=1e-3)
+
+
+@pytest.mark.slow
+def test_the_verdict_passes_with_its_force_and_not_with_less() -> None:
+    target = f"{1e3 * 1e6 * 0.8 * rates(seal_of(UNLIKE))[0]} mm^3/s"
+    asked = UNLIKE.replace({"load.target_leak_rate": target}, requirement={"leak_rate": target})
+    (load,) = run(asked, sensitivities=False, verdict_force=True).loads
+    assert load.force_for_verdict is not None and load.force_for_target is not None
+    assert load.force_for_verdict > load.force_for_target
+    for factor, verdict in ((1.0, "pass"), (0.96, "inconclusive")):
+        force = factor * load.force_for_verdict
+        tried = asked.replace({"load.applied_force": force, "load.target_leak_rate": None})
+        assert run(tried, sensitivities=False).verdict == verdict
+
+
+def test_the_live_page_shows_the_leak_of_both_faces() -> None:
+    screen = Live(one_shape=False).answer({}, UNLIKE, waits=True)
+    assert screen.problem == "" and screen.waiting == ""
+    shown = screen.loads[0].values["leak_rate_m3_per_s"]
+    assert shown == pytest.approx(rates(seal_of(UNLIKE))[0], rel=5e-3)
+
+
+@pytest.mark.slow
+def test_a_leak_test_of_different_faces_is_one_of_their_mean() -> None:
+    (load,) = whole().loads
+    rate = load.leak.leak_rate
+    readings = pd.DataFrame(
+        {
+            "fluid_pressure [bar]": [1],
+            "applied_force [N]": [3000],
+            "leak_rate [m^3/s]": [rate],
+            "uncertainty [%]": [10],
+        }
+    )
+    found = calibrate(asked(UNLIKE), readings)
+    assert found.conflict is None and found.p_value > 0.05
+    assert found.predictions[-1].prior[1] == pytest.approx(load.leak_rate_p50, rel=0.03)
+    assert found.judged is not None
+
+
+def test_a_gasket_opens_where_the_first_of_its_faces_does() -> None:
+    """A smaller circle of first touch carries more pressure."""
+    opens = [blow_off_pressures(one)[0] for one in (UNLIKE, UPPER, LOWER)]
+    assert opens[0] == min(opens[1:])
