@@ -334,7 +334,7 @@ class _ChangedSeal:
     def _drawn(self) -> dict[str, float]:
         """Heights that a drawing gives [m], by their key in the case; none unless all the roughness is from it."""
         roughness, lower = self.case.roughness, self._lower
-        rough = [one for one in (roughness, lower and lower.roughness) if one is not None]
+        rough = [one for one in (roughness, None if lower is None else lower.roughness) if one]
         if not rough or any(len(one.finishes) < len(one.parts) for one in rough):
             return {}
         if roughness is not None and roughness.height is not None:

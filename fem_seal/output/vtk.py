@@ -13,7 +13,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 
 
 BODIES = ("closure", "seat")
+# Points of a contact line, how many each of its parts has, and what is known there.
+_Line: TypeAlias = "tuple[FloatArray, list[int], dict[str, FloatArray]]"
 # Most angles of a surface around the axis.
 _ANGLES = 720
 
@@ -48,10 +50,11 @@ def write_contact(result: SealSolution, folder: Path) -> list[Path]:
     list of pathlib.Path
         The files written, contact.pvd first.
     """
-    level = _mid_plane(result)
+    levels = _mid_planes(result)
 
     def write_load(load: LoadResult, path: Path) -> Path:
-        return _write_bodies(load.contact.fields, load.contact.approach, _load_data(load), level, path)
+        halves = [(one.contact.fields, one.contact.approach) for one in load.of_faces or (load,)]
+        return _write_bodies(halves, _load_data(load), levels, path)
 
     return _write_loads(result, folder, "contact", "vtu", write_load)
 
@@ -67,9 +70,10 @@ def write_contact_line(result: SealSolution, folder: Path) -> list[Path]:
     list of pathlib.Path
         The files written, contact_line.pvd first.
     """
-    height, level = result.seal_mesh.contact.height, _mid_plane(result)
+    heights = [one.seal_mesh.contact.height for one in result.faces]
+    levels = _mid_planes(result)
 
-    def write_load(load: LoadResult, path: Path) -> Path:
+    def line_of(load: LoadResult, height: Callable[[FloatArray], FloatArray]) -> _Line:
         profiles = load.profiles
         x, radius, pressure, gap = (
             np.concatenate([getattr(one, name) for one in profiles])
@@ -78,10 +82,15 @@ def write_contact_line(result: SealSolution, folder: Path) -> list[Path]:
         data = {"x_m": x, "contact_pressure_Pa": pressure, "gap_m": gap}
         if load.gap_pressure is not None:
             data["fluid_pressure_in_gap_Pa"] = load.gap_pressure
-        points, ends = _in_space(np.column_stack([radius, height(x)])), [len(one.x) for one in profiles]
-        if level is not None:
-            points, ends = np.concatenate([points, _mirrored(points, level)]), 2 * ends
-            data = {name: np.tile(values, 2) for name, values in data.items()}
+        return _in_space(np.column_stack([radius, height(x)])), [len(one.x) for one in profiles], data
+
+    def write_load(load: LoadResult, path: Path) -> Path:
+        lines = list(map(line_of, load.of_faces or (load,), heights))
+        points, ends, data = lines[0]
+        if levels:
+            below, ends_below, data_below = lines[-1]
+            points, ends = np.concatenate([points, _mirrored(below, *levels)]), ends + ends_below
+            data = {name: np.concatenate([values, data_below[name]]) for name, values in data.items()}
         return write_cells(
             path,
             "Lines",
@@ -200,31 +209,35 @@ def write_unloaded(result: SealSolution, folder: Path) -> Path | None:
     if result.unloaded is None:
         path.unlink(missing_ok=True)
         return None
-    return _write_bodies(result.unloaded.fields, 0.0, {}, _mid_plane(result), path)
+    halves = [(one.unloaded.fields, 0.0) for one in result.faces if one.unloaded is not None]
+    return _write_bodies(halves, {}, _mid_planes(result), path)
 
 
 def _write_bodies(
-    fields: Mapping[str, BodyField],
-    approach: float,
+    halves: Sequence[tuple[Mapping[str, BodyField], float]],
     load: Mapping[str, NDArray[np.generic]],
-    level: float | None,
+    levels: Sequence[float],
     path: Path,
 ) -> Path:
-    """Write both bodies, of a gasket with their images below its mid-plane at a level [m]."""
-    bodies = [_placed(fields[name], approach) for name in BODIES]
-    numbers = [0, 1]
-    if level is not None:
-        bodies = [bodies[0], _without_shear(bodies[1], level)]
-        bodies += [_image(body, level) for body in bodies]
+    """Write both bodies, of a gasket with the images of those of its lower half below its mid-plane.
+
+    Of each half its fields and approach [m]; of two faces that are alike there is but one.
+    """
+    of_halves = [[_placed(fields[name], approach) for name in BODIES] for fields, approach in halves]
+    bodies, numbers, alike = of_halves[0], [0, 1], bool(levels) and len(of_halves) == 1
+    if levels:
+        if alike:
+            bodies = of_halves[0] = [bodies[0], _without_shear(bodies[1], levels[0])]
+        bodies = bodies + [_image(body, *levels) for body in of_halves[-1]]
         numbers += [2, 1]
     starts = np.cumsum([0, *(len(body.points) for body in bodies)])
     kept = np.ones(starts[-1], dtype=bool)
-    if level is not None:
+    if alike:
         # both halves of the gasket share the points of the mid-plane
-        shared = np.flatnonzero(_on_level(bodies[1].points, level))
+        shared = np.flatnonzero(_on_level(bodies[1].points, levels[0]))
         kept[starts[3] + shared] = False
     place = np.cumsum(kept) - 1
-    if level is not None:
+    if alike:
         place[starts[3] + shared] = place[starts[1] + shared]
     cells = np.concatenate([body.triangles6 + start for body, start in zip(bodies, starts, strict=False)])
 
@@ -251,10 +264,12 @@ def _write_bodies(
     )
 
 
-def _mid_plane(result: SealSolution) -> float | None:
-    """Height of the mid-plane of a gasket between two flanges that are alike [m]; None of any other seal."""
-    alike = result.problem.faces > 1 and result.case.lower_half is None
-    return result.seal_mesh.contact.seat.extent[1][0] if alike else None
+def _mid_planes(result: SealSolution) -> list[float]:
+    """Height of the mid-plane of a gasket in its upper and in its lower half [m]; empty of any other seal."""
+    if result.problem.faces == 1:
+        return []
+    found = [one.seal_mesh.contact.seat.extent[1][0] for one in result.faces]
+    return [found[0], found[-1]]
 
 
 def _on_level(points: FloatArray, level: float) -> NDArray[np.bool_]:
@@ -262,10 +277,10 @@ def _on_level(points: FloatArray, level: float) -> NDArray[np.bool_]:
     return np.abs(points[:, 1] - level) <= 1e-9 * np.abs(points).max()
 
 
-def _mirrored(points: FloatArray, level: float) -> FloatArray:
-    """Points (n, 2 or 3) below a level z [m]."""
+def _mirrored(points: FloatArray, level: float, own: float) -> FloatArray:
+    """Points (n, 2 or 3) of a half with its mid-plane at its own z, below that of the other half at a level z [m]."""
     image = points.copy()
-    image[:, 1] = 2 * level - image[:, 1]
+    image[:, 1] = level + own - image[:, 1]
     return image
 
 
@@ -286,10 +301,12 @@ def _without_shear(body: BodyField, level: float) -> BodyField:
     return _scaled(body, np.where(_on_level(body.points, level)[:, None], [1.0, 1.0, 1.0, 0.0], 1.0))
 
 
-def _image(body: BodyField, level: float) -> BodyField:
-    """The mirror image of a body below a level [m]."""
+def _image(body: BodyField, level: float, own: float) -> BodyField:
+    """The mirror image of a body, see `_mirrored`."""
     return replace(
-        _scaled(body, _TENSOR), points=_mirrored(body.points, level), displacement=_VECTOR * body.displacement
+        _scaled(body, _TENSOR),
+        points=_mirrored(body.points, level, own),
+        displacement=_VECTOR * body.displacement,
     )
 
 
