@@ -315,7 +315,7 @@ class _ChangedSeal:
         # of a drawing the heights that it gives are halved, and not the rms height of the gap
         drawn = self._drawn
         steps: dict[str, tuple[float, float | None]] = {
-            "rms_height": (_TWICE, None if drawn else surface.spectrum.rms_height),
+            "rms_height": (_TWICE, None if drawn or self._lower is not None else surface.spectrum.rms_height),
             "youngs_modulus": (_TWICE, None),
         }
         if surface.hardness is not None:
