@@ -6,6 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
+import numpy as np
+
 from fem_seal.answers.accuracy import Comparison
 from fem_seal.answers.answer import Answer, Inquiry
 from fem_seal.contact.newton import solve_many
@@ -175,6 +177,11 @@ def theory_variants(result: SolvedSeal) -> tuple[TheoryVariant, ...]:
     tuple of TheoryVariant
         Empty if nothing leaks for want of roughness or fluid.
     """
+    if result.lower_half is not None:
+        return tuple(
+            replace(one, leak_rate=tuple(np.mean([one.leak_rate, below.leak_rate], axis=0).tolist()))
+            for one, below in zip(*map(theory_variants, result.faces), strict=True)
+        )
     problem = result.problem
     surface, flow = problem.surface, problem.flow
     if surface is None or flow is None:

@@ -134,7 +134,13 @@ def test_a_seat_is_the_lower_flange() -> None:
     ("others", "key"),
     [
         ({"form": {"closure": {"tolerance": "2 um"}}}, "form"),
-        ({"leak": {"fluid_in_gap": "local"}, "fluid": {"name": "water"}}, "leak.fluid_in_gap"),
+        (
+            {
+                "fluid": {"name": "water", "particles": {"iso_4406": "18/16/13"}},
+                "roughness": {"closure": "lapped Ra 0.2 um"},
+            },
+            "fluid.particles",
+        ),
     ],
 )
 def test_what_is_not_calculated_for_different_flanges_is_said(others: dict[str, Any], key: str) -> None:

@@ -7,6 +7,7 @@ from dataclasses import replace
 from functools import cache
 from typing import Any
 
+import numpy as np
 import pandas as pd
 import pytest
 from flanges import BOTH, COARSE, CONE, DISC, FINE, surface, tables
@@ -15,6 +16,7 @@ from fem_seal import Case, SealResult, blow_off_pressures, calibrate, run
 from fem_seal.answers.pass_probability import pass_probabilities
 from fem_seal.answers.sensitivities import sensitivities
 from fem_seal.answers.target import contacts_at_target
+from fem_seal.answers.variants import theory_variants
 from fem_seal.explore.live import Live
 from fem_seal.output.columns import COLUMNS
 from fem_seal.seal.evaluate import evaluate
@@ -194,3 +196,20 @@ def test_a_gasket_opens_where_the_first_of_its_faces_does() -> None:
     """A smaller circle of first touch carries more pressure."""
     opens = [blow_off_pressures(one)[0] for one in (UNLIKE, UPPER, LOWER)]
     assert opens[0] == min(opens[1:])
+
+
+@pytest.mark.parametrize(
+    "leak", [{"theory": "paper", "variants": True}, {"fluid_in_gap": "local"}], ids=["variants", "local"]
+)
+def test_other_ways_of_the_flow_are_the_mean_of_both_faces(leak: dict[str, Any]) -> None:
+    """Water, which opens the gap by its pressure or does not."""
+    others = {"leak": leak, "fluid": {"name": "water"}}
+    both, upper, lower = (
+        seal_of(case(*one, **others, **more))
+        for one, more in (((DISC, BOTH), {"seat": CONE}), ((DISC, FINE), {}), ((CONE, COARSE), {}))
+    )
+    assert rates(both) == pytest.approx(0.5 * np.add(rates(upper), rates(lower)), rel=1e-9)
+    if "variants" in leak:
+        each = zip(*map(theory_variants, (both, upper, lower)), strict=True)
+        for found, above, below in each:
+            assert found.leak_rate == pytest.approx(0.5 * np.add(above.leak_rate, below.leak_rate), rel=1e-9)
