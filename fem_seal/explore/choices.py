@@ -166,7 +166,9 @@ def _finishes(case: Case) -> Iterator[Choice]:
     if case.roughness is None:
         return
     written: Any = read_roughness(case.written["roughness"])
-    for key, name in (("", "both faces"), *((one, one) for one in ("seat", "closure", "gasket"))):
+    lower = "seat" if case.gasket is None else "lower flange"
+    names = {"": "both faces", "seat": lower, "closure": "closure", "gasket": "gasket"}
+    for key, name in names.items():
         table = written if not key else written.get(key)
         height = next((one for one in HEIGHTS if isinstance(table, Mapping) and one in table), None)
         if height is None:

@@ -269,6 +269,8 @@ def _finishes(case: Case) -> Found:
     names = {"spectrum": "both faces"} | {
         one: one for one in ("seat", "closure", "gasket", "along", "across")
     }
+    if case.gasket is not None:
+        names["seat"] = "lower flange"
     faces |= {key: written[key] for key in names if isinstance(written.get(key), Mapping)}
     found: list[Factor | str] = []
     for key, table in faces.items():

@@ -104,6 +104,8 @@ class Section:
         Half the height of the enlarged picture of the contact [m].
     middle : float or None
         Height of the mid-plane of a gasket [m].
+    below : Section or None
+        With the lower flange on both faces of a gasket; None where the flanges are alike.
     """
 
     closure: list[tuple[float, float]]
@@ -113,14 +115,16 @@ class Section:
     pressure_side: str
     half: float = 0.0
     middle: float | None = None
+    below: Section | None = None
 
     @property
     def rings(self) -> tuple[list[list[tuple[float, float]]], list[list[tuple[float, float]]]]:
         """Corners of closure and seat; of a gasket both flanges, and both halves."""
         both = ([self.closure], [self.seat])
-        if self.middle is not None:
-            for rings in both:
-                rings.append([(r, 2 * self.middle - z) for r, z in rings[0]])
+        below = self.below or self
+        if self.middle is not None and below.middle is not None:
+            for rings, corners in zip(both, (below.closure, below.seat), strict=True):
+                rings.append([(r, self.middle + below.middle - z) for r, z in corners])
         return both
 
 
@@ -330,6 +334,7 @@ def section_of(case: Case) -> Section:
         case.load.pressure_side,
         half,
         contact.seat.extent[1][0] if case.gasket is not None else None,
+        None if case.lower_half is None else section_of(case.lower_half),
     )
 
 

@@ -17,6 +17,7 @@ from fem_seal.answers.pass_probability import pass_probabilities
 from fem_seal.answers.sensitivities import sensitivities
 from fem_seal.answers.target import contacts_at_target
 from fem_seal.answers.variants import theory_variants
+from fem_seal.explore.factors import factors_of
 from fem_seal.explore.live import Live
 from fem_seal.output.columns import COLUMNS
 from fem_seal.seal.evaluate import evaluate
@@ -172,6 +173,12 @@ def test_the_live_page_shows_the_leak_of_both_faces() -> None:
     assert screen.problem == "" and screen.waiting == ""
     shown = screen.loads[0].values["leak_rate_m3_per_s"]
     assert shown == pytest.approx(rates(seal_of(UNLIKE))[0], rel=5e-3)
+    # the lower flange is the lower one: the conical face ends at its bore, the disc has none
+    assert screen.section is not None
+    upper, lower = screen.section.rings[0]
+    assert min(r for r, _ in upper) == 0.0 and min(r for r, _ in lower) == pytest.approx(0.017)
+    assert max(z for _, z in lower) < screen.section.middle < min(z for _, z in upper) + 1e-9
+    assert "finish_seat" in {one.key: one for one in factors_of(UNLIKE).sliders}
 
 
 @pytest.mark.slow
