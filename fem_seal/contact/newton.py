@@ -261,9 +261,8 @@ class _Rows:
         """`floor` f_N/(pi E*) of what the contact carries, at the stop not all of F_N, shape (rows, 1) [m]."""
         if np.isinf(self.model.stop):
             return floor * self.softest
-        carried = (self.model.line.normal[1] * self.model.line.area_weight * np.exp(v)).sum(
-            axis=1
-        ) / self.force
+        line = self.model.line
+        carried = (line.normal[1] * line.area_weight * np.exp(v)).sum(axis=1) / self.force
         return floor * self.softest * np.where(d >= self.model.stop, np.minimum(carried, 1.0)[:, None], 1.0)
 
     def opened(self, force: FloatArray) -> FloatArray:

@@ -165,9 +165,9 @@ class PathLoad:
         return replace(self, force=force + held.end_force)
 
     def past_stop(self, here: Equilibrium) -> Equilibrium | None:
-        """The balance under this load where it leaves bodies at the stop that are there; else None."""
-        contact = here.contact
-        if not here.at_stop or contact is None or self.path is not None or self.force < contact.contact_force:
+        """The balance under this load where it leaves linearised bodies at the stop that are there; else None."""
+        contact, unknown = here.contact, here.linear is None or self.path is not None
+        if unknown or contact is None or not here.at_stop or self.force < contact.contact_force:
             return None
         return replace(here, contact=replace(contact, stop_force=self.force - contact.contact_force))
 
