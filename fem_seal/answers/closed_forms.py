@@ -231,11 +231,7 @@ def _stiffening_law(problem: SealProblem) -> InterfaceLaw | None:
 
 
 def _derive_load(
-    problem: SealProblem,
-    fluid_pressure: float,
-    applied_force: float,
-    *,
-    profiles: bool,
+    problem: SealProblem, fluid_pressure: float, applied_force: float, *, profiles: bool
 ) -> DerivedLoad:
 
     r0, R, E = problem.initial_contact_radius, problem.contact.relative_radius, problem.effective_modulus

@@ -234,11 +234,7 @@ def all_error_shares(seal: SolvedSeal, interval: LeakInterval | None) -> tuple[E
     return tuple(outlook.of(one, number) for number, one in enumerate(found))
 
 
-def error_shares(
-    load: LoadResult,
-    interval: LeakInterval | None,
-    number: int,
-) -> ErrorShares:
+def error_shares(load: LoadResult, interval: LeakInterval | None, number: int) -> ErrorShares:
     """What makes the interval of one load.
 
     What is independent adds its variances: uncertain inputs, and what direct simulation finds. All else (mesh, doubts,

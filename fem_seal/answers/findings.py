@@ -49,9 +49,7 @@ def _compute(seal: SolvedSeal, ask: Inquiry) -> Findings:
         for load in seal.loads
     ]
     others = compute(
-        "validity by the other theory",
-        partial(_of_other_theories, seal, before),
-        ({},) * len(seal.loads),
+        "validity by the other theory", partial(_of_other_theories, seal, before), ({},) * len(seal.loads)
     )
     cautions = tuple(worst_first((*seal.left_out, *checks, *before)))
     return Findings(tuple(validity), cautions, others)

@@ -136,10 +136,7 @@ class ResponseSurface:
 
 
 def fit(
-    inputs: FloatArray,
-    outputs: FloatArray,
-    population: FloatArray,
-    runs_per_term: float = _RUNS_PER_TERM,
+    inputs: FloatArray, outputs: FloatArray, population: FloatArray, runs_per_term: float = _RUNS_PER_TERM
 ) -> ResponseSurface:
     """Least-squares polynomial through runs, of the degree that predicts left-out runs best.
 

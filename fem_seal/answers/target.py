@@ -463,10 +463,7 @@ def _on_model(
 
 
 def _root_near(
-    excess: Callable[[float], float],
-    expected: float,
-    highest: float = math.inf,
-    accuracy: float = _ACCURACY,
+    excess: Callable[[float], float], expected: float, highest: float = math.inf, accuracy: float = _ACCURACY
 ) -> float | None:
     """Place where a falling function is zero, looked for from an expected place outwards, up to the highest."""
     at = min(expected, highest)

@@ -195,9 +195,7 @@ class LeakInterval:
 
 
 def leak_interval(
-    result: SolvedSeal,
-    settings: Uncertainty | None = None,
-    progress: Callable[[str], None] | None = None,
+    result: SolvedSeal, settings: Uncertainty | None = None, progress: Callable[[str], None] | None = None
 ) -> LeakInterval:
     """Leak rate of a result with an interval from uncertain inputs.
 
@@ -268,11 +266,7 @@ _LOADS = 5
 
 
 def _interval_of_finish(
-    result: SolvedSeal,
-    settings: Uncertainty,
-    progress: Callable[[str], None],
-    *,
-    whole_paths: bool = False,
+    result: SolvedSeal, settings: Uncertainty, progress: Callable[[str], None], *, whole_paths: bool = False
 ) -> LeakInterval:
     """The interval of a finish, a factor of ten or more, for the price of few runs.
 

@@ -11,13 +11,7 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from fem_seal.arrays import FloatArray, IntArray
-from fem_seal.bodies.elasticity import (
-    boundary_dofs,
-    edge_shapes,
-    node_dofs,
-    pressure_load,
-    quadratic_nodes,
-)
+from fem_seal.bodies.elasticity import boundary_dofs, edge_shapes, node_dofs, pressure_load, quadratic_nodes
 from fem_seal.materials import Material
 from meshes import SealMesh
 

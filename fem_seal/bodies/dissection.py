@@ -239,9 +239,7 @@ class Dissection:
         )
 
     def _eliminated(
-        self,
-        changed: BoolArray,
-        stiffness: Callable[[IntArray], FloatArray],
+        self, changed: BoolArray, stiffness: Callable[[IntArray], FloatArray]
     ) -> list[_Eliminated]:
         """Every part, anew where an element has changed."""
         found: list[_Eliminated] = []

@@ -9,14 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import ConfigDict, Field, model_validator
 
-from fem_seal.case.fields import (
-    Number,
-    Numbers,
-    OneOrMany,
-    Quantity,
-    Table,
-    shown,
-)
+from fem_seal.case.fields import Number, Numbers, OneOrMany, Quantity, Table, shown
 from fem_seal.case.words import wrong
 from fem_seal.errors import InputError, QuantityError
 from fem_seal.units import LIQUID, LeakVolume, parse_quantity

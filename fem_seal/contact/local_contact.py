@@ -361,13 +361,7 @@ class LocalContact:
         )
 
     def _solved(self, contact_force: float, near: ContactSolution) -> ContactSolution:
-        return solve(
-            near.model,
-            self.law,
-            contact_force=contact_force,
-            loads=near.loads,
-            start=near,
-        )
+        return solve(near.model, self.law, contact_force=contact_force, loads=near.loads, start=near)
 
     def _of_bending(self, contact: ContactSolution) -> float:
         """Change of ln p_peak for each 1/m by which the gap is bent [m]."""

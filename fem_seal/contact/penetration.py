@@ -288,11 +288,7 @@ _SHARES = (0.5, 0.1, 1e-2, 1e-3, 1e-4)
 
 @formerly(closing_force="applied_force")
 def solve_penetration(
-    seal: CoupledContact,
-    *,
-    applied_force: float,
-    fluid_pressure: float,
-    start: ContactSolution | None = None,
+    seal: CoupledContact, *, applied_force: float, fluid_pressure: float, start: ContactSolution | None = None
 ) -> ContactSolution:
     """Contact under the force of a spring and a fluid that gets between the surfaces.
 
@@ -355,11 +351,7 @@ def solve_penetration(
 
 
 def solve_at_contact_force(
-    seal: CoupledContact,
-    *,
-    contact_force: float,
-    fluid_pressure: float,
-    start: ContactSolution | None = None,
+    seal: CoupledContact, *, contact_force: float, fluid_pressure: float, start: ContactSolution | None = None
 ) -> ContactSolution:
     """The same with the force that the solid contact carries given, and the closing force as a result.
 

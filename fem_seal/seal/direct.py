@@ -664,10 +664,7 @@ class DirectTable:
 
 
 def simulate_surface(
-    simulation: DirectSimulation,
-    *,
-    jobs: int = 1,
-    progress: Callable[[str], None] = lambda text: None,
+    simulation: DirectSimulation, *, jobs: int = 1, progress: Callable[[str], None] = lambda text: None
 ) -> DirectTable:
     """Do what is missing of a simulation and put it together.
 

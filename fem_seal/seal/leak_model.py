@@ -250,11 +250,7 @@ class FlowModel:
         return in_profile(surface, table, profile.after_largest(table), radius)
 
     def leak_of(
-        self,
-        table: Conductivity,
-        surface: RoughContact,
-        profile: PressureProfile,
-        fluid_pressure: float,
+        self, table: Conductivity, surface: RoughContact, profile: PressureProfile, fluid_pressure: float
     ) -> LeakResult:
         """Leak of one contact, or of several lands in series, and of all that are equal to it.
 
@@ -374,11 +370,7 @@ class FlowModel:
         return leak.LeakBounds(without, upper, lambda: self._of_all_faces(found.lower.above_outlet))
 
     def goes_round(
-        self,
-        table: Conductivity,
-        profile: PressureProfile,
-        pressure: FloatArray,
-        fluid_pressure: float,
+        self, table: Conductivity, profile: PressureProfile, pressure: FloatArray, fluid_pressure: float
     ) -> float:
         """Share by which more leaks where the fluid may also go round than where it keeps to its angle.
 

@@ -263,9 +263,7 @@ def earlier_cautions(
     bodies: tuple[Check, ...] = (_yielding, _beyond_curve, _turned, _cut_off)
     return tuple(
         replace(
-            one,
-            reason=f"largest earlier load: {one.reason}",
-            text=f"at the largest earlier load: {one.text}",
+            one, reason=f"largest earlier load: {one.reason}", text=f"at the largest earlier load: {one.text}"
         )
         for check in bodies
         for one in of_bodies(problem, check(problem, [load]))

@@ -70,12 +70,7 @@ def molecule_cautions(flow: FlowModel, loads: Sequence[LoadResult]) -> Iterator[
     if narrow:
         load = min(narrow, key=lambda load: load.critical_separation or 0.0)
         yield caution(
-            "molecules",
-            load,
-            loads,
-            leak_factor=Bounds(0.0, 1.0),
-            gap=load.critical_separation,
-            size=size,
+            "molecules", load, loads, leak_factor=Bounds(0.0, 1.0), gap=load.critical_separation, size=size
         )
 
 

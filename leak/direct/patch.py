@@ -189,10 +189,7 @@ def smoothed(heights: FloatArray, size: float, shortest_wavelength: float) -> Fl
 
 
 def periodic_map(
-    measured: HeightMap,
-    *,
-    points: int | None = None,
-    continuation: Literal["mirror", "window"] = "mirror",
+    measured: HeightMap, *, points: int | None = None, continuation: Literal["mirror", "window"] = "mirror"
 ) -> tuple[FloatArray, float]:
     """A periodic square of a measured map, which ends somewhere and does not fit itself there.
 

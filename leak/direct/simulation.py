@@ -228,12 +228,7 @@ def _map(heights: ArrayLike) -> FloatArray:
 
 
 def grid_study(
-    heights: FloatArray,
-    size: float,
-    pressures: ArrayLike,
-    points: Sequence[int],
-    *,
-    effective_modulus: float,
+    heights: FloatArray, size: float, pressures: ArrayLike, points: Sequence[int], *, effective_modulus: float
 ) -> list[DirectResult]:
     """The same waves on grids of different fineness: what the grid itself changes.
 
@@ -303,12 +298,7 @@ def cutoff_study(
 
 
 def size_study(
-    patch: Patch,
-    pressures: ArrayLike,
-    factors: Sequence[float],
-    *,
-    seed: int,
-    effective_modulus: float,
+    patch: Patch, pressures: ArrayLike, factors: Sequence[float], *, seed: int, effective_modulus: float
 ) -> list[DirectResult]:
     """Samples of patches of different size with the same grid spacing: what longer waves and more asperities change.
 

@@ -530,11 +530,7 @@ def gas_leak_flow(
 
 
 def flow_through(
-    profile: ContactProfile,
-    x: FloatArray,
-    p: FloatArray,
-    permeant: Permeant,
-    pressure_side: str = "outer",
+    profile: ContactProfile, x: FloatArray, p: FloatArray, permeant: Permeant, pressure_side: str = "outer"
 ) -> tuple[float, FloatArray, int, float]:
     """Flow through a profile between and beyond its points, of which several fluids may make use.
 

@@ -266,11 +266,7 @@ def dimension_number(percolation_threshold: float) -> float:
 
 
 def effective_medium(
-    separation: FloatArray,
-    weight: FloatArray,
-    contact: FloatArray,
-    wide_open: FloatArray,
-    n: float,
+    separation: FloatArray, weight: FloatArray, contact: FloatArray, wide_open: FloatArray, n: float
 ) -> FloatArray:
     """Separation u_eff of the uniform gap that lets as much through as the distribution P(u).
 
@@ -318,12 +314,7 @@ _TOGETHER = 8
 
 
 def effective_gap(
-    lost: LostArea,
-    rms_height: float,
-    n: float,
-    aspect: float | FloatArray = 1.0,
-    *,
-    refinement: float = 1.0,
+    lost: LostArea, rms_height: float, n: float, aspect: float | FloatArray = 1.0, *, refinement: float = 1.0
 ) -> FloatArray:
     """u_eff of Bruggeman's effective medium over P(u), shape (P,) [m].
 

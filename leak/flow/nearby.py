@@ -315,10 +315,7 @@ def height_ratio(surface: RoughContact, other: RoughContact) -> float | None:
         return None
     ratio = surface.spectrum.density / C
     like = replace(
-        surface,
-        spectrum=other.spectrum,
-        effective_modulus=other.effective_modulus,
-        hardness=other.hardness,
+        surface, spectrum=other.spectrum, effective_modulus=other.effective_modulus, hardness=other.hardness
     )
     if like != other or np.abs(ratio / ratio[0] - 1.0).max() > _SAME:
         return None

@@ -102,11 +102,7 @@ def closing(contact_area: ArrayLike) -> FloatArray:
 
 
 def flow_error(
-    pressure_over_Eh: ArrayLike,
-    contact_area: ArrayLike,
-    *,
-    waves: float = math.inf,
-    yielded: ArrayLike = 0.0,
+    pressure_over_Eh: ArrayLike, contact_area: ArrayLike, *, waves: float = math.inf, yielded: ArrayLike = 0.0
 ) -> FlowError:
     """Error of the corrected theory's conductivity, fitted to direct simulation of isotropic elastic surfaces.
 

@@ -203,12 +203,7 @@ def _read(path: Path, name: str) -> tuple[FloatArray, IntArray, dict[str, IntArr
 
 
 def _outline(
-    name: str,
-    path: Path,
-    p: FloatArray,
-    t: IntArray,
-    where: IntArray,
-    lines: dict[str, IntArray],
+    name: str, path: Path, p: FloatArray, t: IntArray, where: IntArray, lines: dict[str, IntArray]
 ) -> MeshedOutline:
     from skfem import MeshTri
 
