@@ -136,27 +136,21 @@ def discretisation_error(
     sizing : Sizing
         Of the result.
     """
-    problem = coarser.solver.problem
-    if not problem.contact.has_ready_mesh:
-        return _compared(coarser, result, coarser.as_it_is)
-    # A ready mesh cannot be made coarser, but finer.
-    fine_mesh = build_contact(problem.contact.with_finer_meshes(), sizing.refined(COARSER))
-    solver = LoadSolver(problem, condensed(problem, fine_mesh))
-    fine = solve_load(solver, coarser.number, steps=_STEPS * COARSER)
-    return _compared(coarser, fine, coarser.compared("coarser", result), of_coarse=True)
-
-
-def _compared(
-    load: CoarserLoad, fine: ContactSolution, coarse: Comparison, *, of_coarse: bool = False
-) -> DiscretisationError:
-    """Error of the fine or of the coarse one of two contacts."""
+    problem, fine, coarse = coarser.solver.problem, result, coarser.as_it_is
+    ready = problem.contact.has_ready_mesh
+    if ready:
+        # a ready mesh cannot be made coarser, but finer
+        fine_mesh = build_contact(problem.contact.with_finer_meshes(), sizing.refined(COARSER))
+        solver = LoadSolver(problem, condensed(problem, fine_mesh))
+        fine = solve_load(solver, coarser.number, steps=_STEPS * COARSER)
+        coarse = coarser.compared("coarser", result)
     # Load steps of implicit Euler are of first order; elements of second at least.
-    order = 1 if load.solver.yields else 2
-    change = coarse.relative_to(load.compared("finer", fine))
+    order = 1 if coarser.solver.yields else 2
+    change = coarse.relative_to(coarser.compared("finer", fine))
 
     def estimated(change: float) -> float:
         """Relative error by Richardson's rule."""
-        return abs(change) / (COARSER**order - 1) * (COARSER**order if of_coarse else 1.0)
+        return abs(change) / (COARSER**order - 1) * (COARSER**order if ready else 1.0)
 
     rate = None if change.leak_rate is None else estimated(change.leak_rate)
     peak, fwhm, std = map(estimated, (change.peak_pressure, change.fwhm, change.std))

@@ -246,29 +246,23 @@ def _of_loads(case: Case, quick: QuickSamples) -> list[PassProbability]:
 
 
 def _of_load(case: Case, load: LoadResult, number: int, quick: QuickSamples) -> PassProbability:
-    allowed, error = limits(case, load.fluid_pressure), load.flow_error or _EXACT
-    settings, every = case.sampled, np.arange(len(quick.sampled.uniform))
-    tested = settings is not None and settings.posterior is not None
-
-    def error_of(samples: IntArray) -> FlowError:
-        """That of some samples; a leak test has left one of each."""
-        if settings is None or settings.posterior is None:
-            return error
-        peak = np.log10([load.peak_pressure])
-        own = Posterior.read(settings.posterior).error_at(peak, settings.seed)[0, samples]
-        return FlowError(error.bias + error.spread * own, _EXACT.spread)
-
+    allowed, settings = limits(case, load.fluid_pressure), case.sampled
+    own = error = load.flow_error or _EXACT
+    if settings is not None and settings.posterior is not None:
+        # a leak test has left one of each sample
+        left = Posterior.read(settings.posterior).error_at(np.log10([load.peak_pressure]), settings.seed)[0]
+        own = FlowError(error.bias + error.spread * left, _EXACT.spread)
     ln_most, read = _ln_most(allowed), []
     for reading in range(quick.sampled.readings):
         columns = [quick.column(reading, number, in_test=_tested_with_gas(case, one)) for one in allowed]
         batch = math.nan
         if quick.smooth(columns) or not quick.sampled.calculated:
             surface = quick.surface(columns, ln_most)
-            share, off = _by_polynomial(quick, surface, error_of(every))
+            share, off = _by_polynomial(quick, surface, own)
             # what a leak test has left belongs together, and is that of one seal
-            batch = math.nan if tested else _batch(case, quick, surface, error)
+            batch = math.nan if own is not error else _batch(case, quick, surface, error)
         else:
-            share, off = _by_count(quick, columns, ln_most, error_of)
+            share, off = _by_count(quick, columns, ln_most, own)
         read.append(PassProbability(round(share, _DIGITS), off, batch))
     return min(read, key=lambda one: one.share)
 
@@ -279,24 +273,25 @@ def _by_polynomial(quick: QuickSamples, surface: ResponseSurface, own: FlowError
     ln_ratio = (terms @ surface.coefficients).min(axis=1) + ln_viscosity
     share = float(own.share_below(np.exp(ln_ratio)).mean())
     possible = np.tensordot(terms[few], surface.drawn(_DRAWN), 1).min(axis=1) + ln_viscosity[few, None]
-    each = replace(own, bias=own.bias[few, None]) if own.bias.ndim else own
-    by_polynomial = float(each.share_below(np.exp(possible)).mean(axis=0).std())
+    by_polynomial = float(_part(own, (few, None)).share_below(np.exp(possible)).mean(axis=0).std())
     by_count = _error_of_count(share, len(terms)) if quick.sampled.inputs else 0.0
     return share, math.hypot(by_count, by_polynomial)
 
 
 def _by_count(
-    quick: QuickSamples,
-    columns: Sequence[int],
-    ln_most: FloatArray,
-    error_of: Callable[[IntArray], FlowError],
+    quick: QuickSamples, columns: Sequence[int], ln_most: FloatArray, own: FlowError
 ) -> tuple[float, float]:
     """The same of the runs alone, as far as they stand for all samples."""
     runs = np.flatnonzero(quick.known < quick.tried)
     known, rates = quick.known[runs], quick.runs[runs][:, columns]
     ln_ratio = _ln_ratio(ln_most, rates / quick.sampled.viscosity[known, None]).min(axis=1)
-    share = float(error_of(known).share_below(np.exp(ln_ratio)).mean()) if len(known) else 0.5
+    share = float(_part(own, known).share_below(np.exp(ln_ratio)).mean()) if len(known) else 0.5
     return share, _error_of_count(share, len(known))
+
+
+def _part(own: FlowError, samples: IntArray | tuple[slice, None]) -> FlowError:
+    """That of some samples, where each has its own."""
+    return replace(own, bias=own.bias[samples]) if own.bias.ndim else own
 
 
 def _batch(case: Case, quick: QuickSamples, surface: ResponseSurface, error: FlowError) -> float:

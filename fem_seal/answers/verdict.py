@@ -335,17 +335,15 @@ class _Search:
             else:
                 low = at
             added.append((at, value - self._value(at)))
-            if passes is not None and (high - low <= 1.01 * _LESS or (high == at and self._less(at, added))):
+            # one that is tried already spares the trial of the smallest that counts
+            less = [*(one for one in self.tried if at - _LESS < one < at), at - _LESS]
+            fails = (self._value(one) + _along(added, one) > 0.0 for one in less)
+            if passes is not None and (high - low <= 1.01 * _LESS or (high == at and any(fails))):
                 return VerdictForce(passes.applied_force)
             start = at
         if passes is None:
             return VerdictForce(None, sentence("verdict_force", "not_found"))
         return VerdictForce(passes.applied_force)
-
-    def _less(self, at: float, added: Sequence[Added]) -> bool:
-        """Whether it does not pass with the share less that counts, or with a force that is tried already between."""
-        between = (one for one in self.tried if at - _LESS < one < at)
-        return any(self._value(one) + _along(added, one) > 0.0 for one in (*between, at - _LESS))
 
     def _run(self, at: float) -> LoadResult | None:
         load = self._load(at)
@@ -430,9 +428,8 @@ class _Search:
 
     def _start(self) -> float | None:
         """A force within the theory, near the one for the target; None if there is none."""
-        least = 1e-9 * largest_force(self.problem)
         for_target = self.load.contact_force_for_target or self.load.contact_force
-        at = min(math.log(max(for_target, least)), self._highest)
+        at = min(math.log(max(for_target, 1e-9 * largest_force(self.problem))), self._highest)
         return next((one for one in self._near(at) if self._inside(one)), None)
 
     def _near(self, at: float) -> Iterator[float]:

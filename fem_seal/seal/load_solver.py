@@ -484,7 +484,6 @@ def solve_loads(
     solver: LoadSolver,
     progress: Progress | None = None,
     pressed: Mapping[int, ContactSolution | Exception] | None = None,
-    *,
     unload: bool = True,
 ) -> SolvedLoads:
     """Solve all loads of a problem on a model; those that cannot be solved do not keep the others from it.

@@ -86,25 +86,6 @@ def short_threshold(waves: float, contact_area: float, endless: float = 0.42) ->
     return 1.0 - 1.0 / n
 
 
-def resisting_width(length: FloatArray, resistance: FloatArray) -> float:
-    """Width that resists: (int rho dx)^2 / int rho^2 dx, that of a box for even resistance [m].
-
-    Parameters
-    ----------
-    length : ndarray, shape (n,)
-        Of which each place stands [m].
-    resistance : ndarray, shape (n,)
-        Per length, in any unit; infinite where sealed, which alone counts then.
-
-    Examples
-    --------
-    >>> resisting_width(np.full(100, 0.01), np.ones(100))
-    1.0
-    """
-    shares = _shares(resistance)
-    return float((length @ shares) ** 2 / (length @ shares**2))
-
-
 def short_medium(
     surface: RoughContact, table: ConductivityTable, log_pressure: FloatArray, length: FloatArray
 ) -> ShortMedium:
@@ -150,9 +131,10 @@ def _medium(
         opened = _with_threshold(table, endless, -math.expm1(-log_n))
         with np.errstate(divide="ignore"):
             gap = opened.at_log_pressure(asked)
-            resistance = 1.0 / (gap * gap * gap)
-        waves = resisting_width(length, resistance) / wave
-        weight = length * _shares(resistance)
+            shares = _shares(1.0 / (gap * gap * gap))
+        weight = length * shares
+        # the width that resists is that of a box where resistance is even
+        waves = float(weight.sum() ** 2 / (weight @ shares)) / wave
         touching = float(weight @ area / weight.sum())
         return ShortMedium(waves, touching, short_threshold(waves, touching, endless))
 
