@@ -390,3 +390,20 @@ def test_killed_processes_are_replaced_and_a_report_is_made_all_the_same(browser
     waited(browser, "return document.getElementById('report-said').innerText.startsWith('Report in')")
     assert (folder / "ball-explored.out" / "report.html").stat().st_size > 10_000
     assert set(workers(page[0])).isdisjoint(killed)
+
+
+def test_a_material_is_found_by_typing_and_chosen_by_keyboard(browser):
+    numbers(browser, pressure="20 bar", at_rest=False)
+    material = "(document.querySelector(\"button[id*='seat.material']\") || {}).innerText"
+    first = waited(browser, f"return {material}")
+    focus(browser, "button[id*='seat.material']")
+    # the number of 316L in EN 10088: the first key opens the search
+    pressed(browser, *"1.4404")
+    waited(browser, "return document.querySelectorAll('.dash-options-list-option').length === 1")
+    pressed(browser, ENTER)
+    assert waited(browser, f"return {material} !== arguments[0] && {material}", first).startswith("316L")
+    # the picker closes, and the numbers are those of the new seat
+    waited(browser, "return !document.querySelector('.dash-dropdown-content')")
+    numbers(browser, pressure="20 bar", at_rest=False)
+    browser.find_element("id", "undo").click()
+    waited(browser, f"return {material} === arguments[0]", first)
