@@ -17,19 +17,11 @@ from typing import Any
 
 import numpy as np
 
+from fem_seal.answers import measurements
 from fem_seal.answers.accuracy import ACCURACY
 from fem_seal.answers.answer import Inquiry, answered
 from fem_seal.answers.judgement import JudgedLoad, PassProbability
 from fem_seal.answers.leakage_class import limits
-from fem_seal.answers.measurements import (
-    EVEN,
-    LEAK_TEST,
-    TRUTHS,
-    Draws,
-    error_root,
-    instruments,
-    weighted_quantiles,
-)
 from fem_seal.answers.opening import OPENING
 from fem_seal.answers.pass_probability import why_none
 from fem_seal.answers.posterior import Posterior, columns_of
@@ -318,7 +310,7 @@ class _Joint:
         )
         log_rate = np.concatenate([one.log_rate for one in groups], axis=1)
         normal = np.random.default_rng(seed).standard_normal((log_rate.shape[0] * _DRAWS, peaks.size))
-        error = normal @ error_root(peaks).T
+        error = normal @ measurements.error_root(peaks).T
         factor = bias + spread * error
         y = log_rate.transpose(0, 2, 1).reshape(-1, peaks.size) + factor
         return cls(y, error, factor, peaks, max(one.slack for one in groups))
@@ -368,7 +360,7 @@ def weights_of(log_likelihood: FloatArray) -> FloatArray:
 
 def percentiles(values: FloatArray, weights: FloatArray, shares: Percentiles = _SHARES) -> Percentiles:
     """Values that 5, 50 and 95 % of the weight stay below, or three other shares; shapes (n,)."""
-    return tuple(weighted_quantiles(values, weights, shares).tolist())
+    return tuple(measurements.weighted_quantiles(values, weights, shares).tolist())
 
 
 def data_p_value(y: FloatArray, data: Data, seed: int) -> float:
@@ -732,14 +724,14 @@ def _next_tests(
 ) -> tuple[NextTest, ...]:
     """Tests in the order of what they are expected to say, from draws of the posterior."""
     log_rate = np.array([[target, *(y for _, y in candidates)]])
-    noise = np.random.default_rng(1).standard_normal((TRUTHS, len(values) + 1))
-    draws = Draws(_SHARES[2] - _SHARES[0], values, log_rate, np.zeros(target.size), noise)
-    known, own, alone = instruments(), draws.log_rate[:, 0], Bounds(1.0, 1.0)
-    (accuracy,) = known[LEAK_TEST]["accuracies"].values()
+    noise = np.random.default_rng(1).standard_normal((measurements.TRUTHS, len(values) + 1))
+    draws = measurements.Draws(_SHARES[2] - _SHARES[0], values, log_rate, np.zeros(target.size), noise)
+    known, own, alone = measurements.instruments(), draws.log_rate[:, 0], Bounds(1.0, 1.0)
+    (accuracy,) = known[measurements.LEAK_TEST]["accuracies"].values()
     shown = [(test, draws.shown_by_test(at, accuracy, alone)) for at, (test, _) in enumerate(candidates, 1)]
     if "hardness" in values:
         shown.append((NextTest("hardness"), draws.shown(known["hardness_test"]["accuracies"])))
-    now = draws.width(own, EVEN)
+    now = draws.width(own, measurements.EVEN)
     after = ((test, draws.width(own, weights)) for test, weights in shown)
     found = [
         replace(test, width=math.exp(min(now, 700.0)), expected=math.exp(min(left, 700.0)))

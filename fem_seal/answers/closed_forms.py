@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+import leak
 from fem_seal.arrays import FloatArray
 from fem_seal.case.case import Case, CaseSource, case_of
 from fem_seal.contact.laws import HardContact, InterfaceLaw
@@ -19,15 +20,6 @@ from fem_seal.seal.load_result import SolvedSeal
 from fem_seal.seal.problem import LARGEST_TURNING, TURNED, SealFlow, SealProblem, exponential_law
 from fem_seal.units import fixed_unit
 from fem_seal.validity.words import sentence
-from leak import (
-    CrossoverLine,
-    GaussianLine,
-    HertzLine,
-    crossover_line,
-    crossover_widths,
-    gaussian_line,
-    hertz_line,
-)
 
 # Share by which the decay length of a law may have fallen at the peak before the crossover is called another contact.
 _STIFFER = 0.05
@@ -65,9 +57,9 @@ class DerivedLoad:
     contact_force: float
     closing_force = former_attribute("closing_force", "contact_force")
     line_load: float
-    hertz: HertzLine | None
-    gaussian: GaussianLine | None
-    crossover: CrossoverLine | None
+    hertz: leak.HertzLine | None
+    gaussian: leak.GaussianLine | None
+    crossover: leak.CrossoverLine | None
     blow_off_pressure: float | None
     force_for_target: float | None
 
@@ -247,9 +239,9 @@ def _derive_load(
         fluid_pressure=fluid_pressure,
         contact_force=force,
         line_load=f,
-        hertz=hertz_line(f, R, E) if profiles else None,
-        gaussian=gaussian_line(f, R, decay_length) if decay_length else None,
-        crossover=crossover_line(f, R, E, decay_length) if decay_length else None,
+        hertz=leak.hertz_line(f, R, E) if profiles else None,
+        gaussian=leak.gaussian_line(f, R, decay_length) if decay_length else None,
+        crossover=leak.crossover_line(f, R, E, decay_length) if decay_length else None,
         blow_off_pressure=blow_off_of_sealed_area(r0, applied_force) if side == "inner" else None,
         force_for_target=_force_for_target(problem, fluid_pressure),
     )
@@ -263,7 +255,9 @@ def _decay_length(problem: SealProblem, line_load: float) -> float | None:
     assert problem.surface is not None  # of law spectrum
     u0 = problem.surface.spectrum.rms_height
     for _ in range(_PEAKS):
-        closed = crossover_line(line_load, problem.contact.relative_radius, problem.effective_modulus, u0)
+        closed = leak.crossover_line(
+            line_load, problem.contact.relative_radius, problem.effective_modulus, u0
+        )
         u0 = float(law.decay_length(np.array([math.log(closed.peak_pressure)]))[0])
     return u0
 
@@ -319,8 +313,8 @@ class Sizes:
 
 def widths(profiles: Sequence[Any]) -> FloatArray:
     """Full widths at half maximum of profiles of one kind [m]; those that have to be looked for all together."""
-    if profiles and isinstance(profiles[0], CrossoverLine):
-        return crossover_widths(profiles)
+    if profiles and isinstance(profiles[0], leak.CrossoverLine):
+        return leak.crossover_widths(profiles)
     return np.array([p.fwhm for p in profiles])
 
 

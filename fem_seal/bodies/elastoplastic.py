@@ -14,19 +14,7 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from fem_seal.arrays import BoolArray, FloatArray, IntArray
-from fem_seal.bodies.elasticity import (
-    NODES,
-    contracted,
-    elasticity_matrix,
-    element_dofs,
-    lame_parameters,
-    node_dofs,
-    node_shares,
-    quadratic_nodes,
-    quadrature,
-    ring_volume,
-    strain_matrix,
-)
+from fem_seal.bodies import elasticity
 from fem_seal.materials import HardeningCurve, HardeningField, Material
 
 if TYPE_CHECKING:
@@ -109,9 +97,9 @@ def radial_return(
     Simo, Taylor, Comput. Methods Appl. Mech. Eng. 48, 101 (1985); de Souza Neto, Peric, Owen, Computational
     Methods for Plasticity (2008), box 7.3 and eq. 7.120.
     """
-    lam, mu = lame_parameters(material)
+    lam, mu = elasticity.lame_parameters(material)
     bulk = lam + 2 * mu / 3
-    trial = (strain - before.strain) @ elasticity_matrix(material)
+    trial = (strain - before.strain) @ elasticity.elasticity_matrix(material)
     mean = trial @ _UNIT / 3
     deviator = trial - mean[..., None] * _UNIT
     q = np.sqrt(1.5 * (deviator**2 @ _DOUBLE))
@@ -131,7 +119,7 @@ def radial_return(
 
     deviatoric = np.diag(_TENSOR) - np.outer(_UNIT, _UNIT) / 3
     along = 2 * mu * (3 * mu / (3 * mu + np.asarray(hardening.slope(p))[flowing]) - shrink)
-    tangent = np.broadcast_to(elasticity_matrix(material), (*flowing.shape, 4, 4)).copy()
+    tangent = np.broadcast_to(elasticity.elasticity_matrix(material), (*flowing.shape, 4, 4)).copy()
     tangent[flowing] = (
         bulk * np.outer(_UNIT, _UNIT)
         + (2 * mu * (1 - shrink))[:, None, None] * deviatoric
@@ -200,18 +188,18 @@ class ElastoplasticBody:
         """The body before its first load."""
         shape = self.weight.shape
         return BodyState(
-            np.zeros(node_dofs(self.mesh).size), np.zeros((*shape, 4)), PlasticState.virgin(*shape)
+            np.zeros(elasticity.node_dofs(self.mesh).size), np.zeros((*shape, 4)), PlasticState.virgin(*shape)
         )
 
     @cached_property
     def weight(self) -> FloatArray:
         """Volume that each quadrature point stands for, 2 pi r dr dz [m^3]; shape (elements, points)."""
-        return ring_volume(self.mesh)
+        return elasticity.ring_volume(self.mesh)
 
     @cached_property
     def strain_shapes(self) -> FloatArray:
         """Strains (rr, zz, tt, g_rz) of each shape function [1/m]; shape (elements, points, 4, shapes)."""
-        return strain_matrix(self.mesh)
+        return elasticity.strain_matrix(self.mesh)
 
     def strain(self, displacement: FloatArray) -> FloatArray:
         """Strain at the quadrature points; shape (elements, points, 4)."""
@@ -239,7 +227,7 @@ class ElastoplasticBody:
 
     def hindered(self, free_strain: FloatArray | float) -> FloatArray:
         """Stress that would keep the elastic body from a free strain, as a size [Pa]; shape (elements, points, 4)."""
-        lam, mu = lame_parameters(self.material)
+        lam, mu = elasticity.lame_parameters(self.material)
         strain = np.broadcast_to(np.abs(free_strain), self.weight.shape)
         return (3 * lam + 2 * mu) * strain[..., None] * np.array([1.0, 1.0, 1.0, 0.0])
 
@@ -254,7 +242,7 @@ class ElastoplasticBody:
     def element_stiffness(self, elements: IntArray, tangent: FloatArray) -> FloatArray:
         """Stiffness of some elements [N/m], shape (k, shapes, shapes), with their tangent, (k, points, 4, 4) [Pa]."""
         shapes = self.strain_shapes[elements]
-        return contracted(shapes, (self.weight[elements][..., None, None] * tangent) @ shapes)
+        return elasticity.contracted(shapes, (self.weight[elements][..., None, None] * tangent) @ shapes)
 
     @cached_property
     def nodal_average(self) -> csr_matrix:
@@ -263,15 +251,15 @@ class ElastoplasticBody:
         In each triangle the linear function closest to the values is taken to its nodes; triangles that share a node
         are averaged, weighted by their area.
         """
-        points, triangles = quadratic_nodes(self.mesh)
-        x, weights = quadrature()
+        points, triangles = elasticity.quadratic_nodes(self.mesh)
+        x, weights = elasticity.quadrature()
         linear = np.column_stack([np.ones(len(weights)), *x])
         fit = np.linalg.solve(linear.T @ (weights[:, None] * linear), linear.T * weights)
-        extrapolate = np.column_stack([np.ones(6), *NODES]) @ fit  # (node, point)
+        extrapolate = np.column_stack([np.ones(6), *elasticity.NODES]) @ fit  # (node, point)
         elements, count = self.weight.shape
         columns = np.arange(elements * count).reshape(elements, 1, count)
         shape = (elements, 6, count)
-        entries = (node_shares(self.mesh)[..., None] * extrapolate).ravel()
+        entries = (elasticity.node_shares(self.mesh)[..., None] * extrapolate).ravel()
         index = (
             np.broadcast_to(triangles[..., None], shape).ravel(),
             np.broadcast_to(columns, shape).ravel(),
@@ -280,4 +268,4 @@ class ElastoplasticBody:
 
     @cached_property
     def _dofs(self) -> IntArray:
-        return element_dofs(self.mesh)
+        return elasticity.element_dofs(self.mesh)

@@ -18,24 +18,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem_seal.arrays import FloatArray, IntArray
+from fem_seal.bodies import elasticity
 from fem_seal.bodies.constrained_body import ConstrainedBody
 from fem_seal.bodies.dissected_body import places_of_elements
 from fem_seal.bodies.dissection import Dissection
-from fem_seal.bodies.elasticity import (
-    AXIS,
-    boundary_dofs,
-    contracted,
-    elasticity_matrix,
-    element_dofs,
-    node_dofs,
-    quadratic_nodes,
-    quadrature,
-    quadrature_radius,
-    ring_volume,
-    shape_functions,
-    shape_gradients,
-    strain_matrix,
-)
 from fem_seal.materials import Material
 from fem_seal.processes import single_threaded
 
@@ -48,7 +34,7 @@ _KEPT = 100e6
 
 def harmonic_dofs(mesh: MeshTri) -> IntArray:
     """Dof of u_r, u_z and u_phi of every quadratic node, shape (3, nodes); u_r and u_z are `node_dofs`."""
-    in_plane = node_dofs(mesh)
+    in_plane = elasticity.node_dofs(mesh)
     return np.vstack([in_plane, in_plane.size + np.arange(in_plane.shape[1])])
 
 
@@ -60,9 +46,9 @@ def harmonic_strains(mesh: MeshTri) -> tuple[FloatArray, FloatArray]:
     with axial symmetry. The shapes are those of `strain_matrix`, then six of u_phi. No integration point lies on the
     axis.
     """
-    points, in_plane = quadrature()[0], strain_matrix(mesh)
-    along_r, along_z = np.moveaxis(shape_gradients(mesh, points), -1, 0)
-    over_r = shape_functions(points)[0] / quadrature_radius(mesh)[..., None]
+    points, in_plane = elasticity.quadrature()[0], elasticity.strain_matrix(mesh)
+    along_r, along_z = np.moveaxis(elasticity.shape_gradients(mesh, points), -1, 0)
+    over_r = elasticity.shape_functions(points)[0] / elasticity.quadrature_radius(mesh)[..., None]
     constant, linear = np.zeros((2, *over_r.shape[:2], 6, 18))
     constant[..., :4, :12] = in_plane
     constant[..., 4, 12:], constant[..., 5, 12:] = along_r - over_r, along_z
@@ -77,12 +63,12 @@ def harmonic_stiffness(mesh: MeshTri, material: Material) -> tuple[FloatArray, F
     int 2 pi r sigma : epsilon dr dz of the amplitudes; each of shape (elements, shapes, shapes).
     """
     D = np.zeros((6, 6))
-    D[:4, :4] = elasticity_matrix(material)
+    D[:4, :4] = elasticity.elasticity_matrix(material)
     D[4, 4] = D[5, 5] = D[3, 3]
     constant, linear = harmonic_strains(mesh)
 
     def element(left: FloatArray, right: FloatArray) -> FloatArray:
-        return contracted(left, ring_volume(mesh)[..., None, None] * (D @ right))
+        return elasticity.contracted(left, elasticity.ring_volume(mesh)[..., None, None] * (D @ right))
 
     mixed = element(constant, linear)
     return element(constant, constant), mixed + mixed.transpose(0, 2, 1), element(linear, linear)
@@ -90,7 +76,9 @@ def harmonic_stiffness(mesh: MeshTri, material: Material) -> tuple[FloatArray, F
 
 def harmonic_element_dofs(mesh: MeshTri) -> IntArray:
     """Dofs of the shapes of each element, as `harmonic_strains` has them; shape (elements, shapes)."""
-    return np.hstack([element_dofs(mesh), node_dofs(mesh).size + quadratic_nodes(mesh)[1]])
+    return np.hstack(
+        [elasticity.element_dofs(mesh), elasticity.node_dofs(mesh).size + elasticity.quadratic_nodes(mesh)[1]]
+    )
 
 
 @dataclass(frozen=True)
@@ -221,14 +209,14 @@ class _HeldHarmonics:
         """With the supports of the first harmonic, or of all others."""
         held, dofs = body.held, harmonic_dofs(body.held.mesh)
         radius = held.nodes[0][:, 0]
-        radial, axial, around = dofs[:, radius <= AXIS * radius.max()]
+        radial, axial, around = dofs[:, radius <= elasticity.AXIS * radius.max()]
         sign = np.ones(dofs.size)
         fixed = [axial, around]
         if held.name == "seat":
             fixed.append(np.setdiff1d(np.arange(held.size), held.free))
         if guided:
             stand = "closure_top" if held.name == "closure" else "seat_bottom"
-            on_stand = np.isin(dofs[0], boundary_dofs(held.mesh, stand, 0))
+            on_stand = np.isin(dofs[0], elasticity.boundary_dofs(held.mesh, stand, 0))
             fixed.append(dofs[:, on_stand].ravel())
         else:
             fixed.append(radial)
