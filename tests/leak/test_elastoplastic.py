@@ -212,6 +212,7 @@ def test_stress_stays_within_the_yield_stress_and_work_is_never_negative(pressed
         before = state.field()
 
 
+@pytest.mark.slow
 def test_pressure_balances_and_the_gap_is_what_the_surfaces_leave(pressed):
     h, path, states = pressed
     body = PeriodicHalfSpace(64, 1.0, 1.0)

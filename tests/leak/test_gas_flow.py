@@ -291,6 +291,7 @@ KINDS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_table_against_the_effective_medium_itself(kind):
     """Between its points the table is good to 2e-4, but to 1.2e-3 where surfaces hardly touch and next to sealing.

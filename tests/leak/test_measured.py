@@ -104,6 +104,7 @@ def test_line_scans_give_the_spectrum_back_within_its_error(hurst):
     assert surface.rolloff.wavenumber == pytest.approx(3e4, rel=0.3)
 
 
+@pytest.mark.slow
 def test_the_error_of_single_scans_is_what_it_says():
     true = spectrum()
     scores, deviations = [], []
@@ -135,6 +136,7 @@ def test_maps_give_the_spectrum_back(hurst):
     assert not [remark for remark in surface.warnings if "anisotropic" in remark]
 
 
+@pytest.mark.slow
 def test_line_scans_and_the_map_they_are_taken_from_agree():
     true = spectrum(0.8, q_low=1e4, q_rolloff=6e4, q_high=1e6)
     heights = leak.random_map(true, size=2e-3, points=1024, seed=5)

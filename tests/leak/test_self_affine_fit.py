@@ -103,6 +103,7 @@ def test_the_height_of_the_surface_is_in_its_interval(waves, hurst):
         assert warned <= 0.05 * COUNT
 
 
+@pytest.mark.slow
 def test_the_leak_rate_of_the_true_surface_is_in_the_interval_of_two_wavelengths():
     """The effective gap cubed, at a fiftieth of the area in contact, elastic."""
     from fem_seal.case.roughness import UncertainHeight

@@ -105,6 +105,7 @@ def test_another_threshold_is_nearly_that_of_any_spectrum(threshold, hurst, cuto
     assert found.sealing_pressure == pytest.approx(other.sealing_pressure, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_pieces_of_simulated_maps():
     """Cut out of six endless maps, 1, 2 and 4 roll-off waves wide: the mean flow within 15 %."""
     waves, points = 8, 128
@@ -163,6 +164,7 @@ def pressed_line(one, radius, width, line_load, points=400):
     raise AssertionError("no solution")
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not STRIPS.is_file(), reason="reference strips of another program are not here")
 @pytest.mark.parametrize("kind", ["elastic", "capped"])
 def test_strips_of_seals(kind):

@@ -74,8 +74,8 @@ def changed(shape, theory, pressure, modulus):
     [
         ("helium", "paper", 2.3, 0.7),
         ("measured_seat", "corrected", 0.6, 1.3),
-        ("exponential_law", "paper", 1.7, 1.2),
-        ("poppet_on_land", "corrected", 1.2, 0.5),
+        pytest.param("exponential_law", "paper", 1.7, 1.2, marks=pytest.mark.slow),
+        pytest.param("poppet_on_land", "corrected", 1.2, 0.5, marks=pytest.mark.slow),
     ],
 )
 def test_run_study_and_live_page_agree(shape, theory, pressure, modulus):

@@ -98,6 +98,7 @@ def test_a_solved_contact_takes_no_further_step(
     np.testing.assert_array_equal(again.log_pressure, solved.log_pressure)
 
 
+@pytest.mark.slow
 def test_one_mesh_resolves_the_widest_of_very_different_contacts() -> None:
     """At a thousandfold load a stiff interface carries ten times as wide, with sharp ends far from first touch."""
     law = ExponentialLaw(p_c=5e9, u0=0.02e-6)
@@ -275,6 +276,7 @@ def test_stress_under_hertz_contact() -> None:
         assert 0.5 * (rr + zz) - rz == pytest.approx(-exact.peak_pressure, rel=5e-3)
 
 
+@pytest.mark.slow
 def test_the_largest_stress_is_that_of_a_finer_mesh() -> None:
     """The mean over the triangles around each node is 0.9 % too high in the ball and 0.5 % in the seat."""
     ball = Ball(0.02)

@@ -182,6 +182,7 @@ def cylinder_by_elements(opening: float, steps: int, cells: int = 12) -> tuple[f
     return float(pressure), float(state.displacement[outer].mean())
 
 
+@pytest.mark.slow
 def test_thick_cylinder_in_plane_strain() -> None:
     """Two thirds of the wall yielding; the hoop, radial and axial stress do not stay in proportion there."""
     opening = 2e-5

@@ -134,6 +134,7 @@ def rounded_punch(half_width: float, edge_radius: float, radius: float) -> Profi
     )
 
 
+@pytest.mark.slow
 def test_flat_rounded_punch_meets_the_closed_form() -> None:
     """Ciavarella, Hills, Monno, Proc. IMechE C 212 (1998) 319: flat half-width b, edge radius R, contact half-width a.
 
@@ -201,6 +202,7 @@ def shell_seat(seat: SphericalSeat, low: float, high: float, thickness: float) -
     )
 
 
+@pytest.mark.slow
 def test_nearly_fitting_sphere_meets_an_independent_program() -> None:
     """Radii that differ by 0.1 %: the contact is as wide as the seat, and no closed form holds.
 

@@ -89,6 +89,7 @@ def test_the_papers_theory_has_its_readings_and_no_error_of_its_own():
     )
 
 
+@pytest.mark.slow
 def test_the_sentence_and_the_summary_have_them(tmp_path):
     told = error_sentence(result())
     assert "spans a factor of" in told and "rms height" in told and "known exactly, a factor of" in told

@@ -92,6 +92,7 @@ def test_modulus_hardness_and_force_together_leave_the_contact_as_it_is():
         assert total == pytest.approx(0.0, abs=0.03)
 
 
+@pytest.mark.slow
 def test_strongest_sensitivities_are_told_with_both_readings():
     result, known = found()
     strengths = [one.strength for one in result.sensitivities]

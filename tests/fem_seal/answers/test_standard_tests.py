@@ -52,6 +52,7 @@ def relief():
     return fem_seal.run(RELIEF, sensitivities=False)
 
 
+@pytest.mark.slow
 def test_a_standard_tests_with_its_own_fluids_and_pressures(tested) -> None:
     liquid, gas = tested.standard_tests
     assert (liquid.medium, gas.medium) == ("water", "air")

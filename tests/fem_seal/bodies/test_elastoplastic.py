@@ -343,6 +343,7 @@ def test_long_steps_through_what_stays_elastic_change_nothing() -> None:
     assert all(contact.load_steps < steps for contact, steps in zip(few, (8, 7, 7), strict=True))
 
 
+@pytest.mark.slow
 def test_first_loading_of_several_forces_is_one_path() -> None:
     """Reached from other forces or directly, a force differs by no more than half as many steps do."""
     model, force = seal(LAW, 3e7, seat=HARDENING, refine=0.35, wider=1.5)

@@ -96,6 +96,7 @@ def test_each_pressure_may_have_its_own_force():
     assert [one.contact_force for one in derive(asked).loads] == pytest.approx(expected, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_the_pressure_in_the_gap_is_in_the_profile():
     for load in valve().loads:
         assert load.gap_pressure == pytest.approx(

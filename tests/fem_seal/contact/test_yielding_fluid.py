@@ -351,6 +351,7 @@ def valve_run() -> tuple[SealProblem, ContactModel, SolvedLoads]:
     return problem, model, solved
 
 
+@pytest.mark.slow
 def test_a_relief_valve_from_its_case() -> None:
     problem, model, solved = valve_run()
     # 450 bar is more than the spring holds on a radius of 7.07 mm; the loads after it go on

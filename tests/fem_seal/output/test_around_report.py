@@ -81,6 +81,7 @@ def test_every_picture_is_a_drawing_with_axes_in_words(figures):
         assert "90" in text and "270" in text  # angles
 
 
+@pytest.mark.slow
 def test_map_shows_the_pressure_of_the_highest_load(figures):
     result = oval_result()
     drawn.unrolled_picture(result)

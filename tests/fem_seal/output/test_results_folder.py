@@ -47,6 +47,7 @@ def two_runs(tmp_path_factory):
     return before, after
 
 
+@pytest.mark.slow
 def test_the_second_run_leaves_nothing_of_the_first(two_runs):
     before, after = map(contents, two_runs)
     assert before["leak.csv"] != after["leak.csv"]

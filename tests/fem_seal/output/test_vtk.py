@@ -177,6 +177,7 @@ def test_without_a_leak_rate_there_is_no_fluid_pressure(tmp_path):
     assert "fluid_pressure_in_gap_Pa" not in read(tmp_path / "contact_line_000.vtp").point_data
 
 
+@pytest.mark.slow
 def test_a_gasket_is_whole(tmp_path):
     """Symmetric about the mid-plane; the faces press as hard, and the section is twice that of the half."""
     result = gasket_result()

@@ -254,6 +254,7 @@ def test_columns_have_the_bolts():
     assert load.leak_interval[0] <= row.leak_rate_largest_preload_m3_per_s
 
 
+@pytest.mark.slow
 def test_the_ends_of_the_preload_are_runs_of_their_own():
     row = answered().table.iloc[0]
     for share, name in ((0.75, "least"), (1.25, "largest")):

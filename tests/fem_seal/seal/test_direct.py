@@ -606,6 +606,7 @@ def test_what_does_not_go_with_it():
     assert "remove size" in wrong(direct={"file": "map.x3p", "size": "1 mm"})
 
 
+@pytest.mark.slow
 def test_command_writes_tables_and_pictures(tmp_path, capsys):
     file = tmp_path / "seal.toml"
     file.write_text(CASE)

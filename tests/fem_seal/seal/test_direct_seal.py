@@ -59,6 +59,7 @@ def test_command_writes_table_and_picture_and_goes_on(case_file):
     pd.testing.assert_frame_equal(pd.read_csv(folder / "direct_seal.csv"), table)
 
 
+@pytest.mark.slow
 def test_simulated_seal_agrees_with_the_chain_where_little_touches(case_file):
     case = fem_seal.load_case(case_file).replace({"leak.plasticity": False, "direct.samples": 12})
     for row in fem_seal.direct_seal(case):

@@ -150,6 +150,7 @@ def test_the_press_fit_is_no_imprint(result: SealResult) -> None:
 # files -------------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_unloaded_vtu_has_residual_stress_and_imprint(result: SealResult, folder: Path) -> None:
     pyvista = pytest.importorskip("pyvista")
     assert result.unloaded is not None

@@ -245,6 +245,7 @@ def test_a_study_over_the_section_of_a_ring(tmp_path: Path) -> None:
     assert table["leak_rate_m3_per_s"][0] == pytest.approx(single.leak.leak_rate, rel=5e-3)
 
 
+@pytest.mark.slow
 def test_the_live_page_shows_what_a_run_gives() -> None:
     from fem_seal.explore.session import Session
 

@@ -489,6 +489,7 @@ def test_spots_are_rounded_down_and_edges_stay_where_they_are():
     assert sources.rounded(moved, contact) == rounded
 
 
+@pytest.mark.slow
 def test_rows_do_not_depend_on_order_or_neighbours(calculated):
     study, result = calculated
     recipe = work.DesignSpec.of(study)
