@@ -19,19 +19,20 @@ from leak.flow.leak_rate import LogConductivity, SigmaOfPressure, by_log_pressur
 from leak.flow.leak_result import LeakResult
 from leak.fluids.pressure_law import FlowPotential, PressureLaw
 from leak.numerics.curves import cell_cubics, spline_slopes
-from leak.numerics.roots import bisected, root_between
+from leak.numerics.roots import bisected, root_between, root_of_rising
 
 # The outlet tail is left where p is this small a part of the pressure drop; p_f <= p there, so it is the error, too.
 _CUT = 1e-10
-# Steps of the first solution, which only places the steps of the second.
+# Steps of the first solution, which only places the steps of the following ones.
 _FIRST_STEPS, _STEPS = 120, 400
 _FINE_TAIL = 64
 # Nodes per cell between which the largest pressure and the lift-off point are looked for.
 _FINE = 8
 # Alexander's second-order, L-stable rule: both of its stages are the same implicit equation.
 _STAGE = 1.0 - np.sqrt(0.5)
-_ROUGH, _CLOSE = 1e-3, 1e-7
-_SECANT_STEPS, _ROOT_STEPS, _LEAST_SLOPE = 12, 200, 1e-3
+_ROUGH, _CLOSE, _MOST_LOG_FLOW = 1e-3, 1e-7, 1e3
+# Where p begins with a jump the fluid rises in a thin layer, which each path has in finer steps than the one before.
+_MOST_PATHS, _SETTLED, _THIN = 8, 0.03, 0.03
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,9 +142,12 @@ def coupled_leak_flow(
     first = np.union1d(_first_steps(profile, fine, log_p, np.log(_CUT * drop), end), peak)
     liquid = None if pressure_law is None else _Thickening.of(FlowPotential(pressure_law, blow_off))
     path, whole = _Path.over(profile, first, liquid), FlowPotential(pressure_law, drop).whole
-    log_Q, slope = _flow_for(whole, path, curve, path.guess(whole, curve), 1.0, _ROUGH)
-    path = _Path.over(profile, np.union1d(_second_steps(path, log_Q, curve), peak), liquid)
-    log_Q, _ = _flow_for(whole, path, curve, log_Q, slope, _CLOSE)
+    log_Q = _flow_for(whole, path, curve, path.guess(whole, curve), _ROUGH)
+    for _ in range(_MOST_PATHS):
+        path = _Path.over(profile, np.union1d(_second_steps(path, log_Q, curve), peak), liquid)
+        before, log_Q = log_Q, _flow_for(whole, path, curve, log_Q, _CLOSE)
+        if abs(log_Q - before) < _SETTLED:
+            break
     fluid = np.interp(xs, path.x, path.fluid_pressure(log_Q, curve)[0], left=0.0, right=drop)
     with np.errstate(over="ignore"):
         Q, resistance = float(np.exp(log_Q)), float(np.exp(np.log(drop) - log_Q))
@@ -173,6 +177,7 @@ class _Path:
         stages = np.stack([x[:-1] + _STAGE * h, x[1:]], axis=1)
         p = np.exp(profile.log_pressure_anywhere(stages))
         length = _STAGE * h[:, None] / (2.0 * np.pi * profile.radius(stages))
+        length[0, 1] /= _STAGE
         return cls(x, list(map(tuple, p.tolist())), list(map(tuple, np.log(length).tolist())), liquid)
 
     def fluid_pressure(self, log_Q: float, curve: ResistanceCurve) -> tuple[FloatArray, FloatArray]:
@@ -186,12 +191,13 @@ class _Path:
         """psi(p_f) [Pa], which is p_f of a liquid that does not thicken, and ln(p - p_f) at the ends of the steps."""
         y, guess, liquid = 0.0, curve.lowest, self.liquid
         out, left = [y], [guess]
-        weight = (1.0 - _STAGE) / _STAGE
+        # The first step is Euler's: of a jump the first stage would give (1 - _STAGE)/_STAGE times the rise.
+        weight = 0.0
         for (p1, p2), (length1, length2) in zip(self.pressures, self.log_lengths, strict=True):
             rise, guess = curve.rise(p1, y, log_Q + length1, guess, liquid)
             y += weight * rise
             rise, guess = curve.rise(p2, y, log_Q + length2, guess, liquid)
-            y += rise
+            y, weight = y + rise, (1.0 - _STAGE) / _STAGE
             out.append(y)
             left.append(guess)
         return out, left
@@ -236,46 +242,20 @@ def _second_steps(path: _Path, log_Q: float, curve: ResistanceCurve) -> FloatArr
 
 
 def _even(x: FloatArray, way: FloatArray, count: int) -> FloatArray:
-    """Points between the first and the last x with equal parts of the way between them."""
+    """Points between the first and the last x with equal parts of the way between them, and one close to the first."""
     total = np.append(0.0, np.cumsum(way))
-    return np.interp(np.linspace(0.0, total[-1], count + 1), total, x)
+    return np.interp(
+        np.insert(np.linspace(0.0, total[-1], count + 1), 1, _THIN * total[-1] / count), total, x
+    )
 
 
-def _flow_for(
-    whole: float, path: _Path, curve: ResistanceCurve, guess: float, slope: float, tolerance: float
-) -> tuple[float, float]:
-    """ln Q at which psi(p_f) reaches `whole` at the end: secant steps, bisected where they leave the bracket.
+def _flow_for(whole: float, path: _Path, curve: ResistanceCurve, guess: float, tolerance: float) -> float:
+    """ln Q at which psi(p_f) reaches `whole` at the end; guess is near."""
 
-    Parameters
-    ----------
-    guess, slope : float
-        Near ln Q, and how psi(p_f)/whole at the end rises with ln Q there; the slope is given back, too.
-    """
-
-    def miss(log_Q: float) -> float:
+    def excess(log_Q: float) -> float:
         return path.potential(log_Q, curve)[0][-1] / whole - 1.0
 
-    low, high = -np.inf, np.inf
-    old, at = guess, miss(guess)
-    log_Q, widening = old - float(np.clip(at / slope, -0.5, 0.5)), 1.0
-    for count in range(_ROOT_STEPS):
-        before, at = at, miss(log_Q)
-        low, high = (low, min(high, log_Q)) if at >= 0.0 else (max(low, log_Q), high)
-        secant = (at - before) / (log_Q - old) if log_Q != old else 0.0
-        old = log_Q
-        # p_f rises no faster than Q; where it hardly rises at all a secant step leads astray.
-        if secant > _LEAST_SLOPE:
-            slope, step = secant, -at / secant
-        else:
-            step = -widening * np.sign(at)
-        log_Q = old + float(np.clip(step, -widening, widening))
-        if abs(log_Q - old) < tolerance:
-            break
-        widening *= 2.0
-        if not low < log_Q < high or (count > _SECANT_STEPS and np.isfinite(high - low)):
-            # Near blow-off p_f hardly depends on Q, and secant steps crawl.
-            log_Q = 0.5 * (low + high)
-    return log_Q, slope
+    return root_of_rising(excess, -_MOST_LOG_FLOW, _MOST_LOG_FLOW, guess, tolerance)
 
 
 # -------------------------------------------------------------------- the profile

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from paper_surface import E, surface
+from paper_surface import E, spectrum, surface
 from scipy.integrate import quad
 from scipy.optimize import brentq
 from scipy.special import erfc
@@ -58,6 +58,25 @@ def test_uniform_pressure_and_a_rough_surface():
     sigma, p, W, drop = conductivity(), 20e6, 3e-4, 15e6
     exact = LY / W * quad(lambda w: float(sigma(w)), p - drop, p, epsrel=1e-10)[0]
     assert coupled([0, W / 2, W], [p] * 3, sigma, drop).leak_rate == pytest.approx(exact, rel=1e-5)
+
+
+@pytest.mark.parametrize("alpha", [0.0, 60e-9])
+@pytest.mark.parametrize(("peak", "share"), [(0.9, 0.99), (0.99, 0.5), (1.1, 0.9)])
+def test_uniform_pressure_near_sealing(peak, share, alpha):
+    """Q W/L_y = int sigma(p - p_f) exp(-alpha p_f) dp_f, where sigma falls by decades over the drop."""
+    contact = leak.RoughContact(spectrum(), effective_modulus=0.01 * E)
+    sigma = contact.conductivity_table(1e-2, 2 * contact.sealing_pressure).at(1e-3)
+    p, W = peak * contact.sealing_pressure, 3e-4
+    drop = share * p
+    nodes, weights = np.polynomial.legendre.leggauss(12)
+    left = np.geomspace(p - drop, p, 2001)
+    half = 0.5 * np.diff(left)[:, None]
+    w = left[:-1, None] + half * (1 + nodes)
+    exact = LY / W * np.sum(half * weights * sigma(w) * np.exp(alpha * (w - p)))
+    result = coupled(np.linspace(0, W, 5), np.full(5, p), sigma, drop, pressure_law=leak.Barus(alpha))
+    # 400 steps over many decades of sigma
+    assert result.leak_rate == pytest.approx(exact, rel=3e-4)
+    assert result.fluid_pressure[-1] == pytest.approx(drop, rel=1e-6)
 
 
 def test_linear_profile_of_pressure_and_sigma_1_over_p():
