@@ -300,7 +300,8 @@ def _lift_off(
     return place, place
 
 
-# Table of ln(1/sigma) over ln p: spacing, how far below the largest pressure, and equal ratios of p_seal - p above.
+# Table of ln(1/sigma) over ln p: spacing, how far below the largest pressure, and equal ratios of its difference from
+# p_seal or the largest pressure above.
 _SPACING, _RANGE = 0.05, 60.0
 _NEAR_SEALING = 14.0
 # A conductivity below this is none: toward the sealing pressure sigma underflows before it vanishes [m^3/(Pa s)].
@@ -371,13 +372,13 @@ class ResistanceCurve(_Curve):
         """Table of a conductivity given as a function of ln p, up to `log_p_max` or the sealing pressure."""
         v = np.linspace(log_p_max - _RANGE, log_p_max, int(_RANGE / _SPACING) + 1)
         flows = sigma(v) > _NONE
-        sealing = inf
+        high, sealing = log_p_max, inf
         if not flows.all():
             first = int(np.argmin(flows))
             _, (high,) = bisected(lambda at: sigma(at) > _NONE, v[first - 1 : first], v[first : first + 1])
-            near = high + np.log1p(-np.exp(-np.arange(1.0, _NEAR_SEALING, 0.1)))
-            v = np.concatenate([v[v < near[0] - 0.5 * _SPACING], near])
             sealing = exp(high)
+        near = high + np.log1p(-np.exp(-np.arange(1.0, _NEAR_SEALING, 0.1)))
+        v = np.concatenate([v[v < near[0] - 0.5 * _SPACING], near])
         values = sigma(v)
         usable = np.isfinite(values) & (values > _NONE)
         v, G = v[usable], -np.log(values[usable])
