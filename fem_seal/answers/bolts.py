@@ -6,8 +6,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from fem_seal.answers.answer import Answer, Inquiry
 from fem_seal.answers.judgement import BoltState, JudgedLoad
 from fem_seal.bolts import Bolts
@@ -74,9 +72,7 @@ def _state(bolts: Bolts, preload: float, load: LoadResult, strength: float | Non
 def _leak_at_ends(seal: SolvedSeal, ask: Inquiry, bolts: Bolts) -> Sequence[Bounds | None]:
     """Leak rate of each load with all bolts at the least and at the largest preload."""
     factors = [1.0 + end * bolts.scatter for end in (-1.0, 1.0)]
-    rates = [
-        np.mean([_leak_rates(one, ask, bolts, factor) for one in seal.faces], axis=0) for factor in factors
-    ]
+    rates = [_leak_rates(seal, ask, bolts, factor) for factor in factors]
     return [
         None if math.isnan(low + high) else Bounds.of((low, high)) for low, high in zip(*rates, strict=True)
     ]

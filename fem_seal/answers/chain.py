@@ -141,8 +141,8 @@ def _solved(case: Case, clock: Clock, steps: OptionalSteps) -> SolvedSeal:
     kept = [number for number in range(len(whole.loads.points)) if number not in refused]
     unsolved = {kept[number]: one for number, one in solved.problems.items()}
     missing = {**refused, **unsolved}
-    if solved.not_unloaded is not None:
-        steps.name_failure("residual stress and imprint", solved.not_unloaded)
+    for error in [half.solved.not_unloaded for half in found.halves if half.solved.not_unloaded][:1]:
+        steps.name_failure("residual stress and imprint", error)
     with clock.step("leak", "flow conductivity and leak rates"):
         loads = tuple(
             _read(steps, _compute_values(steps, load, {} if load.formed is None else _AROUND), _LEAK)

@@ -77,7 +77,7 @@ class Compression:
         """
         steps = [
             replace(one, compression=0.5 * (one.compression + two.compression))
-            for one, two in zip(self.steps, other.steps, strict=True)
+            for one, two in zip(self.steps, other.steps, strict=False)  # of one what is left may not be known
         ]
         left = None if self.left is None or other.left is None else 0.5 * (self.left + other.left)
         return Compression(tuple(steps), left)
@@ -111,7 +111,7 @@ def _of_both_faces(seal: SolvedSeal) -> Compression:
         steps.append(CompressionStep(number, load.applied_force, load.line_load, approach, load.stop_force))
     last = seal.loads[-1].contact
     layer = faces * float(last.gap[np.argmax(last.pressure)]) / last.model.touch_normal_z
-    if not seal.problem.curves:
+    if not seal.problem.follows_path:
         return Compression(tuple(steps), 0.0, stop)
     if seal.unloaded is None:
         return Compression(tuple(steps), None, stop)

@@ -240,7 +240,7 @@ class _ChangedSeal:
         """
         points, highest = self.result.problem.loads.points, highest_load(self.result.loads)
         before: tuple[tuple[float, float], ...] = ()
-        if problem.curves:
+        if problem.follows_path:
             before = points[: self.number]
         elif problem.form is not None and problem.form.tolerance is not None and highest != self.number:
             before = points[highest : highest + 1]
@@ -263,7 +263,7 @@ class _ChangedSeal:
 
         A dimension whose larger value opens the seal is made smaller.
         """
-        small = change.small and max(change.small, _SMALL_PATH if self.problem.curves else 0.0)
+        small = change.small and max(change.small, _SMALL_PATH if self.problem.follows_path else 0.0)
         near = self._rates_if_any(change.problem, 1.0 + small) if small else self.rates
         factor = 1.0 / change.step if sum(near) > sum(self.rates) else change.step
         far = self._rates_if_any(change.problem, factor)
@@ -486,7 +486,7 @@ def _compute(seal: SolvedSeal, ask: Inquiry) -> tuple[Sensitivity, ...]:
 
 def _applies(seal: SolvedSeal, wanted: Wanted) -> bool:
     # of a path of loads they take as long as some twenty paths: only if they are asked for
-    unasked = seal.case.requirement is not None and not seal.problem.curves
+    unasked = seal.case.requirement is not None and not seal.problem.follows_path
     return unasked if wanted.sensitivities is None else wanted.sensitivities
 
 

@@ -79,7 +79,7 @@ def target_remarks(problem: SealProblem) -> tuple[str, ...]:
     problem : SealProblem
     """
     flow, target = SealFlow.of(problem), problem.loads.target_leak_rate
-    if flow is None or target is None or problem.curves:
+    if flow is None or target is None or problem.follows_path:
         # of bodies that yield the closed form is too rough to say so
         return ()
     remarks = []
@@ -219,7 +219,7 @@ def _first_guess(flow: SealFlow, fluid_pressure: float, target: float) -> float:
     try:
         return expected_contact_force(flow, fluid_pressure, target)
     except InputError:
-        if not flow.problem.curves:
+        if not flow.problem.follows_path:
             raise
         highest = largest_force(flow.problem)
         least = flow.expected_rate(highest, fluid_pressure)

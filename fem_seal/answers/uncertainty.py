@@ -556,12 +556,12 @@ class SampledSeal:
     @property
     def _bulk(self) -> bool:
         """Whether bodies yield elsewhere in a sample, because their modulus is another one."""
-        return bool(self.result.problem.curves) and any(one.name == "youngs_modulus" for one in self.inputs)
+        return self.result.problem.follows_path and any(one.name == "youngs_modulus" for one in self.inputs)
 
     @property
     def linearised(self) -> bool:
         """Whether bodies that yield are linearised at the loads of the case."""
-        return bool(self.result.problem.curves) and not self.whole_paths
+        return self.result.problem.follows_path and not self.whole_paths
 
     @property
     def others(self) -> tuple[Reading, ...]:
@@ -631,7 +631,7 @@ class SampledSeal:
         result = self.result
         if result.lower_half is not None:
             return np.asarray(np.mean([one.leak_rates(samples) for one in self.faces], axis=0))
-        if self.exact or result.problem.curves or result.problem.form is not None:
+        if self.exact or result.problem.follows_path or result.problem.form is not None:
             # the first makes the tables that all share, if they do not have their own
             shared = 0 if self.exact else 1
             first = [self._leak_rates(number) for number in samples[:shared]]
@@ -830,7 +830,7 @@ class SampledSeal:
         result = self.result
         if self.linearised:
             return linearised_again(result.contact, law)
-        if not problem.curves:
+        if not problem.follows_path:
             return solved_again(result.contact, stiffer(result.model, stiffness), law, result.earlier)
         changed = replace(problem, surface=surface, materials=stiffer_bodies(problem.materials, stiffness))
         model = result.model if stiffness == 1 else condensed(changed, result.seal_mesh)

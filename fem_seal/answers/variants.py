@@ -60,7 +60,7 @@ def by_theory(seal: SolvedSeal) -> ByTheory:
 
 def _loads_in_theory(seal: SolvedSeal, problem: SealProblem) -> list[LoadResult | None]:
     found: dict[int, LoadResult] = {}
-    if problem.curves:
+    if problem.follows_path:
         for number, contact in enumerate(linearised_again(seal.contact, problem.law)):
             found[number] = LoadResult(*seal.loads[number].point, contact)
     else:
@@ -223,7 +223,7 @@ def _with_law(problem: SealProblem, plastic: bool) -> SealProblem:
 
 def _loads_with_law(result: SolvedSeal, problem: SealProblem) -> Sequence[LoadResult]:
     """The loads of a result with another interface law."""
-    if problem.curves:
+    if problem.follows_path:
         contacts = path_again(LoadSolver(problem, result.model))
     else:
         contacts = solved_again(result.contact, result.model, problem.law, result.earlier)

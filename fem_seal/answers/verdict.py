@@ -493,7 +493,7 @@ def _begins(problem: SealProblem) -> str:
     """What every force meets that is tried, where loads leave something behind."""
     if problem.loads.earlier is not None:
         return sentence("verdict_force", "after_earlier")
-    return sentence("verdict_force", "on_new") if problem.curves else ""
+    return sentence("verdict_force", "on_new") if problem.follows_path else ""
 
 
 def _along(added: Sequence[Added], at: float) -> float:
@@ -515,7 +515,7 @@ def _excess(judged: Judgement) -> float:
 
 
 def _forces(seal: SolvedSeal, ask: Inquiry) -> Sequence[VerdictForce]:
-    if ask.wanted.verdict_force is None and seal.problem.curves:
+    if ask.wanted.verdict_force is None and seal.problem.follows_path:
         # where a body yields the force takes minutes
         return [VerdictForce(None, sentence("verdict_force", "too_dear"), looked_for=False)] * len(seal.loads)
     progress = ask.clock.progress

@@ -248,6 +248,8 @@ def of_unlike_flanges(case: CaseTables) -> Iterator[Problem]:
         "leak.conductivity": case.leak.conductivity == "direct",
     }
     yield from (problem("with_unlike_flanges", key=key) for key, there in given.items() if there)
+    if case.bolts is not None:
+        yield problem("bolts_of_unlike_flanges")
     if case.contact.chambers:
         # how the contacts of a face share its force depends on the other one
         yield problem("unlike_flanges_in_series")

@@ -190,6 +190,7 @@ def load_path(
     unload: bool = True,
     progress: Callable[[PlaceOnPath], None] | None = None,
     first: FirstLoading | None = None,
+    elastic: bool = False,
 ) -> LoadPath:
     """Press the closure on the seat with one load after the other, then take the load away.
 
@@ -213,11 +214,13 @@ def load_path(
     first : FirstLoading, optional
         Of the same model, law and `at_rest`: the way to the first load is taken from there if nothing but a force rises
         on it.
+    elastic : bool
+        Whether none of the bodies need yield: one half of a gasket goes the way of the other one, which does.
 
     Raises
     ------
     ValueError
-        If no body yields, or a force is not positive and finite.
+        If no body yields unless that is allowed, or a force is not positive and finite.
     ConvergenceError
         If the smallest load step does not converge; `partial` holds the path as far as it goes.
 
@@ -227,7 +230,7 @@ def load_path(
     size of the steps.
     """
     bodies = yielding_bodies(model) if first is None else first.bodies
-    if not bodies:
+    if not (bodies or elastic):
         raise ValueError("no material has a hardening curve; solve the contact with fem_seal.contact.solve")
     for load in loads:
         if load.path is None and not (math.isfinite(load.force) and load.force > 0):

@@ -241,7 +241,7 @@ class Equilibrium:
     @property
     def plastic_strain(self) -> float:
         """Largest accumulated plastic strain of all bodies [-]."""
-        return max(float(state.plastic.accumulated.max()) for state in self.states.values())
+        return max((float(one.plastic.accumulated.max()) for one in self.states.values()), default=0.0)
 
     @property
     def at_stop(self) -> bool:
@@ -408,7 +408,7 @@ class _Step:
             name: body.solid.respond(displacements[name], self.before[name], self._free_strain[name])
             for name, body in self.bodies.items()
         }
-        worst = max(self._imbalance(name, flows[name], forces[name]) for name in flows)
+        worst = max((self._imbalance(name, flows[name], forces[name]) for name in flows), default=0.0)
         return _Iterate(displacements, flows, forces, worst)
 
     def shortened(self, at: _Iterate, whole: _Iterate) -> _Iterate:

@@ -205,7 +205,9 @@ class Live:
         left = [number for number in range(len(whole.loads.points)) if number not in whole.loads.refused]
         gas = whole.flow is not None and whole.flow.gas is not None
         kept = (
-            left if whole.curves else _evenly_spread(left, whole, _LIVE_LOADS_OF_GAS if gas else _LIVE_LOADS)
+            left
+            if whole.follows_path
+            else _evenly_spread(left, whole, _LIVE_LOADS_OF_GAS if gas else _LIVE_LOADS)
         )
         gone = [number for number in range(len(whole.loads.points)) if number not in kept]
         loads = replace(whole.loads.without(gone), target_leak_rate=None)

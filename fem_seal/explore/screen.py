@@ -240,7 +240,7 @@ def sensitivity_words(result: SealSolution, *, follow: bool = False) -> tuple[st
     if not result.problem.leaks:
         return ()
     found = tuple(in_words(result.case, one) for one in shown_sensitivities(result.sensitivities))
-    reason = "yields" if result.problem.curves else "follow" if follow else "none"
+    reason = "yields" if result.problem.follows_path else "follow" if follow else "none"
     return found or (own_tables("explore.toml")["sensitivities"][reason],)
 
 

@@ -289,7 +289,7 @@ def run_to_the_end(conn: Connection, case: Case) -> None:
                     last = None
                     last = ask.design, run(session.case(ask.design), aside, sensitivities=False)
                 # of a path of loads they take too long
-                follow = last[1].problem.leaks and not last[1].problem.curves
+                follow = last[1].problem.leaks and not last[1].problem.follows_path
                 conn.send(complete_screen(*last, follow=follow))
                 if follow:
                     last = ask.design, with_sensitivities(last[1], aside)

@@ -157,16 +157,14 @@ def _blow_off_pressure(load: LoadResult) -> float | None:
 
 def _plastic_strain(load: LoadResult) -> float | None:
     from fem_seal.bodies.fields import ElastoplasticField
-    from fem_seal.contact.load_path import ElastoplasticContact
 
-    contact = load.contact
-    if not isinstance(contact, ElastoplasticContact):
-        return None
-    return max(
-        float(field.accumulated_plastic_strain.max())
-        for field in contact.fields.values()
-        if isinstance(field, ElastoplasticField)
-    )
+    fields = [field for _, one in load.each_face for field in one.contact.fields.values()]
+    strains = [one.accumulated_plastic_strain for one in fields if isinstance(one, ElastoplasticField)]
+    return max((float(strain.max()) for strain in strains), default=None)
+
+
+def _load_steps(load: LoadResult) -> int | None:
+    return max(getattr(one.contact, "load_steps", 0) for _, one in load.each_face) or None
 
 
 def _interval_end(load: LoadResult, which: int) -> float | None:
@@ -217,7 +215,7 @@ _OF: dict[str, Callable[[LoadResult], float | None]] = {
     "effective_seal_radius_m": lambda load: load.effective_radius,
     "force_for_target_leak_N": lambda load: load.force_for_target,
     "max_accumulated_plastic_strain": _plastic_strain,
-    "load_steps": lambda load: getattr(load.contact, "load_steps", None),
+    "load_steps": _load_steps,
     "opening_margin_N": lambda load: None if load.opening is None else load.opening.force,
     "opening_margin_Pa": lambda load: None if load.opening is None else load.opening.pressure,
     "opening_margin": lambda load: None if load.opening is None else load.opening.share,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -11,7 +11,7 @@ from typing import Any
 from fem_seal.answers.closed_forms import derive
 from fem_seal.answers.solution import SealSolution
 from fem_seal.case.case import input_tables
-from fem_seal.contact.load_path import ElastoplasticContact, Unloaded
+from fem_seal.contact.load_path import ElastoplasticContact, Imprint
 from fem_seal.contact.solution import PlasticZone, YieldedZone, yielding_of
 from fem_seal.files import as_json, write_text
 from fem_seal.output import shown_answers
@@ -112,8 +112,9 @@ def summary(result: SealSolution) -> dict[str, Any]:
         ``format_version``, ``program``, ``created``, ``title``, ``case_file``, ``input``, ``derived``, ``mesh``,
         ``loads`` (rows of leak.csv with their validity and a list of reasons), ``leakage`` (other units and classes,
         one entry per load; no class outside the theory), ``yielding`` (one entry
-        per load; null for a body that does not exceed its yield stress), ``imprint`` (of each body that has yielded;
-        null if both bodies are elastic), ``compression`` (steps of a gasket, what
+        per load; null for a body that does not exceed its yield stress; of another lower flange and its half of the
+        gasket those that do, as ``lower closure`` and ``lower seat``), ``imprint`` (of each body that has yielded, by
+        the same names; null if all bodies are elastic), ``compression`` (steps of a gasket, what
         is left after them, and the springback; null for a valve seat),
         ``convergence`` (one entry per load), ``discretisation_error``, ``far_field``
         (relative changes, and a sentence), ``form`` (answers about the form error at the highest load; null for a
@@ -140,7 +141,7 @@ def summary(result: SealSolution) -> dict[str, Any]:
         "loads": leak_rows(result),
         "leakage": leakage_table(result),
         "yielding": [_yielding(load) for load in result.loads],
-        "imprint": None if result.unloaded is None else _imprints(result.unloaded),
+        "imprint": None if result.unloaded is None else _imprints(result.imprints),
         "convergence": [_convergence(load) for load in result.loads],
         "discretisation_error": asdict(result.discretisation_error),
         "far_field": {
@@ -203,8 +204,9 @@ def mesh_numbers(result: SealSolution) -> dict[str, Any]:
 
 def _yielding(load: LoadResult) -> dict[str, Any]:
     """Where the bodies yield or, solved as elastic, exceed their yield stress."""
-    found = yielding_of(load.contact)
-    zones = {name: found.get(name) for name in ("closure", "seat")}
+    zones: dict[str, YieldedZone | PlasticZone | None] = dict.fromkeys(("closure", "seat"))
+    for face, one in load.each_face:
+        zones |= {f"{face}{name}": zone for name, zone in yielding_of(one.contact).items()}
     return {
         "fluid_pressure_Pa": load.fluid_pressure,
         **{name: None if zone is None else _zone(zone) for name, zone in zones.items()},
@@ -227,14 +229,14 @@ def _zone(zone: YieldedZone | PlasticZone) -> dict[str, Any]:
     }
 
 
-def _imprints(unloaded: Unloaded) -> dict[str, Any]:
+def _imprints(imprints: Mapping[str, Imprint]) -> dict[str, Any]:
     return {
         name: {
             "depth_m": imprint.deepest,
             "at_x_m": imprint.deepest_at,
             **attributes(imprint, "width_m", "rim_m"),
         }
-        for name, imprint in unloaded.imprints.items()
+        for name, imprint in imprints.items()
     }
 
 

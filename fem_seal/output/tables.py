@@ -178,10 +178,9 @@ def _contacts_of_face(
 
 def imprint_rows(result: SealSolution) -> CsvTable:
     """Body, x [m] and depth [m] of each imprint; no rows if nothing yielded."""
-    imprints = {} if result.unloaded is None else result.unloaded.imprints
     return IMPRINT_COLUMNS, [
         (name, x, depth)
-        for name, imprint in imprints.items()
+        for name, imprint in result.imprints.items()
         for x, depth in zip(imprint.x.tolist(), imprint.depth.tolist(), strict=True)
     ]
 

@@ -206,10 +206,10 @@ def write_unloaded(result: SealSolution, folder: Path) -> Path | None:
     that of a press fit. If both bodies are elastic, none is written, and an unloaded.vtu of an earlier run is removed.
     """
     path = folder / "unloaded.vtu"
-    if result.unloaded is None:
+    halves = [(one.unloaded.fields, 0.0) for one in result.faces if one.unloaded is not None]
+    if len(halves) < len(result.faces):
         path.unlink(missing_ok=True)
         return None
-    halves = [(one.unloaded.fields, 0.0) for one in result.faces if one.unloaded is not None]
     return _write_bodies(halves, {}, _mid_planes(result), path)
 
 

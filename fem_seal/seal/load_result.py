@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from fem_seal.case.case import Case
-    from fem_seal.contact.load_path import Unloaded
+    from fem_seal.contact.load_path import Imprint, Unloaded
     from fem_seal.contact.model import ContactModel
     from fem_seal.contact.solution import ContactSolution
     from fem_seal.errors import LoadProblem
@@ -144,6 +144,11 @@ class LoadResult(ByReading):
         leaks = [None if self.leak is None else one.leak for one in self.of_faces or ()]
         upper, lower = leaks or (None, None)
         return 0.5 if upper is None or lower is None else share_of(upper, lower)
+
+    @property
+    def each_face(self) -> tuple[tuple[str, LoadResult], ...]:
+        """The load with each of two different faces, with what names of bodies of the lower one begin with."""
+        return tuple(zip(("", "lower "), self.of_faces or (self,), strict=False))
 
     def _faces_as(self, change: Callable[[LoadResult], LoadResult]) -> tuple[LoadResult, LoadResult] | None:
         """Both faces changed; the very same where neither is."""
@@ -687,7 +692,7 @@ class SolvedSeal:
     loads : tuple of LoadResult
         In the order of the case.
     unloaded : Unloaded or None
-        Residual stress and imprint after the last load; None if both bodies are elastic.
+        Residual stress and imprint after the last load; None if all bodies are elastic.
     earlier : ContactSolution or None
         At the largest load before those of the case; None without one.
     missing : mapping
@@ -720,6 +725,13 @@ class SolvedSeal:
             SolvedSeal(**{**known, "loads": upper, "lower_half": None}),
             replace(self.lower_half, loads=lower),
         )
+
+    @property
+    def imprints(self) -> dict[str, Imprint]:
+        """Lasting imprints by body; "lower closure" and "lower seat" are another lower flange and its half."""
+        faces = zip(("", "lower "), (self, self.lower_half), strict=True)
+        known = [(face, one.unloaded) for face, one in faces if one is not None and one.unloaded is not None]
+        return {f"{face}{name}": imprint for face, one in known for name, imprint in one.imprints.items()}
 
     def with_faces(self, upper: SolvedSeal, lower: SolvedSeal) -> Self:
         """The same seal, of whose two faces more is known.

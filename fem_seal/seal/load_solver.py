@@ -374,8 +374,8 @@ class LoadSolver:
 
     @property
     def yields(self) -> bool:
-        """Whether a body yields, so that its loads are no questions of their own but a path."""
-        return bool(yielding_bodies(self.model))
+        """Whether a body of the seal yields, so that its loads are no questions of their own but a path."""
+        return self.problem.follows_path or bool(yielding_bodies(self.model))
 
     @property
     def asperities_remember(self) -> bool:
@@ -630,6 +630,7 @@ def _path(
             unload=unload,
             progress=tell,
             first=first,
+            elastic=True,
         )
     except ConvergenceError as error:
         if not isinstance(error.partial, LoadPath):

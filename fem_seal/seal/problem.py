@@ -239,6 +239,8 @@ class SealProblem:
         Approach of one face at which the flanges of a gasket meet at a stop [m]; infinite without one.
     lower_half : SealProblem or None
         With the lower flange on both faces of a gasket, under the same loads; None where the flanges are alike.
+    beside_path : bool
+        Whether this is a half of a gasket of which a body yields, in this half or in the other one.
     """
 
     contact: ContactGeometry
@@ -268,6 +270,7 @@ class SealProblem:
     faces: int = 1
     stop: float = math.inf
     lower_half: SealProblem | None = None
+    beside_path: bool = False
 
     @classmethod
     def of(cls, case: CaseTables) -> SealProblem:
@@ -316,9 +319,9 @@ class SealProblem:
         """The problem with each of two different flanges on both faces; only itself where they are alike."""
         if self.lower_half is None:
             return (self,)
-        bolts = None if self.loads.bolts is None else self.lower_half.bolts
-        loads = replace(self.loads, bolts=bolts)
-        return replace(self, lower_half=None), replace(self.lower_half, loads=loads)
+        path = self.follows_path
+        lower = replace(self.lower_half, loads=self.loads, beside_path=path)
+        return replace(self, lower_half=None, beside_path=path), lower
 
     @cached_property
     def law(self) -> Law:
@@ -403,8 +406,14 @@ class SealProblem:
 
     @property
     def curves(self) -> list[HardeningCurve]:
-        """Hardening curves of the bodies that yield; empty if both are elastic."""
+        """Hardening curves of the two bodies, where they yield; empty if both are elastic."""
         return [material.hardening for material in self.materials.values() if material.hardening is not None]
+
+    @property
+    def follows_path(self) -> bool:
+        """Whether a body of the seal yields, so that its loads are a path on which both halves of a gasket go."""
+        below = self.lower_half is not None and self.lower_half.follows_path
+        return below or self.beside_path or bool(self.curves)
 
     def around(
         self, contact: ContactSolution, law: Law | None = None, near: Circumference | None = None

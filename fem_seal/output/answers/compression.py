@@ -29,7 +29,7 @@ def compression_in_words(result: SealSolution) -> list[str]:
     if found is None:
         return []
     most = found.largest
-    known = "springs" if result.problem.curves else "elastic"
+    known = "springs" if result.problem.follows_path else "elastic"
     after = "unknown" if found.springback is None else known
     back, left = found.springback or 0.0, found.left or 0.0
     meet = "" if found.stop is None else "stopped" if most.stop_force else "not_stopped"

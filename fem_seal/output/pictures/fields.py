@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
     from fem_seal.arrays import FloatArray
     from fem_seal.contact.load_path import Unloaded
-    from fem_seal.seal.load_result import LoadResult
+    from fem_seal.seal.load_result import LoadResult, SolvedSeal
     from meshes import SealMesh
 
 IntArray = NDArray[np.int64]
@@ -197,7 +197,7 @@ def _fill_bands(
 
 def _draw_zone(
     axes: Axes,
-    result: SealSolution,
+    result: SolvedSeal,
     fields: Mapping[str, BodyField],
     values: Mapping[str, FloatArray],
     levels: ArrayLike,
@@ -264,12 +264,15 @@ def imprint_picture(result: SealSolution) -> Picture | None:
     ----------
     result : SealSolution
     """
-    unloaded = result.unloaded
-    if unloaded is None or not unloaded.imprints:
+    faces = [one for one in result.faces if one.unloaded is not None and one.unloaded.imprints]
+    if not faces:
         return None
+    # of two different flanges the upper one, if it has yielded
+    face, unloaded = faces[0], faces[0].unloaded
+    assert unloaded is not None
     figure, (depth, strain) = panels(2, height=4.0, side=SCALE_ROOM)
     _imprints(depth, unloaded)
-    strains = _strains(strain, result, unloaded)
+    strains = _strains(strain, face, unloaded)
     digits = result.strongest.digits_of("fwhm")
     imprints = "; ".join(
         phrase("captions.imprint", "one", body=name, imprint=imprint, digits=digits)
@@ -291,7 +294,7 @@ def _imprints(axes: Axes, unloaded: Unloaded) -> None:
     label(axes, "Permanent imprint", f"x  [{length.name}]", f"depth  [{height.name}]", legend="best")
 
 
-def _strains(axes: Axes, result: SealSolution, unloaded: Unloaded) -> str:
+def _strains(axes: Axes, result: SolvedSeal, unloaded: Unloaded) -> str:
     """Plastic strain of all bodies that yield; returns its reach."""
     fields = {n: field for n, field in unloaded.fields.items() if isinstance(field, ElastoplasticField)}
     materials = result.problem.materials

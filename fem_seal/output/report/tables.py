@@ -90,7 +90,7 @@ def _difference(share: float, load: LoadResult, measure: str) -> str:
 
 def imprint_in_words(result: SealSolution) -> tuple[str, str] | None:
     """Depth of the deepest imprint, and its body and width; None if nothing has yielded."""
-    imprints = {} if result.unloaded is None else result.unloaded.imprints
+    imprints = result.imprints
     if not imprints:
         return None
     name, imprint = max(imprints.items(), key=lambda item: item[1].deepest)
@@ -103,7 +103,8 @@ def yielding_reasons(result: SealSolution, load: LoadResult) -> Iterator[str]:
     """How far the bodies have yielded at a load that was solved as elastoplastic."""
     if result.unloaded is None:
         return
-    zones = [zone for zone in yielding_of(load.contact).values() if isinstance(zone, PlasticZone)]
+    found = [zone for _, one in load.each_face for zone in yielding_of(one.contact).values()]
+    zones = [zone for zone in found if isinstance(zone, PlasticZone)]
     if not zones:
         yield phrase("reasons.yielding", "none")
     for zone in zones:
@@ -113,11 +114,13 @@ def yielding_reasons(result: SealSolution, load: LoadResult) -> Iterator[str]:
 def yielding_table(result: SealSolution) -> ReadableTable:
     """Where and how far each body has yielded at each load; no rows if all bodies are elastic."""
     rows: list[dict[str, object]] = []
-    for load in result.loads if result.unloaded is not None else ():
+    solved = result.loads if result.unloaded is not None else ()
+    for whole, face, load in ((whole, *face) for whole in solved for face in whole.each_face):
         assert isinstance(load.contact, ElastoplasticContact)
         zones, digits = yielding_of(load.contact), load.digits_of("fwhm")
         for body in load.contact.bodies:
-            row = {"load": load_name(load, result.loads), "body": body, "steps": load.contact.load_steps}
+            name = load_name(whole, result.loads)
+            row = {"load": name, "body": f"{face}{body}", "steps": load.contact.load_steps}
             zone = zones.get(body)
             if isinstance(zone, PlasticZone):
                 depth = (
