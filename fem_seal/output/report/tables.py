@@ -114,8 +114,8 @@ def yielding_reasons(result: SealSolution, load: LoadResult) -> Iterator[str]:
 def yielding_table(result: SealSolution) -> ReadableTable:
     """Where and how far each body has yielded at each load; no rows if all bodies are elastic."""
     rows: list[dict[str, object]] = []
-    solved = result.loads if result.unloaded is not None else ()
-    for whole, face, load in ((whole, *face) for whole in solved for face in whole.each_face):
+    loads = result.loads if result.unloaded is not None else ()
+    for whole, (face, load) in ((one, face) for one in loads for face in one.each_face):
         assert isinstance(load.contact, ElastoplasticContact)
         zones, digits = yielding_of(load.contact), load.digits_of("fwhm")
         for body in load.contact.bodies:

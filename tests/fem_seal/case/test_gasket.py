@@ -136,6 +136,19 @@ def test_a_seat_is_the_lower_flange() -> None:
         ({"form": {"closure": {"tolerance": "2 um"}}}, "form"),
         (
             {
+                "load": {"fluid_pressure": "1 bar"},
+                "bolts": {
+                    "number": 4,
+                    "size": "M8",
+                    "length": "40 mm",
+                    "preload": "2 kN",
+                    "material": "steel",
+                },
+            },
+            "bolts",
+        ),
+        (
+            {
                 "fluid": {"name": "water", "particles": {"iso_4406": "18/16/13"}},
                 "roughness": {"closure": "lapped Ra 0.2 um"},
             },
