@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
-from flanges import BOTH, COARSE, CONE, DISC, FINE, surface, tables
+from flanges import BOTH, COARSE, CONE, DISC, FINE, STEEL, surface, tables
 
 from fem_seal import Case, SealResult, blow_off_pressures, calibrate, run
 from fem_seal.answers.pass_probability import pass_probabilities
@@ -220,3 +220,40 @@ def test_other_ways_of_the_flow_are_the_mean_of_both_faces(leak: dict[str, Any])
         each = zip(*map(theory_variants, (both, upper, lower)), strict=True)
         for found, above, below in each:
             assert found.leak_rate == pytest.approx(0.5 * np.add(above.leak_rate, below.leak_rate), rel=1e-9)
+
+
+YIELDS = {
+    **DISC,
+    "material": {
+        **STEEL,
+        "stress_strain": {"plastic_strain": [0, 0.02, 0.1], "stress": ["150 MPa", "200 MPa", "300 MPa"]},
+    },
+}
+# of the upper contact
+OF_UPPER = {"contact_radius_m", "peak_pressure_Pa", "fwhm_m", "std_m", "max_von_mises_Pa", "knudsen_number"}
+OF_UPPER |= {"critical_separation_m", "critical_separation_elastic_m", "effective_viscosity_Pa_s"}
+
+
+@pytest.mark.slow
+def test_a_seal_of_which_one_flange_yields_is_the_same_upside_down() -> None:
+    load = {"fluid_pressure": "1 bar", "applied_force": ["1 kN", "3 kN", "1 kN"], "pressure_side": "inner"}
+    low, high = (
+        run(case(one, FINE, seat=other, load=load, mesh={"contact_size": "20 um"}), sensitivities=False)
+        for one, other in ((DISC, YIELDS), (YIELDS, DISC))
+    )
+    for one, other in zip(low.loads, high.loads, strict=True):
+        for name, column in COLUMNS.items():
+            if name not in OF_UPPER:
+                assert column.number(one) == pytest.approx(column.number(other), rel=1e-9, nan_ok=True), name
+    assert COLUMNS["max_accumulated_plastic_strain"].number(low.loads[-1]) > 0
+    ways = [[step.compression for step in one.compression.steps] for one in (low, high)]
+    assert len(ways[0]) == 4 and ways[0] == pytest.approx(ways[1], rel=1e-9)
+    assert low.compression.left == pytest.approx(high.compression.left, rel=1e-9)
+    assert list(low.imprints) == ["lower closure"] and list(high.imprints) == ["closure"]
+    # both faces remember: they are tighter than on the way up, as far as the elastic half springs back
+    for before, after in zip(low.loads[0].of_faces, low.loads[2].of_faces, strict=True):
+        assert after.leak.leak_rate < before.leak.leak_rate
+    alone = seal_of(case(DISC, FINE, load=load, mesh={"contact_size": "20 um"}))
+    for one, other in zip(low.loads, alone.loads, strict=True):
+        assert one.peak_pressure == pytest.approx(other.peak_pressure, rel=1e-6)
+        assert one.contact.approach == pytest.approx(other.contact.approach, rel=1e-6)
