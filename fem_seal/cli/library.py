@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from fem_seal.cli import terminal
 from fem_seal.cli.terminal import cell
 from fem_seal.files import own_tables
+from fem_seal.units import System, parse_quantity, show_in
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
 Json = Annotated[bool, terminal.json_option("the entries")]
 Csv = Annotated[bool, terminal.option("library", "csv")]
 Temperature = Annotated[str, terminal.option("library", "temperature")]
+Units = Annotated[System, terminal.option("library", "units")]
 # Width of a terminal from which on a column of words fits next to the numbers.
 _WIDE = 120
 
@@ -24,6 +26,7 @@ _WIDE = 120
 def materials(
     name: Annotated[str | None, terminal.argument("library", "material")] = None,
     temperature: Temperature = "20 degC",
+    units: Units = "field",
     json: Json = False,
     csv: Csv = False,
     debug: terminal.Debug = False,
@@ -34,8 +37,8 @@ def materials(
     """
     from fem_seal.case.material_library import material
     from fem_seal.output import library
-    from fem_seal.units import parse_quantity
 
+    show_in(units)
     kelvin = parse_quantity(temperature, "temperature")
     rows = library.material_rows(kelvin) if name is None else [library.material_row(material(name), kelvin)]
     if json or csv:
@@ -51,14 +54,15 @@ def materials(
 def fluids(
     name: Annotated[str | None, terminal.argument("library", "fluid")] = None,
     temperature: Temperature = "20 degC",
+    units: Units = "field",
     json: Json = False,
     csv: Csv = False,
     debug: terminal.Debug = False,
 ) -> None:
     """List the fluids of the library: viscosity, density, range of temperature, source."""
     from fem_seal.output import library
-    from fem_seal.units import parse_quantity
 
+    show_in(units)
     kelvin = parse_quantity(temperature, "temperature")
     rows = library.fluid_rows(kelvin) if name is None else [library.fluid_row(name, kelvin)]
     if json or csv:

@@ -479,17 +479,28 @@ def show_derived(numbers: Mapping[str, Any], *, details: bool = False) -> None:
     from fem_seal.output.case_words import section_text
     from fem_seal.output.columns import CHECK_OF_CASE, CHECK_ON_TERMINAL, MOST_COLUMNS, SHOWN_COLUMNS
 
-    for body, lengths in numbers["dimensions"].items():
-        shown = [f"{key} {_dimension(key, value)}" for key, value in lengths.items()]
-        if body in numbers["sections"]:
-            shown += section_text(numbers["sections"][body]).values()
-        name = told_of(body, faces=1 + ("gasket" in numbers["dimensions"]))
-        tell(f"  {name:10}" + ", ".join(shown), indent=12)
+    lower = numbers.get("lower_flange")
+    bodies = [
+        (told_of(one, faces=1 + ("gasket" in numbers["dimensions"])), one, numbers)
+        for one in numbers["dimensions"]
+    ]
+    if lower:
+        bodies.append(("lower flange", "closure", lower))
+    for name, body, its in bodies:
+        shown = [its["materials"][body]] if lower else []
+        shown += [f"{key} {_dimension(key, value)}" for key, value in its["dimensions"][body].items()]
+        if body in its["sections"]:
+            shown += section_text(its["sections"][body]).values()
+        tell(f"  {name:{14 if lower else 10}}" + ", ".join(shown), indent=16 if lower else 12)
     for name, (words, unit) in CHECK_OF_CASE.items():
-        value = numbers[name]
-        if value is not None and math.isfinite(value):
-            own = fixed_unit(unit)
-            say(f"  {words:30}{_cell(value, own)} {own.name}".rstrip())
+        own = fixed_unit(unit)
+        texts = [
+            f"{_cell(value, own)} {own.name}".rstrip()
+            for value in (numbers[name], (lower or {}).get(name))
+            if value is not None and math.isfinite(value)
+        ]
+        if texts:
+            tell(f"  {words:30}" + "; on the lower flange ".join(dict.fromkeys(texts)), indent=32)
     rows = numbers["loads"]
     columns = [column for column in CHECK_ON_TERMINAL if any(row[column.name] is not None for row in rows)]
     for name in () if details else SHOWN_COLUMNS["check_spared"]:

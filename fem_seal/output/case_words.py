@@ -7,10 +7,11 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fem_seal.answers.closed_forms import Derived, widths
+from fem_seal.answers.closed_forms import Derived, derive, widths
 from fem_seal.answers.leakage_class import limits
 from fem_seal.case.drawing_words import words_of
 from fem_seal.case.drawn import ProfileSource
+from fem_seal.files import told_of
 from fem_seal.output.prose import phrase, prose, worded_rows, written
 from fem_seal.units import LeakVolume, attributes, format_quantity, number, quantity, trimmed, unit_for
 
@@ -211,16 +212,19 @@ def finish_rows(case: Case) -> list[tuple[str, str]]:
     ----------
     case : Case
     """
-    faces = {} if case.roughness is None else case.roughness.finishes
-    groups: dict[FinishTable, list[str]] = {}
-    for key, one in faces.items():
-        groups.setdefault(one, []).append(key)
+    faces: dict[FinishTable, list[str]] = {}
+    for key, one in ({} if case.roughness is None else case.roughness.finishes).items():
+        name = "both faces together" if key == "spectrum" else told_of(key, faces=case.faces)
+        faces.setdefault(one, []).append(name)
+    lower = case.lower_half
+    if lower is not None and lower.roughness is not None and "closure" in lower.roughness.finishes:
+        faces.setdefault(lower.roughness.finishes["closure"], []).append("lower flange")
+    alike = len(faces) == 1 and len(*faces.values()) > 1
     return [
-        row for table, keys in groups.items() for row in _rows(table, _WHOSE.get(" and ".join(keys), keys[0]))
+        row
+        for table, names in faces.items()
+        for row in _rows(table, "each face" if alike else " and ".join(names))
     ]
-
-
-_WHOSE = {"seat and closure": "each face", "spectrum": "both faces together"}
 
 
 def _rows(table: FinishTable, whose: str) -> list[tuple[str, str]]:
@@ -309,8 +313,8 @@ def in_degrees(temperature: float) -> str:
 
 
 def derived_numbers(case: Case, derived: Derived) -> dict[str, Any]:
-    """Derived numbers of a case in SI, for `check --json`."""
-    fluid = case.fluid
+    """Derived numbers of a case in SI, for `check --json`; of a lower flange of its own, on both faces, beside them."""
+    fluid, lower = case.fluid, case.lower_half
     crossovers = [load.crossover for load in derived.loads if load.crossover]
     found = dict(zip(crossovers, widths(crossovers).tolist(), strict=True))
     return {
@@ -325,6 +329,8 @@ def derived_numbers(case: Case, derived: Derived) -> dict[str, Any]:
         "sections": {
             case.key_of(name): drawn for name in ("closure", "seat") if (drawn := section(case, name))
         },
+        "materials": {case.key_of(name): case.table_of(name).material.name for name in ("closure", "seat")},
+        **({} if lower is None else {"lower_flange": derived_numbers(lower, derive(lower))}),
         **attributes(derived, "effective_modulus_Pa", "hardness_Pa", "rms_height_m", "rms_slope"),
         "finishes": finish_numbers(case),
         **attributes(derived, "decay_length_m", "law_pressure_Pa"),

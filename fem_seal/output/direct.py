@@ -17,7 +17,7 @@ from fem_seal.output.prose import phrase, prose
 from fem_seal.output.tables import write_rows
 from fem_seal.seal.direct import QUANTILES, DirectRow, DirectSimulation, DirectTable
 from fem_seal.seal.readings import FURTHER, OWN
-from fem_seal.units import attributes, number
+from fem_seal.units import attributes, fixed_unit, number
 from leak import Reading
 
 if TYPE_CHECKING:
@@ -190,16 +190,16 @@ def shown_rows(rows: Sequence[Mapping[str, Any]]) -> tuple[list[str], list[list[
 
 
 def _on_terminal(name: str, rows: Sequence[Mapping[str, Any]]) -> tuple[list[str], list[list[str]]]:
-    """Headings and cells of a table of words.toml: texts, and numbers in its units."""
-    columns = prose()["terminal"][name]
+    """Headings and cells of a table of words.toml: texts, and numbers in the units of display."""
+    columns = [(one, fixed_unit(one.get("unit", ""))) for one in prose()["terminal"][name]]
     cells = [
         [
-            _cell(row[one["key"]] / one["unit"], one["digits"]) if "unit" in one else row[one["key"]]
-            for one in columns
+            _cell(unit.of(row[one["key"]]), one["digits"]) if "digits" in one else row[one["key"]]
+            for one, unit in columns
         ]
         for row in rows
     ]
-    return [one["heading"] for one in columns], cells
+    return [one["heading"].format(unit=unit.name) for one, unit in columns], cells
 
 
 def _cell(value: float, digits: int) -> str:
@@ -279,7 +279,7 @@ def shown_seal_rows(rows: Sequence[SealRow]) -> tuple[list[str], list[list[str]]
     shown = []
     for row in rows:
         mean, leaks = row.leak_rate, row.leak_rate > 0.0
-        error = row.deviation / math.sqrt(len(row.leak_rates)) / mean if leaks else math.nan
+        error = 100.0 * row.deviation / math.sqrt(len(row.leak_rates)) / mean if leaks else math.nan
         ratio = number(row.chain_held / mean, 3) if leaks else "tight"
         shown.append({**seal_numbers(row), "error": error, "chain_over_simulated": ratio})
     return _on_terminal("seal", shown)

@@ -9,6 +9,7 @@ from typing import Any
 from fem_seal.case.material_library import ALIASES, LIBRARY
 from fem_seal.files import own_tables
 from fem_seal.materials import Material
+from fem_seal.units import fixed_quantity, fixed_unit
 from leak.fluids.library import ENTRIES, ROOM_TEMPERATURE, gas, is_gas, is_liquid, known_name, liquid
 
 _SAID = own_tables("library.toml")
@@ -29,10 +30,10 @@ class ListedNumber:
         Its heading in a table.
     of : str
         Its key among the numbers over temperature of a material; empty where there is none.
-    word, unit : str
-        Its name and unit in the list of one material.
-    factor, zero : float
-        The value in this unit is (SI - zero) * factor.
+    word : str
+        Its name in the list of one material.
+    unit : str
+        A `fem_seal.units.fixed_unit`.
     """
 
     key: str
@@ -40,12 +41,15 @@ class ListedNumber:
     of: str = ""
     word: str = ""
     unit: str = ""
-    factor: float = 1.0
-    zero: float = 0.0
 
     def text(self, value: float | None) -> str:
         """A value in the unit of the table, a dash for none."""
-        return shown(None if value is None else value - self.zero, self.factor)
+        return "-" if value is None else shown(value, self.unit).split()[0]
+
+    def with_unit(self, *values: float) -> str:
+        """Values and their unit, written once: "16, 16.5e-6/K"."""
+        name = fixed_unit(self.unit).name
+        return (", ".join(map(self.text, values)) + f" {name}").rstrip().replace(" 1e-6/", "e-6/")
 
 
 _OF_MATERIALS, _OF_FLUIDS = (
@@ -160,17 +164,17 @@ def fluid_row(name: str, temperature: float = ROOM_TEMPERATURE) -> dict[str, Any
     return row
 
 
-def shown(value: float | None, factor: float = 1.0, digits: int = 4) -> str:
-    """A number of a row for a table, a dash where there is none.
+def shown(value: float, unit: str, digits: int = 4) -> str:
+    """A number of a row in a `fixed_unit`, with it.
 
     Parameters
     ----------
-    value : float or None
-    factor : float
-        To the unit of the table.
+    value : float
+        [SI]
+    unit : str
     digits : int
     """
-    return "-" if value is None else f"{value * factor:.{digits}g}"
+    return fixed_quantity(unit, value, digits).rstrip()
 
 
 def material_cells(rows: Sequence[dict[str, Any]]) -> tuple[list[str], list[list[str]]]:
@@ -205,7 +209,7 @@ def _cells(
     """Headings and cells: first the names, then the numbers."""
     cells = [[number.text(row[key]) for key, number in numbers.items()] for row in rows]
     return (
-        [*headings, *(one.heading for one in numbers.values())],
+        [*headings, *(one.heading.format(unit=fixed_unit(one.unit).name) for one in numbers.values())],
         [[*first, *others] for first, others in zip(names, cells, strict=True)],
     )
 
@@ -221,10 +225,10 @@ def material_lines(row: dict[str, Any]) -> Iterator[tuple[str, str]]:
     yield "name", row["name"]
     if row["aliases"]:
         yield "also called", ", ".join(row["aliases"])
-    at = row["temperature_K"] - 273.15
+    at = shown(row["temperature_K"], "degC")
     for key, number in _OF_MATERIALS.items():
-        missing = f"not known at {at:.4g} degC" if key in row["over_temperature"] else "not given"
-        yield number.word, missing if row[key] is None else number.text(row[key]) + number.unit
+        missing = f"not known at {at}" if key in row["over_temperature"] else "not given"
+        yield number.word, missing if row[key] is None else number.with_unit(row[key])
     yield from over_temperature_lines(row)
     if row["creeps"]:
         yield "creep", CREEPS
@@ -243,10 +247,11 @@ def over_temperature_lines(row: dict[str, Any]) -> Iterator[tuple[str, str]]:
     for key, table in row["over_temperature"].items():
         if len(set(table["value"])) < 2:
             continue
-        number = _OF_MATERIALS[key]
-        values = [number.text(value) for value in table["value"]]
-        at = [f"{one - 273.15:.4g}" for one in table["temperature_K"]]
-        yield f"{number.word} at", f"{', '.join(at)} degC: {', '.join(values)}{number.unit}"
+        number, degrees = _OF_MATERIALS[key], ListedNumber("temperature_K", "", unit="degC")
+        yield (
+            f"{number.word} at",
+            f"{degrees.with_unit(*table['temperature_K'])}: {number.with_unit(*table['value'])}",
+        )
 
 
 def fluid_lines(row: dict[str, Any]) -> Iterator[tuple[str, str]]:
@@ -259,20 +264,20 @@ def fluid_lines(row: dict[str, Any]) -> Iterator[tuple[str, str]]:
     """
     yield "name", row["name"]
     yield "state", row["state"]
-    at = f" at {row['temperature_K'] - 273.15:.4g} degC"
-    range_ = f"{row['from_K'] - 273.15:.4g} to {row['to_K'] - 273.15:.4g} degC"
+    high = f"at {shown(_HIGH, 'bar')}"
+    at = f" at {shown(row['temperature_K'], 'degC')}"
     if row["viscosity_Pa_s"] is None:
         yield "viscosity", f"not known{at}"
     else:
-        yield "viscosity", f"{shown(row['viscosity_Pa_s'], 1e3)} mPa s{at}"
+        yield "viscosity", f"{shown(row['viscosity_Pa_s'], 'mPa s')}{at}"
     if row["viscosity_at_1000_bar_Pa_s"] is not None:
-        yield "at 1000 bar", f"{shown(row['viscosity_at_1000_bar_Pa_s'], 1e3, 3)} mPa s"
+        yield high, shown(row["viscosity_at_1000_bar_Pa_s"], "mPa s", 3)
     elif row["state"] == "liquid" and row["viscosity_Pa_s"] is not None:
-        yield "at 1000 bar", "not known"
+        yield high, "not known"
     if row["density_kg_per_m3"] is not None:
-        yield "density", f"{shown(row['density_kg_per_m3'])} kg/m3{at}"
+        yield "density", f"{shown(row['density_kg_per_m3'], 'kg/m3')}{at}"
     if row["state"] == "gas":
-        yield "molar mass", f"{shown(row['molar_mass_kg_per_mol'], 1e3, 6)} g/mol"
-        yield "dilute ideal gas", f"within 5 % up to {shown(row['dilute_up_to_Pa'], 1e-5)} bar"
-    yield "range", range_
+        yield "molar mass", f"{1e3 * row['molar_mass_kg_per_mol']:.6g} g/mol"
+        yield "dilute ideal gas", f"within 5 % up to {shown(row['dilute_up_to_Pa'], 'bar')}"
+    yield "range", f"{shown(row['from_K'], 'degC').split()[0]} to {shown(row['to_K'], 'degC')}"
     yield "source", row["source"]

@@ -11,6 +11,9 @@ import pytest
 from fem_seal.case.case import load_case
 from fem_seal.case.case_file import write_case
 from fem_seal.cli.app import main
+from fem_seal.output.direct import shown_rows
+from fem_seal.output.library import fluid_cells, fluid_rows, material_cells, material_rows
+from fem_seal.output.prose import prose
 from fem_seal.units import shown_in
 from fem_seal.validity.words import sentence
 
@@ -91,6 +94,38 @@ def test_a_study_speaks_in_the_units_of_its_case(tmp_path, capsys):
     assert {"ksi", "in", "lbf/in"} <= set(headings)
     assert {"MPa", "bar", "mm", "N/m", "N/mm", "kN/m", "mm³/s", "ml/min"} & set(headings) == set()
     assert foreign([*said.replace(str(tmp_path), "").splitlines(), *lines_of(page)], "US") == []
+
+
+def test_lists_of_the_libraries_take_the_units_that_are_asked_for(capsys):
+    for command in (["materials", "316L"], ["fluids", "water"], ["fluids", "helium"]):
+        assert main([*command, "--units", "US", "--temperature", "100 degF"]) == 0
+        # condition and source speak in their own words
+        assert foreign([line for line in _out(capsys) if not re.match("condition|source", line)], "US") == []
+    with shown_in("US"):
+        headings = " ".join([*material_cells(material_rows())[0], *fluid_cells(fluid_rows())[0]]).split()
+    assert {"ksi", "1e-6/degF", "cP", "lb/ft3", "psi", "degF"} <= set(headings)
+    assert not {"GPa", "MPa", "1e-6/K", "mPa", "kg/m3", "bar", "degC"} & set(headings)
+    main(["materials", "316L", "--units", "US"])
+    assert "29010 ksi" in (said := " ".join(_out(capsys))) and "8.889e-6/degF" in said
+    main(["fluids", "water", "--units", "SI"])
+    assert "at 100 MPa" in " ".join(_out(capsys))
+
+
+def _out(capsys) -> list[str]:
+    return capsys.readouterr().out.splitlines()
+
+
+def test_table_of_the_direct_simulation_takes_the_units_of_the_case():
+    columns = prose()["terminal"]["samples"]
+    row = {one["key"]: 6.894757e6 if "unit" in one else 1 for one in columns}
+    rows = [row | {"blocked_samples": 0, "samples": 1}]
+    headings, ((_, pressure, *_),) = shown_rows(rows)
+    assert headings[1] == "p\nMPa" and pressure == "6.895"
+    with shown_in("US"):
+        headings, ((_, pressure, *_),) = shown_rows(rows)
+    assert headings[1] == "p\nksi" and pressure == "1.0000"
+    assert {"conserved\nu_eff, uin", "mean gap\nuin"} <= set(headings)
+    assert not any(unit in heading for heading in headings for unit in ("MPa", "um"))
 
 
 def test_a_finding_takes_the_units_of_the_system():
