@@ -11,27 +11,22 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from fem_seal.answers.leakage_class import volume_of
 from fem_seal.case.fields import shown as written
 from fem_seal.errors import InputError
 from fem_seal.output.answers.sensitivities import load_of, shown_sensitivities, step_in_words
 from fem_seal.output.pictures.around import draw_leak_around, draw_line_load
 from fem_seal.output.pictures.colours import BLUE, INK, ORANGE
 from fem_seal.output.pictures.contact import draw_gap, draw_profiles
-from fem_seal.output.pictures.leak import leak_rates, leaking_loads, mark_outside
+from fem_seal.output.pictures.leak import draw_leak
 from fem_seal.output.pictures.style import (
     label,
     logarithmic,
     outside_text,
     panels,
-    positive,
-    scale_over_loads,
     spans_decades,
     style,
 )
 from fem_seal.output.pictures.surface import draw_spectrum
-from fem_seal.seal.load_names import load_axis
-from fem_seal.units import percent, unit_for
 
 if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
@@ -79,7 +74,7 @@ def result_figure(result: SealSolution, figure: Figure | None = None) -> Figure:
         for one in axes:
             one.grid(True)
         if leaks:
-            _draw_leak_rates(axes[0], result)
+            _draw_leak(axes[0], result)
         draw_profiles(axes[-1], result)
     return figure
 
@@ -115,43 +110,11 @@ def _nothing(name: str, why: str) -> InputError:
     return InputError.at("plot", why, written(name))
 
 
-def _draw_leak_rates(axes: Axes, result: SealSolution) -> None:
-    """Leak rate over the loads with its interval; loads at which nothing leaks are named in the title."""
-    loads, ends = leaking_loads(result)
-    if not loads:
+def _draw_leak(axes: Axes, result: SealSolution) -> None:
+    if not draw_leak(axes, result):
         raise _nothing(
             "leak", "no leak rate was calculated; that takes [roughness] and [fluid] and a closed seal"
         )
-    over, rates = load_axis(loads), leak_rates(loads)
-    low, high = ends.T
-    shown = np.concatenate([rates, low, high])
-    unit = volume_of(result.case).named(unit_for("flow", float(np.nanmax(shown))))
-    shown_rates = positive(rates) / unit.size
-    name = "leak rate, C_pl" if any(load.yields for load in result.loads) else "leak rate"
-    axes.plot(over.shown, shown_rates, "o-", color=BLUE, ms=4, label=name)
-    outside = np.array([load.validity.outside for load in loads])
-    mark_outside(axes, over.shown, shown_rates, outside)
-    if np.isfinite(low).any():
-        sampled = result.uncertainty
-        name = "interval" if sampled is None else f"{percent(sampled.confidence)} interval"
-        if len(loads) > 1:
-            axes.fill_between(
-                over.shown, low / unit.size, high / unit.size, color=BLUE, alpha=0.18, linewidth=0, label=name
-            )
-        else:
-            reach = np.array([[rates[0] - low[0]], [high[0] - rates[0]]]) / unit.size
-            axes.errorbar(
-                over.shown, shown_rates, yerr=reach, color=BLUE, capsize=5, linestyle="none", label=name
-            )
-    required = result.case.requirement
-    if required is not None and required.leak_rate is not None:
-        shown = np.append(shown, required.leak_rate)
-        axes.axhline(required.leak_rate / unit.size, color=ORANGE, linestyle="--", label="allowed")
-    scale_over_loads(axes, over, shown)
-    axes.legend(loc="best")
-    sealed = int(np.count_nonzero((rates == 0) & ~outside))
-    title = "Leak rate" if not sealed else f"Leak rate ({sealed} of {len(loads)} loads sealed)"
-    label(axes, title, over.label, f"leak rate  [{unit.name}]", above=_ABOVE)
 
 
 def _draw_around(axes: Axes, result: SealSolution) -> None:
@@ -199,7 +162,7 @@ def _draw_sensitivities(axes: Axes, result: SealSolution) -> None:
 
 # What can be drawn, by the names that people give.
 PLOTS: dict[str, Callable[[Axes, SealSolution], None]] = {
-    "leak": _draw_leak_rates,
+    "leak": _draw_leak,
     "contact": draw_profiles,
     "gap": draw_gap,
     "around": _draw_around,

@@ -27,7 +27,7 @@ from fem_seal.output.pictures.style import (
 from fem_seal.output.prose import phrase
 from fem_seal.seal.load_names import load_axis, load_name
 from fem_seal.seal.readings import FURTHER, OWN, WORDS
-from fem_seal.units import LeakVolume, Unit, format_digits, percent, unit_for
+from fem_seal.units import format_digits, percent, unit_for
 from leak import Reading
 
 if TYPE_CHECKING:
@@ -44,71 +44,103 @@ def leak_picture(result: SealSolution) -> Picture | None:
     ----------
     result : SealSolution
     """
-    loads, known = leaking_loads(result)
+    loads, _ = leaking_loads(result)
     if not loads:
         return None
-    over = load_axis(loads)
-    outside = np.array([load.validity.outside for load in loads])
-    rates = leak_rates(loads)
+    if len(loads) == 1:
+        return _single_leak(result, loads[0])
+    over, rates = load_axis(loads), leak_rates(loads)
     elastic = leak_rates([load.reading(Reading.ELASTIC) for load in loads])
     plastic = result.surface is not None and result.surface.hardness is not None
     two = any(load.yields for load in loads)
-    yielded = (WORDS[OWN].curve if two else "asperities yield") if plastic else "elastic asperities"
-    series = [(f"{yielded} (result)", rates, BLUE, 2.2)]
-    if loads[0].tested:
-        medians = np.array([load.leak_rate_p50 or 0.0 for load in loads])
-        series = [
-            ("median after the leak test", medians, BLUE, 2.2),
-            (f"{yielded} (before it)", rates, GREY, 1.5),
-        ]
-    others = [
-        (WORDS[one], leak_rates([load.reading(one) for load in loads])) for one in (FURTHER if two else ())
-    ]
-    others = [(words, values) for words, values in others if np.isfinite(values).any()]
-    series += [(words.curve, values, GREEN, 1.5) for words, values in others]
-    if plastic and np.isfinite(elastic).any():
-        series.append(("elastic asperities, for comparison", elastic, ORANGE, 1.5))
-    shown = np.concatenate([rates for _, rates, _, _ in series])
-    volume, unit = volume_of(result.case), unit_for("flow", float(rates.max() or np.nanmax(shown)))
-    if len(loads) == 1:
-        return _single_leak(
-            load_name(loads[0], result.loads) + (", outside the theory" if outside[0] else ""),
-            [(name, float(values[0]), colour) for name, values, colour, _ in series],
-            unit,
-            volume,
-            loads[0].leak_digits,
-            "zero" if outside[0] else "sealed",
-        )
     both = plastic and bool(((rates > 0) & (elastic > 0)).any())
     figure, (axes, *reduction) = (
         panels(2, height=3.5, ratios=(1.5, 1.0)) if both else panels(1, height=3.5, width=6.4)
     )
-    for name, values, colour, width in series:
-        thin = 0.8 if over.ordered else width
-        axes.plot(
-            over.shown, positive(values) / unit.size, "o-", color=colour, linewidth=thin, ms=3.8, label=name
-        )
-    mark_outside(axes, over.shown, positive(rates) / unit.size, outside)
-    if np.isfinite(known).any():
-        sampled = result.uncertainty
-        name = "interval" if sampled is None else f"{percent(sampled.confidence)} interval of the result"
-        axes.fill_between(over.shown, *known.T / unit.size, color=BLUE, alpha=0.15, linewidth=0, label=name)
-    _mark_at_foot(axes, over.shown[(rates == 0) & ~outside], "sealed: nothing leaks", INK)
-    scale_over_loads(axes, over, shown)
-    if axes.get_yscale() == "log":
-        # space for the legend above the curves
-        low, high = axes.get_ylim()
-        axes.set_ylim(low, high * (high / low) ** 0.3)
-    if over.returns:
-        number_dots(axes, over.shown, rates / unit.size, [result.loads.index(load) + 1 for load in loads])
-    label(axes, "Leak rate", over.label, f"leak rate  [{volume.named(unit).name}]", legend="best")
+    draw_leak(axes, result, beside=True)
     for factor in reduction:
         readings = [(WORDS[OWN].short if two else "", rates, BLUE)]
-        readings += [(words.short, values, GREEN) for words, values in others]
+        readings += [(WORDS[one].short, values, GREEN) for one, values in _further(loads)]
         _reduction(factor, over.shown, elastic, readings, axes.get_xscale() == "log")
         label(factor, "Reduction by yielding asperities", over.label, "elastic over yielded")
     words = ("plastic_both" if two else "plastic", "plastic_elastic") if plastic else ()
     return captioned(figure, "leak", "all", over.order, *words, over=over.name)
+
+
+def draw_leak(axes: Axes, result: SealSolution, *, beside: bool = False) -> bool:
+    """The leak rate over the loads with its interval and what is allowed.
+
+    Parameters
+    ----------
+    axes : Axes
+    result : SealSolution
+    beside : bool
+        With the other readings of the asperities.
+
+    Returns
+    -------
+    bool
+        False, and nothing drawn, if no leak rate was calculated.
+    """
+    loads, ends = leaking_loads(result)
+    if not loads:
+        return False
+    over, rates = load_axis(loads), leak_rates(loads)
+    outside = np.array([load.validity.outside for load in loads])
+    curves = _curves(result, loads)
+    shown = np.concatenate([values for _, values, _, _ in curves if beside] or [rates])
+    volume, unit = volume_of(result.case), unit_for("flow", float(rates.max() or np.nanmax(shown)))
+    for name, values, colour, width in curves if beside else curves[:1]:
+        how: dict[str, Any] = {"color": colour, "linewidth": 0.8 if over.ordered else width}
+        axes.plot(over.shown, positive(values) / unit.size, "o-", ms=3.8, label=name, **how)
+    _mark_outside(axes, over.shown, positive(rates) / unit.size, outside)
+    if np.isfinite(ends).any():
+        sampled, (low, high) = result.uncertainty, ends.T / unit.size
+        name = "interval" if sampled is None else f"{percent(sampled.confidence)} interval of the result"
+        edge = 6.0 if len(loads) == 1 else 0.0  # one load has no area
+        axes.fill_between(over.shown, low, high, color=BLUE, alpha=0.15, linewidth=edge, label=name)
+    _mark_at_foot(axes, over.shown[(rates == 0) & ~outside], "sealed: nothing leaks", INK)
+    required = result.case.requirement
+    if required is not None and required.leak_rate is not None:
+        shown = np.append(shown, required.leak_rate)
+        axes.axhline(required.leak_rate / unit.size, color=ORANGE, linestyle="--", label="allowed")
+    scale_over_loads(axes, over, shown)
+    if axes.get_yscale() == "log":
+        # space for the legend above the curves
+        least, most = axes.get_ylim()
+        axes.set_ylim(least, most * (most / least) ** 0.3)
+    if over.returns:
+        number_dots(axes, over.shown, rates / unit.size, [result.loads.index(load) + 1 for load in loads])
+    label(axes, "Leak rate", over.label, f"leak rate  [{volume.named(unit).name}]", legend="best")
+    return True
+
+
+def _curves(result: SealSolution, loads: Sequence[LoadResult]) -> list[tuple[str, FloatArray, str, float]]:
+    """Names, leak rates [m^3/s], colours and widths of the result, first, and of what is compared with it."""
+    rates = leak_rates(loads)
+    elastic = leak_rates([load.reading(Reading.ELASTIC) for load in loads])
+    plastic = result.surface is not None and result.surface.hardness is not None
+    own = WORDS[OWN].curve if any(load.yields for load in loads) else "asperities yield"
+    yielded = own if plastic else "elastic asperities"
+    curves = [(f"{yielded} (result)", rates, BLUE, 2.2)]
+    if loads[0].tested:
+        medians = np.array([load.leak_rate_p50 or 0.0 for load in loads])
+        curves = [
+            ("median after the leak test", medians, BLUE, 2.2),
+            (f"{yielded} (before it)", rates, GREY, 1.5),
+        ]
+    curves += [(WORDS[one].curve, values, GREEN, 1.5) for one, values in _further(loads)]
+    if plastic and np.isfinite(elastic).any():
+        curves.append(("elastic asperities, for comparison", elastic, ORANGE, 1.5))
+    return curves
+
+
+def _further(loads: Sequence[LoadResult]) -> list[tuple[Reading, FloatArray]]:
+    """The other readings of asperities that yield, with their leak rates [m^3/s]."""
+    if not any(load.yields for load in loads):
+        return []
+    found = [(one, leak_rates([load.reading(one) for load in loads])) for one in FURTHER]
+    return [(one, values) for one, values in found if np.isfinite(values).any()]
 
 
 def leaking_loads(result: SealSolution) -> tuple[list[LoadResult], FloatArray]:
@@ -132,10 +164,15 @@ def leak_rates(loads: Sequence[LoadResult]) -> FloatArray:
     return np.array([load.leak.leak_rate if load.leak else np.nan for load in loads])
 
 
-def _single_leak(
-    load: str, series: list[tuple[str, float, str]], unit: Unit, volume: LeakVolume, digits: int, zero: str
-) -> Picture:
-    """Bars for a case with one load; `zero` is the text for a leak rate of zero."""
+def _single_leak(result: SealSolution, one: LoadResult) -> Picture:
+    """Bars for a case with one load."""
+    outside = one.validity.outside
+    load = load_name(one, result.loads) + (", outside the theory" if outside else "")
+    zero, digits = "zero" if outside else "sealed", one.leak_digits
+    series = [(name, float(values[0]), colour) for name, values, colour, _ in _curves(result, [one])]
+    volume = volume_of(result.case)
+    assert one.leak is not None  # only such loads are drawn
+    unit = unit_for("flow", one.leak.leak_rate or max(rate for _, rate, _ in series if rate == rate))
     figure, (axes,) = panels(1, height=1.1 + 0.42 * len(series), width=7.2)
     names = [name for name, _, _ in series]
     values = [unit.of(rate) for _, rate, _ in series]
@@ -163,7 +200,7 @@ def _mark_at_foot(axes: Axes, x: FloatArray, name: str | None, fill: str) -> Non
         axes.plot(x, np.full(x.shape, 0.02), "v", ms=6, mec=INK, mfc=fill, label=name, **cast(Any, foot))
 
 
-def mark_outside(axes: Axes, x: FloatArray, rates: FloatArray, outside: NDArray[np.bool_]) -> None:
+def _mark_outside(axes: Axes, x: FloatArray, rates: FloatArray, outside: NDArray[np.bool_]) -> None:
     """Mark loads outside the theory by hollow dots; those with a calculated zero are at the foot."""
     name = "outside the theory: nothing to claim"
     drawn = outside & np.isfinite(rates)
