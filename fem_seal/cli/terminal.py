@@ -479,11 +479,8 @@ def show_derived(numbers: Mapping[str, Any], *, details: bool = False) -> None:
     from fem_seal.output.case_words import section_text
     from fem_seal.output.columns import CHECK_OF_CASE, CHECK_ON_TERMINAL, MOST_COLUMNS, SHOWN_COLUMNS
 
-    lower = numbers.get("lower_flange")
-    bodies = [
-        (told_of(one, faces=1 + ("gasket" in numbers["dimensions"])), one, numbers)
-        for one in numbers["dimensions"]
-    ]
+    lower, faces = numbers.get("lower_flange"), 1 + ("gasket" in numbers["dimensions"])
+    bodies = [(told_of(one, faces=faces), one, numbers) for one in numbers["dimensions"]]
     if lower:
         bodies.append(("lower flange", "closure", lower))
     for name, body, its in bodies:

@@ -248,10 +248,8 @@ def over_temperature_lines(row: dict[str, Any]) -> Iterator[tuple[str, str]]:
         if len(set(table["value"])) < 2:
             continue
         number, degrees = _OF_MATERIALS[key], ListedNumber("temperature_K", "", unit="degC")
-        yield (
-            f"{number.word} at",
-            f"{degrees.with_unit(*table['temperature_K'])}: {number.with_unit(*table['value'])}",
-        )
+        at, values = degrees.with_unit(*table["temperature_K"]), number.with_unit(*table["value"])
+        yield f"{number.word} at", f"{at}: {values}"
 
 
 def fluid_lines(row: dict[str, Any]) -> Iterator[tuple[str, str]]:

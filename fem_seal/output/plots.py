@@ -112,9 +112,8 @@ def _nothing(name: str, why: str) -> InputError:
 
 def _draw_leak(axes: Axes, result: SealSolution) -> None:
     if not draw_leak(axes, result):
-        raise _nothing(
-            "leak", "no leak rate was calculated; that takes [roughness] and [fluid] and a closed seal"
-        )
+        why = "no leak rate was calculated; that takes [roughness] and [fluid] and a closed seal"
+        raise _nothing("leak", why)
 
 
 def _draw_around(axes: Axes, result: SealSolution) -> None:

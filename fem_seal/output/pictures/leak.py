@@ -137,9 +137,8 @@ def _curves(result: SealSolution, loads: Sequence[LoadResult]) -> list[tuple[str
 
 def _further(loads: Sequence[LoadResult]) -> list[tuple[Reading, FloatArray]]:
     """The other readings of asperities that yield, with their leak rates [m^3/s]."""
-    if not any(load.yields for load in loads):
-        return []
-    found = [(one, leak_rates([load.reading(one) for load in loads])) for one in FURTHER]
+    known = FURTHER if any(load.yields for load in loads) else ()
+    found = [(one, leak_rates([load.reading(one) for load in loads])) for one in known]
     return [(one, values) for one, values in found if np.isfinite(values).any()]
 
 

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import math
 from copy import deepcopy
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 from fem_seal import Case, InputError, load_case
 from fem_seal.case import shapes
+from fem_seal.case.case_file import write_case
 from fem_seal.case.schema import case_schema
+from fem_seal.cli.app import main
 from fem_seal.files import told_of
 from fem_seal.output.case_words import chosen_dimensions, listed_dimensions
 
@@ -326,3 +329,17 @@ def test_a_gasket_may_be_taken_away_for_a_seat() -> None:
     valve = case.replace({"gasket": None}, seat=seat)
     assert valve.faces == 1 and valve.gasket is None and valve.lower is valve.seat
     assert Case(**tables(seat=seat) | {"gasket": None}).faces == 1
+
+
+def test_check_lists_a_lower_flange_where_it_differs(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    lower = {"shape": "disc", "radius": "31 mm", "material": "316L"}
+    file = write_case(tables(seat=lower), tmp_path, "case")
+    assert main(["check", str(file)]) == 0
+    said = capsys.readouterr().out
+    assert "  lower flange  316L, radius 31 mm" in said
+    assert "; on the lower flange " in said
+    file = write_case(tables(), tmp_path, "case")
+    assert main(["check", str(file)]) == 0
+    assert "lower flange" not in capsys.readouterr().out
