@@ -178,23 +178,17 @@ class Live:
                 section_of(case),
                 waiting="the flow conductivity of this surface",
             )
-        problem, required = found.problem, case.requirement
         seal = answered(found.seal(case), Inquiry(found.solver, SILENT), [OPENING])
-        between = tuple(shown_load(load, case) for load in seal.loads[own:])
-        judged = with_judgements(
-            case,
-            [
-                load.with_values(validity=validity_of(found, load))
-                if n == number or (required and required.judges(load.fluid_pressure))
-                else load
-                for n, load in enumerate(seal.loads[:own])
-            ],
-        )
+        # the interval of every load is as wide as what its checks find
+        loads = [load.with_values(validity=validity_of(found, load)) for load in seal.loads]
+        judged, between = with_judgements(case, loads[:own]), loads[own:]
         missing = {case.load.points[n]: one for n, one in refused_loads(case).items()} | found.missing
         # the page calculates by the theory of its case alone
-        verdict = Judgements(seal_judgement(case, judged, missing, problem.hardness))
+        verdict = Judgements(seal_judgement(case, judged, missing, found.problem.hardness))
         solution = SealSolution(**vars(seal.with_loads(judged)), answers={VERDICT.name: verdict})
-        return screen_of(solution, design, between=between)
+        return screen_of(
+            solution, design, between=tuple(shown_load(load, case) for load in between)
+        )
 
     def problem(self, case: Case) -> tuple[SealProblem, int]:
         """The problem of a design with the loads that follow the sliders, and how many of them are the case's.

@@ -162,7 +162,7 @@ class Screen:
     limits : tuple of tuple
         Name and leak rate of what is allowed at the load that is shown [m^3/s].
     widens : bool
-        Whether the interval is still that of both readings alone, and a complete run will widen it.
+        Whether the interval is still that of the inputs as given, and a complete run will widen it.
     volume : LeakVolume
         What a volume is that leaks.
     sensitivities : tuple of str
@@ -207,7 +207,8 @@ def screen_of(solution: SealSolution, design: Mapping[str, str], **more: Any) ->
     case, loads = solution.case, solution.loads
     number = highest_load(loads)
     # what is not known of a case widens the interval of a complete run, so that no verdict comes before it
-    unknown = case.uncertainty is not None or bool(case.roughness and case.roughness.finishes)
+    bolts, finishes = solution.problem.bolts, case.roughness and case.roughness.finishes
+    unknown = case.uncertainty is not None or bool(finishes or (bolts and bolts.scatter))
     widens = unknown and not more.get("complete")
     return Screen(
         dict(design),
