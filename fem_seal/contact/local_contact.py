@@ -160,7 +160,7 @@ class LocalContact:
         log_peak = self._logarithm("peak", line_load, lambda c: math.log(c.profile.peak_pressure), fading=1.0)
         if np.any(bend) and not self.opens and math.isfinite(self.mean.model.relative_radius):
             v = np.maximum(self._over_mean(line_load), self._low)
-            log_peak = log_peak + bend * self._spline("bent", self._of_bending)(v)
+            log_peak = log_peak + bend * self._spline("bent")(v)
         with np.errstate(under="ignore"):
             return np.where(line_load > 0, np.exp(log_peak), 0.0)
 
@@ -324,16 +324,21 @@ class LocalContact:
         if not new:
             return
         model, loads, force = self.mean.model, self.mean.loads, self.mean.contact_force
-        found = solve_many(
+        found = self._pressed(
             [
                 ContactProblem(model, self.law, force * math.exp(_STEP * k), loads, start=self._ahead(k))
                 for k in new
             ]
         )
-        for k, contact in zip(new, found, strict=True):
-            if isinstance(contact, ConvergenceError):
-                raise contact
-            self._rungs[k] = contact
+        self._rungs.update(zip(new, found, strict=True))
+
+    @staticmethod
+    def _pressed(problems: Sequence[ContactProblem]) -> list[ContactSolution]:
+        found = solve_many(problems)
+        for one in found:
+            if isinstance(one, ConvergenceError):
+                raise one
+        return found  # type: ignore[return-value]
 
     def _ahead(self, k: int) -> ContactSolution:
         """Where the solution of a rung is looked for.
@@ -363,13 +368,16 @@ class LocalContact:
     def _solved(self, contact_force: float, near: ContactSolution) -> ContactSolution:
         return solve(near.model, self.law, contact_force=contact_force, loads=near.loads, start=near)
 
-    def _of_bending(self, contact: ContactSolution) -> float:
-        """Change of ln p_peak for each 1/m by which the gap is bent [m]."""
-        line, bend = contact.model.line, _BEND / contact.model.relative_radius
+    def _of_bending(self, contacts: Sequence[ContactSolution]) -> list[float]:
+        """Change of ln p_peak of contacts for each 1/m by which the gap is bent [m]."""
+        line, bend = self.mean.model.line, _BEND / self.mean.model.relative_radius
         bent = replace(line, initial_gap=line.initial_gap + bend * line.x**2)
-        changed = replace(contact, model=replace(contact.model, lines=(bent,)))
-        peak = self._solved(contact.contact_force, changed).profile.peak_pressure
-        return math.log(peak / contact.profile.peak_pressure) / bend
+        model = replace(self.mean.model, lines=(bent,))
+        changed = self._pressed(
+            [ContactProblem(model, self.law, one.contact_force, one.loads, start=one) for one in contacts]
+        )
+        peaks = [[one.profile.peak_pressure for one in each] for each in (changed, contacts)]
+        return [math.log(now / before) / bend for now, before in zip(*peaks, strict=True)]
 
     def _fades(self, k: int) -> bool:
         first, second, third = (self._rung_approach(k + n) for n in range(3))
@@ -378,14 +386,17 @@ class LocalContact:
     def _rung_approach(self, k: int) -> float:
         return self._along_normal(self._rungs[k])
 
-    def _spline(self, name: str, of: Callable[[ContactSolution], float | FloatArray]) -> BSpline:
+    def _spline(
+        self, name: str, of: Callable[[ContactSolution], float | FloatArray] | None = None
+    ) -> BSpline:
         if name not in self._splines:
             from scipy.interpolate import make_interp_spline
 
             rungs = sorted(self._rungs)
+            contacts = [self._rungs[k] for k in rungs]
             self._splines[name] = make_interp_spline(
                 _STEP * np.array(rungs),
-                np.array([of(self._rungs[k]) for k in rungs]),
+                np.array(self._of_bending(contacts) if of is None else [of(one) for one in contacts]),
                 _DEGREE_UNEVEN if self.opens or name == "fwhm" else _DEGREE,
             )
         return self._splines[name]

@@ -186,9 +186,7 @@ class Live:
         # the page calculates by the theory of its case alone
         verdict = Judgements(seal_judgement(case, judged, missing, found.problem.hardness))
         solution = SealSolution(**vars(seal.with_loads(judged)), answers={VERDICT.name: verdict})
-        return screen_of(
-            solution, design, between=tuple(shown_load(load, case) for load in between)
-        )
+        return screen_of(solution, design, between=tuple(shown_load(load, case) for load in between))
 
     def problem(self, case: Case) -> tuple[SealProblem, int]:
         """The problem of a design with the loads that follow the sliders, and how many of them are the case's.

@@ -34,9 +34,9 @@ _PERIODS, _HARMONICS, _STRONG = 3, 12, 0.05
 # Leak rates are interpolated in a range of ln f whose ends are multiples of the first number and which is no wider than
 # the second: by a polynomial through so many line loads and one, if it gives the same to the last numbers (of the leak
 # rate itself, and of its ratio to the conductivity) without its highest degree, and to five times as much without the
-# highest two, of which one may be none by chance. Mostly that leaves 1e-6, of 196 leak rates 4e-5 at most, also next to
+# highest two, of which one may be none by chance. Mostly that leaves 1e-6, of 250 leak rates 4e-5 at most, also next to
 # sealing; what all but seals may count as sealed (asked at every angle).
-_ENDS, _WIDEST, _PARTS, _AGREE, _AGREE_OF_RATIO = 0.125, 2.0, (4, 8, 16), 4e-4, 1e-4
+_ENDS, _WIDEST, _PARTS, _AGREE, _AGREE_OF_RATIO = 0.125, 8.0, (4, 8, 16), 4e-4, 1e-4
 _OF_TWO = 0.2
 # Their variable is this power of f, over which ln Q bends least.
 _POWER = 0.25
