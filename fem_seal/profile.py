@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 # Pressure that is as good as none [Pa].
 _NONE = 1e-300
-# Largest distance of (p/p0)^2 from its polynomial: 0.01 in Hertz's contact, 0.1 of yielding bodies, 0.6 of a pressed land.
+# Largest distance of (p/p0)^2 from its polynomial: 0.01 of Hertz's contact, 0.1 of yielding bodies, 0.6 of a flat land.
 _NO_ELLIPSE = 0.2
 
 

@@ -361,3 +361,12 @@ def test_the_interval_covers_the_chamber_that_the_sealed_area_leaves_out(force: 
     (finding,) = (one for one in left_out.validity.cautions if one.kind == "chamber lifts")
     more = with_it.leak.leak_rate / left_out.leak.leak_rate
     assert 1.05 < more < finding.leak_factor[1] == pytest.approx(more, rel=0.02)
+
+
+def test_the_width_of_a_land_lies_between_its_flanks():
+    x = np.linspace(-1e-3, 1e-3, 401)
+    flank = np.exp(-np.maximum(np.abs(x) - 4e-4, 0.0) / 2e-5)
+    # nothing at both ends of the line, as where contact ends sharply, but no ellipse
+    pressure = np.where(np.abs(x) < 9e-4, 1e7 * flank, 0.0)
+    width = fem_seal.PressureProfile(x, 0.02 + x, pressure, 0 * x, np.gradient(x)).fwhm
+    assert width == pytest.approx(8e-4 + 2 * 2e-5 * np.log(2.0), rel=2e-3)
