@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leak.arrays import FloatArray, as_arrays
-from leak.errors import ProfileError, positive
+from leak.errors import ConductivityError, ProfileError, positive
 from leak.flow.conductivity import GasConductivity, log_rarefied_flow
 from leak.flow.contact_profile import (
     SMALLEST_LOG_PRESSURE,
@@ -616,13 +616,16 @@ def _resistance_with_gains(
         whole = np.add.reduceat(now, begin)
         total = float(whole.sum())
         if abs(total / before - 1.0) < _CONVERGED:
-            break
+            return whole
         before = total
         root = np.sqrt(potentials(now, whole))
         found = np.concatenate([found[-_MIXED:], [root]])
         steps = np.concatenate([steps[-_MIXED:], [root - np.sqrt(potential)]])
         potential = np.minimum(np.maximum(_mixed(found, steps) ** 2, low), high)
-    return whole
+    raise ConductivityError(
+        f"conductivity of the gas: its pressure in the contact was not found in {_MOST_SWEEPS} iterations; "
+        "a gain that falls no faster than 1/p_f has one"
+    )
 
 
 def _mixed(found: FloatArray, steps: FloatArray) -> FloatArray:
