@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Hashable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -173,11 +174,14 @@ def _solve_alike(pressings: Sequence[ContactProblem]) -> list[ContactSolution | 
 def _softened_first(one: ContactProblem) -> ContactSolution | ConvergenceError:
     """What does not come straight at the law: from a soft interface to the law in steps.
 
-    It begins anew: where it was looked for before may be too far away even for a soft interface.
+    It begins anew: where it was looked for before may be too far away even for a soft interface. A stop comes last: the
+    pressures on the way would change between those of a contact that it holds and one that it does not.
     """
-    rows, residuals = _Rows.of([one]), [np.inf]
+    residuals = [np.inf]
     states: list[State] = []
-    for floor in (1.0, 0.1, 1e-2, 1e-3, 1e-4, 1e-5, _FLOOR):
+    free = _Rows.of([replace(one, model=one.model.with_stop(math.inf))])
+    ways = [(free, floor) for floor in (1.0, 0.1, 1e-2, 1e-3, 1e-4, 1e-5, _FLOOR)]
+    for rows, floor in ways if math.isinf(one.model.stop) else (*ways, (_Rows.of([one]), _FLOOR)):
         try:
             ((state, residuals),) = _newton(rows, floor, one.settings, states)
         except FloatingPointError:

@@ -16,7 +16,9 @@ from fem_seal import Case, run
 from fem_seal.answers.target import contacts_at_target
 from fem_seal.case.case import load_case
 from fem_seal.case.tightening import bolts_of
-from fem_seal.contact.newton import solve
+from fem_seal.contact.newton import ContactProblem, solve
+from fem_seal.contact.newton import _softened_first as softened_first
+from fem_seal.contact.solution import ContactSettings, ContactSolution
 from fem_seal.errors import InputError
 from fem_seal.output.answers.compression import compression_in_words
 from fem_seal.seal.evaluate import Evaluation, evaluate
@@ -283,3 +285,15 @@ def test_a_stop_between_different_flanges_is_refused() -> None:
     seat["material"] = "316L"
     with pytest.raises(InputError, match=r"gasket\.stop"):
         ring().replace(seat=seat)
+
+
+@pytest.mark.parametrize("force", [2e3, 4e3, 2e4, 2e6])
+def test_from_a_soft_interface_the_same_contact_is_found(force: float) -> None:
+    one = elastic().loads[0].contact
+    pressing = ContactProblem(
+        one.model, elastic().problem.law, force, settings=ContactSettings(max_iterations=40)
+    )
+    direct, softened = solve(one.model, pressing.law, contact_force=force), softened_first(pressing)
+    assert isinstance(softened, ContactSolution)
+    assert softened.approach == pytest.approx(direct.approach, rel=1e-9)
+    assert softened.stop_force == pytest.approx(direct.stop_force, rel=1e-8, abs=1e-6)
