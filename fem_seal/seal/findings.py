@@ -142,7 +142,7 @@ class Validity:
         if len(found) < 2:
             return reasons
         factor = self.leak_factor[1] if more else 1.0 / self.leak_factor[0]
-        return f"together a factor {rounded(factor, 2):g}: {reasons}"
+        return f"together a factor {rounded(factor, 2):g} {'more' if more else 'less'}: {reasons}"
 
     @property
     def outside(self) -> bool:

@@ -629,8 +629,8 @@ def test_of_several_doubts_the_sentence_names_all_and_what_they_come_to():
         for reason, factor in (("few channels", Bounds.factor_bounds(1.7)), ("thickens", (0.5, 1.6)))
     )
     doubt = Validity.of([few, thick])
-    assert doubt.leak_reason(more=True) == "together a factor 2.7: few channels; thickens"
-    assert doubt.leak_reason(more=False) == "together a factor 3.4: few channels; thickens"
+    assert doubt.leak_reason(more=True) == "together a factor 2.7 more: few channels; thickens"
+    assert doubt.leak_reason(more=False) == "together a factor 3.4 less: few channels; thickens"
     # what only leaks less takes nothing from an upper end, for classes neither
     less = Validity.of([Finding("x", Level.DOUBTFUL, "thickens", "...", (0.4, 0.9))])
     assert less.leak_factor == (0.4, 1.0)
