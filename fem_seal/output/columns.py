@@ -157,8 +157,11 @@ def _blow_off_pressure(load: LoadResult) -> float | None:
 
 def _plastic_strain(load: LoadResult) -> float | None:
     from fem_seal.bodies.fields import ElastoplasticField
+    from fem_seal.contact.load_path import ElastoplasticContact
 
-    fields = [field for _, one in load.each_face for field in one.contact.fields.values()]
+    contacts = [one.contact for _, one in load.each_face]
+    yielding = [one for one in contacts if isinstance(one, ElastoplasticContact)]
+    fields = [one for contact in yielding for one in contact.fields.values()]
     strains = [one.accumulated_plastic_strain for one in fields if isinstance(one, ElastoplasticField)]
     return max((float(strain.max()) for strain in strains), default=None)
 
