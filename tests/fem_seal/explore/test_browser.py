@@ -317,8 +317,8 @@ def test_every_control_is_reached_by_the_tabulator_with_a_focus_that_can_be_seen
 @pytest.mark.slow
 def test_controls_are_used_by_keyboard_and_each_undo_counts(browser):
     numbers(browser, pressure="20 bar", at_rest=False)
-    material = "document.querySelector(\"button[id*='seat.material']\").innerText"
-    first = browser.execute_script(f"return {material}")
+    material = "document.querySelector(\"button[id*='seat.material']\")?.innerText"
+    first = waited(browser, f"return {material}")
     focus(browser, "button[id*='seat.sharp-edge']")
     pressed(browser, ENTER)
     waited(browser, "return document.querySelector('.shape.chosen[id*=sharp-edge]') && 1")
@@ -348,9 +348,11 @@ def test_controls_are_used_by_keyboard_and_each_undo_counts(browser):
     focus(browser, "#reset")
     pressed(browser, " ")
     waited(browser, "return document.querySelector('.shape.chosen[id*=\"seat.cone\"]') && 1")
+    pinned = "document.querySelectorAll('#compare button[id*=remove]').length"
+    before = browser.execute_script(f"return {pinned}")
     focus(browser, "#compare button[id*=remove]")
     pressed(browser, ENTER)
-    waited(browser, "return !document.querySelector('#compare button')")
+    waited(browser, f"return {pinned} === arguments[0] - 1", before)
 
 
 @pytest.mark.parametrize("width", [1400, 400])
