@@ -342,17 +342,17 @@ def test_controls_are_used_by_keyboard_and_each_undo_counts(browser):
     waited(browser, f"return {material} !== arguments[0]", first)
     # there is nothing to be done again: the focus is on its neighbour
     waited(browser, "return document.activeElement.id === 'undo'")
+    pinned = "document.querySelectorAll('#compare button[id*=remove]').length"
+    before = browser.execute_script(f"return {pinned}")
     focus(browser, "#pin")
     pressed(browser, ENTER)
-    waited(browser, "return document.querySelector('#compare button') && 1")
+    waited(browser, f"return {pinned} === arguments[0] + 1", before)
     focus(browser, "#reset")
     pressed(browser, " ")
     waited(browser, "return document.querySelector('.shape.chosen[id*=\"seat.cone\"]') && 1")
-    pinned = "document.querySelectorAll('#compare button[id*=remove]').length"
-    before = browser.execute_script(f"return {pinned}")
     focus(browser, "#compare button[id*=remove]")
     pressed(browser, ENTER)
-    waited(browser, f"return {pinned} === arguments[0] - 1", before)
+    waited(browser, f"return {pinned} === arguments[0]", before)
 
 
 @pytest.mark.parametrize("width", [1400, 400])
