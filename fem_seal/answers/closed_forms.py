@@ -128,10 +128,26 @@ def derive(case: CaseSource) -> Derived:
     14.14 mm, 192 MPa
     """
     problem = SealProblem.of(case_of(case))
+    return _derived(problem, [None] * len(problem.loads.points))
+
+
+def derive_beside(result: SolvedSeal) -> Derived:
+    """Closed-form numbers to compare a result with: at a stop those of the force that it leaves to the gasket.
+
+    Parameters
+    ----------
+    result : SolvedSeal
+    """
+    held = [load.contact_force if load.stop_force else None for load in result.loads]
+    return _derived(SealProblem.of(result.case), held)
+
+
+def _derived(problem: SealProblem, held: Sequence[float | None]) -> Derived:
+    """Of a contact force F_N for each load [N], or of the one that is expected."""
     surface = problem.surface
     loads = tuple(
-        _derive_load(problem, *point, profiles=number not in problem.loads.refused)
-        for number, point in enumerate(problem.loads.points)
+        _derive_load(problem, *point, force, profiles=number not in problem.loads.refused)
+        for number, (point, force) in enumerate(zip(problem.loads.points, held, strict=True))
     )
     decay_length, law_pressure = exponential_law(problem.interface, surface)
     closed = [load.crossover for load in loads if load.crossover is not None]
@@ -163,8 +179,6 @@ def closed_form_limits(case: Case, derived: Derived) -> str:
     derived : Derived
         Of the same case.
     """
-    if case.gasket is not None and case.gasket.stop is not None:
-        return sentence("closed_forms", "stop")
     law = _stiffening_law(SealProblem.of(case))
     for load in derived.loads:
         closed = load.crossover or load.hertz
@@ -181,6 +195,12 @@ def closed_form_limits(case: Case, derived: Derived) -> str:
             nearest = float(np.abs(inside).min())
             return sentence("closed_forms", "breaks", pressure=load.fluid_pressure, nearest=nearest)
     return ""
+
+
+def without_stop(case: Case) -> str:
+    """That what is expected of a case has no stop; "" if the case has none."""
+    stops = case.gasket is not None and case.gasket.stop is not None
+    return sentence("closed_forms", "stop") if stops else ""
 
 
 def strain_limit(derived: Derived) -> str:
@@ -223,13 +243,13 @@ def _stiffening_law(problem: SealProblem) -> InterfaceLaw | None:
 
 
 def _derive_load(
-    problem: SealProblem, fluid_pressure: float, applied_force: float, *, profiles: bool
+    problem: SealProblem, fluid_pressure: float, applied_force: float, held: float | None, *, profiles: bool
 ) -> DerivedLoad:
 
     r0, R, E = problem.initial_contact_radius, problem.contact.relative_radius, problem.effective_modulus
     profiles = profiles and not math.isinf(R)
     side = problem.loads.pressure_side
-    force = problem.expected_force(fluid_pressure, applied_force)
+    force = problem.expected_force(fluid_pressure, applied_force) if held is None else held
     if force > contact_force(r0, fluid_pressure, applied_force, side):
         # what a run begins with where the fluid balances the applied force or nearly so, and no estimate of the force
         force, profiles = math.nan, False

@@ -8,7 +8,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from fem_seal.answers.closed_forms import derive
+from fem_seal.answers.closed_forms import derive_beside
 from fem_seal.answers.solution import SealSolution
 from fem_seal.case.case import input_tables
 from fem_seal.contact.load_path import ElastoplasticContact, Imprint
@@ -136,7 +136,7 @@ def summary(result: SealSolution) -> dict[str, Any]:
         "title": case.title,
         "case_file": None if case.file is None else str(case.file),
         "input": resolved_input(result),
-        "derived": derived_numbers(case, derive(case)),
+        "derived": derived_numbers(case, derive_beside(result)),
         "mesh": mesh_numbers(result),
         "loads": leak_rows(result),
         "leakage": leakage_table(result),

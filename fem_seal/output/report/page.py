@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem_seal.answers.closed_forms import Derived, Sizes, derive, profile_sizes
+from fem_seal.answers.closed_forms import Derived, Sizes, derive_beside, profile_sizes
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.case.tables import curves
 from fem_seal.contact.laws import HardContact
@@ -52,7 +52,7 @@ def report(result: SealSolution) -> str:
     ----------
     result : SealSolution
     """
-    derived = derive(result.case)
+    derived = derive_beside(result)
     sizes = profile_sizes(result, derived)
     told = partial(_told, faces=result.case.faces)
     return template("report.html.j2").render(

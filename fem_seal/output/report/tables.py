@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
-from fem_seal.answers.closed_forms import Sizes, closed_form_limits, derive
+from fem_seal.answers.closed_forms import Sizes, closed_form_limits, derive_beside
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.answers.solution import SealSolution
 from fem_seal.contact.load_path import ElastoplasticContact
@@ -74,7 +74,7 @@ def comparison_note(result: SealSolution) -> str:
     """Explanation of the differences from the closed forms; empty if none is needed."""
     if result.unloaded is not None:
         return phrase("notes.comparison", "yielding")
-    if limits := closed_form_limits(result.case, derive(result.case)):
+    if limits := closed_form_limits(result.case, derive_beside(result)):
         return f"{limits[0].upper()}{limits[1:]}."
     return phrase("notes.comparison", law_word(result.case))
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import json
 import math
 import tomllib
 from dataclasses import replace
@@ -134,6 +135,10 @@ def test_compression_and_force_of_the_stop_are_written(tmp_path: Path) -> None:
     for row in (row for table in tables for row in table):
         assert (float(row["stop_force_N"]) > 0) == (float(row["applied_force_N"]) > 10e3)
     assert [float(row["compression_m"]) for row in tables[0]][1:] == [STOP, STOP]
+    # the closed forms beside the result are those of the force that the gasket has
+    closed = json.loads((tmp_path / "summary.json").read_text())["derived"]["loads"]
+    for one, row in zip(closed, tables[1], strict=True):
+        assert one["contact_force_N"] == pytest.approx(float(row["contact_force_N"]), rel=1e-9)
     (said,) = compression_in_words(result)
     assert "The flanges meet at 4.00" in said and "presses the gasket no harder" in said
     assert "The flanges meet at 4.00" in (tmp_path / "report.html").read_text()
