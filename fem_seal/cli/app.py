@@ -187,7 +187,13 @@ def check(
     debug: terminal.Debug = False,
 ) -> None:
     """Check a case file and print the closed-form results, without solving."""
-    from fem_seal.answers.closed_forms import closed_form_limits, derive, nearly_open, strain_limit, without_stop
+    from fem_seal.answers.closed_forms import (
+        closed_form_limits,
+        derive,
+        nearly_open,
+        strain_limit,
+        without_stop,
+    )
     from fem_seal.output.answers.verdict import requirement_lines
     from fem_seal.output.case_words import derived_numbers, finish_rows, requirement_numbers, temperature_rows
     from fem_seal.seal.heating import warmed
@@ -205,7 +211,11 @@ def check(
     problem = SealProblem.of(case)
     numbers["contact_size_m"] = sizing(problem).contact_size
     numbers["requirement"] = requirement_numbers(case)
-    limits = [nearly_open(derived), strain_limit(derived), without_stop(case) or closed_form_limits(case, derived)]
+    limits = [
+        nearly_open(derived),
+        strain_limit(derived),
+        without_stop(case) or closed_form_limits(case, derived),
+    ]
     if json:
         terminal.say_json(numbers)
     elif not quiet:
