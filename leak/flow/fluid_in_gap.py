@@ -86,7 +86,7 @@ def coupled_leak_flow(
     Raises
     ------
     ProfileError
-        As `leak.leak_flow`.
+        As `leak.leak_flow`, or if the flow does not settle.
 
     Notes
     -----
@@ -142,12 +142,17 @@ def coupled_leak_flow(
     first = np.union1d(_first_steps(profile, fine, log_p, np.log(_CUT * drop), end), peak)
     liquid = None if pressure_law is None else _Thickening.of(FlowPotential(pressure_law, blow_off))
     path, whole = _Path.over(profile, first, liquid), FlowPotential(pressure_law, drop).whole
-    log_Q = _flow_for(whole, path, curve, path.guess(whole, curve), _ROUGH)
+    log_Q = _flow_for(drop, path, curve, path.guess(whole, curve), _ROUGH)
     for _ in range(_MOST_PATHS):
         path = _Path.over(profile, np.union1d(_second_steps(path, log_Q, curve), peak), liquid)
-        before, log_Q = log_Q, _flow_for(whole, path, curve, log_Q, _CLOSE)
+        before, log_Q = log_Q, _flow_for(drop, path, curve, log_Q, _CLOSE)
         if abs(log_Q - before) < _SETTLED:
             break
+    else:
+        raise ProfileError(
+            f"pressure_drop = {drop:.6g} Pa: the flow of a fluid that carries load is not found to "
+            f"{100 * _SETTLED:g} %: it blows the contact all but off, seals it, or makes the liquid solid"
+        )
     fluid = np.interp(xs, path.x, path.fluid_pressure(log_Q, curve)[0], left=0.0, right=drop)
     with np.errstate(over="ignore"):
         Q, resistance = float(np.exp(log_Q)), float(np.exp(np.log(drop) - log_Q))
@@ -249,11 +254,13 @@ def _even(x: FloatArray, way: FloatArray, count: int) -> FloatArray:
     )
 
 
-def _flow_for(whole: float, path: _Path, curve: ResistanceCurve, guess: float, tolerance: float) -> float:
-    """ln Q at which psi(p_f) reaches `whole` at the end; guess is near."""
+def _flow_for(drop: float, path: _Path, curve: ResistanceCurve, guess: float, tolerance: float) -> float:
+    """ln Q at which p_f reaches `drop` at the end; guess is near."""
 
     def excess(log_Q: float) -> float:
-        return path.potential(log_Q, curve)[0][-1] / whole - 1.0
+        # psi of a liquid that thickens much is all but the same over the last of the drop
+        end = path.potential(log_Q, curve)[0][-1]
+        return (end if path.liquid is None else path.liquid.pressure.at(end)[0]) / drop - 1.0
 
     return root_of_rising(excess, -_MOST_LOG_FLOW, _MOST_LOG_FLOW, guess, tolerance)
 
@@ -438,7 +445,7 @@ class ResistanceCurve(_Curve):
             if liquid is not None:
                 after, steep = liquid.pressure.at(psi + rise)
                 # of a small rise the difference of two pressures would be all round-off
-                lift = after - before if rise > 1e-6 * (psi + rise) else lift
+                lift = after - before if rise > 1e-12 * (psi + rise) else lift
             own = exp(v)
             excess = log(own + lift) - target
             low, high = (v, high) if excess < 0.0 else (low, v)
