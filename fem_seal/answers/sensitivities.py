@@ -402,9 +402,9 @@ class _ChangedSeal:
             return _Change(key, 1.0 + step / of, partial(self._with_entries, entries, of), before=of)
 
         pair = {path: value for path, value in angles.items() if path.endswith(".angle")}
-        if len(pair) == 2 and len(set(pair.values())) == 1:
+        if len(pair) > 1 and len(set(pair.values())) == 1:
             # faces that fit each other are turned together
-            yield change(" and ".join(pair), pair, pair["seat.angle"])
+            yield change(" and ".join(pair), pair, next(iter(pair.values())))
             angles = {path: value for path, value in angles.items() if path not in pair}
         for (body, *keys), (middle, width) in _RINGS.items():
             edges = {path: lengths[path] for key in keys if (path := f"{body}.{key}") in lengths}

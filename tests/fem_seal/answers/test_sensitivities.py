@@ -216,6 +216,27 @@ def test_faces_that_fit_each_other_are_turned_together():
     assert "closure.angle and seat.angle" in keys and not {"closure.angle", "seat.angle"} & keys
 
 
+def test_flanges_and_a_gasket_that_fits_them_are_turned_together():
+    flange = {"shape": "conical-face", "bore_radius": "94 mm", "face_radius": "103 mm", **STEEL}
+    ring = {
+        "shape": "double-cone",
+        "inner_radius": "85 mm",
+        "outer_radius": "100 mm",
+        "height": "25 mm",
+        **STEEL,
+    }
+    tables = {
+        "closure": {**flange, "angle": "60 deg"},
+        "gasket": {**ring, "rim_height": "12 mm", "edge_radius": "0.5 mm", "angle": "60 deg"},
+    }
+    for more in ({"seat": None}, {"seat": {**flange, "angle": "60 deg", "bore_radius": "93 mm"}}):
+        of = case(**tables, **more)
+        keys = {one.key for one in _ChangedSeal(SimpleNamespace(case=of), 0)._dimensions()}
+        assert [one for one in keys if "angle" in one] == [
+            "closure.angle and gasket.angle" + (" and seat.angle" if more["seat"] else "")
+        ]
+
+
 def test_dimensions_are_told_in_the_words_of_the_case():
     _, known = found()
     one, angle = known["closure.radius"], known["seat.angle"]
