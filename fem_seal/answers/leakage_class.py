@@ -73,8 +73,10 @@ def nominal_size(case: Case) -> NominalSize:
     """
     from leak import nominal_size_of_bore
 
-    bore = getattr(case.closure if case.gasket else case.seat, "bore_radius", None)
-    diameter = 2.0 * (case.initial_contact_radius if bore is None else bore)
+    # of two different flanges the narrower one, whichever of them is above
+    bores = [getattr(one.closure if case.gasket else one.seat, "bore_radius", None) for one in _faces(case)]
+    bore = min((one for one in bores if one is not None), default=None)
+    diameter = 2.0 * (min(one.initial_contact_radius for one in _faces(case)) if bore is None else bore)
     of = told_of("bore of the seat" if case.gasket is None else "bore of the closure", faces=case.faces)
     circle = "circle of first touch" if bore is None else of
     if case.leak.nominal_size is not None:
@@ -266,11 +268,18 @@ def class_size(case: Case, *, per_length: bool | None = None) -> tuple[str, str]
 def seal_length(case: Case) -> float:
     """Circumference of the circle of first touch, to which leak rates per length refer [m].
 
+    Of two different faces of a gasket the mean.
+
     Parameters
     ----------
     case : Case
     """
-    return 2.0 * math.pi * case.initial_contact_radius
+    return 2.0 * math.pi * sum(one.initial_contact_radius for one in _faces(case)) / len(_faces(case))
+
+
+def _faces(case: Case) -> tuple[Case, ...]:
+    """The case with each of two different flanges on both faces; only itself where they are alike."""
+    return (case,) if case.lower_half is None else (case, case.lower_half)
 
 
 def _per_length(case: Case) -> dict[str, float]:

@@ -100,7 +100,7 @@ def seal_judgement(
     missing : mapping
         Fluid pressure [Pa] and applied force [N] of each load without a result, with the reason.
     hardness : float, optional
-        Of the softer body [Pa].
+        Of the softer body, of two different faces that of the upper one [Pa].
     """
     required = case.requirement
     if required is None:
@@ -118,7 +118,8 @@ def seal_judgement(
         return None
     number, point, worst = max(every, key=lambda one: severity(one[2]))
     numbers = tuple(number for number, _, _ in found)
-    shares = _shares([loads[n] for n in numbers], hardness)
+    hard = (hardness, None if case.lower_half is None else case.lower_half.hardness)
+    shares = _shares([loads[n] for n in numbers], hard)
     return SealJudgement(worst, *point, number, numbers, len(left_out), shares)
 
 
@@ -140,10 +141,12 @@ def of_missing(case: Case, point: tuple[float, float], problem: LoadProblem) -> 
     return Judgement(Verdict.INCONCLUSIVE, math.nan, VerdictReason.UNKNOWN, limit, reason=problem.message)
 
 
-def _shares(loads: Sequence[LoadResult], hardness: float | None) -> Utilisation:
+def _shares(loads: Sequence[LoadResult], hardness: tuple[float | None, float | None]) -> Utilisation:
+    """The largest of all loads and, where they differ, of both faces, each of which has a hardness."""
+    faces = [(side, *one) for load in loads for side, one in enumerate(load.each_face)]
     stressed = [
-        (float(load.contact.fields[name].von_mises.max()) / limit, name)
-        for load in loads
+        (float(load.contact.fields[name].von_mises.max()) / limit, f"{which}{name}")
+        for _, which, load in faces
         # without a look at the stress, which a model without displacements does not hold
         for name in ("closure", "seat")
         if (limit := getattr(load.contact.model, name).material.yield_stress) is not None
@@ -151,15 +154,11 @@ def _shares(loads: Sequence[LoadResult], hardness: float | None) -> Utilisation:
     stress, body = max(stressed, default=(None, ""))
     openings = [load.opening.share for load in loads if load.opening is not None]
     peaks = [
-        load.peak_pressure if load.formed is None else float(load.formed.peak_pressure.max())
-        for load in loads
+        (load.peak_pressure if load.formed is None else float(load.formed.peak_pressure.max())) / hard
+        for side, _, load in faces
+        if (hard := hardness[side]) is not None
     ]
-    return Utilisation(
-        stress,
-        body,
-        None if hardness is None or not peaks else max(peaks) / hardness,
-        min(openings, default=None),
-    )
+    return Utilisation(stress, body, max(peaks, default=None), min(openings, default=None))
 
 
 @dataclass(frozen=True)

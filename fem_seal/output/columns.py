@@ -177,8 +177,14 @@ def _interval_end(load: LoadResult, which: int) -> float | None:
 
 
 def _per_length(load: LoadResult, value: float | None) -> float | None:
-    """A number per length of the circle of first touch."""
-    return None if value is None else value / (2.0 * math.pi * load.contact.model.initial_contact_radius)
+    """A number per length of the circle of first touch, of two different faces the mean of both."""
+    radii = [one.contact.model.initial_contact_radius for _, one in load.each_face]
+    return None if value is None else value / (2.0 * math.pi * sum(radii) / len(radii))
+
+
+def _line_load_for_target(load: LoadResult) -> float | None:
+    force = load.contact_force_for_target
+    return None if force is None else force / (2.0 * math.pi * load.contact.model.initial_contact_radius)
 
 
 def _of_bolt(name: str) -> Callable[[LoadResult], float | None]:
@@ -229,7 +235,7 @@ _OF: dict[str, Callable[[LoadResult], float | None]] = {
     "leak_rate_round_m3_per_s": lambda load: None if load.formed is None else _rate(load.leak_round),
     "leak_rate_scratches_low_m3_per_s": lambda load: _of_scratches(load, 0),
     "leak_rate_scratches_high_m3_per_s": lambda load: _of_scratches(load, 1),
-    "line_load_for_target_N_per_m": lambda load: _per_length(load, load.contact_force_for_target),
+    "line_load_for_target_N_per_m": _line_load_for_target,
     "leak_rate_per_length_m2_per_s": lambda load: _per_length(load, _rate(load.leak)),
     "leak_rate_per_length_kg_per_m_s": lambda load: _per_length(load, getattr(load.leak, "mass_flow", None)),
     "leak_rate_per_length_Pa_m2_per_s": lambda load: _per_length(

@@ -11,6 +11,7 @@ from fem_seal import units
 from fem_seal.answers import leakage_class
 from fem_seal.answers.judgement import Limit, SealJudgement, Utilisation, VerdictReason, worst_of
 from fem_seal.case.fields import Bubbles, NormalVolume, Throughput
+from fem_seal.files import told_of
 from fem_seal.output.prose import phrase
 from fem_seal.output.shown import Shown
 from fem_seal.seal.findings import YIELD_STRESS, Level
@@ -290,7 +291,7 @@ def used_in_words(result: SealSolution, shares: Utilisation) -> str:
     shares : Shares
     """
     return ", ".join(
-        phrase("verdict.used", name, share=share, body=shares.body)
+        phrase("verdict.used", name, share=share, body=told_of(shares.body, faces=result.case.faces))
         for name, share in _shares(result, shares).items()
     )
 
@@ -328,7 +329,8 @@ def verdict_facts(result: SealSolution) -> list[tuple[str, str, str]]:
     if likely is not None and likely.passing is not None and not likely.passing.why_none:
         facts.append(("Passes", _in_percent(likely.passing.share), phrase("verdict.facts", "passes")))
     for name, share in _shares(result, shares).items():
-        facts.append((_USED[name], share, phrase("verdict.facts", name, body=shares.body)))
+        body = told_of(shares.body, faces=result.case.faces)
+        facts.append((_USED[name], share, phrase("verdict.facts", name, body=body)))
     return facts
 
 

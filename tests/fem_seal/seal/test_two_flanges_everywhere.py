@@ -13,10 +13,12 @@ import pytest
 from flanges import BOTH, COARSE, CONE, DISC, FINE, STEEL, surface, tables
 
 from fem_seal import Case, SealResult, blow_off_pressures, calibrate, run
+from fem_seal.answers.leakage_class import nominal_size, seal_length
 from fem_seal.answers.pass_probability import pass_probabilities
 from fem_seal.answers.sensitivities import sensitivities
 from fem_seal.answers.target import contacts_at_target
 from fem_seal.answers.variants import theory_variants
+from fem_seal.answers.verdict import seal_judgement, with_judgements
 from fem_seal.explore.factors import factors_of
 from fem_seal.explore.live import Live
 from fem_seal.output.columns import COLUMNS
@@ -63,6 +65,42 @@ def test_two_equal_faces_leak_as_alike_ones() -> None:
 
 def test_faces_may_be_swapped() -> None:
     assert rates(seal_of(UNLIKE)) == pytest.approx(rates(seal_of(SWAPPED)), rel=1e-9)
+
+
+def test_what_is_told_per_length_or_size_is_the_same_upside_down() -> None:
+    """The circles of first touch, 20 mm and 20 mm + 2 mm sin 20 deg, and one bore of 34 mm."""
+    mean = 2 * np.pi * (20e-3 + 1e-3 * np.sin(np.radians(20)))
+    for one in (UNLIKE, SWAPPED):
+        (load,) = seal_of(one).loads
+        assert seal_length(one) == pytest.approx(mean, rel=1e-9)
+        per_length = COLUMNS["leak_rate_per_length_m2_per_s"].of(load)
+        assert load.leak is not None
+        assert per_length == pytest.approx(load.leak.leak_rate / mean, rel=1e-9)
+        assert nominal_size(one).diameter == pytest.approx(34e-3, rel=1e-12)
+
+
+def test_the_share_that_is_used_is_that_of_the_face_which_uses_more() -> None:
+    """A lower flange of a softer and weaker metal; what is said of it does not depend on which of both is above."""
+    weak = {**STEEL, "yield_stress": "50 MPa", "hardness": "1 GPa"}
+    below, above = ({**one, "material": weak} for one in (CONE, DISC))
+    required = {"requirement": {"leak_rate": "1 mbar l/s"}}
+    found = {}
+    for name, bodies in {
+        "lower": (DISC, below),
+        "upper": (below, DISC),
+        "neither": (DISC, CONE),
+        "both": (above, below),
+    }.items():
+        of = case(bodies[0], FINE, seat=bodies[1], **required)
+        seal = seal_of(of)
+        judged = seal_judgement(of, with_judgements(of, seal.loads), {}, of.hardness)
+        assert judged is not None
+        found[name] = judged.shares
+    assert found["lower"].body == "lower closure" and found["upper"].body == "closure"
+    assert found["lower"].yield_stress == pytest.approx(found["upper"].yield_stress, rel=1e-9)
+    assert found["lower"].hardness == pytest.approx(found["upper"].hardness, rel=1e-9)
+    assert found["lower"].hardness > 2 * found["neither"].hardness and found["neither"].yield_stress is None
+    assert found["both"].yield_stress >= found["lower"].yield_stress
 
 
 def test_a_very_rough_face_decides() -> None:
