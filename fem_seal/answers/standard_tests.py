@@ -11,12 +11,13 @@ from typing import Any
 from fem_seal.answers.accuracy import ACCURACY
 from fem_seal.answers.answer import Answer, Inquiry
 from fem_seal.answers.findings import FINDINGS
-from fem_seal.answers.judgement import Judgement
+from fem_seal.answers.judgement import Judgement, Limit, Verdict, VerdictReason
 from fem_seal.answers.opening import OPENING
 from fem_seal.answers.uncertainty import UNCERTAINTY
 from fem_seal.answers.verdict import VERDICT, of_missing
 from fem_seal.case.case import Case
 from fem_seal.case.tables import RELIEF
+from fem_seal.errors import LoadProblem, NoLoadLeftError, SealError
 from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.load_result import SolvedSeal
 from leak.standards import ClosureTest
@@ -83,7 +84,7 @@ class SetPressure:
     loads: tuple[TestedLoad, ...]
 
 
-def under_test(case: Case, test: ClosureTest) -> Case:
+def under_test(case: Case, test: ClosureTest, *, at: float | None = None) -> Case:
     """A case as a standard tests it: its fluid at room temperature, its pressure, and its class alone required.
 
     The applied force is that of the load whose fluid pressure is nearest.
@@ -93,19 +94,15 @@ def under_test(case: Case, test: ClosureTest) -> Case:
     case : Case
         That requires a class of the standard.
     test : ClosureTest
+    at : float, optional
+        Fluid pressure in place of that of the test [Pa].
 
     Raises
     ------
     InputError
         If the seal cannot be calculated with this fluid.
     """
-    required = case.requirement
-    rated = (
-        case.set_pressure if required is None or required.rated_pressure is None else required.rated_pressure
-    )
-    assert required is not None and rated is not None  # of the checks
-    pressure = test.pressure(rated)
-    _, force = min(case.load.points, key=lambda point: abs(point[0] - pressure))
+    pressure, (_, force) = _load_of_test(case, test)
     tables = case.written
     tables.pop("temperature", None)
     # water and air are known
@@ -121,9 +118,33 @@ def under_test(case: Case, test: ClosureTest) -> Case:
             **tables,
             "fluid": {"name": test.medium},
             "requirement": required_only,
-            "load": _load_of(tables["load"], [pressure], force),
+            "load": _load_of(tables["load"], [pressure if at is None else at], force),
         }
     )
+
+
+def _load_of_test(case: Case, test: ClosureTest) -> tuple[float, tuple[float, float]]:
+    """Fluid pressure of a test [Pa], and fluid pressure and applied force of the load that is nearest."""
+    required = case.requirement
+    assert required is not None  # of the checks
+    rated = case.set_pressure if required.rated_pressure is None else required.rated_pressure
+    assert rated is not None  # as well
+    pressure = test.pressure(rated)
+    return pressure, min(case.load.points, key=lambda point: abs(point[0] - pressure))
+
+
+def _without_result(case: Case, test: ClosureTest, error: Exception) -> TestedLoad:
+    """The row of a test whose load has no result: it opens the seal, or nothing is known."""
+    pressure, (own, force) = _load_of_test(case, test)
+    point, problem = (pressure, force), getattr(error, "problems", (None,))[0]
+    if isinstance(problem, LoadProblem):
+        # the limit, from the test's fluid in a load that the seal holds
+        judgement = of_missing(under_test(case, test, at=own), point, problem)
+    else:
+        limit = Limit(" ".join(case.requirement and case.requirement.standard_and_class or ()), math.nan)
+        judgement = Judgement(Verdict.INCONCLUSIVE, math.nan, VerdictReason.UNKNOWN, limit)
+    rate = math.inf if judgement.verdict is Verdict.FAIL else math.nan
+    return TestedLoad(test.name, test.medium, *point, rate, Bounds(rate, rate), judgement)
 
 
 def _says_spread(table: Mapping[str, Any]) -> bool:
@@ -164,13 +185,17 @@ def _tests(seal: SolvedSeal, ask: Inquiry) -> tuple[TestedLoad, ...]:
     assert case.requirement is not None and case.fluid is not None
 
     def pressed(test: ClosureTest) -> tuple[TestedLoad, ...]:
-        return _solved(under_test(case, test), test.name, ask)[1]
+        try:
+            return _solved(under_test(case, test), test.name, ask)[1]
+        except NoLoadLeftError as error:
+            return (_without_result(case, test, error),)
 
-    tests = case.requirement.tests(gas=case.fluid.gas is not None)
+    def found(test: ClosureTest) -> tuple[TestedLoad, ...]:
+        rows = ask.steps.compute(f"the {test.name} of the standard", partial(pressed, test), ())
+        return rows or (_without_result(case, test, SealError()),)
+
     return tuple(
-        load
-        for test in tests
-        for load in ask.steps.compute(f"the {test.name} of the standard", partial(pressed, test), ())
+        load for test in case.requirement.tests(gas=case.fluid.gas is not None) for load in found(test)
     )
 
 

@@ -19,6 +19,7 @@ from fem_seal.case.tightening import problems_of_bolts
 from fem_seal.case.words import problem, sentence
 from fem_seal.errors import InputError, Problem
 from fem_seal.files import UnreadableFileError, check_file, told_of
+from fem_seal.units import briefly
 from fem_seal.units import format_quantity as written
 from meshes import GeometryError
 from meshes.errors import mm
@@ -475,6 +476,8 @@ def _own_tests(case: CaseTables, required: Requirement, *, gas: bool) -> Iterato
         yield problem("rated_pressure_of_relief")
     elif standard != RELIEF and required.rated_pressure is None:
         yield problem("rated_pressure_missing")
+    elif (held := case.set_pressure) and any(not one.pressure(held) > 0.0 for one in required.tests(gas=gas)):
+        yield problem("set_pressure_of_test", held=briefly("fluid pressure", held))
 
 
 def _class(required: Requirement, *, gas: bool) -> Iterator[Problem]:

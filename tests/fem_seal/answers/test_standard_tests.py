@@ -12,7 +12,7 @@ import fem_seal
 from fem_seal import InputError, load_case
 from fem_seal.answers.judgement import worst_of
 from fem_seal.answers.standard_tests import under_test
-from fem_seal.output.answers.standard_tests import standard_in_brief
+from fem_seal.output.answers.standard_tests import in_words, standard_in_brief
 from fem_seal.output.columns import SET_PRESSURE_COLUMNS, STANDARD_TEST_COLUMNS
 from leak.standards import STANDARDS
 
@@ -77,6 +77,36 @@ def test_a_test_is_a_run_of_its_own(tested) -> None:
         assert load.judgement == one.judgement
 
 
+@pytest.mark.parametrize("closing", ["sealed-area", "penetration"])
+def test_a_test_that_opens_the_valve_fails_it(closing) -> None:
+    """A spring of 50 bar, tested with water at 66 bar and with air at 6 bar, in service at 30 bar."""
+    load = {"fluid_pressure": "30 bar", "applied_force": f"{math.pi * RADIUS**2 * 50e5} N"}
+    case = load_case(
+        {
+            **VALVE,
+            "load": {**load, "pressure_side": "inner", "closing": closing},
+            "requirement": {**VALVE["requirement"], "rated_pressure": "60 bar", "class": "G"},
+        }
+    )
+    found = fem_seal.run(case, sensitivities=False)
+    water, air = found.standard_tests
+    assert (water.fluid_pressure, water.leak_rate) == (pytest.approx(66e5), math.inf)
+    assert water.judgement.verdict == "fail" and water.judgement.margin == 0.0
+    assert water.judgement.limit.leak_rate == pytest.approx(8 * 2e-9)
+    assert math.isfinite(air.leak_rate) and worst_of(found.standard_tests) == "fail"
+    assert "the seal is open: fail" in " ".join(in_words(found))
+
+
+def test_a_test_that_cannot_be_calculated_leaves_the_verdict_open() -> None:
+    """Fluid in the gap is calculated for liquids alone: nothing is known of the test with air."""
+    found = fem_seal.run({**VALVE, "leak": {**VALVE["leak"], "fluid_in_gap": "local"}}, sensitivities=False)
+    water, air = found.standard_tests
+    assert math.isfinite(water.leak_rate) and math.isnan(air.leak_rate)
+    assert air.judgement.verdict == "inconclusive" and air.medium == "air"
+    assert worst_of(found.standard_tests) == "inconclusive"
+    assert "no leak rate is known: inconclusive" in " ".join(in_words(found))
+
+
 def test_spring_and_set_pressure_are_force_over_area(relief) -> None:
     found = relief.set_pressure
     assert found.radius == pytest.approx(RADIUS)
@@ -133,6 +163,10 @@ def test_files_and_words_have_them(tested, relief, tmp_path) -> None:
     ("changes", "said"),
     [
         ({"requirement": {**VALVE["requirement"], "rated_pressure": None}}, "rated_pressure: is missing"),
+        (
+            {**RELIEF, "load": {**RELIEF["load"], "fluid_pressure": "0.1 bar", "set_pressure": "0.2 bar"}},
+            "tests 5 psi below the set pressure at least, and this is 0.2 bar",
+        ),
         ({"requirement": {**VALVE["requirement"], "test": "service"}}, "gives the pressures of the tests"),
         ({"requirement": {"leak_rate": "1 ml/min", "test": "standard"}}, "needs a standard of valves"),
         ({"requirement": {"standard": "API 527"}}, "by its set pressure"),
