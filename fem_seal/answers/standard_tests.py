@@ -141,7 +141,8 @@ def _without_result(case: Case, test: ClosureTest, error: Exception) -> TestedLo
         # the limit, from the test's fluid in a load that the seal holds
         judgement = of_missing(under_test(case, test, at=own), point, problem)
     else:
-        limit = Limit(" ".join(case.requirement and case.requirement.standard_and_class or ()), math.nan)
+        assert case.requirement is not None  # of the tests
+        limit = Limit(" ".join(case.requirement.standard_and_class or ()), math.nan)
         judgement = Judgement(Verdict.INCONCLUSIVE, math.nan, VerdictReason.UNKNOWN, limit)
     rate = math.inf if judgement.verdict is Verdict.FAIL else math.nan
     return TestedLoad(test.name, test.medium, *point, rate, Bounds(rate, rate), judgement)
