@@ -104,6 +104,8 @@ def measured_in(case: Case, text: str) -> tuple[MeasuredLeak, ...]:
 
 
 def _rows(case: Case, text: str) -> Iterator[MeasuredLeak]:
+    if case.bolts is not None:
+        raise InputError(problem("measured_bolts"))
     lines = text.lstrip("\ufeff").splitlines()
     kept = [(n, line) for n, line in enumerate(lines, 1) if line.strip() and not line.startswith("#")]
     if len(kept) < 2:

@@ -42,7 +42,9 @@ from leak.theory.plasticity import READINGS
 LARGEST_MARGIN = 1e6
 _BOTH_READINGS = {"margin", *PASSING, *(leak_rate_column(one) for one in FURTHER)}
 _THEORIES = set(map(leak_rate_column, READINGS))
-_FOR_VERDICT = (ACCURACY, OPENING, TARGET, FINDINGS, UNCERTAINTY, PASS_PROBABILITY, VERDICT_FORCE, VERDICT)
+_FOR_VERDICT = (
+    *(ACCURACY, OPENING, TARGET, BOLTS, FINDINGS, UNCERTAINTY, PASS_PROBABILITY, VERDICT_FORCE, VERDICT),
+)
 _SOURCES = {
     (stress, interpolate): Shared(stress=stress, tables=family_or_own_table if interpolate else EXACT.table)
     for stress in (False, True)

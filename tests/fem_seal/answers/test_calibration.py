@@ -318,6 +318,13 @@ def test_without_a_leak_rate_nothing_is_calibrated(tmp_path):
         calibrate(case, ())
 
 
+def test_bolts_are_told_apart_from_a_force(tmp_path):
+    bolts = {"number": 4, "size": "M6", "length": "34 mm", "material": "steel", "preload": "800 N"}
+    case = seal(load__applied_force=None, bolts=bolts)
+    with pytest.raises(fem_seal.InputError, match=r"applied_force in place of \[bolts\]"):
+        fem_seal.calibrate(case, table(tmp_path, "5, 1, 10, no"))
+
+
 # -------------------------------------------------------------------- after the test
 
 

@@ -16,6 +16,7 @@ from fem_seal.output.answers.bolts import bolt_table, bolts_in_words
 from fem_seal.output.files import summary
 from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.problem import SealProblem
+from fem_seal.studies.responses import evaluate_design
 from fem_seal.studies.study import Study
 
 INNER = {"fluid_pressure": "10 bar", "pressure_side": "inner"}
@@ -263,6 +264,16 @@ def test_the_ends_of_the_preload_are_runs_of_their_own():
         )
         rate = run_loads(alone).loads[0].leak.leak_rate
         assert row[f"leak_rate_{name}_preload_m3_per_s"] == pytest.approx(rate, rel=0.02)
+
+
+def test_a_study_has_the_ends_of_the_preload_whatever_else_it_asks_for():
+    """The force for a verdict takes complete runs, in which the scatter of the torque counts as well."""
+    of = case(load=INNER, bolts={**BOLTS, "torque_scatter": 0.25}, requirement={"leak_rate": "1 ml/min"})
+    columns = "leak_rate_high_m3_per_s", "leak_rate_least_preload_m3_per_s"
+    alone, beside = evaluate_design(of, columns), evaluate_design(of, (*columns, "force_for_verdict_N"))
+    for name in columns:
+        assert beside.values[name] == pytest.approx(alone.values[name], rel=0.05)
+    assert alone.values[columns[0]] >= alone.values[columns[1]] > 0.0
 
 
 def test_the_torque_for_the_target_leaks_the_target():
