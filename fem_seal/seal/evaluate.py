@@ -7,7 +7,7 @@ solved side by side: one kind of work for all of them, then the next.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Hashable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -167,13 +167,16 @@ class Evaluation:
     def loads(self) -> tuple[LoadResult, ...]:
         """Each load with the contact that was found."""
         points, around = self.problem.loads.points, self.solved.around
+        known: dict[Hashable, LoadResult] = {}
+        # a load that comes again is the same one, and so is its leak rate
         bare = [
-            LoadResult(*point, contact, formed=formed)
+            known.setdefault((point, id(contact)), LoadResult(*point, contact, formed=formed))
             for point, contact, formed in zip(points, self.solved.contacts, around, strict=True)
         ]
-        shown = [contact for load in bare for contact in load.contacts]
+        shown = [contact for load in known.values() for contact in load.contacts]
         rough = LeakModel.of(self.problem.surface, self.problem.flow, shown, self.source.table)
-        own = tuple(load.with_values(rough=rough) for load in bare)
+        filled = {load: load.with_values(rough=rough) for load in known.values()}
+        own = tuple(filled[load] for load in bare)
         if self.lower_half is None:
             return own
         return tuple(map(LoadResult.beside, own, self.lower_half.loads))

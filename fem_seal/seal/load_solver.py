@@ -503,23 +503,25 @@ def solve_loads(
         return _solved_path(solver, progress, unload=unload)
     failures: dict[int, Exception] = {}
     problem = solver.problem
-    # the number of waves that hurts most is one for all loads, that of the highest fluid pressure
-    order = sorted(range(len(points)), key=lambda number: points[number], reverse=True)
+    # the number of waves that hurts most is one for all loads, that of the highest fluid pressure; a load that comes
+    # again finds elastic bodies as they were
     found: dict[int, tuple[ContactSolution, Circumference | None]] = {}
     bolts, held = problem.loads.bolts, dict[int, tuple[float, float]]()
-    for number in order:
+    for point in sorted(set(points), reverse=True):
+        alike = [number for number, one in enumerate(points) if one == point]
         try:
             if bolts is None:
-                contact = solver.solve_pressed(number, (pressed or {}).get(number))
+                contact = solver.solve_pressed(alike[0], (pressed or {}).get(alike[0]))
             else:
-                held[number], contact = solver.held_by_bolts(number, bolts)
+                own, contact = solver.held_by_bolts(alike[0], bolts)
+                held.update(dict.fromkeys(alike, own))
             around = problem.around(contact)
         except _NO_SOLUTION as error:
-            failures[number] = error
+            failures.update(dict.fromkeys(alike, error))
             continue
         if around is not None:
             problem = replace(problem, form=around.form)
-        found[number] = contact, around
+        found.update(dict.fromkeys(alike, (contact, around)))
     contacts = [found[number][0] for number in sorted(found)]
     formed = [around for number in sorted(found) if (around := found[number][1]) is not None]
     earlier = solver.earlier if contacts else None
