@@ -37,6 +37,12 @@ class Kept:
                 self._made.move_to_end(name)
             return self._made.get(name)
 
+    @property
+    def latest(self) -> Any:
+        """What was asked for last; None if nothing is kept."""
+        with self._lock:
+            return next(reversed(self._made.values()), None)
+
     def put(self, name: Hashable, made: Any) -> None:
         """Keep something."""
         with self._lock:

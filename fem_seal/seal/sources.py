@@ -125,14 +125,15 @@ class Bodies:
             problem.supports,
         )
 
-    def made(self) -> ContactModel:
-        """The bodies, condensed."""
+    def made(self, known: ContactModel | None = None) -> ContactModel:
+        """The bodies, condensed; of a model that is known one of them may be the same, see `condense`."""
         seal_mesh = build_contact(self.contact, self.sizing)
-        return condense(seal_mesh, {"closure": self.closure, "seat": self.seat}, self.supports)
+        materials = {"closure": self.closure, "seat": self.seat}
+        return condense(seal_mesh, materials, self.supports, known=known)
 
-    def made_light(self) -> ContactModel:
+    def made_light(self, known: ContactModel | None = None) -> ContactModel:
         """The same without the way to stresses inside of them, which takes far more memory."""
-        return self.made().line_alone
+        return self.made(known).line_alone
 
 
 def family_or_own_table(flow: FlowModel, surface: RoughContact, log_peaks: Sequence[float]) -> Conductivity:
@@ -180,7 +181,8 @@ class Shared(Source):
         """Those that are kept, of rounded sizes."""
         name = Bodies.of(problem, wanted, self.rounding)
         if not self.stress:
-            return None, self.light.get(name, name.made_light).with_stop(problem.stop)
+            made = self.light.get(name, lambda: name.made_light(self.light.latest))
+            return None, made.with_stop(problem.stop)
         can_yield = tuple(kind for kind, one in problem.materials.items() if one.yield_stress)
         if next(_uses.get(name, count)) < _WORTH_A_SCREEN:
             return None, _full.get(name, name.made).with_stop(problem.stop)

@@ -766,3 +766,22 @@ def test_pictures_hold_what_is_on_the_screen_and_are_figures_of_plotly(session, 
     # the point of the load on its curve
     marked = [trace for trace in drawn["leak"].data if trace["mode"] == "markers"]
     assert marked[-1]["x"] == [pytest.approx(30.0)]
+
+
+def test_a_body_that_a_slider_leaves_as_it_is_is_not_condensed_again():
+    session = Session(load_case(EXAMPLES / "tilted_poppet.toml"))
+    heights = ["12.2 mm", "12.4 mm"]
+    alone = Session(session.given).answer({"seat_height": heights[1]})
+    after = [session.answer({"seat_height": height}) for height in heights][1]
+    assert after.loads == alone.loads
+    closures = [model.harmonics[0] for model in session.live.bodies._made.values()]
+    assert len(closures) == 2 and closures[0] is closures[1]
+
+
+def test_a_load_that_comes_again_is_solved_once():
+    session = Session(load_case(EXAMPLES / "relief_valve.toml"))
+    evaluation, own = session.live._evaluated(session.base, waits=True)
+    contacts, loads = evaluation.solved.contacts[:own], evaluation.loads[:own]
+    for first, again in ((0, 4), (1, 3)):
+        assert contacts[first] is contacts[again] and loads[first] is loads[again]
+    assert len({id(one) for one in contacts}) == 3
