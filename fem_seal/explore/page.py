@@ -111,7 +111,7 @@ def page_of(answers: Answers, folder: Path, title: str) -> Dash:
     _follow(app, answers, scripts)
     _type(app, answers, scripts)
     _choose(app, answers)
-    _pin(app, answers)
+    _pin(app, answers, scripts)
     _files(app, answers, folder)
     return app
 
@@ -224,13 +224,15 @@ def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
             raise PreventUpdate
         asked = checked(Asked, sent, "asked")
         session = _session(answers, asked.design)
-        factors, pinned_designs = session.factors, [one for one in _pinned(pins) if answers.has(one)]
+        factors = session.factors
+        # a tab may have pinned some of a page that was here before
+        known = {n: one for n, one in enumerate(_pinned(pins)) if answers.has(one)}
         shown = checked(dict[str, Any], shown or {}, "shown")
         before = checked(Design, shown.get("design") or {}, "shown")
         screen = answers.answer(asked.design, asked.page, asked.number)
         if screen is None:
             raise PreventUpdate
-        pinned = [answers.screen(design) for design in pinned_designs]
+        pinned = [answers.screen(design) for design in known.values()]
         state, lost = _state(screen, answers), answers.lost
         kinds = [bool(screen.waiting), asked.wrong, lost, pins, dark, [one.complete for one in pinned]]
         kinds.append(screen.sensitivities)
@@ -270,7 +272,12 @@ def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
                     for name in ("verdict", "numbers", "sensitivities", "warnings")
                 },
                 "compare": elements(
-                    "compare", now=designs[0], pinned=designs[1:], labels=factors.labels, most=len(PINS)
+                    "compare",
+                    now=designs[0],
+                    pinned=designs[1:],
+                    places=[*known],
+                    labels=factors.labels,
+                    most=len(PINS),
                 ),
                 "problem": not_taken_words(factors, screen.design, asked.wrong),
                 "results": "results",
@@ -360,16 +367,14 @@ def _choose(app: Dash, answers: Answers) -> None:
         Output("entered", "data", allow_duplicate=True),
         Input({"kind": "choice", "key": ALL}, "value"),
         Input({"kind": "shape", "key": ALL}, "n_clicks"),
-        Input({"kind": "take", "number": ALL}, "n_clicks"),
         Input("reset", "n_clicks"),
         Input("back", "data"),
-        State("pins", "data"),
         State("asked", "data"),
         prevent_initial_call=True,
     )
     @answered
     def choose(*sent: Any) -> Any:
-        back, pins, asked = sent[-3:]
+        back, asked = sent[-2:]
         done, said = _done(), ""
         design = checked(Asked, asked, "asked").design
         session = _session(answers, design)
@@ -393,14 +398,9 @@ def _choose(app: Dash, answers: Answers) -> None:
         elif who == "reset":
             session = answers.session
             design = session.design({})
-        elif who == "back":
+        else:
             design = checked(Design, back, "back")
             session = _session(answers, design)
-        else:
-            pinned = _pinned(pins)
-            taken = pinned[_number_of(who, pinned)]
-            session = _session(answers, taken)
-            design = session.design(taken)
         return *_shown_controls(session, design, said), {}
 
 
@@ -451,32 +451,32 @@ def _is_choice(who: Any) -> bool:
     return isinstance(who, dict) and who.get("kind") == "choice"
 
 
-def _number_of(who: Any, several: list[Any]) -> int:
-    """The place that an element with a number belongs to."""
-    return place_of(who.get("number") if isinstance(who, dict) else None, several, "number")
-
-
-def _pin(app: Dash, answers: Answers) -> None:
+def _pin(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
     @app.callback(
         Output("pins", "data"),
         Input("pin", "n_clicks"),
-        Input({"kind": "remove", "number": ALL}, "n_clicks"),
         State("pins", "data"),
         State("asked", "data"),
         prevent_initial_call=True,
     )
     @answered
-    def pin(_: Any, removes: Any, pins: Any, asked: Any) -> Any:
-        (who, _), pins = next(iter(_done()), (None, None)), _pinned(pins)
-        if who is None:
-            raise PreventUpdate
-        if who == "pin":
-            sent = checked(Asked, asked, "asked").design
-            design = _session(answers, sent).design(sent)
-            # the fifth takes the place of the first
-            return pins if design in pins else [*pins, design][-len(PINS) :]
-        gone = _number_of(who, pins)
-        return [one for number, one in enumerate(pins) if number != gone]
+    def pin(_: Any, pins: Any, asked: Any) -> Any:
+        sent, pins = checked(Asked, asked, "asked").design, _pinned(pins)
+        design = _session(answers, sent).design(sent)
+        # the fifth takes the place of the first
+        return pins if design in pins else [*pins, design][-len(PINS) :]
+
+    # In the browser: the buttons are made anew with every answer, and dash drops what a callback is still asking for
+    # when one of its inputs is made anew. A click on another button would be lost.
+    app.clientside_callback(
+        scripts["pinned"],
+        Output("back", "data", allow_duplicate=True),
+        Output("pins", "data", allow_duplicate=True),
+        Input({"kind": "take", "number": ALL}, "n_clicks"),
+        Input({"kind": "remove", "number": ALL}, "n_clicks"),
+        State("pins", "data"),
+        prevent_initial_call=True,
+    )
 
 
 def _files(app: Dash, answers: Answers, folder: Path) -> None:

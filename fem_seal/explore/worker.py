@@ -393,8 +393,8 @@ class Answers:
         """The session of another case."""
         with self._lock:
             name = str(len(self._sessions))
-            self.newest = self._sessions[name] = Session(case, name=name, like=self.session)
-            return self.newest
+            made = self._sessions[name] = Session(case, name=name, like=self.session)
+            return made
 
     def has(self, design: Mapping[str, str]) -> bool:
         """Whether the case that a design belongs to is one of this page."""
@@ -411,8 +411,11 @@ class Answers:
         number : int
             Of its question, counted up.
         """
-        design = self.of(design).design(design)
+        session = self.of(design)
+        design = session.design(design)
         with self._lock:
+            # with which a page begins that is opened again
+            self.newest = session
             self._newest[page] = max(number, self._newest.get(page, 0))
         if design == self._awaited:
             return self._first_answer(design)

@@ -95,6 +95,15 @@ function step(_undo, _redo, history) {
     return [{...history, designs: designs, at: at, moved: ""}, design];
 }
 
+function pinned(_takes, _removes, pins) {
+    // Controls of a pinned design, or the pinned designs without one. Buttons that were only made anew have no clicks.
+    const none = window.dash_clientside.no_update;
+    const clicked = window.dash_clientside.callback_context.triggered.find(one => one.value);
+    if (!clicked) { return [none, none]; }
+    const who = JSON.parse(clicked.prop_id.slice(0, clicked.prop_id.lastIndexOf(".")));
+    return who.kind === "take" ? [pins[who.number], none] : [none, pins.filter((_, number) => number !== who.number)];
+}
+
 function answered(shown) {
     if (shown && window.onItsWay) {
         window.onItsWay.answered = Math.max(window.onItsWay.answered, shown.number);

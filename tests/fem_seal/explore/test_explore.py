@@ -512,7 +512,7 @@ def test_odd_paths_end_in_one_line(session, path, capfd):
 CALLBACK = {
     "output": "pins.data",
     "outputs": {"id": "pins", "property": "data"},
-    "inputs": [{"id": "pin", "property": "n_clicks", "value": 1}, []],
+    "inputs": [{"id": "pin", "property": "n_clicks", "value": 1}],
     "changedPropIds": ["pin.n_clicks"],
     "state": [
         {"id": "pins", "property": "data", "value": []},
