@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from fem_seal.explore.screen import LEAK, Shown, preliminary_words
 from fem_seal.files import own_tables
-from fem_seal.units import Unit, fixed_unit, unit_for
+from fem_seal.units import Unit, fixed_unit, flow_unit, number, unit_for
 
 if TYPE_CHECKING:
     from fem_seal.explore.screen import Screen, Section, ShownLoad, ShownProfile
@@ -135,8 +135,14 @@ def section_figure(section: Section | None, dark: bool, profile: ShownProfile | 
     above, below = ("high pressure", LIVE), ("low pressure", _GREY)
     if section.pressure_side != "outer":
         above, below = below, above
-    figure.add_note(outer, high, *above, xanchor="right", yanchor="top")
-    figure.add_note(0, low, *below, xanchor="center", yanchor="bottom")
+    veil = {"bgcolor": figure.colours["veil"], "borderpad": 0}
+    if section.middle is None:
+        figure.add_note(outer, high, *above, xanchor="right", yanchor="top", **veil)
+        figure.add_note(0, low, *below, xanchor="center", yanchor="bottom", **veil)
+    else:
+        # the gap between flanges has no room for words
+        inside = f"{below[0]} inside the ring, {above[0]} outside"
+        figure.add_note(0, low, inside, figure.ink, xanchor="center", yanchor="top", yshift=-4)
     touch = f"r₀ = {r0:.4g} {unit.name}, contact angle {math.degrees(section.angle):.4g}°"
     figure.add_note(0, 1, touch, figure.ink, xref="x domain", yref="paper", xanchor="left", yanchor="top")
     _add_detail(figure, section, profile, unit)
@@ -213,7 +219,10 @@ def leak_figure(shown: Sequence[Shown], dark: bool) -> Figure:
         for name in ("leak_rate_m3_per_s", "leak_rate_high_m3_per_s")
     ]
     rates = [rate for rate in rates if math.isfinite(rate) and rate > 0]
-    unit = unit_for("flow", math.exp(sum(map(math.log, rates)) / len(rates)) if rates else 1e-8)
+    # that of the number beside the picture
+    own = [] if now.load is None else [now.load.values[name] for name in LEAK]
+    middle = math.exp(sum(map(math.log, rates)) / len(rates)) if rates else 1e-8
+    unit = flow_unit(own) or unit_for("flow", middle)
     force = _over_force(now)
     axis = "force" if force else "fluid pressure"
     load_unit = unit_for(axis, max((_place(load, force) for load in now.loads), default=1e5))
@@ -223,7 +232,12 @@ def leak_figure(shown: Sequence[Shown], dark: bool) -> Figure:
         if allowed > 0:
             figure.add_level(unit.of(allowed), f"allowed: {name}", _LIMIT)
     spread = max(rates) / min(rates) if rates else math.inf
-    ticks = {"dtick": None, "nticks": 6} if spread < 3 else {"dtick": "D2" if spread < 100 else 1}
+    ticks: dict[str, Any] = {"dtick": None, "nticks": 6} if spread < 3 else {"dtick": 1}
+    if 3 <= spread < 100:
+        # plotly itself writes a 5 for 0.5 and for 50
+        low, high = (math.floor(math.log10(unit.of(end(rates)))) for end in (min, max))
+        marks = [step * 10.0**power for power in range(low - 1, high + 2) for step in (1, 2, 5)]
+        ticks = {"tickvals": marks, "ticktext": [number(one, 1) for one in marks]}
     # in two lines: one is longer than the axis
     title = f"leak rate [{unit.name}]" + (f"<br>at {now.volume.state}" if now.volume.state else "")
     figure.update("yaxis", title, type="log", exponentformat="power", **ticks)

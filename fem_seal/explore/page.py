@@ -77,7 +77,7 @@ _REST, _ASK_AGAIN, _ASK_AT_REST = 0.4, 300, 2000
 _PICTURES = {
     "section": "Section",
     "leak": "Leak rate",
-    "profile": "Contact pressure across the seat",
+    "profile": "Contact pressure across the seat; dashed: fluid pressure",
     "gap": "Gap across the seat",
 }
 # Elements whose contents follow the sliders.
@@ -461,6 +461,8 @@ def _pin(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
     )
     @answered
     def pin(_: Any, pins: Any, asked: Any) -> Any:
+        if not _done():
+            raise PreventUpdate
         sent, pins = checked(Asked, asked, "asked").design, _pinned(pins)
         design = _session(answers, sent).design(sent)
         # the fifth takes the place of the first
