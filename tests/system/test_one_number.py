@@ -110,10 +110,33 @@ def test_they_agree_whatever_the_problem_is(kind):
     assert_one_number(case.replace(one))
 
 
+ASKED = {
+    "class": ("ball_on_land", {"standard": "ISO 5208", "class": "B"}),
+    # a gas, whose limit is one of its own unit
+    "vacuum": ("helium", {"leak_rate": "4e-3 mbar l/s"}),
+    # that passes in service, at fewer bars than in the test
+    "test of the standard": (
+        "helium",
+        {"standard": "ISO 5208", "class": "F", "test": "standard", "rated_pressure": "16 bar"},
+    ),
+    "relief valve": ("relief_valve", {"leak_rate": "25 ul/min"}),
+    # asperities that yield, in two readings
+    "interval": ("poppet_on_land", {"leak_rate": "1 ml/min"}),
+    "share": ("drawing_finish", {"leak_rate": "6 ml/min"}),
+}
+
+
+def example_of(name):
+    """An example, or one with the requirement of that name."""
+    example, asked = ASKED.get(name, (name, {}))
+    case = fem_seal.load_case(EXAMPLES / f"{example}.toml")
+    return case.replace({f"requirement.{key}": value for key, value in asked.items()})
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("example", sorted(path.stem for path in EXAMPLES.glob("*.toml")))
+@pytest.mark.parametrize("example", [*sorted(path.stem for path in EXAMPLES.glob("*.toml")), *ASKED])
 def test_every_number_of_the_page_stays_when_the_sliders_rest(example):
-    session = Session(fem_seal.load_case(EXAMPLES / f"{example}.toml"))
+    session = Session(example_of(example))
     live = screen_of_page(session)
     rests = complete_screen(session.design({}), fem_seal.run(session.case({}), sensitivities=False))
     loads = {(one.applied_force, one.values["fluid_pressure_Pa"]): one for one in rests.loads}
@@ -125,6 +148,11 @@ def test_every_number_of_the_page_stays_when_the_sliders_rest(example):
         assert {name: one.values[name] for name in names} == pytest.approx(expected, rel=1e-2, nan_ok=True)
         # a design that does not follow the sliders is shown when its mesh is judged, too
         assert one.level == then.level or session.slow(session.base)
-    assert live.limits == rests.limits
-    assert live.facts == (() if live.widens else rests.facts)
+    # that of a class follows the fluid of its test through the seal
+    assert dict(live.limits) == pytest.approx(dict(rests.limits), rel=1e-3)
+    # shares of samples and of the yield stress in the bodies take a complete run
+    later = ("Passes", "Of the yield stress")
+    assert live.facts == (() if live.widens else tuple(one for one in rests.facts if one[0] not in later))
+    # the verdict with its load, leak rate, limit and margin
+    assert live.told[:1] == (() if live.widens else rests.told[:1])
     assert live.verdict == ("" if live.widens else rests.verdict)
