@@ -692,6 +692,23 @@ def flow_unit(leak_rates: Collection[float]) -> Unit | None:
     return units[-1]
 
 
+def shared_flow_unit(leak_rates: Collection[float]) -> Unit:
+    """The unit of a table or picture of leak rates: that of sentences with them, or of the largest if there is none.
+
+    Parameters
+    ----------
+    leak_rates : collection of float
+        [m^3/s]
+
+    Examples
+    --------
+    >>> shared_flow_unit((3.8e-7, 2e-6)).name, shared_flow_unit((1e-13, 2e-6)).name
+    ('ml/min', 'l/min')
+    """
+    largest = max((one for one in leak_rates if math.isfinite(one)), default=0.0)
+    return flow_unit(leak_rates) or unit_for("flow", largest)
+
+
 def percent(share: float | None, digits: int = 2) -> str:
     """A share in per cent."""
     return "–" if share is None or not math.isfinite(share) else f"{number(100 * share, digits)} %"

@@ -40,7 +40,7 @@ TEST_COLUMNS = (
     "expected_width",
     "narrowing",
 )
-# An input of whose width less than this has gone is one that the readings say nothing about, and a theory that is this
+# An input of whose width less than this has gone is one that the readings say little about, and a theory that is this
 # many times as likely as another is preferred.
 _LEARNED, _PREFERRED = 0.1, 3.0
 

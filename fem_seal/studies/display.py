@@ -16,7 +16,7 @@ from fem_seal.files import own_tables
 from fem_seal.output.columns import COLUMNS
 from fem_seal.seal.findings import Level
 from fem_seal.studies.designs_table import SHARES, Designs
-from fem_seal.units import Unit, kind_of, number, unit_for
+from fem_seal.units import Unit, kind_of, number, shared_flow_unit, unit_for
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -196,8 +196,16 @@ class Display:
             si, kind = "" if name in self.designs.done else "SI", ""
         if not kind:
             return Unit(si, 1.0)
-        values = self.numbers(name).to_numpy(dtype=float)
-        return unit_for(kind, float(np.abs(values[np.isfinite(values)]).max(initial=0.0)))
+        # leak rates stand beside each other
+        responses = self.designs.about["responses"]
+        names = [one for one in responses if COLUMNS[one].kind == kind == "flow"] or [name]
+        values = np.concatenate([self.numbers(one).to_numpy(dtype=float) for one in names])
+        values = np.abs(values[np.isfinite(values)])
+        return (
+            shared_flow_unit(values.tolist())
+            if kind == "flow"
+            else unit_for(kind, float(values.max(initial=0.0)))
+        )
 
 
 # Parts of a path that say nothing more to a reader.

@@ -140,9 +140,9 @@ def sections(designs: designs_table.Designs) -> Iterator[Section]:
     yield from _plotted("Search", words.search(designs), plots.search_plot(display))
     line = share_text(designs.confidence) if designs_table.PASSES in designs.done else ""
     yield from _plotted("Map", words.crosses(designs, line), plots.map_plot(display))
-    yield from _plotted(
-        "Responses over parameters", part + words.hollow(designs), plots.response_plot(display)
-    )
+    # two menus side by side
+    responses = plots.response_plot(display)
+    yield from _plotted("Responses over parameters", part + words.hollow(designs), responses, broad=True)
     yield from _plotted("All designs", parallel, plots.parallel_plot(display), broad=True)
     yield from _sensitivity(display)
     if not batch:

@@ -231,9 +231,11 @@ def _dimension(display: Display, rows: pd.Index, name: str) -> dict[str, Any]:
     values = scaled(np.array(shown, dtype=float))
     ticks = np.linspace(values.min(), values.max(), 6)
     numbers = (10**ticks if display.logarithmic(name) else ticks).tolist()
-    if name in display.designs.parameters and len(set(shown)) <= FEW:
-        numbers = sorted(set(shown))
-        ticks = scaled(np.array(numbers))
+    own = scaled(np.array(sorted(set(shown))))
+    # as far apart as their texts are high
+    apart = np.diff(own).min(initial=np.inf) >= 0.05 * np.ptp(own)
+    if name in display.designs.parameters and len(own) <= FEW and apart:
+        numbers, ticks = sorted(set(shown)), own
     return {
         "label": display.label(name),
         "values": values.tolist(),

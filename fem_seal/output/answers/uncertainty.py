@@ -15,7 +15,7 @@ from fem_seal.output.prose import phrase
 from fem_seal.output.shown import ReadableTable, Shown
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.load_result import LoadResult, rate_of
-from fem_seal.units import LIQUID, LeakVolume, format_digits, leak_range_text, percent, unit_for
+from fem_seal.units import LIQUID, LeakVolume, format_digits, leak_range_text, percent, shared_flow_unit
 
 
 def told_after_test(load: LoadResult, volume: LeakVolume = LIQUID, interval: str = "") -> str:
@@ -43,7 +43,7 @@ def interval_table(result: SealSolution) -> ReadableTable:
         return ReadableTable((), ())
     ends = [one or (math.nan, math.nan) for one in result.leak_ranges]
     volume = volume_of(result.case)
-    unit = volume.named(unit_for("flow", max(high for _, high in ends)))
+    unit = volume.named(shared_flow_unit([one for several in ends for one in several]))
     span, tested = percent(interval.confidence), interval.error_scores is not None
     names, of_inputs = interval.inputs, interval.shares
     if tested:

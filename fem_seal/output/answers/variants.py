@@ -22,7 +22,7 @@ def variant_table(result: SealSolution) -> ReadableTable:
     ends = [rate for one in result.interface_variants for rate in (one.leak_rate, *one.others.values())]
     rates = [rate for rate in ends if rate is not None]
     volume = volume_of(result.case)
-    unit = volume.named(units.unit_for("flow", max(rates, default=0.0)))
+    unit = volume.named(units.shared_flow_unit(rates))
     load = result.strongest
     used = result.case.interface.plastic
     return worded_table(
@@ -63,9 +63,9 @@ def theory_table(result: SealSolution) -> ReadableTable:
     lowest = min(range(len(result.loads)), key=lambda n: result.loads[n].point)
     shown = list(dict.fromkeys((lowest, highest_load(result.loads))))
     of_case = [load.leak.leak_rate if load.leak else 0.0 for load in result.loads]
-    largest = max(variant.leak_rate[n] for variant in result.theory_variants for n in shown)
+    rates = [variant.leak_rate[n] for variant in result.theory_variants for n in shown]
     volume = volume_of(result.case)
-    unit = volume.named(units.unit_for("flow", largest))
+    unit = volume.named(units.shared_flow_unit(rates))
     headings = ["p(u)", "channels", "P(u)", "percolation threshold"]
     for n in shown:
         pressure = load_name(result.loads[n], result.loads)

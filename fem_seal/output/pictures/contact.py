@@ -280,7 +280,8 @@ def contact_picture(result: SealSolution, load: LoadResult) -> style.Picture:
     above.set_ylim(0.0, 1.08 * load.peak_pressure / pressure.size)
     below.set_xlim(low / length.size, high / length.size)
     below.set_ylim(-0.3 * top / gap.size, top / gap.size)
-    below.set_yticks([one for one in below.get_yticks() if 0.0 <= one <= top / gap.size])
+    # one at the upper end would stand on the zero of the pressure
+    below.set_yticks([one for one in below.get_yticks() if 0.0 <= one <= 0.88 * top / gap.size])
     width, height = style.inches(below)
     times = (high - low) / width / (1.3 * top / height)
     how: dict[str, Any] = {"transform": below.transAxes, "va": "center", "bbox": _ON_FLUID}

@@ -27,7 +27,7 @@ from fem_seal.output.pictures.style import (
 from fem_seal.output.prose import phrase
 from fem_seal.seal.load_names import load_axis, load_name
 from fem_seal.seal.readings import FURTHER, OWN, WORDS
-from fem_seal.units import format_digits, percent, unit_for
+from fem_seal.units import format_digits, percent, shared_flow_unit
 from leak import Reading
 
 if TYPE_CHECKING:
@@ -89,7 +89,10 @@ def draw_leak(axes: Axes, result: SealSolution, *, beside: bool = False) -> bool
     outside = np.array([load.validity.outside for load in loads])
     curves = _curves(result, loads)
     shown = np.concatenate([values for _, values, _, _ in curves if beside] or [rates])
-    volume, unit = volume_of(result.case), unit_for("flow", float(rates.max() or np.nanmax(shown)))
+    volume, unit = (
+        volume_of(result.case),
+        shared_flow_unit((*rates, *ends.flat) if rates.any() else (*shown,)),
+    )
     for name, values, colour, width in curves if beside else curves[:1]:
         how: dict[str, Any] = {"color": colour, "linewidth": 0.8 if over.ordered else width}
         axes.plot(over.shown, positive(values) / unit.size, "o-", ms=3.8, label=name, **how)
@@ -171,7 +174,7 @@ def _single_leak(result: SealSolution, one: LoadResult) -> Picture:
     series = [(name, float(values[0]), colour) for name, values, colour, _ in _curves(result, [one])]
     volume = volume_of(result.case)
     assert one.leak is not None  # only such loads are drawn
-    unit = unit_for("flow", one.leak.leak_rate or max(rate for _, rate, _ in series if rate == rate))
+    unit = shared_flow_unit((*_ends([one]).flat,) if one.leak.leak_rate else [rate for _, rate, _ in series])
     figure, (axes,) = panels(1, height=1.1 + 0.42 * len(series), width=7.2)
     names = [name for name, _, _ in series]
     values = [unit.of(rate) for _, rate, _ in series]
@@ -249,7 +252,7 @@ def memory_picture(result: SealSolution) -> Picture | None:
     over = load_axis(loads)
     earlier = earlier_load(result.case.load) or "the loads before it"
     first, after = _ends([load.first_loading for load in loads]), _ends(loads)
-    unit = volume_of(result.case).named(unit_for("flow", float(max(first.max(), after.max()))))
+    unit = volume_of(result.case).named(shared_flow_unit((*first.flat, *after.flat)))
     figure, (axes,) = panels(1, height=3.6, width=6.8)
     for name, ends, colour in (("first loading", first, ORANGE), (f"after {earlier}", after, BLUE)):
         _band(axes, over.shown, ends / unit.size, colour, name)
@@ -275,7 +278,7 @@ def _band(axes: Axes, x: FloatArray, ends: FloatArray, colour: str, name: str) -
     leaks = ends[ends > 0]
     foot = _FOOT * float(leaks.min()) if leaks.size else 0.0
     low, high = np.where(ends > 0, ends, foot).T
-    axes.fill_between(x, low, high, color=colour, alpha=0.18, linewidth=0, label=name)
+    axes.fill_between(x, low, high, color=colour, alpha=0.18, linewidth=0)
     axes.vlines(x, low, high, color=colour, linewidth=1.0, alpha=0.6)
-    for values in ends.T:
-        axes.plot(x, positive(values), "o-", color=colour, linewidth=1.3, ms=3.4)
+    for values, told in zip(ends.T, (None, name), strict=True):
+        axes.plot(x, positive(values), "o-", color=colour, linewidth=1.3, ms=3.4, label=told)

@@ -24,7 +24,7 @@ from fem_seal.output.shown import ReadableTable, ReportColumn, columns_table, fi
 from fem_seal.seal.findings import Level
 from fem_seal.seal.load_names import load_axis, load_values
 from fem_seal.seal.load_result import GivenLoad, LoadResult, highest_load, rate_of
-from fem_seal.units import fixed_unit, flow_unit, leak_range_text, unit_for
+from fem_seal.units import fixed_unit, leak_range_text, shared_flow_unit
 from leak.standards import STANDARD_PRESSURE
 
 if TYPE_CHECKING:
@@ -264,7 +264,7 @@ def _leaks_in_one_unit(
     """Columns whose leak rates share the unit of the sentences; that of a gas is one of throughput."""
     known = list(columns)
     rates = [rate for one in known if one.column.kind == "flow" for rate in one.values if rate is not None]
-    unit = flow_unit(rates) or unit_for("flow", max(rates, default=0.0))
+    unit = shared_flow_unit(rates)
     if of_throughput(case, loads):
         throughput = fixed_unit("mbar l/s")
         unit = replace(throughput, size=throughput.size / STANDARD_PRESSURE)

@@ -354,8 +354,9 @@ def _leak_sentence(result: SealSolution) -> str:
         for rate, load in zip(rates, shown, strict=True)
     ]
     then = f"; after {span}, {leaks.pop()}" if changed else ""
-    # the longest remark on the interval covers all rates in the sentence
-    held = max((held_in_words(result.case, load) for load in shown if not load.validity.outside), key=len)
+    # the longest remark on the interval covers all rates in the sentence; its numbers are those of the last, as below
+    known = [load for load in shown if not load.validity.outside]
+    held = max((held_in_words(result.case, load) for load in reversed(known)), key=len)
     state = f" ({state_in_words(volume)})" if volume.state else ""
     who = phrase("notes.headline", "tested" if highest.tested else "leaks")
     return " ".join([f"{who} {' and '.join(leaks)}{then}{state}.", *held])
@@ -418,6 +419,9 @@ def accuracy_in_words(load: LoadResult) -> list[str]:
         for more, factor in ((True, most), (False, 1.0 / least))
         if factor > _NOTICED_IN_ENDS
     ]
+    factors, _, why = zip(*(one.partition(": ") for one in reasons), strict=True) if reasons else ((), (), ())
+    if len(reasons) == 2 and why[0] == why[1] != "":
+        reasons = [f"{factors[0]} or {factors[1].removeprefix('together a factor ')}: {why[0]}"]
     text = "; ".join(dict.fromkeys(reasons))
     return [phrase("readings.accuracy", "what", reason=text)] if text else []
 
