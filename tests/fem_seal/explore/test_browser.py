@@ -398,14 +398,6 @@ def test_no_click_is_lost_when_pinned_designs_are_drawn_anew(browser):
     browser.execute_script(_MEANWHILE, "reset", False)
     waited(browser, "return document.querySelector('input[id*=fluid_pressure]').value === '20 bar'")
 
-    numbers(browser, pressure="20 bar")
-
-    # the first one is removed, the other one taken
-    browser.find_element("css selector", "#compare button[id*=remove]").click()
-    waited(browser, f"return {_PINNED} === 1")
-    browser.find_element("css selector", "#compare button[id*=take]").click()
-    numbers(browser, pressure="24 bar", at_rest=False)
-
 
 @pytest.mark.parametrize("width", [1400, 400])
 def test_the_page_is_for_everybody_wide_and_narrow(browser, width):
