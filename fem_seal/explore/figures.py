@@ -135,7 +135,7 @@ def section_figure(section: Section | None, dark: bool, profile: ShownProfile | 
     above, below = ("high pressure", LIVE), ("low pressure", _GREY)
     if section.pressure_side != "outer":
         above, below = below, above
-    veil = {"bgcolor": figure.colours["veil"], "borderpad": 0}
+    veil: dict[str, Any] = {"bgcolor": figure.colours["veil"], "borderpad": 0}
     if section.middle is None:
         figure.add_note(outer, high, *above, xanchor="right", yanchor="top", **veil)
         figure.add_note(0, low, *below, xanchor="center", yanchor="bottom", **veil)
