@@ -143,6 +143,24 @@ def _heading(text: str, line: str) -> str:
     return f"{text}\n{line * len(text)}\n\n"
 
 
+def check_first_pages(headline: str) -> None:
+    """Fail where the leak rate on the first pages, typed by hand, is not that of the tutorial's seal.
+
+    Parameters
+    ----------
+    headline : str
+        Of its report.
+
+    Raises
+    ------
+    ValueError
+    """
+    for page in (FOLDER.parent / "index.md", FOLDER.parents[1] / "README.md"):
+        typed = re.search(r"\*\*(.*ml/min)\*\*", page.read_text(encoding="utf-8"))
+        if typed is None or f"{typed[1]} at 50 bar" not in headline:
+            raise ValueError(f"{page}: the leak rate of the first seal is not the calculated one: {headline}")
+
+
 def tutorial(folder: Path) -> None:
     """Write the output of the tutorial's case on the terminal and in the report.
 
@@ -168,6 +186,7 @@ def tutorial(folder: Path) -> None:
     assert first is not None
     (made / "headline.md").write_text(f"> {unescape(first[1])}\n", encoding="utf-8")
     case = fem_seal.load_case(folder / "first_seal.toml")
+    check_first_pages(unescape(first[1]))
     finer = headline(fem_seal.run(case.replace({"roughness.Ra": "0.1 um"})))
     (made / "finer.md").write_text(f"> {finer}\n", encoding="utf-8")
     _leak_test(folder, made)

@@ -561,7 +561,7 @@ class LeakVolume:
         volume = _BOLTZMANN * temperature / STANDARD_PRESSURE
         unit = unit_for("temperature", temperature)
         at = format_quantity("fluid pressure", STANDARD_PRESSURE)
-        state = f"{trimmed(round(unit.of(temperature), 6))} {unit.name} and {at}"
+        state = f"{trimmed(round(unit.of(temperature), 1))} {unit.name} and {at}"
         return cls(state, volume / 3600.0, "a molecule per hour")
 
     def measurable(self, leak_rate: float) -> float:

@@ -243,7 +243,7 @@ def show_result(result: SealSolution, *, details: bool) -> None:
     from fem_seal.output.tables import leak_rows
 
     case = result.case
-    says = brief.first_line, standard_in_brief, spring_in_words, brief.second_line
+    says = brief.first_line, standard_in_brief, spring_in_words, *brief.ANSWERS, brief.second_line
     show_first(*(told_of(line(result), faces=case.faces) for line in says))
     if not details:
         show_loads(case, result.loads)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem_seal.contact.load_path import yielding_bodies
-from fem_seal.contact.solution import ContactSolution, PlasticZone, YieldedZone, yielding_of
+from fem_seal.contact.solution import ContactSolution, PlasticZone, YieldedZone, yielded_zone, yielding_of
 from fem_seal.materials import creep_remarks
 from fem_seal.seal.both_faces import joined_validity
 from fem_seal.seal.bounds import EXACT, Bounds
@@ -132,6 +132,7 @@ def load_cautions(
         _touched_beside,
         _near_opening,
         _yielding,
+        _yielded_before,
         _beyond_curve,
         _turned,
         _cut_off,
@@ -353,7 +354,6 @@ def _yielding(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Fin
         load, zone = max(over, key=lambda item: item[1].von_mises)
         first = load_name(min((load for load, _ in over), key=lambda load: load.point), loads)
         r, z = zone.place
-        penetrates = problem.loads.closing == "penetration"
         yield caution(
             "yield_stress",
             load,
@@ -368,8 +368,44 @@ def _yielding(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Fin
             depth=_um(zone.depth, load, 3),
             deepest=_um(zone.deepest, load, 3),
             first=first,
-            closing=sentence("yield_stress", "closing") if penetrates else "",
         )
+
+
+def _yielded_before(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
+    """Elastic bodies that have yielded under the applied force alone, before the fluid took a part of it.
+
+    A stress grows at least with the root of the force, as in Hertz's line contact; what spreads the pressure at small
+    forces, and faces that conform, make it grow faster.
+    """
+    if problem.loads.earlier is not None or problem.loads.bolts is not None:
+        return
+    for name, material in problem.materials.items():
+        limit, found = material.yield_stress, []
+        for load in loads:
+            lifted = load.applied_force > load.contact_force > 0.0 and not load.stop_force
+            if limit is None or material.hardening is not None or not lifted:
+                continue
+            share = math.sqrt(load.applied_force / load.contact_force)
+            if load.contact.stays_below(name, limit / share):
+                continue
+            zone = yielded_zone(load.contact.fields[name], limit / share)
+            # told where the load itself does not say as much
+            if zone is not None and (
+                zone.excess / share <= 1.0 or zone.excess > LARGEST_EXCESS >= zone.excess / share
+            ):
+                found.append((zone.excess, load))
+        if found:
+            excess, load = max(found, key=lambda item: item[0])
+            yield caution(
+                "yielded_before",
+                load,
+                loads,
+                outside=excess > LARGEST_EXCESS,
+                name=name,
+                excess=_times(excess, load),
+                limit=fixed_quantity("MPa", limit),
+                load=load,
+            )
 
 
 def _beyond_curve(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:

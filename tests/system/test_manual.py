@@ -11,6 +11,7 @@ from places import ROOT
 sys.path.insert(0, str(ROOT / "docs"))
 
 import gallery
+from make_reference_pages import check_first_pages
 
 import fem_seal
 from fem_seal.answers.closed_forms import derive
@@ -62,6 +63,13 @@ def test_the_notebook_has_ten_lines_of_code_and_no_results_of_yesterday():
     code = [cell for cell in cells if cell["cell_type"] == "code"]
     assert not any(cell["outputs"] or cell["execution_count"] for cell in code)
     assert len([line for cell in code for line in cell["source"] if line.strip()]) <= 10
+
+
+def test_the_first_pages_have_the_leak_rate_of_the_first_seal():
+    said = "The seal leaks 2.4 to 4.5 ml/min at 10 bar and {} at 50 bar."
+    check_first_pages(said.format("4.8 to 10 ml/min"))
+    with pytest.raises(ValueError, match="first seal"):
+        check_first_pages(said.format("4.9 to 10 ml/min"))
 
 
 DOCS = ROOT / "docs"

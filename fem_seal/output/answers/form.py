@@ -41,6 +41,22 @@ def form_in_words(result: SealSolution) -> list[str]:
     return [] if answers is None else [text for text in _sentences(result, answers) if text]
 
 
+def form_in_brief(result: SealSolution) -> str:
+    """The tolerance that a drawing needs, in one line; empty without a form error, or where the case has no limit.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    found, case = None if result.form is None else result.form.allowed, result.case
+    asked = case.requirement is not None or case.load.target_leak_rate is not None
+    if found is None or not asked or result.highest.validity.outside:
+        return ""
+    aside = phrase("form.allowed", "aside")
+    told = [one for one in _allowed(found, {}, result.highest) if one != aside]
+    return told[-1].rstrip(".") if told else ""
+
+
 def _sentences(result: SealSolution, answers: FormAnswers) -> Iterator[str]:
     load = result.highest
     at = load_name(load, result.loads)

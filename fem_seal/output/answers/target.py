@@ -71,7 +71,6 @@ def _target_reasons(result: SealSolution, load: LoadResult) -> Iterator[str]:
         return
     acting, contact = load.applied_force, load.contact_force_for_target
     bolted = load.preload_for_target is not None
-    r0 = load.contact.model.initial_contact_radius
     sentence = phrase(
         "reasons.target",
         "bolted" if bolted else "force",
@@ -79,7 +78,7 @@ def _target_reasons(result: SealSolution, load: LoadResult) -> Iterator[str]:
         "fluid" if force < 0 else "",
         "" if contact is None else "line",
         contact=contact,
-        line_load=None if contact is None else contact / (2 * math.pi * r0),
+        line_load=None if contact is None else _line_load(load, contact),
         target=target_text(result, target),
         force=_target_force(load, force),
         difference=abs(force - acting),
@@ -91,6 +90,37 @@ def _target_reasons(result: SealSolution, load: LoadResult) -> Iterator[str]:
         for reading, one in _other_forces(load).items()
     ]
     yield " ".join([sentence, *others])
+
+
+def target_in_brief(result: SealSolution) -> str:
+    """The force for the target leak rate at the highest fluid pressure, in one line; empty without one.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    load, target = result.highest, result.case.load.target_leak_rate
+    own, contact, known = load.force_for_target, load.contact_force_for_target, load.target_validity
+    if target is None or own is None or load.preload_for_target is not None:
+        return ""
+    force = max([own, *_other_forces(load).values()])
+    doubt = "" if known is None or not known.cautions else "outside" if known.outside else "doubt"
+    return phrase(
+        "brief.target",
+        "alone" if force <= 0.0 else "force" if contact is None else "line",
+        doubt,
+        target=target_text(result, target),
+        force=_target_force(load, force),
+        # another reading moves the force of the contact by as much as that of the spring
+        line_load=_line_load(load, (contact or 0.0) + force - own),
+        load=load,
+        reason=known.reasons[0] if doubt and known else "",
+    )
+
+
+def _line_load(load: LoadResult, contact_force: float) -> float:
+    """Per length of the circle of first touch, along the axis [N/m]."""
+    return contact_force / (2 * math.pi * load.contact.model.initial_contact_radius)
 
 
 def _other_forces(load: LoadResult) -> dict[Reading, float]:

@@ -108,13 +108,16 @@ def draw_leak(axes: Axes, result: SealSolution, *, beside: bool = False) -> bool
         shown = np.append(shown, required.leak_rate)
         axes.axhline(required.leak_rate / unit.size, color=ORANGE, linestyle="--", label="allowed")
     scale_over_loads(axes, over, shown)
+    least, most = axes.get_ylim()
+    # space for the legend above the curves, and above the bar of one load, which "best" does not see
     if axes.get_yscale() == "log":
-        # space for the legend above the curves
-        least, most = axes.get_ylim()
-        axes.set_ylim(least, most * (most / least) ** 0.3)
+        axes.set_ylim(least, most * (most / least) ** (0.5 if len(loads) == 1 else 0.3))
+    elif len(loads) == 1:
+        axes.set_ylim(least, most + 0.5 * (most - least))
     if over.returns:
         number_dots(axes, over.shown, rates / unit.size, [result.loads.index(load) + 1 for load in loads])
-    label(axes, "Leak rate", over.label, f"leak rate  [{volume.named(unit).name}]", legend="best")
+    place = "upper right" if len(loads) == 1 else "best"
+    label(axes, "Leak rate", over.label, f"leak rate  [{volume.named(unit).name}]", legend=place)
     return True
 
 

@@ -13,8 +13,9 @@ from fem_seal.answers.leakage_class import leakage_classes, volume_of
 from fem_seal.case.fields import Throughput
 from fem_seal.output.answers import verdict
 from fem_seal.output.answers.error_shares import largest_share, measurement_in_brief
+from fem_seal.output.answers.form import form_in_brief
 from fem_seal.output.answers.sensitivities import in_words, strongest
-from fem_seal.output.answers.target import OPENS
+from fem_seal.output.answers.target import OPENS, target_in_brief
 from fem_seal.output.answers.uncertainty import told_after_test
 from fem_seal.output.columns import COLUMNS, MOST_COLUMNS, PROFILE_LEAK_COLUMNS, SHOWN_COLUMNS
 from fem_seal.output.pictures.style import few
@@ -25,6 +26,7 @@ from fem_seal.seal.findings import Level
 from fem_seal.seal.load_names import load_axis, load_values
 from fem_seal.seal.load_result import GivenLoad, LoadResult, highest_load, rate_of
 from fem_seal.units import fixed_unit, leak_range_text, shared_flow_unit
+from fem_seal.validity.words import sentence
 from leak.standards import STANDARD_PRESSURE
 
 if TYPE_CHECKING:
@@ -116,6 +118,12 @@ def _force(result: SealSolution, load: JudgedLoad) -> str:
     return phrase("brief.second", "force", load=load, force=verdict.force_to_pass(found.force))
 
 
+def _curve(result: SealSolution, load: JudgedLoad) -> str:
+    worst = load.validity.cautions[:1]
+    yields = load.validity.outside and worst[0].kind == sentence("yield_stress", "kind")
+    return phrase("brief.second", "curve_needed") if yields else ""
+
+
 def _stop(result: SealSolution, load: JudgedLoad) -> str:
     return phrase("brief.second", "stop", load=load) if load.stop_force else ""
 
@@ -130,11 +138,15 @@ def _used(result: SealSolution, load: JudgedLoad) -> str:
     return phrase("brief.second", "used", used=used) if used else ""
 
 
+# Between the first and the second line: what the case asks for in so many words.
+ANSWERS: Sequence[Callable[[SealSolution], str]] = (target_in_brief, form_in_brief)
+
 _ADVICE: dict[str, Callable[[SealSolution, JudgedLoad], str]] = {
     "profile": lambda result, load: verdict.would_pass(result, brief=True),
     "measure": lambda result, load: measurement_in_brief(result, result.loads.index(load)),
     "helps": _helps,
     "force": _force,
+    "curve": _curve,
     "stop": _stop,
     "class": lambda result, load: verdict.next_class_in_words(result.case, load),
     "share": _share,
@@ -145,9 +157,9 @@ _ADVICE: dict[str, Callable[[SealSolution, JudgedLoad], str]] = {
 # What is told after each verdict, the first that is known.
 _ORDER: dict[Verdict | None, Sequence[str]] = {
     Verdict.PASS: ("share", "used"),
-    Verdict.INCONCLUSIVE: ("profile", "measure", "helps", "force", "stop", "share", "used"),
+    Verdict.INCONCLUSIVE: ("curve", "profile", "measure", "helps", "force", "stop", "share", "used"),
     Verdict.FAIL: ("helps", "force", "stop", "measure", "ask", "used"),
-    None: ("helps", "measure", "class", "stop", "share", "force", "none"),
+    None: ("curve", "helps", "measure", "class", "stop", "share", "force", "none"),
 }
 
 

@@ -192,8 +192,9 @@ def _of_case(result: SealSolution) -> dict[str, Any]:
 
 def _words(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes]) -> dict[str, Any]:
     load, (in_brief, left_out) = brief.decisive(result), brief.loads_in_brief(result.case, result.loads)
+    lines = brief.first_line, *brief.ANSWERS, brief.second_line
     return {
-        "first_lines": [line for line in (brief.first_line(result), brief.second_line(result)) if line],
+        "first_lines": [told for line in lines if (told := line(result))],
         "three_numbers": brief.three_numbers(result),
         "loads_in_brief": in_brief,
         "brief_caption": phrase("brief.table", "some" if left_out else "all", left_out=left_out),

@@ -11,6 +11,7 @@ import numpy as np
 
 from fem_seal.answers.leakage_class import class_size, is_flange, leakage_classes, test_of, volume_of
 from fem_seal.answers.solution import SealSolution
+from fem_seal.case.roughness import uncertain_heights
 from fem_seal.contact.solution import PlasticZone, yielding_of
 from fem_seal.output.answers.target import TARGET_FORCE, opening_reasons, opens_at, valve_facts
 from fem_seal.output.answers.theories import corrected_beside
@@ -240,7 +241,7 @@ def _interval_fact(result: SealSolution, load: LoadResult) -> Fact:
     volume = volume_of(result.case)
     remarks = [
         state_in_words(volume),
-        phrase("facts.remark", "tested" if load.tested else "finish" if has_finish(result.case) else "inputs")
+        phrase("facts.remark", _uncertain(result.case, load))
         + (", in both readings of asperities that yield" if load.yields else ""),
         *accuracy_in_words(load),
     ]
@@ -381,6 +382,14 @@ def has_finish(case: Case) -> bool:
     return case.roughness is not None and bool(case.roughness.finishes)
 
 
+def _uncertain(case: Case, load: LoadResult) -> str:
+    """What the samples of a load are over: "tested", "finish", "inputs", or "mixed", a finish and other inputs."""
+    if load.tested or not has_finish(case):
+        return "tested" if load.tested else "inputs"
+    more = case.uncertainty is not None and case.uncertainty.spreads
+    return "mixed" if more or next(uncertain_heights(case.roughness, between_scans=False), None) else "finish"
+
+
 def held_in_words(case: Case, load: LoadResult) -> list[str]:
     """Sentences about the coverage of the interval of a leak rate; none for a single number.
 
@@ -429,7 +438,7 @@ def accuracy_in_words(load: LoadResult) -> list[str]:
 def _samples_in_words(case: Case, load: LoadResult) -> str:
     """Sentence about the interval of a leak rate with uncertain inputs."""
     assert case.sampled is not None
-    what = "tested" if load.tested else "finish" if has_finish(case) else "inputs"
+    what = _uncertain(case, load)
     also = "_both" if load.yields else "" if load.flow_error is None else "_own"
     return phrase("readings.sampled", what + also, share=case.sampled.confidence)
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from judged_loads import SURFACE, field, judged, load
 from places import ROOT
-from sample_results import STEEL, ball, case, cone, rough_result
+from sample_results import STEEL, ball, case, cone, rough_result, run_loads
 
 import fem_seal
 from fem_seal.answers.closed_forms import closed_form_limits, derive, nearly_open
@@ -297,11 +297,30 @@ def test_check_says_where_the_law_is_no_exponential_and_where_only_a_run_decides
 
 def test_the_warning_of_yielding_can_be_followed():
     soft = {**STEEL, "yield_stress": "50 MPa"}
-    for closing, advice in (("sealed-area", False), ("penetration", True)):
+    curve = {"plastic_strain": [0, 0.1], "stress": ["50 MPa", "80 MPa"]}
+    for closing in ("sealed-area", "penetration"):
         tables = {"load": {"fluid_pressure": "60 bar", "closing": closing, "applied_force": "5 kN"}}
-        result = run(case(**tables, seat=cone(soft)))
-        said = next(text for text in result.warnings if "solves it as elastoplastic" in text)
-        assert ('together with [load] closing = "sealed-area"' in said) == advice
+        result = run_loads(case(**tables, seat=cone(soft)))
+        assert any("A stress_strain curve in its material solves it" in text for text in result.warnings)
+        assert result.case.replace({"seat.material.stress_strain": curve}).seat.material.hardening is not None
+
+
+def test_a_seat_that_the_spring_alone_crushes_is_outside_the_theory_at_every_pressure():
+    soft = {**STEEL, "yield_stress": "22 MPa"}
+    load = {"fluid_pressure": ["1 bar", "55 bar"], "pressure_side": "inner", "applied_force": "4 kN"}
+    alone, lifted = run_loads(case(load=load, seat=cone(soft))).loads
+    # the estimate from the load that is left is below what the spring alone does
+    stress = [max(one.contact.fields["seat"].von_mises) for one in (alone, lifted)]
+    assert stress[1] < 22e6 < 1.5 * 22e6 < stress[0]
+    estimate = stress[1] * math.sqrt(4000 / lifted.contact_force)
+    assert estimate < stress[0]
+    assert alone.validity.outside and lifted.validity.outside
+    said = next(one for one in lifted.validity.cautions if "under the applied force alone" in one.reason)
+    assert f"{estimate / 22e6:.2g} times" in said.reason
+    # a pressure that closes the seal, and a spring that the metal bears, leave nothing behind
+    for change in ({"load.pressure_side": "outer"}, {"seat.material.yield_stress": "40 MPa"}):
+        other = run_loads(case(load=load, seat=cone(soft)).replace(change))
+        assert not any("alone" in reason for one in other.loads for reason in one.validity.reasons)
 
 
 def test_next_to_the_percolation_threshold_no_more_leaks_than_where_direct_results_end():
