@@ -116,7 +116,10 @@ class _Formula:
         try:
             return ast.parse(self.text.strip(), mode="eval").body
         except (SyntaxError, ValueError, RecursionError, MemoryError):
-            raise ExpressionError("is no formula; write for example leak_rate_m3_per_s * 6e7") from None
+            raise ExpressionError(
+                "is no formula; write for example leak_rate_m3_per_s * 6e7, a quantity with its unit in quotes "
+                'inside of it, "2 ml/min", and 0.95 for 95 %'
+            ) from None
 
     @cached_property
     def sides(self) -> tuple[Part, ...]:

@@ -379,8 +379,9 @@ def _yielded_before(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterat
     """
     if problem.loads.earlier is not None or problem.loads.bolts is not None:
         return
+    found: dict[str, tuple[float, LoadResult]] = {}
     for name, material in problem.materials.items():
-        limit, found = material.yield_stress, []
+        limit = material.yield_stress
         for load in loads:
             lifted = load.applied_force > load.contact_force > 0.0 and not load.stop_force
             if limit is None or material.hardening is not None or not lifted:
@@ -389,23 +390,21 @@ def _yielded_before(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterat
             if load.contact.stays_below(name, limit / share):
                 continue
             zone = yielded_zone(load.contact.fields[name], limit / share)
+            own = 0.0 if zone is None else zone.excess / share
             # told where the load itself does not say as much
-            if zone is not None and (
-                zone.excess / share <= 1.0 or zone.excess > LARGEST_EXCESS >= zone.excess / share
-            ):
-                found.append((zone.excess, load))
-        if found:
-            excess, load = max(found, key=lambda item: item[0])
-            yield caution(
-                "yielded_before",
-                load,
-                loads,
-                outside=excess > LARGEST_EXCESS,
-                name=name,
-                excess=_times(excess, load),
-                limit=fixed_quantity("MPa", limit),
-                load=load,
-            )
+            if zone is not None and (own <= 1.0 or own <= LARGEST_EXCESS < zone.excess):
+                found[name] = max(found.get(name, (0.0, load)), (zone.excess, load), key=lambda item: item[0])
+    for name, (excess, load) in sorted(found.items(), key=lambda item: -item[1][0]):
+        yield caution(
+            "yielded_before",
+            load,
+            loads,
+            outside=excess > LARGEST_EXCESS,
+            name=name,
+            excess=_times(excess, load),
+            limit=fixed_quantity("MPa", problem.materials[name].yield_stress or 0.0),
+            load=load,
+        )
 
 
 def _beyond_curve(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:

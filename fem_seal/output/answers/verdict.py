@@ -135,13 +135,15 @@ def _verdict(result: SealSolution, found: SealJudgement, *, brief: bool = False)
     none = units.leak_rate_text(judged.ends[1], volume=volume)
     at_most = _amount(high, digits, limit.leak_rate) if high else none
     own = limit.name == leakage_class.OF_LEAK_RATE
+    # the sentences that follow the long form name the fluid
+    of = f" of {limit.test_fluid}" if brief and limit.test_fluid else ""
     return phrase(
         "brief.verdict" if brief else "verdict.sentences",
         key,
         load=load,
         who="the limit" if own else limit.name,
-        low=_amount(low, digits, limit.leak_rate),
-        high=at_most,
+        low=f"{_amount(low, digits, limit.leak_rate)}{of}",
+        high=f"{at_most}{of}",
         range=_range(low, high, digits, limit.leak_rate),
         allowed=_limit_text(limit.leak_rate, beside=beside),
         limit=f"required{_as_written(limit.leak_rate)}" if own else limit.name,
