@@ -58,6 +58,7 @@ def load(
         point_forces=pressure,
         gap=np.zeros(3),
         turning=turning,
+        contact_force=max(applied_force, 1.0),
         fields={name: field(name) for name in ("closure", "seat")} | {body.name: body for body in bodies},
         model=SimpleNamespace(
             bodies={"closure": None, "seat": None},

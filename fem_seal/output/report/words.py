@@ -241,7 +241,7 @@ def _interval_fact(result: SealSolution, load: LoadResult) -> Fact:
     volume = volume_of(result.case)
     remarks = [
         state_in_words(volume),
-        phrase("facts.remark", _uncertain(result.case, load))
+        phrase("facts.remark", uncertain_in_words(result.case, load))
         + (", in both readings of asperities that yield" if load.yields else ""),
         *accuracy_in_words(load),
     ]
@@ -382,12 +382,12 @@ def has_finish(case: Case) -> bool:
     return case.roughness is not None and bool(case.roughness.finishes)
 
 
-def _uncertain(case: Case, load: LoadResult) -> str:
+def uncertain_in_words(case: Case, load: LoadResult) -> str:
     """What the samples of a load are over: "tested", "finish", "inputs", or "mixed", a finish and other inputs."""
     if load.tested or not has_finish(case):
         return "tested" if load.tested else "inputs"
-    more = case.uncertainty is not None and case.uncertainty.spreads
-    return "mixed" if more or next(uncertain_heights(case.roughness, between_scans=False), None) else "finish"
+    given = case.uncertainty is not None and bool(case.uncertainty.spreads)
+    return "mixed" if given or any(uncertain_heights(case.roughness, between_scans=False)) else "finish"
 
 
 def held_in_words(case: Case, load: LoadResult) -> list[str]:
@@ -438,7 +438,7 @@ def accuracy_in_words(load: LoadResult) -> list[str]:
 def _samples_in_words(case: Case, load: LoadResult) -> str:
     """Sentence about the interval of a leak rate with uncertain inputs."""
     assert case.sampled is not None
-    what = _uncertain(case, load)
+    what = uncertain_in_words(case, load)
     also = "_both" if load.yields else "" if load.flow_error is None else "_own"
     return phrase("readings.sampled", what + also, share=case.sampled.confidence)
 

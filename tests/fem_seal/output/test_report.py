@@ -12,12 +12,24 @@ from functools import cache
 from html.parser import HTMLParser
 from io import BytesIO
 from pathlib import Path
+from unittest.mock import Mock
 
 import pytest
-from sample_results import SPECTRUM, case, cone, rough_result, single_result, smooth_result, with_capped
+from sample_results import (
+    SPECTRUM,
+    case,
+    cone,
+    rough_result,
+    run_loads,
+    single_case,
+    single_result,
+    smooth_result,
+    with_capped,
+)
 
 import fem_seal
 from fem_seal.answers.closed_forms import derive, profile_sizes
+from fem_seal.output.answers.target import target_in_brief
 from fem_seal.output.files import summary
 from fem_seal.output.pictures.style import label, logarithmic, number_dots, panels, style
 from fem_seal.output.pictures.style import svg as written_svg
@@ -26,7 +38,7 @@ from fem_seal.output.report import words as report_words
 from fem_seal.output.report.page import pictures, report
 from fem_seal.result import SealResult
 from fem_seal.seal.findings import Finding, Level, Validity
-from fem_seal.units import leak_range_text
+from fem_seal.units import leak_range_text, unit_for
 from leak import Reading
 
 FETCHING = {"src", "href", "srcset", "data", "action", "poster", "background"}
@@ -436,3 +448,37 @@ def test_a_leak_rate_that_nobody_can_measure_has_its_report() -> None:
     page = report(result)
     assert "none measurable" in page
     assert "The interval covers" not in page
+
+
+def test_the_legend_of_one_load_leaves_its_bar_free():
+    result = run_loads(case(load={"fluid_pressure": "20 bar"}))
+    axes = result.plot("leak")
+    axes.figure.canvas.draw()
+    box = axes.get_legend().get_window_extent().transformed(axes.transData.inverted())
+    (ends,) = result.leak_ranges
+    assert ends is not None and max(ends) > min(ends)
+    assert box.y0 > max(ends) / unit_for("flow", result.loads[0].leak.leak_rate).size
+
+
+def test_the_first_lines_say_the_force_for_the_target_and_how_sure_it_is():
+    load = single_result().highest.with_values(
+        force_for_target=6e3, contact_force_for_target=5e3, target_validity=Validity(())
+    )
+    result = Mock(highest=load, case=single_case().replace({"load.target_leak_rate": "1 ml/min"}))
+    per_length = 5.0 / (2 * math.pi * load.contact.model.initial_contact_radius * 1e3) * 1e3
+    told = target_in_brief(result)
+    assert f"of 6000 N, {per_length:.3g} N/mm in the contact, brings" in told and told.endswith(
+        "1 ml/min at 20 bar"
+    )
+    crushed = Finding("yield stress", Level.OUTSIDE, "seat yields", "seat yields")
+    result.highest = load.with_values(target_validity=Validity((crushed,)))
+    assert target_in_brief(result).endswith("(outside the theory: seat yields)")
+
+
+def test_the_interval_names_inputs_besides_the_finish():
+    known = case(roughness={"Ra": "0.4 um", "process": "lapped"})
+    both = known.replace({"uncertainty": {"hardness": {"relative": 0.1}}})
+    kinds = [
+        report_words.uncertain_in_words(one, single_result().highest) for one in (known, both, single_case())
+    ]
+    assert kinds == ["finish", "mixed", "inputs"]

@@ -314,7 +314,9 @@ def test_every_sentence_of_the_report_is_asked_for_and_every_one_asked_for_is_th
     assert asked == set(tables)
     # chosen by the interface law of the case, by the order of its loads and by the reading
     elsewhere = {"smooth", "exponential", "spectrum", "joined", "numbered", "conserved"}
-    elsewhere |= {f"{what}_{also}" for what in ("inputs", "finish", "tested") for also in ("own", "both")}
+    elsewhere |= {
+        f"{what}_{also}" for what in ("inputs", "finish", "mixed", "tested") for also in ("own", "both")
+    }
     elsewhere |= set(VerdictReason)
     # named by the answer: what would explain leak tests that the inputs do not
     elsewhere |= {"path_more", "factor_more", "factor_less", "first_loading", "as_given"}
