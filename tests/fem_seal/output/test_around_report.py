@@ -6,6 +6,7 @@ import math
 import re
 import xml.etree.ElementTree as ET
 from dataclasses import replace
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -15,7 +16,13 @@ from sample_results import case, run_loads, single_result
 import fem_seal
 from fem_seal.answers.form import Allowed, _limit
 from fem_seal.contact.newton import solve
-from fem_seal.output.answers.form import around_in_words, form_in_words, least_loaded, turn_that_leaks
+from fem_seal.output.answers.form import (
+    around_in_words,
+    form_in_brief,
+    form_in_words,
+    least_loaded,
+    turn_that_leaks,
+)
 from fem_seal.output.pictures import around as drawn
 from fem_seal.output.pictures import style as pictures
 from fem_seal.output.pictures.style import style
@@ -225,7 +232,18 @@ def test_the_form_error_is_judged_by_what_the_case_requires():
     assert asked(load=target) == ("target", pytest.approx(2e-6 / 60))
     allowed = Allowed("leak rate", 1e-6 / 60, 1.49, 5.06e-6, "radial", 15)
     told = " ".join(form_in_words(result.answered(form=replace(result.form, allowed=allowed))))
-    assert "tolerance of 5.0 µm on the drawing keeps the required leak rate" in told
+    assert (
+        "tolerance of 5.0 µm on the drawing keeps the calculated leak rate within the required leak rate"
+        in told
+    )
+    # and so does the second line of the result, in a case that has a limit
+    asks = result.case.replace(requirement={"leak_rate": "1 ml/min"})
+    answered = Mock(form=replace(result.form, allowed=allowed), highest=result.highest, case=asks)
+    assert form_in_brief(answered) in told and form_in_brief(answered).startswith(
+        "A roundness tolerance of 5.0"
+    )
+    answered.case = result.case
+    assert form_in_brief(answered) == ""
 
 
 @pytest.mark.slow

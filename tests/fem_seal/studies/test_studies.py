@@ -143,6 +143,12 @@ def test_expressions_refuse_everything_else(text):
         Expression(text)
 
 
+def test_a_percentage_or_a_bare_quantity_is_told_how_to_be_written():
+    for text in ("pass_probability >= 95 %", "leak_rate_m3_per_s < 2 ml/min"):
+        with pytest.raises(ExpressionError, match=r'in quotes inside of it, "2 ml/min", and 0.95 for 95 %'):
+            Constraint(text)
+
+
 def test_undefined_is_nan_and_meets_nothing():
     assert math.isnan(Expression("1 / a")({"a": 0.0}))
     assert math.isnan(Expression("log(a)")({"a": -1.0}))
