@@ -186,7 +186,7 @@ def test_a_zero_that_an_earlier_load_has_left_is_as_doubtful_as_its_own() -> Non
     assert load.contact.profile.peak_pressure < 0.1 * problem.hardness
     validity = load_validity(problem, load)
     assert validity.level.name in ("DOUBTFUL", "OUTSIDE")
-    assert any(reason.startswith("largest pressure before") for reason in validity.reasons)
+    assert any(reason.startswith("largest earlier pressure") for reason in validity.reasons)
     assert any(reason.startswith("sealed by the percolation threshold") for reason in validity.reasons)
 
 
