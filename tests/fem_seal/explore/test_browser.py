@@ -347,7 +347,8 @@ def test_controls_are_used_by_keyboard_and_each_undo_counts(browser):
     edge = waited(browser, "return window.present.case")
     focus(browser, "button[id*='seat.material']")
     pressed(browser, ENTER)
-    waited(browser, "return document.querySelector('.dash-dropdown-content') && 1")
+    # the list has the focus a moment after it is there
+    waited(browser, "return document.activeElement.matches('.dash-dropdown-content input[type=radio]') && 1")
     pressed(browser, DOWN, ENTER)
     waited(browser, f"return {material} !== arguments[0]", first)
     # the list shows what is chosen before the page has its case, and only then is there something to undo
