@@ -343,7 +343,7 @@ def test_controls_are_used_by_keyboard_and_each_undo_counts(browser):
     waited(browser, "return document.querySelector('.shape.chosen[id*=sharp-edge]') && 1")
     # made anew, it still has the focus
     waited(browser, "return document.activeElement.id.includes('seat.sharp-edge')")
-    numbers(browser, pressure="20 bar", at_rest=False)
+    numbers(browser, pressure="20 bar")
     edge = waited(browser, "return window.present.case")
     focus(browser, "button[id*='seat.material']")
     pressed(browser, ENTER)
@@ -370,6 +370,8 @@ def test_controls_are_used_by_keyboard_and_each_undo_counts(browser):
     focus(browser, "#reset")
     pressed(browser, " ")
     waited(browser, "return document.querySelector('.shape.chosen[id*=\"seat.cone\"]') && 1")
+    # an answer makes the button anew
+    numbers(browser, pressure="20 bar")
     focus(browser, "#compare button[id*=remove]")
     pressed(browser, ENTER)
     waited(browser, f"return {_PINNED} === 0")
