@@ -14,7 +14,7 @@ from fem_seal.cli.app import main
 from fem_seal.output.direct import shown_rows
 from fem_seal.output.library import fluid_cells, fluid_rows, material_cells, material_rows
 from fem_seal.output.prose import prose
-from fem_seal.units import shown_in
+from fem_seal.units import shared_flow_unit, shown_in
 from fem_seal.validity.words import sentence
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
@@ -144,3 +144,9 @@ def test_a_finding_takes_the_units_of_the_system():
         }
         told = sentence("yield_stress", "text", name="seat", where="290 psi", first="", closing="", **at)
     assert "yield stress 29 ksi, at r = 0.5 in" in told
+
+
+def test_si_units_of_small_leak_rates_need_no_powers_of_ten():
+    with shown_in("SI"):
+        unit = shared_flow_unit((2.04e-12, 5.87e-10))
+        assert (unit.name, unit.of(2.04e-12)) == ("mm³/s", pytest.approx(0.00204))
