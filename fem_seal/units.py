@@ -843,6 +843,8 @@ def written(value: Any, how: str) -> str:
     ('1.2 mm', '30 %', '20 bar')
     >>> written((0.001, 0.0025), "length 2"), written(0.12345, ".2f")
     ('1.0 mm to 2.5 mm', '0.12')
+    >>> written(1234.5, ".3g"), written(2.54e-5, ".3g um")
+    ('1230', '25.4 um')
     >>> with shown_in("US"):
     ...     written(2e6, ".4g bar")
     '290.1 psi'
@@ -852,7 +854,10 @@ def written(value: Any, how: str) -> str:
     first, *rest = how.split()
     if not first[0].isalpha() or first == "g":
         unit = fixed_unit(" ".join(rest)) if rest else None
-        return format(value, first) if unit is None else f"{unit.of(value):{first}} {unit.name}"
+        text = format(value if unit is None else unit.of(value), first)
+        # 1000 rather than 1e+03
+        text = f"{float(text):g}" if "e+" in text and first.endswith("g") else text
+        return text if unit is None else f"{text} {unit.name}"
     digits = [int(rest.pop())] if rest and rest[-1].isdigit() else []
     if value is None:
         return "–"

@@ -132,7 +132,7 @@ def test_a_finding_takes_the_units_of_the_system():
     values = {"share": "3 %", "size": 2.54e-5}
     assert "present 25.4 um" in sentence("mesh", "text", **values)
     with shown_in("US"):
-        assert "present 1e+03 uin" in sentence("mesh", "text", **values)
+        assert "present 1000 uin" in sentence("mesh", "text", **values)
         at = {
             "stress": "2 ksi",
             "excess": "2",
