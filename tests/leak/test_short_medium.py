@@ -81,6 +81,56 @@ def test_a_table_that_ends_at_sealing_serves_short_contacts_beyond(beyond):
     assert (np.diff(replace(opened, acting=None).effective_separation(acts)) <= 0.0).all()
 
 
+def punched(width, mean, points=401):
+    """A flat land with rounded edges, whose peaks of pressure are ten times as high as its middle."""
+    x = 0.5 * width * np.linspace(-1.1, 1.1, points)
+    inside = np.clip(1.0 - (2.0 * x / width) ** 2, 0.0, None)
+    return x, np.where(inside > 0.0, mean * inside**0.5 / (inside + 0.01), 0.0)
+
+
+@pytest.mark.parametrize("hardness", [None, 4e9])
+@pytest.mark.parametrize("waves", [1.0, 3.0, 10.0, 30.0])
+def test_more_pressure_opens_nothing(waves, hardness):
+    """A land whose edges were nearly sealed leaked more when it was pressed harder."""
+    one = surface(hardness=hardness)
+    table = one.conductivity_table(1e3, 1e11)
+    x, pressure = punched(waves * one.wavelength_along_flow, 1.0)
+
+    def leaking(peak):
+        p = peak * pressure / pressure.max()
+        return leak.leak_rate(x, p, in_contact(one, table, x, p).at(1e-3), 1e5, radius=1e-2)
+
+    rates = [leaking(share * one.sealing_pressure) for share in np.geomspace(0.05, 0.97, 25)]
+    assert (np.diff(rates) < 0.0).all()
+
+
+@pytest.mark.parametrize("peak", [0.5, 0.7, 0.9])
+def test_a_contact_leaks_no_more_than_without_its_peaks(peak):
+    one = surface(hardness=4e9)
+    table = one.conductivity_table(1e3, 1e11)
+    x, pressure = punched(3.0 * one.wavelength_along_flow, 1.0)
+    whole = peak * one.sealing_pressure * pressure / pressure.max()
+
+    def leaking(p):
+        return leak.leak_rate(x, p, in_contact(one, table, x, p).at(1e-3), 1e5, radius=1e-2)
+
+    without = [leaking(np.minimum(whole, cut * whole.max())) for cut in (0.95, 0.88, 0.7, 0.5, 0.3)]
+    # cuts between those of the calculation
+    assert leaking(whole) < 1.03 * min(without)
+
+
+@pytest.mark.parametrize("peak", [0.999, 1.00001, 1.01])
+def test_a_place_that_is_sealed_may_be_as_narrow_as_a_point(peak):
+    """The calculation ended without a number."""
+    one = surface(hardness=4e9)
+    table = one.conductivity_table(1e3, 1e11)
+    x, shape = bell(1e-7, 0.9)
+    x, shape = np.array([-2e-5, *x, 2e-5]), 0.1 + np.array([0.0, *shape, 0.0])
+    half = 0.5 * one.sealing_pressure
+    opened = in_contact(one, table, x, peak * one.sealing_pressure * shape).effective_separation(half)
+    assert 1.0 < opened / table.effective_separation(half) < 20.0
+
+
 def test_the_paper_s_theory_knows_no_ends():
     paper = replace(surface(), theory="paper", yielding="")
     table = paper.conductivity_table(1e3, 4e9)
