@@ -151,7 +151,7 @@ _ADVICE: dict[str, Callable[[SealSolution, JudgedLoad], str]] = {
     "class": lambda result, load: verdict.next_class_in_words(result.case, load),
     "share": _share,
     "used": _used,
-    "none": lambda result, load: phrase("brief.second", "none"),
+    "none": lambda result, load: phrase("brief.second", "contact" if load.leak is None else "none"),
     "ask": lambda result, load: "" if result.sensitivities else phrase("brief.second", "ask"),
 }
 # What is told after each verdict, the first that is known.

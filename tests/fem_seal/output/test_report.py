@@ -201,6 +201,7 @@ def test_a_smooth_contact_has_no_leak_section():
     page = Page(told(smooth_result))
     assert set(page.pictures) == {"contact", "sketch", "mesh", "profiles", "sizes", "stress"}
     assert "There is no leak rate because the case has no roughness" in page.text
+    assert "Tables [roughness] and [fluid] in the case give it a leak rate" in page.text
     assert b"Gaussian" not in page.pictures["profiles"]
 
 
