@@ -575,7 +575,7 @@ class LeakModel(ByReading):
     def leak_pressed_up_to(
         self, most: float, profile: PressureProfile, fluid_pressure: float
     ) -> LeakResult | None:
-        """Leak of one of the contacts, its channels as they are, if no place were pressed harder; None without a fluid.
+        """Leak of one of the contacts if no place were pressed harder; None without a fluid.
 
         Parameters
         ----------
@@ -587,8 +587,9 @@ class LeakModel(ByReading):
         """
         if self.flow is None or self.table is None:
             return None
-        tables = self.flow.in_lands(self.table, self.surface, profile)
-        return self.flow.leak_by(tables, profile.pressed_up_to(most), fluid_pressure)
+        limited = profile.pressed_up_to(most)
+        tables = self.flow.in_lands(self.table, self.surface, limited)
+        return self.flow.leak_by(tables, limited, fluid_pressure)
 
     def at(self, fluid_pressure: float) -> ProfileLeak | None:
         """Flow at a pressure difference [Pa]; None without a fluid."""

@@ -583,10 +583,14 @@ def _sealing_pressure(problem: SealProblem, surface: RoughContact) -> float:
 
 
 def _is_sealed(load: LoadResult, sealing: float) -> bool:
-    """Whether a load is sealed by its own pressure, or still sealed by a larger load before."""
-    profile = load.tightest
-    stays = profile.highest >= sealing and load.leak is not None and load.leak.leak_rate == 0.0
-    return profile.peak_pressure >= sealing or stays
+    """Whether a load is sealed by its own pressure, or still sealed by a larger load before.
+
+    A short contact may leak above the sealing pressure. A seal that is not round may leak elsewhere.
+    """
+    profile, leak = load.tightest, load.leak
+    if leak is None or load.formed is not None:
+        return profile.peak_pressure >= sealing
+    return profile.highest >= sealing and leak.leak_rate == 0.0
 
 
 def _sealed(
@@ -615,7 +619,7 @@ def _sealed(
 def _nearly_sealed(
     problem: SealProblem, surface: RoughContact, loads: Sequence[LoadResult], sealing: float
 ) -> Iterator[Finding]:
-    leaky = [load for load in loads if load.peak_pressure < sealing]
+    leaky = [load for load in loads if not _is_sealed(load, sealing)]
     if not leaky:
         return
     load = max(leaky, key=lambda load: load.peak_pressure)
@@ -653,6 +657,9 @@ def _nearly_sealed(
             leak_factor=Bounds(0.0, most),
             area=area,
             surface=surface,
+            near=sentence(
+                "close_to_threshold", "close" if load.peak_pressure < sealing else "short", surface=surface
+            ),
             direct_end=_DIRECT_END,
             bound=sentence(
                 "close_to_threshold",

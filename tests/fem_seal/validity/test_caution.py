@@ -116,7 +116,7 @@ def test_fluid_pressure_that_is_not_coupled(share, level):
 
 def test_what_is_sealed_or_nearly_so_is_doubtful_and_what_is_blown_open_has_no_result():
     sealing = SURFACE.sealing_pressure
-    assert level_of(judged("sealed", load(peak=1.01 * sealing))) is Level.DOUBTFUL
+    assert level_of(judged("sealed", load(peak=1.01 * sealing, leak_rate=0.0))) is Level.DOUBTFUL
     assert level_of(judged("few channels", load(peak=0.9 * sealing))) is Level.DOUBTFUL
     local = case(leak={"fluid_in_gap": "local"})
     assert level_of(judged("lifted open", load(leak_rate=math.inf), of=local)) is Level.OUTSIDE
@@ -342,6 +342,29 @@ def test_next_to_the_percolation_threshold_no_more_leaks_than_where_direct_resul
     pressed = replace(profile, pressure=np.minimum(profile.pressure, limit))
     more = rough.leak(pressed, 2e6).leak_rate / given.leak.leak_rate
     assert found.leak_factor.high == pytest.approx(3.3 * more, rel=1e-2) and more > 1.0
+
+
+def test_the_bound_next_to_the_threshold_falls_with_the_load():
+    """It rose with the load, by the channels of the narrow peak, and ended where the peak seals a wide contact."""
+    result = run(case(leak={"theory": "corrected"}, load={"fluid_pressure": "20 bar"}))
+    x = np.linspace(-4e-4, 4e-4, 201)
+    at = []
+    for share in (0.98, 0.995, 1.01, 1.025, 1.04):
+        peak = share * result.surface.sealing_pressure
+        shape = np.exp(-((x / 8e-5) ** 2))
+        profile = PressureProfile(
+            x, np.full_like(x, 0.014), peak * shape, np.full_like(x, np.nan), np.gradient(x)
+        )
+        (load,) = result.loads
+        rough = replace(
+            load.rough, make=lambda flow, surface: flow.table_around(surface, [math.log10(2.0 * peak)])
+        )
+        given = GivenLoad(2e6, 0.0, GivenContact(profile), rough)
+        found = profile_validity(result.problem, given)
+        assert not any(one.kind == "sealed" for one in found.cautions)
+        at.append((given.leak.leak_rate, given.leak.leak_rate * found.leak_factor.high))
+    rates, most = np.transpose(at)
+    assert (np.diff(rates) < 0.0).all() and (np.diff(most) < 0.0).all() and (most > rates).all()
 
 
 def test_a_thick_layer_on_a_small_steep_seat_says_so():

@@ -31,7 +31,7 @@ def pressure_at(area: float) -> float:
 
 
 def test_sealed():
-    tight, leaky = load(peak=1.01 * SURFACE.sealing_pressure), load()
+    tight, leaky = load(peak=1.01 * SURFACE.sealing_pressure, leak_rate=0.0), load()
     words = said("sealed", leaky, tight)
     assert "A/A0 = 0.42" in words
     assert f"above {float(f'{SURFACE.sealing_pressure / 1e6:.4g}'):g} MPa" in words
@@ -39,8 +39,18 @@ def test_sealed():
     assert said("few channels", tight) == ""
 
 
+def test_a_short_contact_that_leaks_above_the_sealing_pressure_is_not_called_sealed():
+    """It was, with no factor on its leak rate, while less pressed ones had a factor of 8."""
+    short = load(peak=1.01 * SURFACE.sealing_pressure, leak_rate=1e-15)
+    assert said("sealed", short) == ""
+    (found,) = judged("few channels", short)
+    assert "above 0.42" in found.text and "so narrow that some are" in found.text
+    assert found.leak_factor == (0.0, np.inf)
+
+
 def test_loads_that_differ_in_their_force_alone_are_named_by_it():
-    tight = [load(peak=factor * SURFACE.sealing_pressure, applied_force=300 * factor) for factor in (3, 2)]
+    sealing = SURFACE.sealing_pressure
+    tight = [load(peak=share * sealing, applied_force=300 * share, leak_rate=0.0) for share in (3, 2)]
     words = said("sealed", load(), *tight)
     assert "at 20 bar with 900 N the peak" in words and "(from 20 bar with 600 N on" in words
 
