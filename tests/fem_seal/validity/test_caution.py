@@ -348,16 +348,16 @@ def test_the_bound_next_to_the_threshold_falls_with_the_load():
     """It rose with the load, by the channels of the narrow peak, and ended where the peak seals a wide contact."""
     result = run(case(leak={"theory": "corrected"}, load={"fluid_pressure": "20 bar"}))
     x = np.linspace(-4e-4, 4e-4, 201)
+    sealing = result.surface.sealing_pressure
+    (load,) = result.loads
+    rough = replace(
+        load.rough, make=lambda flow, surface: flow.table_around(surface, [math.log10(2.0 * sealing)])
+    )
     at = []
     for share in (0.98, 0.995, 1.01, 1.025, 1.04):
-        peak = share * result.surface.sealing_pressure
-        shape = np.exp(-((x / 8e-5) ** 2))
+        pressure = share * sealing * np.exp(-((x / 8e-5) ** 2))
         profile = PressureProfile(
-            x, np.full_like(x, 0.014), peak * shape, np.full_like(x, np.nan), np.gradient(x)
-        )
-        (load,) = result.loads
-        rough = replace(
-            load.rough, make=lambda flow, surface: flow.table_around(surface, [math.log10(2.0 * peak)])
+            x, np.full_like(x, 0.014), pressure, np.full_like(x, np.nan), np.gradient(x)
         )
         given = GivenLoad(2e6, 0.0, GivenContact(profile), rough)
         found = profile_validity(result.problem, given)
