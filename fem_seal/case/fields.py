@@ -181,6 +181,10 @@ class NominalSizeEntry(Quantity):
         from leak.standards import read_nominal_size
 
         size = read_nominal_size(short_text(text, self.dimension)) if isinstance(text, str) else None
+        if size is None and re.match(r"\s*(DN|NPS)\b", str(text), flags=re.IGNORECASE):
+            raise ValueError(
+                'DN and NPS are sizes of a list and have no unit; write "DN 80", "NPS 3", or a length, "80 mm"'
+            )
         return super().read(text) if size is None else size
 
     @property

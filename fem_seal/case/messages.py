@@ -159,6 +159,20 @@ def _what_to_write(table: type[BaseModel] | None, name: str) -> str:
     return f"{text} ({key.meaning})" if key.meaning else text
 
 
+# What else an engineer calls a key, by the word; the table where it is one of several is before it.
+_OTHER_WORDS = {
+    "load.force": "do you mean applied_force?",
+    "load.pressure": "do you mean fluid_pressure? pressure belongs in [direct]",
+    "fluid.pressure": "do you mean fluid_pressure, which belongs in [load]? pressure belongs in [direct]",
+    "line_load": "give applied_force, the line load times the circumference of the seal",
+    "bolt_force": "give preload, the force of each bolt, in [bolts]",
+    "bolt_load": "give preload, the force of each bolt, in [bolts]",
+    "temp": "do you mean temperature?",
+    "roundness": "give a tolerance, harmonics or a trace in [form.seat] or [form.closure]",
+    "circularity": "give a tolerance, harmonics or a trace in [form.seat] or [form.closure]",
+    "ovality": "give harmonics, tolerance or a trace in [form.seat] or [form.closure]",
+    "e": "do you mean youngs_modulus, which belongs in a table of the material?",
+}
 # So many places of a key are named where it has several.
 _PLACES = 3
 
@@ -196,6 +210,9 @@ class _UnknownKey:
         here, everywhere = {_plain_word(key): key for key in known}, _places(self.case)
         if name in here:
             return f"do you mean {here[name]}? "
+        own = ".".join([*self.path[:-1], name])
+        if remedy := _OTHER_WORDS.get(own, _OTHER_WORDS.get(name)):
+            return f"{remedy}{'' if remedy.endswith('?') else ';'} "
         if name in everywhere:
             key = everywhere[name][0]
             again = "" if key == self.path[-1] else f"as {key} "

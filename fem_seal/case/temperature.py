@@ -82,5 +82,5 @@ def with_film_temperature(fluid: Any, temperature: Any) -> Any:
     except (QuantityError, ValueError):
         return fluid
     bodies = [given.get(name) or given.get("uniform") for name in ("closure", "seat")]
-    known = [one for one in bodies if one is not None]
+    known = [one for one in bodies if one is not None and one > 0.0]
     return {**fluid, "temperature": f"{sum(known) / 2!r} K"} if len(known) == 2 else fluid

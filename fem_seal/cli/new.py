@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import sys
+from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
+
+from typer.core import TyperCommand
 
 from fem_seal.case.words import problem
 from fem_seal.cli.terminal import Debug, complain, option, output_option, prompt, say
@@ -86,6 +89,22 @@ def new(
     say(f"{path} is written; next:")
     say(f"  fem-seal check {_quoted(path)} --picture   (draws its section)")
     say(f"  fem-seal run {_quoted(path)}   (leak rate and report)")
+
+
+class ForceIsNone(TyperCommand):
+    """Says that `--force` replaces a file where a closing force stands behind it."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """The arguments as they are.
+
+        Raises
+        ------
+        InputError
+        """
+        for option_, value in pairwise(args):
+            if option_ == "--force" and not value.startswith("-"):
+                raise InputError(problem("new_force", value=value))
+        return super().parse_args(ctx, args)
 
 
 def _can_ask() -> bool:

@@ -161,6 +161,8 @@ _VERDICT, _MARGIN = "verdict", "margin"
 _OF_YIELDING = (*_BESIDE, leak_rate_column(OWN), *map(force_column, FURTHER))
 _SAMPLED = ("leak_rate_low_m3_per_s", "leak_rate_high_m3_per_s")
 _MEDIAN = "leak_rate_p50_m3_per_s"
+# Columns that are above zero and at most one.
+_SHARES = ("pass_probability", "batch_share_p05")
 
 
 def _missing_for_readings(study: StudyPlan) -> str:
@@ -227,6 +229,13 @@ def _check_units(key: str, constraint: Constraint, study: StudyPlan) -> None:
     if None not in (left, right) and left != right:
         kinds = " with ".join(f"a quantity in {unit}" if unit else "a plain number" for unit in (left, right))
         raise InputError.at(key, f"compares {kinds}", shown(constraint.text))
+    for share, other in (constraint.sides, constraint.sides[::-1]):
+        if share.what in _SHARES and not other.names and other.number({}) > 1.0:
+            raise InputError.at(
+                key,
+                f"compares {share.what}, a share of at most 1, with {other.number({}):g}; write 0.95 for 95 %",
+                shown(constraint.text),
+            )
 
 
 def _check_possible(key: str, name: str, study: StudyPlan) -> None:

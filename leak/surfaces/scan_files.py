@@ -149,6 +149,7 @@ LENGTH_UNITS: dict[str, float] = own_tables("leak.surfaces", "length_units.toml"
 _UNIT = "|".join(sorted(map(re.escape, LENGTH_UNITS), key=len, reverse=True))
 # "x [mm]", "height (um)", "Lateral um", "x_m"
 _IN_HEADING = re.compile(rf"[\[(]\s*({_UNIT})\s*[\])]|(?:^|[\s_/,])({_UNIT})$", re.IGNORECASE)
+_ANGLE = re.compile(r"angle\b|.*[\[(]\s*(?:deg|°|rad)", re.IGNORECASE)
 _TIP = re.compile(rf"(?:stylus|tip)\b.*?radius\D*?(\d+(?:\.\d*)?)\s*({_UNIT})\b", re.IGNORECASE)
 # An instrument's header is shorter than this; a longer text without numbers is none.
 _LONGEST_HEADER = 300
@@ -197,6 +198,10 @@ def read_text_scan(path: Path, unit: Unit | None = None) -> LineScan:
     values = _table(block, columns)
     # a heading of another number of cells is none, and a unit in it could belong to either column
     headings = [cells for cells in headings if len(cells) == columns]
+    if any(_ANGLE.match(cells[0]) for cells in headings[-1:]):
+        raise ScanError(
+            "has an angle in its first column: it is a roundness trace, no scan; give it as the trace of a form error"
+        )
     stated = [_stated_unit(headings, column) for column in (0, 1)]
     units = [
         agreed(name, one, given)

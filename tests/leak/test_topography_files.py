@@ -222,6 +222,7 @@ def test_invalid_points_are_left_out(file):
         (SCAN.replace("\n7.0 ", "\n6.0 ").encode(), "not monotonic"),
         (b"\x89PNG\r\n\x1a\n" + bytes(range(256)) * 4, "is not a text file"),
         (b"PK\x03\x04" + bytes(range(256)) * 4, "is not a text file"),
+        (b"Angle [deg];Deviation [um]\n" + b"0;3.1\n1;3.2\n" * 20, "it is a roundness trace, no scan"),
     ],
 )
 def test_bad_files_are_refused(file, content, message):

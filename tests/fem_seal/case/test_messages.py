@@ -109,6 +109,12 @@ def test_every_key_is_looked_for_in_every_table() -> None:
         ("seat", "land_width", 'it belongs to shape = "conical-land";'),
         ("load", "depth", "it belongs in [[form.scratches]] or [form.lay];"),
         ("load", "nonsense", "unknown key; known keys here are"),
+        # words of the field
+        ("load", "force", "do you mean applied_force? known"),
+        ("load", "pressure", "do you mean fluid_pressure? pressure belongs in [direct]; known"),
+        ("load", "line_load", "give applied_force, the line load times the circumference of the seal; known"),
+        ("load", "bolt_load", "give preload, the force of each bolt, in [bolts]; known"),
+        ("closure", "E", "do you mean youngs_modulus, which belongs in a table of the material? known"),
     ],
 )
 def test_says_where_a_key_belongs(table, key, said) -> None:

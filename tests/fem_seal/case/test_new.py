@@ -145,6 +145,8 @@ def test_a_file_is_replaced_only_by_force(call, tmp_path) -> None:
     code, _, err = call("-t", "needle")
     assert code == 2 and "--force replaces it" in err
     assert path.read_text() == "mine"
+    code, _, err = call("-t", "needle", "--force", "300 N")
+    assert code == 2 and 'the closing force is --applied-force "300 N"' in err
     assert call("-t", "needle", "--force")[0] == 0
     assert "needle" in path.read_text()
 

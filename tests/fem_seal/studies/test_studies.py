@@ -336,6 +336,17 @@ def test_mistakes_are_named_before_any_work(tables, named):
         assert words in str(error.value)
 
 
+def test_a_share_is_compared_with_a_share():
+    sampled = fem_seal.load_case(CASE).replace(
+        {"requirement.leak_rate": "1 ml/min", "uncertainty.hardness": {"relative": 0.1}}
+    )
+    limits = {"a": "pass_probability >= 0.95"}
+    parameters = {"load.applied_force": ["0 N", "100 N"]}
+    assert Study(sampled, parameters=parameters, constraints=limits).constraints
+    with pytest.raises(InputError, match="write 0.95 for 95 %"):
+        Study(sampled, parameters=parameters, constraints={"a": "95 <= pass_probability"})
+
+
 def test_every_message_is_asked_for_and_every_one_asked_for_is_there():
     files = (Path(fem_seal.__file__).parent / "studies").rglob("*.py")
     code = "\n".join(path.read_text("utf-8") for path in files)
