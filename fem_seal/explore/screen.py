@@ -216,7 +216,7 @@ def screen_of(solution: SealSolution, design: Mapping[str, str], **more: Any) ->
         number,
         profile_of(loads[number]),
         section_of(case),
-        **({} if widens else _judged(solution)),
+        **({} if widens else _judged(solution, complete=more.get("complete", False))),
         widens=widens,
         limits=tuple(
             (one.name, one.leak_rate / one.ratio[1])
@@ -245,13 +245,16 @@ def sensitivity_words(result: SealSolution, *, follow: bool = False) -> tuple[st
     return found or (own_tables("explore.toml")["sensitivities"][reason],)
 
 
-def _judged(solution: SealSolution) -> dict[str, Any]:
+def _judged(solution: SealSolution, *, complete: bool) -> dict[str, Any]:
     if solution.judgement is None:
         told = "" if solution.highest.leak is None else next_class_of(solution)
         return {"told": (told,) if told else ()}
+    required = solution.case.requirement
+    follow = required is not None and required.test == "standard" and not complete
+    service = (own_tables("explore.toml")["verdict"]["service"],) if follow else ()
     return {
         "verdict": str(solution.verdict),
-        "told": tuple(verdict_sentences(solution)),
+        "told": (*service, *verdict_sentences(solution)),
         "facts": tuple(verdict_facts(solution)),
     }
 

@@ -88,6 +88,15 @@ def columns(result, load):
     return {name: float(result.table[name].iloc[load]) for name in SHOWN}
 
 
+def test_a_verdict_of_the_service_loads_says_so_until_the_tests_of_the_standard_are_there():
+    required = {"standard": "ISO 5208", "class": "C", "test": "standard", "rated_pressure": "40 bar"}
+    session = Session(case_with(requirement=required))
+    live, complete = session.answer({}), complete_screen({}, fem_seal.run(session.case({})))
+    assert live.verdict and live.told[0].startswith("Of the service loads only:")
+    assert not any("service loads only" in one for one in complete.told)
+    assert any("tests of the standard itself" in one for one in complete.told)
+
+
 def test_a_complete_screen_has_the_numbers_of_the_written_file(session, run):
     screen = complete_screen(session.design(DESIGN), fem_seal.run(session.case(DESIGN)))
     assert len(screen.loads) == len(run.loads) == 2
