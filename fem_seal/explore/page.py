@@ -468,14 +468,12 @@ def _pin(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
         # the fifth takes the place of the first
         return pins if design in pins else [*pins, design][-len(PINS) :]
 
-    # In the browser: the buttons are made anew with every answer, and dash drops what a callback is still asking for
-    # when one of its inputs is made anew. A click on another button would be lost.
+    # The buttons are made anew with every answer, and dash forgets their clicks with them: the browser keeps the click.
     app.clientside_callback(
         scripts["pinned"],
         Output("back", "data", allow_duplicate=True),
         Output("pins", "data", allow_duplicate=True),
-        Input({"kind": "take", "number": ALL}, "n_clicks"),
-        Input({"kind": "remove", "number": ALL}, "n_clicks"),
+        Input("pressed", "data"),
         State("pins", "data"),
         prevent_initial_call=True,
     )

@@ -95,13 +95,11 @@ function step(_undo, _redo, history) {
     return [{...history, designs: designs, at: at, moved: ""}, design];
 }
 
-function pinned(_takes, _removes, pins) {
-    // Controls of a pinned design, or the pinned designs without one. Buttons that were only made anew have no clicks.
+function pinned(pressed, pins) {
+    // Controls of a pinned design, or the pinned designs without one.
     const none = window.dash_clientside.no_update;
-    const clicked = window.dash_clientside.callback_context.triggered.find(one => one.value);
-    if (!clicked) { return [none, none]; }
-    const who = JSON.parse(clicked.prop_id.slice(0, clicked.prop_id.lastIndexOf(".")));
-    return who.kind === "take" ? [pins[who.number], none] : [none, pins.filter((_, number) => number !== who.number)];
+    if (!pressed) { return [none, none]; }
+    return pressed.kind === "take" ? [pins[pressed.number], none] : [none, pins.filter((_, number) => number !== pressed.number)];
 }
 
 function answered(shown) {
@@ -132,6 +130,10 @@ function named(_) {
     if (!window.naming) {
         window.naming = new MutationObserver(name);
         window.naming.observe(document.body, {childList: true, subtree: true});
+        document.addEventListener("click", event => {
+            const button = event.target.closest("#compare button");
+            if (button) { window.dash_clientside.set_props("pressed", {data: {...JSON.parse(button.id), at: Date.now()}}); }
+        });
         document.addEventListener("focusin", event => {
             const home = event.target.closest("[id]");
             last = home && {element: event.target, home: home.id, place: [...home.querySelectorAll("*")].indexOf(event.target)};

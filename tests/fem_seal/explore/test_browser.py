@@ -370,8 +370,8 @@ def test_controls_are_used_by_keyboard_and_each_undo_counts(browser):
     focus(browser, "#reset")
     pressed(browser, " ")
     waited(browser, "return document.querySelector('.shape.chosen[id*=\"seat.cone\"]') && 1")
-    # an answer makes the button anew
-    numbers(browser, pressure="20 bar")
+    # while answers still make the button anew
+    numbers(browser, pressure="20 bar", at_rest=False)
     focus(browser, "#compare button[id*=remove]")
     pressed(browser, ENTER)
     waited(browser, f"return {_PINNED} === 0")
