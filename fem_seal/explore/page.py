@@ -162,6 +162,7 @@ def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
     app.clientside_callback(
         scripts["gather"],
         Output("asked", "data"),
+        Output("present", "data"),
         Input({"kind": "slider", "key": ALL}, "value"),
         Input("fluid", "value"),
         Input("typed", "data"),
@@ -369,14 +370,14 @@ def _choose(app: Dash, answers: Answers) -> None:
         Input({"kind": "shape", "key": ALL}, "n_clicks"),
         Input("reset", "n_clicks"),
         Input("back", "data"),
-        State("asked", "data"),
+        State("present", "data"),
         prevent_initial_call=True,
     )
     @answered
     def choose(*sent: Any) -> Any:
-        back, asked = sent[-2:]
+        back, present = sent[-2:]
         done, said = _done(), ""
-        design = checked(Asked, asked, "asked").design
+        design = checked(Asked, present, "present").design
         session = _session(answers, design)
         who, value = next(iter(done), (None, None))
         if isinstance(who, dict) and who.get("kind") in ("choice", "shape"):
@@ -456,14 +457,14 @@ def _pin(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
         Output("pins", "data"),
         Input("pin", "n_clicks"),
         State("pins", "data"),
-        State("asked", "data"),
+        State("present", "data"),
         prevent_initial_call=True,
     )
     @answered
-    def pin(_: Any, pins: Any, asked: Any) -> Any:
+    def pin(_: Any, pins: Any, present: Any) -> Any:
         if not _done():
             raise PreventUpdate
-        sent, pins = checked(Asked, asked, "asked").design, _pinned(pins)
+        sent, pins = checked(Asked, present, "present").design, _pinned(pins)
         design = _session(answers, sent).design(sent)
         # the fifth takes the place of the first
         return pins if design in pins else [*pins, design][-len(PINS) :]
@@ -486,33 +487,33 @@ def _files(app: Dash, answers: Answers, folder: Path) -> None:
         Output("said", "children"),
         Input("write", "n_clicks"),
         State("name", "value"),
-        State("asked", "data"),
+        State("present", "data"),
         prevent_initial_call=True,
     )
     @answered
     def write(_: Any, name: Any, sent: Any) -> str:
-        asked = checked(Asked, sent, "asked")
-        session = _session(answers, asked.design)
+        present = checked(Asked, sent, "present")
+        session = _session(answers, present.design)
         try:
             source = session.given.file
             remark = f"Written by fem-seal explore from {source.name if source else 'a case'}."
-            path = write_case(session.case(asked.design).written, folder, str(name or ""), remark)
+            path = write_case(session.case(present.design).written, folder, str(name or ""), remark)
         except (SealError, OSError) as error:
             return f"Not written: {error}"
-        not_taken = not_taken_words(session.factors, session.design(asked.design), asked.wrong)
+        not_taken = not_taken_words(session.factors, session.design(present.design), present.wrong)
         return f"Written: {path}. It runs with: fem-seal run {path.name}. {not_taken}".strip()
 
     @app.callback(
         Output("download", "data"),
         Input("take-away", "n_clicks"),
         State("name", "value"),
-        State("asked", "data"),
+        State("present", "data"),
         prevent_initial_call=True,
     )
     @answered
     def take_away(_: Any, name: Any, sent: Any) -> Any:
-        asked = checked(Asked, sent, "asked")
-        text = case_text(_session(answers, asked.design).case(asked.design).written, folder)
+        present = checked(Asked, sent, "present")
+        text = case_text(_session(answers, present.design).case(present.design).written, folder)
         return {"content": text, "filename": f"{str(name or 'case').removesuffix('.toml')}.toml"}
 
     @app.callback(
@@ -521,21 +522,21 @@ def _files(app: Dash, answers: Answers, folder: Path) -> None:
         Output("report-said", "children", allow_duplicate=True),
         Input("report", "n_clicks"),
         State("name", "value"),
-        State("asked", "data"),
+        State("present", "data"),
         prevent_initial_call=True,
     )
     @answered
     def report(_: Any, name: Any, sent: Any) -> Any:
-        asked = checked(Asked, sent, "asked")
-        session = _session(answers, asked.design)
+        present = checked(Asked, sent, "present")
+        session = _session(answers, present.design)
         try:
             target = free_name(folder, str(name or ""), ".out")
-            session.case(asked.design)
+            session.case(present.design)
             target.mkdir(parents=True)
         except (SealError, OSError) as error:
             return no_update, True, f"No report: {error}"
-        answers.report(asked.design, target)
-        not_taken = not_taken_words(session.factors, session.design(asked.design), asked.wrong)
+        answers.report(present.design, target)
+        not_taken = not_taken_words(session.factors, session.design(present.design), present.wrong)
         return str(target), False, f"The report is being made in {target} ... {not_taken}".strip()
 
     @app.callback(

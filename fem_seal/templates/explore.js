@@ -1,7 +1,8 @@
 function gather(places, fluid, typed, _, meta, before) {
     // Texts of all values from the places of the sliders. A typed text stays until its slider is moved, and so does an
     // invalid one: it stays in its field while the calculation uses the last valid value. While an answer is pending no
-    // other is requested; the next request takes the latest sliders, so that the page moves on.
+    // other is requested; the next request takes the latest sliders, so that the page moves on. What else is done with the
+    // design, such as another material or its case file, takes the sliders as they are.
     const none = window.dash_clientside.no_update;
     const design = {}, wrong = {};
     meta.keys.forEach((key, n) => {
@@ -22,16 +23,17 @@ function gather(places, fluid, typed, _, meta, before) {
     const same = (one, other) => JSON.stringify(one) === JSON.stringify(other);
     // a design of the history is asked for when the sliders have arrived at it
     const step = window.step;
-    if (step && !same(step.design, design) && Date.now() - step.since < 5000) { return none; }
+    if (step && !same(step.design, design) && Date.now() - step.since < 5000) { return [none, none]; }
     window.step = undefined;
     window.present = design;
-    if (before && same([before.design, before.wrong], [design, wrong])) { return none; }
-    const way = window.onItsWay;
-    if (way && way.answered < way.number && Date.now() - way.since < 5000) { return none; }
     const page = (before && before.page) || String(Math.random());
     const number = ((before && before.number) || 0) + 1;
+    const present = {page: page, number: number, design: design, wrong: wrong};
+    if (before && same([before.design, before.wrong], [design, wrong])) { return [none, present]; }
+    const way = window.onItsWay;
+    if (way && way.answered < way.number && Date.now() - way.since < 5000) { return [none, present]; }
     window.onItsWay = {number: number, since: Date.now(), answered: (way && way.answered) || 0};
-    return {page: page, number: number, design: design, wrong: wrong};
+    return [present, present];
 }
 
 function enter(_a, _b, entered, typed, places, meta) {
@@ -78,19 +80,26 @@ function steps(history) {
     // a button that is switched off under the focus hands it on
     ["undo", "redo"].forEach((name, n) => {
         const button = document.getElementById(name);
-        if (off[n] && button === document.activeElement) { document.getElementById(off[1 - n] ? "take-away" : ["redo", "undo"][n]).focus(); }
+        if (!off[n] || button !== document.activeElement) { return; }
+        const next = document.getElementById(off[1 - n] ? "take-away" : ["redo", "undo"][n]);
+        // it may be switched on with this very step
+        next.disabled = false;
+        next.focus();
     });
     return off;
 }
 
-function step(_undo, _redo, history) {
+function step(undo, redo, history) {
     // Each click counts at once, the next one before its controls are there; so does a design that waits to be asked for.
-    const none = window.dash_clientside.no_update, clicked = window.dash_clientside.callback_context.triggered_id;
+    // Dash makes one question of two clicks in quick succession.
+    const none = window.dash_clientside.no_update, seen = window.clicks || [0, 0];
+    window.clicks = [undo || 0, redo || 0];
+    const way = window.clicks[1] - seen[1] - (window.clicks[0] - seen[0]);
     const known = history.designs.slice(0, history.at + 1), now = window.step ? undefined : window.present;
     const waits = now && JSON.stringify(now) !== JSON.stringify(known[known.length - 1]);
     const designs = waits ? [...known, now] : history.designs;
-    const at = history.at + (waits ? 1 : 0) + (clicked === "redo" ? 1 : -1), design = designs[at];
-    if (!clicked || !design) { return [none, none]; }
+    const at = Math.max(0, Math.min(history.at + (waits ? 1 : 0) + way, designs.length - 1)), design = designs[at];
+    if (!way || !design) { return [none, none]; }
     window.step = {design: design, since: Date.now()};
     return [{...history, designs: designs, at: at, moved: ""}, design];
 }

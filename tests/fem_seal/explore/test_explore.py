@@ -525,7 +525,7 @@ CALLBACK = {
     "changedPropIds": ["pin.n_clicks"],
     "state": [
         {"id": "pins", "property": "data", "value": []},
-        {"id": "asked", "property": "data", "value": {"page": "1", "number": 1, "design": {}}},
+        {"id": "present", "property": "data", "value": {"page": "1", "number": 1, "design": {}}},
     ],
 }
 
