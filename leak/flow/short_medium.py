@@ -176,7 +176,7 @@ def _log_number(
     most, without_peaks = resistance(own), own
     for log_cut in log_pressure.max() + np.log(_CUTS):
         _, log_n = _medium(surface, table, np.minimum(log_pressure, log_cut), length)
-        left = resistance(log_n, table.asked(log_cut))
+        left = resistance(log_n, float(table.asked(log_cut)))
         if left <= most:
             break
         most, without_peaks = left, log_n
