@@ -408,6 +408,17 @@ def test_no_click_is_lost_when_pinned_designs_are_drawn_anew(browser):
     waited(browser, "return document.querySelector('input[id*=fluid_pressure]').value === '20 bar'")
 
 
+def test_a_case_file_is_that_of_the_sliders_before_they_are_answered(browser, folder):
+    """It was that of the design asked for last."""
+    browser.execute_script("window.onItsWay = {number: 1e9, since: Date.now() + 1e9, answered: 0}")
+    enter(browser, "fluid_pressure", "24 bar")
+    waited(browser, "return window.present.fluid_pressure === '24 bar'")
+    browser.find_element("id", "write").click()
+    said = waited(browser, "return document.getElementById('said').innerText")
+    browser.execute_script("window.onItsWay = undefined")
+    assert '"24 bar"' in (folder / re.search(r"Written: (.+?\.toml)", said)[1]).read_text(encoding="utf-8")
+
+
 @pytest.mark.parametrize("width", [1400, 400])
 def test_the_page_is_for_everybody_wide_and_narrow(browser, width):
     axe = pytest.importorskip("axe_core_python.selenium", reason="axe-core judges the page")
