@@ -159,19 +159,19 @@ def _what_to_write(table: type[BaseModel] | None, name: str) -> str:
     return f"{text} ({key.meaning})" if key.meaning else text
 
 
-# What else an engineer calls a key, by the word; the table where it is one of several is before it.
+# What to say of words that the field has for something else, in one table or in all of them.
 _OTHER_WORDS = {
     "load.force": "do you mean applied_force?",
-    "load.pressure": "do you mean fluid_pressure? pressure belongs in [direct]",
-    "fluid.pressure": "do you mean fluid_pressure, which belongs in [load]? pressure belongs in [direct]",
-    "line_load": "give applied_force, the line load times the circumference of the seal",
-    "bolt_force": "give preload, the force of each bolt, in [bolts]",
-    "bolt_load": "give preload, the force of each bolt, in [bolts]",
+    "load.pressure": "do you mean fluid_pressure? pressure belongs in [direct];",
+    "fluid.pressure": "do you mean fluid_pressure, which belongs in [load]? pressure belongs in [direct];",
+    "line_load": "give applied_force, the line load times the circumference of the seal;",
     "temp": "do you mean temperature?",
-    "roundness": "give a tolerance, harmonics or a trace in [form.seat] or [form.closure]",
-    "circularity": "give a tolerance, harmonics or a trace in [form.seat] or [form.closure]",
-    "ovality": "give harmonics, tolerance or a trace in [form.seat] or [form.closure]",
     "e": "do you mean youngs_modulus, which belongs in a table of the material?",
+    **dict.fromkeys(("bolt_force", "bolt_load"), "give preload, the force of each bolt, in [bolts];"),
+    **dict.fromkeys(
+        ("roundness", "circularity", "ovality"),
+        "give a tolerance, harmonics or a trace in [form.seat] or [form.closure];",
+    ),
 }
 # So many places of a key are named where it has several.
 _PLACES = 3
@@ -212,7 +212,7 @@ class _UnknownKey:
             return f"do you mean {here[name]}? "
         own = ".".join([*self.path[:-1], name])
         if remedy := _OTHER_WORDS.get(own, _OTHER_WORDS.get(name)):
-            return f"{remedy}{'' if remedy.endswith('?') else ';'} "
+            return f"{remedy} "
         if name in everywhere:
             key = everywhere[name][0]
             again = "" if key == self.path[-1] else f"as {key} "

@@ -18,7 +18,7 @@ from fem_seal.case.words import problem, sentence
 from fem_seal.cli import terminal
 from fem_seal.cli.calibrate import calibrate
 from fem_seal.cli.library import fluids, materials
-from fem_seal.cli.new import ForceIsNone, new
+from fem_seal.cli.new import ForceTakesNoValue, new
 from fem_seal.cli.study import app as study_app
 from fem_seal.cli.table import table
 from fem_seal.errors import ConvergenceError, InputError, NoLoadLeftError, SealError, unexpected
@@ -41,7 +41,7 @@ app = typer.Typer(
 )
 
 app.add_typer(study_app, name="study")
-app.command(cls=ForceIsNone)(new)
+app.command(cls=ForceTakesNoValue)(new)
 for _command in (materials, fluids, table, calibrate):
     app.command()(_command)
 

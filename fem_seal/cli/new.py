@@ -91,7 +91,7 @@ def new(
     say(f"  fem-seal run {_quoted(path)}   (leak rate and report)")
 
 
-class ForceIsNone(TyperCommand):
+class ForceTakesNoValue(TyperCommand):
     """Says that `--force` replaces a file where a closing force stands behind it."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
@@ -101,8 +101,8 @@ class ForceIsNone(TyperCommand):
         ------
         InputError
         """
-        for option_, value in pairwise(args):
-            if option_ == "--force" and not value.startswith("-"):
+        for word, value in pairwise(args):
+            if word == "--force" and not value.startswith("-"):
                 raise InputError(problem("new_force", value=value))
         return super().parse_args(ctx, args)
 

@@ -116,7 +116,7 @@ def test_a_contact_leaks_no_more_than_without_its_peaks(peak):
 
     without = [leaking(np.minimum(whole, cut * whole.max())) for cut in (0.95, 0.88, 0.7, 0.5, 0.3)]
     # cuts between those of the calculation
-    assert leaking(whole) < 1.03 * min(without)
+    assert leaking(whole) < 1.02 * min(without)
 
 
 @pytest.mark.parametrize("peak", [0.999, 1.00001, 1.01])
