@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 import threading
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from html import escape
 from importlib import resources
@@ -15,7 +15,7 @@ from xml.etree.ElementTree import Element, fromstring
 
 from dash import ALL, Dash, Input, Output, State, ctx, dcc, html, no_update
 from dash.exceptions import PreventUpdate
-from flask import Response, abort, send_file
+from flask import Response, abort, request, send_file
 
 from fem_seal.case.case_file import case_text, free_name, write_case
 from fem_seal.errors import SealError
@@ -80,6 +80,8 @@ _PICTURES = {
     "profile": "Contact pressure across the seat; dashed: fluid pressure",
     "gap": "Gap across the seat",
 }
+# For so long the page waits to begin with the first numbers [s].
+_FIRST_WITHIN = 1.0
 # Elements whose contents follow the sliders.
 _FOLLOWS = ("verdict", "numbers", "sensitivities", "warnings", "compare", "problem", "lost", "state")
 
@@ -122,17 +124,49 @@ def _template(name: str) -> str:
 
 def _layout(answers: Answers, title: str, name: str) -> Any:
     look = own_tables("explore.toml")
-    (layout,) = elements(
-        "page",
-        title=title,
-        name=name,
-        meta=_meta(answers.newest),
-        pictures=_PICTURES,
-        empty={"data": [], "layout": look["empty"]},
-        height=look["layout"]["height"],
-        **_controls(answers.newest, answers.newest.given),
-    )
+    session = answers.newest
+    # the first numbers are read before plotly.js is loaded; dash makes a layout of its own before, to check it
+    first = answers.first(_FIRST_WITHIN if request.path == "/_dash-layout" else 0.0)
+    begins: dict[str, Any] = {}
+    with shown_in(session.given.report.units):
+        if first is not None and first.load and not first.waiting:
+            state = _state(first, answers)
+            begins = {
+                "now": (now := designs_shown(first, [])[0]),
+                "figures": {key: one.plain() for key, one in figures([now], dark=False).items()},
+                "state": state,
+                "shown": {"signature": _signature(first, state), "number": 0, "design": first.design},
+            }
+        (layout,) = elements(
+            "page",
+            title=title,
+            name=name,
+            meta=_meta(session),
+            pictures=_PICTURES,
+            empty={"data": [], "layout": look["empty"]},
+            height=look["layout"]["height"],
+            begins=begins,
+            most=len(PINS),
+            **_controls(session, session.given),
+        )
     return layout
+
+
+def _signature(
+    screen: Screen,
+    state: str,
+    *,
+    wrong: Mapping[str, str] | None = None,
+    lost: str = "",
+    pins: Sequence[Design] = (),
+    dark: bool = False,
+    pinned: Sequence[Screen] = (),
+) -> str:
+    """What changes where the page is drawn anew."""
+    looks = [list(pins), bool(dark), [one.complete for one in pinned]]
+    return json.dumps(
+        [screen.design, state, bool(screen.waiting), wrong or {}, lost, screen.sensitivities, *looks]
+    )
 
 
 def _meta(session: Session) -> dict[str, Any]:
@@ -235,9 +269,9 @@ def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
             raise PreventUpdate
         pinned = [answers.screen(design) for design in known.values()]
         state, lost = _state(screen, answers), answers.lost
-        kinds = [bool(screen.waiting), asked.wrong, lost, pins, dark, [one.complete for one in pinned]]
-        kinds.append(screen.sensitivities)
-        signature = json.dumps([screen.design, state, *kinds])
+        signature = _signature(
+            screen, state, wrong=asked.wrong, lost=lost, pins=pins or (), dark=dark, pinned=pinned
+        )
         now = {"signature": signature, "number": asked.number, "design": before}
         # those of the page, which may have other sliders by now
         keys = [one["id"]["key"] for one in ctx.outputs_grouping["rows"]]

@@ -371,7 +371,7 @@ class Answers:
         # the first numbers come from another process, which calculates while this one makes the page
         self._awaited: dict[str, str] | None = None
         self._first: Screen | None = None
-        self._first_shown = Event()
+        self._first_there, self._first_shown = Event(), Event()
         session.waits = False
         # designs whose runs ended their process, and why; what the page says of it, and when it happened
         self._given_up: dict[tuple[tuple[str, str], ...], str] = {}
@@ -433,6 +433,19 @@ class Answers:
             return self.session.answer(design, waiting="the first numbers")
         self._first_shown.set()
         return self._with_run(self._first)
+
+    def first(self, within: float) -> Screen | None:
+        """The first numbers, for a page that begins with the case's own design; None if they take longer.
+
+        Parameters
+        ----------
+        within : float
+            [s]
+        """
+        if self._awaited is None or self.newest is not self.session:
+            return None
+        self._first_there.wait(within)
+        return None if self._first is None else self._with_run(self._first)
 
     def screen(self, design: Mapping[str, str]) -> Screen:
         """What is shown of a design that no slider moves, such as a pinned one."""
@@ -530,12 +543,14 @@ class Answers:
                 self.session.live.keep(got.name, got.what)
             elif isinstance(got, Screen):
                 self._first = got
+                self._first_there.set()
                 self.news += 1
             elif isinstance(got, Lost):
                 self._say_lost(got)
                 if any(ask.first for ask in got.left):
                     # it is this process's turn
                     self._awaited, self.session.waits = None, True
+                    self._first_there.set()
         if isinstance(got, Screen):
             # what follows loads what calculates: not before the numbers are on their way
             self._first_shown.wait(_SHOWN_WITHIN)

@@ -363,13 +363,13 @@ def test_what_takes_longer_than_a_slider_may_says_how_long():
 TOKEN, HERE = "the-token", {"Host": "127.0.0.1:8050"}
 
 
-def client_of(session, title="case", *, opened=True, failed=None):
+def client_of(session, title="case", *, opened=True, failed=None, answers=None):
     """Who asks the page of a session, with the cookie of its address if it has been opened."""
     pytest.importorskip("dash")
     from fem_seal.explore.gate import guard
     from fem_seal.explore.page import page_of
 
-    page = page_of(alone(session), EXAMPLES, title)
+    page = page_of(answers or alone(session), EXAMPLES, title)
     guard(page, 8050, TOKEN, ([] if failed is None else failed).append)
     client = page.server.test_client()
     if opened:
@@ -459,13 +459,15 @@ def test_texts_of_a_case_are_texts_in_its_elements(session, text):
         "pictures": {},
         "empty": {},
         "height": 1,
+        "begins": {},
+        "most": 4,
     }
     (page,) = elements("page", title=text, name=text, own_input=False, **said)
     shown = text.translate(dict.fromkeys([0x1B, 0x00, 0xD800]))
     assert page["name"].value == text
     texts = [one.children for one in page._traverse() if getattr(one, "className", "") == "note"]
     titles = [one.children for one in page._traverse() if type(one).__name__ == "H1"]
-    assert (texts, titles) == ([[shown]], [[shown]])
+    assert (texts[0], titles) == ([shown], [[shown]])
 
 
 def test_the_page_says_what_may_run_in_it_and_is_never_in_a_frame(session):
@@ -691,6 +693,34 @@ def test_a_design_that_cannot_be_names_its_fields_and_whose_numbers_are_left():
     )
     # and the page goes on from there
     assert follow({}, refused["shown"]["data"])["results"]["className"] == "results"
+
+
+def test_a_page_begins_with_the_first_numbers_and_draws_them_once(session):
+    answers = alone(session)
+    client = client_of(session, answers=answers)
+    assert '"value-leak"' not in asked(client, "/_dash-layout").text
+    answers._awaited, first = session.design({}), session.answer({})
+    answers._first_shown.set()
+    answers._told_ahead(first)
+    begun = asked(client, "/_dash-layout")
+    parts = {str(part["props"].get("id")): part["props"] for part in parts_of(begun.json)}
+    assert parts["value-leak"]["data-si"] == str(first.load.values["leak_rate_m3_per_s"])
+    assert parts["graph-leak"]["figure"]["data"]
+    question = {"page": "1", "number": 1, "design": session.design({}), "wrong": {}}
+    values = {"asked": question, "pins": [], "shown": parts["shown"]["data"], "factors": session.factors}
+    again = callback(client, "graph-section.figure", {**values, "dark": False})
+    assert [*again] == ["shown"]
+    assert "graph-section" in callback(client, "graph-section.figure", {**values, "dark": True})
+
+
+def parts_of(element):
+    """All elements of a layout."""
+    if isinstance(element, list):
+        for one in element:
+            yield from parts_of(one)
+    elif isinstance(element, dict):
+        yield element
+        yield from parts_of(element["props"].get("children"))
 
 
 def test_wrong_texts_are_all_named(session):
