@@ -195,14 +195,14 @@ class Dissection:
         last = _cholesky(found[-1].handed_on)
         inverse, _ = dpotri(last)
         inverse = np.triu(inverse)
-        order, places = self._order
         # what a part hands on is not needed any more, and need not be kept
         kept = [(one.upper, one.coupling) for one in found if len(one.upper)]
-        steps = [(*place, *one) for place, one in zip(places, kept, strict=True)]
 
         def solve(right: FloatArray) -> FloatArray:
             from scipy.linalg.lapack import dpotrs, dtrtrs
 
+            order, places = self._order
+            steps = [(*place, *one) for place, one in zip(places, kept, strict=True)]
             turned = right.reshape(len(right), -1)[order]
             for span, outer, upper, coupling in steps:
                 inner = turned[span]

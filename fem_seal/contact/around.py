@@ -16,7 +16,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property, partial
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -24,6 +24,9 @@ from fem_seal.arrays import FloatArray
 from fem_seal.contact.local_contact import LocalContact
 from fem_seal.contact.model import ContactModel
 from fem_seal.errors import ConvergenceError
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicSpline
 
 
 @dataclass(frozen=True)
@@ -41,6 +44,8 @@ class Stiffening:
         At the points of the contact line; only its shape counts.
     highest : int
         Harmonic beyond which the bodies are taken to answer as half-spaces do, from what they answer to this one.
+    period : int
+        Of the harmonics that may be asked for: multiples of it.
     known : dict
         What the bodies answer to each harmonic, as far as it has been asked for, see `LocalContact.opened`.
     """
@@ -48,6 +53,7 @@ class Stiffening:
     model: ContactModel
     pressure: FloatArray = field(repr=False)
     highest: int
+    period: int = 1
     known: dict[int, FloatArray] = field(default_factory=dict, repr=False)
 
     def __call__(self, n: int) -> float:
@@ -57,9 +63,7 @@ class Stiffening:
         ----------
         n : int
         """
-        if n > self.highest:
-            return self._beyond + self._half_spaces(n)
-        return float(self._forces @ self._opening(n)) / self._forces.sum()
+        return self._half_spaces(n) + float(self._answer(min(n, self.highest))[0])
 
     def bend(self, n: int) -> float:
         """By how much a line load that waves n times bends the gap across the width, in (x - x_mean)^2 [1/m per N/m].
@@ -70,12 +74,38 @@ class Stiffening:
         ----------
         n : int
         """
-        if n > self.highest:
-            return 0.0
-        share, x = self._forces / self._forces.sum(), self.model.line.x
+        return 0.0 if n > self.highest else n * float(self._answer(n)[1])
+
+    def _answer(self, n: int) -> FloatArray:
+        """By how much c_n - c_0 differs from that of half-spaces, and the bend over n."""
+        return self._between(-(n**-0.5)) if n > 1 and n not in self._asked else self._own(n)
+
+    def _own(self, n: int) -> FloatArray:
+        """The same as the bodies answer it."""
+        forces, opening, x = self._forces, self._opening(n), self.model.line.x
+        share = forces / forces.sum()
         parabola = (x - share @ x) ** 2
         parabola = parabola - share @ parabola
-        return float((share * parabola) @ self._opening(n) / ((share * parabola) @ parabola))
+        bend = (share * parabola) @ opening / ((share * parabola) @ parabola)
+        return np.array([share @ opening - self._half_spaces(n), bend / n])
+
+    @cached_property
+    def _asked(self) -> list[int]:
+        """Harmonics from the second on to which the bodies are asked, each half as many waves again as the one before.
+
+        How they differ from half-spaces is a smooth function of n: a spline over n^(-1/2) between these leaves 3e-5.
+        """
+        found = [max(2, self.period)]
+        while found[-1] < self.highest:
+            half = found[-1] // (2 * self.period)
+            found.append(min(found[-1] + max(1, half) * self.period, self.highest))
+        return found
+
+    @cached_property
+    def _between(self) -> CubicSpline:
+        from scipy.interpolate import CubicSpline
+
+        return CubicSpline(-(np.array(self._asked) ** -0.5), [self._own(n) for n in self._asked])
 
     def _opening(self, n: int) -> FloatArray:
         """By how much more the gap opens under the n-th harmonic than under an even line load [m per N/m]."""
@@ -84,11 +114,6 @@ class Stiffening:
             of_bodies = (harmonic.opening(n, forces) for harmonic in model.harmonics)
             self.known[n] = sum(of_bodies, -(model.compliance @ forces))
         return self.known[n]
-
-    @cached_property
-    def _beyond(self) -> float:
-        """By how much the bodies differ from half-spaces at the highest harmonic of their own [m per N/m]."""
-        return self(self.highest) - self._half_spaces(self.highest)
 
     @cached_property
     def _forces(self) -> FloatArray:

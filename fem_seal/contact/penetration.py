@@ -16,7 +16,7 @@ from fem_seal.contact.laws import HardContact, Law
 from fem_seal.contact.model import ContactLine, ContactModel
 from fem_seal.contact.newton import solve
 from fem_seal.contact.other_loads import NO_LOADS, BodyLoads
-from fem_seal.contact.solution import ContactSolution
+from fem_seal.contact.solution import DEFAULT_SETTINGS, ContactSettings, ContactSolution
 from fem_seal.errors import ConvergenceError, OpenSealError
 from fem_seal.former_names import formerly
 from fem_seal.loads import PressureSide, expected_force
@@ -165,9 +165,8 @@ def _crossing(profile: PressureProfile, pressure: float, inside: int, step: int)
     return float(profile.x[inside] + share * (profile.x[outside] - profile.x[inside]))
 
 
-# Error of the fluid pressure in units of the pressure difference.
-_TOLERANCE = 1e-9
-# The same for hard contact: its edge moves by steps in the last element, and the flow resistance with it.
+# Error of the fluid pressure in units of the pressure difference that is left for hard contact: its edge moves by steps
+# in the last element, and the flow resistance with it.
 _HARD_TOLERANCE = 2e-3
 # Error of the place up to which a held fluid gets in units of the smallest element.
 _FRONT = 1e-5
@@ -183,6 +182,7 @@ class CoupledContact:
         How the fluid gets between the surfaces.
     at_rest : BodyLoads
         What acts without any fluid, such as a press fit or heat.
+    settings : ContactSettings
 
     Examples
     --------
@@ -201,6 +201,7 @@ class CoupledContact:
     law: Law
     path: FluidPath
     at_rest: BodyLoads = NO_LOADS
+    settings: ContactSettings = DEFAULT_SETTINGS
 
     @property
     def pressurised(self) -> int:
@@ -221,8 +222,8 @@ Balance = Callable[[float], tuple[float, float]]
 
 def coupled_contact(
     seal: CoupledContact, balance: Balance, unknowns: FloatArray, start: ContactSolution | None
-) -> ContactSolution:
-    """Find the unknowns of the fluid that belong to the contact which they leave.
+) -> tuple[ContactSolution, FloatArray]:
+    """Find the contact, and the unknowns of the fluid that belong to the contact which they leave.
 
     Parameters
     ----------
@@ -239,16 +240,19 @@ def coupled_contact(
         If nothing is left for the solid contact, or the fluid gets through.
     ConvergenceError
     """
-    solution = start
+    solution, found = start, unknowns
 
     def image(at: FloatArray) -> FloatArray:
-        nonlocal solution
+        nonlocal solution, found
         pressure, force = balance(seal.loads(1.0, at).lift(seal.model))
         if not force > 0:
             raise OpenSealError(f"nothing is left for the solid contact at {pressure / 1e5:.6g} bar")
         loads = seal.loads(pressure, at)
-        solution = solve(seal.model, seal.law, contact_force=force, loads=loads, start=solution)
-        return seal.path.found(solution.whole, pressure)
+        solution = solve(
+            seal.model, seal.law, contact_force=force, loads=loads, settings=seal.settings, start=solution
+        )
+        found = seal.path.found(solution.whole, pressure)
+        return found
 
     low, high = seal.path.bounds(seal.model.line)
     try:
@@ -263,7 +267,7 @@ def coupled_contact(
             )
         else:
             try:
-                fixed_point(image, unknowns, tolerance=_TOLERANCE, bounds=(low, high))
+                fixed_point(image, unknowns, tolerance=seal.settings.fluid_tolerance, bounds=(low, high))
             except ConvergenceError:
                 if not isinstance(seal.law, HardContact):
                     raise
@@ -271,7 +275,7 @@ def coupled_contact(
     except ConvergenceError as error:
         raise ConvergenceError(f"contact and fluid pressure in the gap: {error}", solution) from error
     assert solution is not None
-    return solution
+    return solution, found
 
 
 def dry_unknowns(
@@ -343,7 +347,7 @@ def solve_penetration(
         _SHARES[-1],
     )
     try:
-        return coupled_contact(seal, given, dry_unknowns(seal, carried, fluid_pressure, start), start)
+        return coupled_contact(seal, given, dry_unknowns(seal, carried, fluid_pressure, start), start)[0]
     except (OpenSealError, ConvergenceError):
         if not fluid_lifts(seal, applied_force):
             raise
@@ -364,7 +368,7 @@ def solve_at_contact_force(
     start : ContactSolution, optional
     """
     unknowns = dry_unknowns(seal, contact_force, fluid_pressure, start)
-    return coupled_contact(seal, lambda lift: (fluid_pressure, contact_force), unknowns, start)
+    return coupled_contact(seal, lambda lift: (fluid_pressure, contact_force), unknowns, start)[0]
 
 
 def least_applied_force(seal: CoupledContact, fluid_pressure: float) -> float | None:
@@ -476,9 +480,8 @@ def _step(seal: CoupledContact, applied_force: float, share: float, before: _Ste
     if unknowns is None:
         expected = (applied_force - force) / (math.pi * seal.model.initial_contact_radius**2)
         unknowns = dry_unknowns(seal, force, expected, None)
-    contact = coupled_contact(seal, balance, unknowns, before.contact)
-    pressure = contact.loads.closure[seal.pressurised]
-    return _Step(share, pressure, contact, seal.path.found(contact.whole, pressure))
+    contact, unknowns = coupled_contact(seal, balance, unknowns, before.contact)
+    return _Step(share, contact.loads.closure[seal.pressurised], contact, unknowns)
 
 
 def _way_to_blow_off(seal: CoupledContact, applied_force: float) -> list[_Step]:
@@ -555,4 +558,4 @@ def contact_near_blow_off(
     nearest = min(steps, key=lambda step: abs(step.pressure / fluid_pressure - 1))
     assert nearest.unknowns is not None
     given = _under(applied_force, fluid_pressure)
-    return coupled_contact(seal, given, nearest.unknowns, nearest.contact)
+    return coupled_contact(seal, given, nearest.unknowns, nearest.contact)[0]

@@ -23,7 +23,7 @@ from fem_seal.units import quantity
 
 @dataclass(frozen=True)
 class ContactSettings:
-    """When the Newton iteration stops.
+    """When the iterations stop.
 
     Parameters
     ----------
@@ -32,6 +32,8 @@ class ContactSettings:
     force_tolerance : float
         Relative residual of the axial force.
     max_iterations : int
+    fluid_tolerance : float
+        Error of the fluid pressure between the surfaces in units of the pressure difference.
 
     Examples
     --------
@@ -43,6 +45,7 @@ class ContactSettings:
     gap_tolerance: float = 1e-10
     force_tolerance: float = 1e-12
     max_iterations: int = 60
+    fluid_tolerance: float = 1e-9
 
 
 DEFAULT_SETTINGS = ContactSettings()

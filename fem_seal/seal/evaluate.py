@@ -10,7 +10,7 @@ import time
 from collections.abc import Callable, Collection, Hashable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TypeAlias, TypeVar
 
 from fem_seal.case.case import Case
@@ -156,7 +156,7 @@ class Evaluation:
     @cached_property
     def solver(self) -> LoadSolver:
         """Of further loads on the same bodies."""
-        return LoadSolver(self.problem, self.model)
+        return LoadSolver(self.problem, self.model, settings=self.source.settings)
 
     @property
     def missing(self) -> dict[tuple[float, float], LoadProblem]:
@@ -312,14 +312,34 @@ def _evaluated(
             seal_mesh, model = sources[number].bodies(problem, wanted, clock)
         except MeshingError as error:
             return error
-        return LoadSolver(problem, model), seal_mesh
+        return LoadSolver(problem, model, settings=sources[number].settings), seal_mesh
+
+    # what is left to be found around the axis on a mesh that a round seal would want another one for already
+    put_off: dict[int, Callable[[], MeshFit]] = {}
 
     def looked_at(number: int) -> MeshFit:
         fit, made = fits[number], on_bodies[number]
         if isinstance(made, MeshingError):
-            return fit.after(made)
+            after = fit.after(made)
+            if number in put_off:
+                put_off[number]()
+            return after
+        known = pressed.get(number, {})
+        find = partial(found_on, number, fit, made, known)
+        round_ones = [one for one in known.values() if isinstance(one, ContactSolution)]
+        if problems[number].form is not None and round_ones and len(round_ones) == len(known):
+            after = fit.after(round_ones)
+            if after.sizing is not None:
+                put_off[number] = find
+                return after
+        put_off.pop(number, None)
+        return find()
+
+    def found_on(
+        number: int, fit: MeshFit, made: tuple[LoadSolver, SealMesh | None], known: Pressed
+    ) -> MeshFit:
         solver, seal_mesh = made
-        solved = solve_loads(solver, clock.progress, pressed.get(number, {}))
+        solved = solve_loads(solver, clock.progress, known)
         unconverged = [error for error in solved.failures.values() if isinstance(error, ConvergenceError)]
         if unconverged and not (fit.refined or fit.size_given):
             # a load that does not converge is tried on a finer mesh once, before the others go on without it
@@ -340,7 +360,7 @@ def _evaluated(
         on_bodies = batch.each(left, with_bodies)
         solvers = {n: made[0] for n, made in on_bodies.items() if not isinstance(made, MeshingError)}
         with clock.step("contact", _solving(solvers.values())):
-            pressed = _pressed({n: one.pressings(sources[n].settings) for n, one in solvers.items()}, batch)
+            pressed = _pressed({n: one.pressings() for n, one in solvers.items()}, batch)
             fits = {n: fit for n, fit in fits.items() if fit.sizing is None} | batch.each(
                 on_bodies, looked_at
             )

@@ -69,11 +69,14 @@ class LoadSolver:
     model : ContactModel
     lower_half : LoadSolver or None
         With the lower flange on both faces of a gasket; None where the flanges are alike, or nobody asks for both.
+    settings : ContactSettings
+        Of loads without a path.
     """
 
     problem: SealProblem
     model: ContactModel
     lower_half: LoadSolver | None = None
+    settings: ContactSettings = DEFAULT_SETTINGS
 
     @classmethod
     def on_mesh(cls, problem: SealProblem, wanted: Sizing) -> LoadSolver:
@@ -160,7 +163,7 @@ class LoadSolver:
         except OpenSealError as error:
             raise self._open_seal(seal, fluid_pressure, applied_force, error) from error
 
-    def pressings(self, settings: ContactSettings = DEFAULT_SETTINGS) -> dict[int, ContactProblem]:
+    def pressings(self) -> dict[int, ContactProblem]:
         """What is to be pressed of each load, where each is a question of its own: no path, no way of the fluid."""
         if self.yields or not self._on_sealed_area or self.problem.loads.bolts is not None:
             return {}
@@ -168,7 +171,7 @@ class LoadSolver:
         forces = [applied + self._closes(pressure) for pressure, applied in self.problem.loads.points]
         # what is no force says so where its load is solved
         return {
-            number: ContactProblem(self.model, self.problem.law, force, at_rest, settings)
+            number: ContactProblem(self.model, self.problem.law, force, at_rest, self.settings)
             for number, force in enumerate(forces)
             if 0 < force < math.inf
         }
@@ -405,7 +408,8 @@ class LoadSolver:
     @cached_property
     def _first_seal(self) -> CoupledContact:
         """The same before any load."""
-        return CoupledContact(self.model, self.problem.law, self._path, self.problem.at_rest(self.model))
+        at_rest = self.problem.at_rest(self.model)
+        return CoupledContact(self.model, self.problem.law, self._path, at_rest, self.settings)
 
     @cached_property
     def _path(self) -> FluidPath:

@@ -162,7 +162,7 @@ class Shared(Source):
     tables: Callable[[FlowModel, RoughContact, Sequence[float]], Conductivity] = family_or_own_table
     stress: bool = False
 
-    settings = ContactSettings(_TOLERANCE, _TOLERANCE)
+    settings = ContactSettings(_TOLERANCE, _TOLERANCE, fluid_tolerance=_TOLERANCE)
 
     def suited(self, problem: SealProblem) -> Source:
         """That of a run for bodies that yield, whose path takes longer than their mesh, and for heat of their own."""

@@ -12,9 +12,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cache, lru_cache
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -118,71 +118,106 @@ def short_medium(
     >>> 1.0 < found.waves < 20.0 and 0.42 < found.percolation_threshold < 0.6
     True
     """
-    found, log_n = _medium(surface, table, log_pressure, length)
+    found, log_n = _Piece.of(surface, table, log_pressure, length).medium()
     return found(log_n)
 
 
-def _medium(
-    surface: RoughContact, table: ConductivityTable, log_pressure: FloatArray, length: FloatArray
-) -> tuple[Callable[[float], ShortMedium], float]:
-    """What a medium with ln n makes of a contact, and the ln n that it asks for itself, see `short_medium`."""
-    touches = log_pressure > log_pressure.max() + math.log(_FAINT)
-    log_p, length = log_pressure[touches], length[touches]
-    area, wave = _contact_area(surface, log_p), surface.wavelength_along_flow
-    endless, asked = surface.percolation_threshold, table.asked(log_p)
+@dataclass(frozen=True, eq=False)
+class _Piece:
+    """What resists of a contact, and what is known of it whatever its medium.
 
-    @cache
-    def found(log_n: float) -> ShortMedium:
-        opened = _with_threshold(table, endless, -math.expm1(-log_n))
-        with np.errstate(divide="ignore"):
-            gap = opened.at_log_pressure(asked)
-            shares = _shares(1.0 / (gap * gap * gap))
-        weight = length * shares
-        # the width that resists is that of a box where resistance is even
-        waves = max(float(weight.sum() ** 2 / (weight @ shares)) / wave, _FEWEST)
-        touching = float(weight @ area / weight.sum())
-        return ShortMedium(waves, touching, short_threshold(waves, touching, endless))
-
-    # a more open medium resists over a wider piece: the threshold that it asks for falls, and is met once
-    low = -math.log1p(-endless)
-    high = -math.log1p(-found(low).percolation_threshold)
-    if high - low < _CLOSE:
-        return found, high
-
-    def excess(log_n: float) -> float:
-        return log_n + math.log1p(-found(log_n).percolation_threshold)
-
-    return found, root_of_rising(excess, low, high, high, _CLOSE)
-
-
-def _log_number(
-    surface: RoughContact, table: ConductivityTable, log_pressure: FloatArray, length: FloatArray
-) -> float:
-    """ln n of the medium of a contact, which leaks no more than it would without its peaks.
-
-    Narrow peaks, as at the edges of a land, are passed by: alone they would open the whole contact, the more the harder
-    they are pressed. More pressure opens nothing, so that the contact resists at least as much as with its peaks cut
-    off, at the share of the peak pressure where that resists most.
+    Parameters
+    ----------
+    surface : RoughContact
+    table : ConductivityTable
+        Of the endless surface.
+    asked, area, length : ndarray, shape (n,)
+        Acting ln(p/Pa) and A/A0 at places along the flow, and the length of which each stands [m].
+    at_cuts : ndarray, shape (2, m)
+        Acting ln(p/Pa) and A/A0 at `_CUTS`.
     """
-    asked, endless = table.asked(log_pressure), surface.percolation_threshold
 
-    def resistance(log_n: float, limit: float = math.inf) -> float:
-        opened = _with_threshold(table, endless, -math.expm1(-log_n))
-        gap = opened.at_log_pressure(np.minimum(asked, limit))
+    surface: RoughContact
+    table: ConductivityTable
+    asked: FloatArray
+    area: FloatArray
+    length: FloatArray
+    at_cuts: FloatArray
+
+    @classmethod
+    def of(
+        cls, surface: RoughContact, table: ConductivityTable, log_pressure: FloatArray, length: FloatArray
+    ) -> Self:
+        highest = log_pressure.max()
+        touches = log_pressure > highest + math.log(_FAINT)
+        log_p = np.append(log_pressure[touches], highest + np.log(_CUTS))
+        asked, area = table.asked(log_p), _contact_area(surface, log_p)
+        end = -len(_CUTS)
+        at_cuts = np.array([asked[end:], area[end:]])
+        return cls(surface, table, asked[:end], area[:end], length[touches], at_cuts)
+
+    def cut_off(self, number: int) -> Self:
+        """The same with its peaks cut off."""
+        asked, area = self.at_cuts[:, number]
+        return replace(self, asked=np.minimum(self.asked, asked), area=np.minimum(self.area, area))
+
+    def medium(self) -> tuple[Callable[[float], ShortMedium], float]:
+        """What a medium with ln n makes of it, and the ln n that it asks for itself, see `short_medium`."""
+        endless, wave = self.surface.percolation_threshold, self.surface.wavelength_along_flow
+
+        @cache
+        def found(log_n: float) -> ShortMedium:
+            with np.errstate(divide="ignore"):
+                gap = self.opened(log_n).at_log_pressure(self.asked)
+                shares = _shares(1.0 / (gap * gap * gap))
+            weight = self.length * shares
+            # the width that resists is that of a box where resistance is even
+            waves = max(float(weight.sum() ** 2 / (weight @ shares)) / wave, _FEWEST)
+            touching = float(weight @ self.area / weight.sum())
+            return ShortMedium(waves, touching, short_threshold(waves, touching, endless))
+
+        # a more open medium resists over a wider piece: the threshold that it asks for falls, and is met once
+        low = -math.log1p(-endless)
+        high = -math.log1p(-found(low).percolation_threshold)
+        if high - low < _CLOSE:
+            return found, high
+
+        def excess(log_n: float) -> float:
+            return log_n + math.log1p(-found(log_n).percolation_threshold)
+
+        return found, root_of_rising(excess, low, high, high, _CLOSE)
+
+    def opened(self, log_n: float) -> ConductivityTable:
+        """The table in a medium with ln n."""
+        return _with_threshold(self.table, self.surface.percolation_threshold, -math.expm1(-log_n))
+
+    def resistance(self, log_n: float) -> float:
+        """To the flow through it, in a medium with ln n [1/m^2]."""
+        gap = self.opened(log_n).at_log_pressure(self.asked)
         with np.errstate(divide="ignore"):
-            return float((length / (gap * gap * gap)).sum())
+            return float((self.length / (gap * gap * gap)).sum())
 
-    _, own = _medium(surface, table, log_pressure, length)
-    most, without_peaks = resistance(own), own
-    for log_cut in log_pressure.max() + np.log(_CUTS):
-        _, log_n = _medium(surface, table, np.minimum(log_pressure, log_cut), length)
-        left = resistance(log_n, float(table.asked(log_cut)))
-        if left <= most:
-            break
-        most, without_peaks = left, log_n
-    if without_peaks == own or most == math.inf:
-        return without_peaks
-    return root_of_rising(lambda log_n: 1.0 - resistance(log_n) / most, without_peaks, own, own, _CLOSE)
+    def log_number(self) -> float:
+        """ln n of the medium of a contact, which leaks no more than it would without its peaks.
+
+        Narrow peaks, as at the edges of a land, are passed by: alone they would open the whole contact, the more the
+        harder they are pressed. More pressure opens nothing, so that the contact resists at least as much as with its
+        peaks cut off, at the share of the peak pressure where that resists most.
+        """
+        _, own = self.medium()
+        most, without_peaks = self.resistance(own), own
+        for number in range(len(_CUTS)):
+            cut = self.cut_off(number)
+            _, log_n = cut.medium()
+            left = cut.resistance(log_n)
+            if left <= most:
+                break
+            most, without_peaks = left, log_n
+        if without_peaks == own or most == math.inf:
+            return without_peaks
+        return root_of_rising(
+            lambda log_n: 1.0 - self.resistance(log_n) / most, without_peaks, own, own, _CLOSE
+        )
 
 
 def in_contact(surface: RoughContact, table: AnyTable, x: FloatArray, pressure: FloatArray) -> AnyTable:
@@ -237,7 +272,7 @@ def in_profile(surface: RoughContact, table: AnyTable, profile: ContactProfile, 
     if surface.theory == "paper" or liquid.method != "bruggeman":
         return table
     log_p, weight, _ = profile.quadrature
-    log_n = _log_number(surface, liquid, log_p, 2.0 * math.pi * radius * weight)
+    log_n = _Piece.of(surface, liquid, log_p, 2.0 * math.pi * radius * weight).log_number()
     # what rarefaction adds goes by the share of the sealing pressure, which stays
     return table.with_liquid(with_threshold(liquid, surface.percolation_threshold, -math.expm1(-log_n)))
 

@@ -649,9 +649,24 @@ def test_stiffening_goes_over_into_that_of_half_spaces(large: LocalContact) -> N
     """Beyond the last harmonic by elements it goes on as half-spaces do: from 20 to 60 waves to 3e-3 of the way."""
     model, pressure = large.mean.model, large.mean.pressure
     by_elements, extended = Stiffening(model, pressure, 60), Stiffening(model, pressure, 20)
-    assert extended(20) == by_elements(20)
+    # of sixty, the twentieth is known by a spline
+    assert extended(20) == pytest.approx(by_elements(20), rel=1e-5)
     assert extended(60) - extended(20) == pytest.approx(by_elements(60) - by_elements(20), rel=3e-3)
     assert by_elements(60) < by_elements(20) < 0
+
+
+def test_between_the_harmonics_of_bodies_the_answer_is_theirs(rough: LocalContact) -> None:
+    """Of twelve harmonics the bodies are asked to six from the second on, of each of the others a spline knows it."""
+    model, pressure = rough.mean.model, rough.mean.pressure
+    few = Stiffening(model, pressure, 12)
+    found = [(few(n), few.bend(n)) for n in range(1, 13)]
+    assert sorted(few.known) == [1, 2, 3, 4, 6, 9, 12]
+    alone = [(one(n), one.bend(n)) for n in range(1, 13) for one in [Stiffening(model, pressure, n)]]
+    c, bend = np.array(found).T
+    c_alone, bend_alone = np.array(alone).T
+    np.testing.assert_allclose(c, c_alone, atol=1e-4 * abs(c_alone[-1]))
+    np.testing.assert_allclose(bend, bend_alone, atol=5e-4 * abs(bend_alone[-1]))
+    assert sorted(Stiffening(model, pressure, 9, 3)._asked) == [3, 6, 9]
 
 
 def two_waves_of_1_um(local: LocalContact) -> tuple[np.ndarray, np.ndarray]:
