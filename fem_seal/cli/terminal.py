@@ -238,12 +238,11 @@ def show_result(result: SealSolution, *, details: bool) -> None:
         Everything: the whole table and the sentences of all answers.
     """
     from fem_seal.answers.leakage_class import volume_of
-    from fem_seal.output.answers.standard_tests import spring_in_words, standard_in_brief
     from fem_seal.output.report import brief
     from fem_seal.output.tables import leak_rows
 
     case = result.case
-    says = brief.first_line, standard_in_brief, spring_in_words, *brief.ANSWERS, brief.second_line
+    says = brief.first_line, *brief.ANSWERS, brief.second_line
     show_first(*(told_of(line(result), faces=case.faces) for line in says))
     if not details:
         show_loads(case, result.loads)

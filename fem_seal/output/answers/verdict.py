@@ -554,7 +554,7 @@ SHOWN = Shown(
         or None,
     },
     words=lambda result: {
-        "verdict": result.verdict,
+        "verdict": worst_of((result, *result.standard_tests)),
         "verdict_says": verdict_sentences(result),
         "verdict_facts": verdict_facts(result),
         "next_class": next_class_of(result),

@@ -15,6 +15,7 @@ from fem_seal.output.answers import verdict
 from fem_seal.output.answers.error_shares import largest_share, measurement_in_brief
 from fem_seal.output.answers.form import form_in_brief
 from fem_seal.output.answers.sensitivities import in_words, strongest
+from fem_seal.output.answers.standard_tests import spring_in_words, standard_in_brief
 from fem_seal.output.answers.target import OPENS, target_in_brief
 from fem_seal.output.answers.uncertainty import told_after_test
 from fem_seal.output.columns import COLUMNS, MOST_COLUMNS, PROFILE_LEAK_COLUMNS, SHOWN_COLUMNS
@@ -139,7 +140,12 @@ def _used(result: SealSolution, load: JudgedLoad) -> str:
 
 
 # Between the first and the second line: what the case asks for in so many words.
-ANSWERS: Sequence[Callable[[SealSolution], str]] = (target_in_brief, form_in_brief)
+ANSWERS: Sequence[Callable[[SealSolution], str]] = (
+    standard_in_brief,
+    spring_in_words,
+    target_in_brief,
+    form_in_brief,
+)
 
 _ADVICE: dict[str, Callable[[SealSolution, JudgedLoad], str]] = {
     "profile": lambda result, load: verdict.would_pass(result, brief=True),
