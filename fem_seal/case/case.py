@@ -417,14 +417,31 @@ def _in_keys(tables: Mapping[str, Any]) -> tuple[dict[str, Any], list[Problem]]:
     """Tables with keys in place of the drawing's words, and what is wrong with these."""
     written, wrong = dict(tables), []
     for body in ("closure", "seat", "gasket"):
-        entries = tables.get(body)
-        if isinstance(entries, Mapping):
-            known = tables_of(CaseTables.model_fields[body])
-            meant = [one for one in known if entries.get("shape") in choices(one, "shape")]
-            if meant:
-                written[body], found = in_keys(body, meant[0], entries)
-                wrong.extend(found)
+        if isinstance(entries := tables.get(body), Mapping):
+            written[body], found = _shape_in_keys(body, CaseTables.model_fields[body], entries)
+            wrong.extend(found)
     return written, wrong
+
+
+def _shape_in_keys(
+    path: str, field: FieldInfo, entries: Mapping[str, Any]
+) -> tuple[Mapping[str, Any], list[Problem]]:
+    """A table with a shape, and the shapes in its lists, such as the lands of a seat."""
+    shaped = [one for one in tables_of(field) if "shape" in one.model_fields]
+    meant = next((one for one in shaped if entries.get("shape") in choices(one, "shape")), None)
+    if meant is None:
+        return entries, []
+    found, wrong = in_keys(path, meant, entries)
+    for key, listed in found.items():
+        if key not in meant.model_fields or not isinstance(listed, list | tuple):
+            continue
+        found[key] = [*listed]
+        for number, one in enumerate(listed):
+            if isinstance(one, Mapping):
+                place = f"{path}.{key}[{number + 1}]"
+                found[key][number], more = _shape_in_keys(place, meant.model_fields[key], one)
+                wrong += more
+    return found, wrong
 
 
 def _merged(old: dict[str, Any], new: Mapping[str, Any]) -> dict[str, Any]:

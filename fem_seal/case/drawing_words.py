@@ -122,7 +122,7 @@ def partner(key: str) -> str | None:
 def same_entry(path: str) -> str:
     """Path of the key for a path that may end in a drawing's word: "seat.bore_radius" for "seat.bore_diameter"."""
     body, _, last = path.rpartition(".")
-    if body in _BODIES and last.endswith(("diameter", "included_angle")):
+    if body.split(".")[0] in _BODIES and last.endswith(("diameter", "included_angle")):
         return f"{body}.{partner(last)}"
     return path
 
@@ -146,7 +146,7 @@ def in_keys(
     Parameters
     ----------
     body : str
-        "closure", "seat" or "gasket".
+        "closure", "seat", "gasket", or a table in a list of one, "seat.lands[1]".
     table : type of the table that reads them
     entries : mapping
         As they stand in the case file.

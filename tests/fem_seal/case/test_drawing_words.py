@@ -142,6 +142,37 @@ def test_an_impossible_dimension_is_reported_in_the_words_of_the_case() -> None:
     assert "land_outer_radius = 14 mm: must exceed land_inner_radius = 15 mm" in one.message
 
 
+def lands(*each: dict[str, Any]) -> dict[str, Any]:
+    return tables({"shape": "lands", "lands": list(each)}, {"shape": "disc", "diameter": "60 mm"})
+
+
+def of_flat(inner: str, outer: str) -> dict[str, Any]:
+    return {"shape": "flat-land", "land_inner_diameter": inner, "land_outer_diameter": outer}
+
+
+def test_lands_behind_each_other_have_diameters_too() -> None:
+    """They stand in a list of the seat."""
+    radii = ("20 mm", "21.5 mm"), ("23 mm", "24.2 mm")
+    keys = [
+        {"shape": "flat-land", "land_inner_radius": one, "land_outer_radius": other} for one, other in radii
+    ]
+    words = of_flat("40 mm", "43 mm"), of_flat("46 mm", "48.4 mm")
+    known, found = Case(**lands(*keys)), Case(**lands(*words))
+    assert input_tables(found) == input_tables(known)
+    for case in (known, found):
+        wider = case.replace({"seat.lands.1.land_outer_diameter": "50 mm"})
+        assert [one.land_outer_radius for one in wider.seat.lands] == [0.0215, 0.025]
+        assert case.replace({"seat.lands.1.land_outer_radius": 0.025}).seat == wider.seat
+
+
+def test_wrong_words_of_lands_name_the_land() -> None:
+    twice = of_flat("46 mm", "48 mm") | {"land_inner_radius": "23 mm"}
+    with pytest.raises(InputError) as caught:
+        Case(**lands(of_flat("40", "43 mm"), twice))
+    places = [one.key for one in caught.value.problems]
+    assert places == ["seat.lands[1].land_inner_diameter", "seat.lands[2].land_inner_diameter"]
+
+
 def test_a_typo_in_shape_is_one_line() -> None:
     with pytest.raises(InputError) as caught:
         Case(**tables({"shape": "conical-lnd", "included_angle": "90 deg", "land_widht": "1 mm"}))
