@@ -207,6 +207,8 @@ class SealProblem:
         Thermal strain of the closure beyond that of the seat [-].
     temperatures : mapping
         Of "closure" and "seat", or of their faces where it is calculated [K]; empty where they are not given.
+    fluid_temperature : float or None
+        At which the library's properties of the fluid are taken [K]; None where the fluid is the case's own.
     heating : Heating or None
         What warms the seal, where its temperature is calculated.
     contact_size : float or None
@@ -254,6 +256,7 @@ class SealProblem:
     interference: float = 0.0
     expansion: float = 0.0
     temperatures: Mapping[str, float] = field(default_factory=dict)
+    fluid_temperature: float | None = None
     heating: Heating | None = None
     contact_size: float | None = None
     hardness: float | None = None
@@ -297,6 +300,9 @@ class SealProblem:
             interference=case.wall_motion,
             expansion=case.thermal_strain("closure") - case.thermal_strain("seat") if case.expands else 0.0,
             temperatures=case.body_temperatures,
+            fluid_temperature=None
+            if case.fluid is None or case.fluid.library_entry is None
+            else case.fluid.temperature,
             heating=heating(case),
             contact_size=case.mesh.contact_size,
             hardness=case.hardness,

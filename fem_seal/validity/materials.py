@@ -1,4 +1,4 @@
-"""Checks of material properties at the temperature of their body."""
+"""Checks of the properties of materials and fluid at the temperature where they act."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _OF_SURFACE = ("youngs_modulus", "hardness")
 
 
 def temperature_cautions(problem: SealProblem, *, bodies: bool = True) -> Iterator[Finding]:
-    """Cautions about material numbers known only at other temperatures than that of the body.
+    """Cautions about numbers of materials and fluid that belong to another temperature than that of body and film.
 
     A small difference of temperature leaves the result valid.
 
@@ -37,6 +37,7 @@ def temperature_cautions(problem: SealProblem, *, bodies: bool = True) -> Iterat
     bodies : bool, optional
         Whether the bodies themselves are solved; otherwise only the contact of the rough surfaces is checked.
     """
+    yield from _film(problem)
     for name, temperature in problem.temperatures.items():
         material = problem.materials[name]
         plain = []
@@ -54,6 +55,17 @@ def temperature_cautions(problem: SealProblem, *, bodies: bool = True) -> Iterat
                 yield _beyond(name, material, key, at)
         if plain and abs(temperature - ROOM_TEMPERATURE) > _NEAR:
             yield _plain(name, material, plain, temperature)
+
+
+def _film(problem: SealProblem) -> Iterator[Finding]:
+    """A fluid whose given temperature is not that of the faces, which a film of micrometres takes at once."""
+    given = problem.fluid_temperature
+    if given is None or len(problem.temperatures) < 2:
+        return
+    film = math.fsum(problem.temperatures.values()) / len(problem.temperatures)
+    if abs(given - film) > _NEAR:
+        found = caution("film_temperature", given=in_degrees(given), film=in_degrees(film))
+        yield found if abs(given - film) >= _FAR else replace(found, level=Level.VALID)
 
 
 def _used(problem: SealProblem, material: Material) -> Iterator[str]:

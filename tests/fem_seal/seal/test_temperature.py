@@ -427,6 +427,23 @@ def said_of(one: fem_seal.Case) -> dict[str, tuple[Level, str]]:
     }
 
 
+@pytest.mark.parametrize(
+    ("fluid", "level"),
+    [
+        ({"temperature": "20 degC"}, Level.DOUBTFUL),
+        ({"temperature": "150 degC"}, Level.VALID),
+        ({"temperature": "190 degC"}, None),
+        ({}, None),  # that of the film
+    ],
+)
+def test_a_fluid_keeps_a_temperature_of_its_own_and_the_result_says_so(fluid, level) -> None:
+    """A template has 20 degC: with [temperature] added, the leak rate of the hot valve was that of cold gas."""
+    given = hot(temperature="200 degC", fluid={"name": "nitrogen", **fluid})
+    found = [one for one in temperature_cautions(SealProblem.of(given)) if one.kind == "film temperature"]
+    assert [one.level for one in found] == ([] if level is None else [level])
+    assert all(fluid["temperature"] in one.text and "200 degC" in one.text for one in found)
+
+
 def test_a_hot_case_takes_the_hot_numbers_of_the_library() -> None:
     cold, warm = hot(temperature="20 degC").seat.material, hot().seat.material
     assert cold is LIBRARY["316L"]
