@@ -9,6 +9,7 @@ from dataclasses import replace
 from fem_seal.answers.judgement import JudgedLoad
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.answers.solution import SealSolution
+from fem_seal.answers.target import TARGET
 from fem_seal.case.fields import Throughput
 from fem_seal.output.answers.verdict import force_to_pass, verdict_force_sentences
 from fem_seal.output.columns import SHOWN_COLUMNS
@@ -93,7 +94,7 @@ def _target_reasons(result: SealSolution, load: LoadResult) -> Iterator[str]:
 
 
 def target_in_brief(result: SealSolution) -> str:
-    """The force for the target leak rate at the highest fluid pressure, in one line; empty without one.
+    """The force for the target leak rate at the highest fluid pressure, or why there is none; empty without a target.
 
     Parameters
     ----------
@@ -101,8 +102,11 @@ def target_in_brief(result: SealSolution) -> str:
     """
     load, target = result.highest, result.case.load.target_leak_rate
     own, contact, known = load.force_for_target, load.contact_force_for_target, load.target_validity
-    if target is None or own is None or load.preload_for_target is not None:
+    if target is None or load.preload_for_target is not None:
         return ""
+    if own is None:
+        found = TARGET.of(result.answers)
+        return phrase("brief.target", "none", why=found.remarks[0].text) if found and found.remarks else ""
     force = max([own, *_other_forces(load).values()])
     doubt = "" if known is None or not known.cautions else "outside" if known.outside else "doubt"
     return phrase(

@@ -476,6 +476,14 @@ def test_the_first_lines_say_the_force_for_the_target_and_how_sure_it_is():
     assert target_in_brief(result).endswith("(outside the theory: seat yields)")
 
 
+def test_the_first_lines_say_that_no_force_meets_the_target():
+    """It was asked for in so many words; among three warnings of many it may not be shown at all."""
+    result = run_loads(case(load={"fluid_pressure": "20 bar", "target_leak_rate": "1e3 m^3/s"}))
+    assert result.highest.force_for_target is None
+    told = next(one for one in result.warnings if one.startswith("load.target_leak_rate"))
+    assert target_in_brief(result) == f"No force for {told}"
+
+
 def test_the_interval_names_inputs_besides_the_finish():
     known = case(roughness={"Ra": "0.4 um", "process": "lapped"})
     both = known.replace({"uncertainty": {"hardness": {"relative": 0.1}}})
