@@ -24,8 +24,8 @@ from leak.surfaces.spectrum import PowerSpectrum
 
 # Surfaces are calculated at the highest pressures of their contacts and at places below, in steps of the abscissa of
 # the tables that widen with the distance from the next higher of them: a step is this long, and this share of the
-# distance longer, down to this distance from the last. Between low pressures and sealing, above the next number, none
-# is longer than the last.
+# distance longer, down to this distance from the last, and to low pressures. These end at the next number; above it, up
+# to sealing, no step is longer than the last.
 _STEP, _WIDENING, _DEEPEST = 0.4, 0.55, 10.0
 _LOW, _LONGEST = -2.5, 1.5
 # All places are on a lattice, so that many surfaces share what is needed of the known one.
@@ -239,7 +239,8 @@ class NearbyTables:
         tops = sorted(set(np.minimum(wanted, self._highest).tolist()))
         below, near = [tops.pop()], 0.0
         last = tops[0] if tops else below[0]
-        while below[-1] > last - _DEEPEST / _LATTICE:
+        # next to sealing the distance is a few per cent of the pressure, and the flanks of the contact leak far below
+        while below[-1] > min(last - _DEEPEST / _LATTICE, _LOW / _LATTICE):
             longest = _LONGEST if below[-1] * _LATTICE > _LOW else _DEEPEST
             step = min(round(_STEP / _LATTICE + _WIDENING * near), round(longest / _LATTICE))
             following = below[-1] - step
