@@ -14,7 +14,7 @@ import numpy as np
 
 from fem_seal.answers.answer import Answer
 from fem_seal.answers.posterior import Posterior, columns_of
-from fem_seal.answers.response_surface import ResponseSurface, fit, variables
+from fem_seal.answers.response_surface import Polynomials, ResponseSurface, fit, fit_with_prior, variables
 from fem_seal.arrays import FloatArray, IntArray
 from fem_seal.case.checks import problems_with_uncertainty
 from fem_seal.case.roughness import (
@@ -257,6 +257,8 @@ def leak_interval(
 _RUNS_PER_TERM, _MOST_RUNS = 1.35, 96
 # Error of a left-out run over the scatter, above which the runs are doubled.
 _ERROR_OF_WIDE = 0.4
+# Error of a left-out run over the scatter, above which ln Q bends towards sealing; ln of how far it is followed.
+_ERROR_OF_BENT, _LEAST_LOG = 0.2, 6.0
 # Samples of a finish whose usual surface is sealed at a load, all calculated.
 _OF_SEALED = 64
 # Share of the runs that must converge.
@@ -302,7 +304,7 @@ def _interval_of_finish(
     if surface is None:
         ratios, viscosity, chosen_samples = rates[known], viscosity[known], known
     else:
-        ratios = np.exp(surface(study.scores))
+        ratios = np.exp(_bent(surface, scores, np.log(rates[known]), study.scores))
         checked = np.array(_ends((ratios * usual / viscosity)[:, study.last_load], settings.confidence))
         truth = replace(study, whole_paths=True).leak_rates(checked.tolist()) / usual
         checked, truth = (one[~np.isnan(truth).any(axis=1)] for one in (checked, truth))
@@ -328,6 +330,22 @@ def _interval_of_finish(
         error=error,
         chosen=chosen_samples,
     )
+
+
+def _bent(surface: ResponseSurface, runs: FloatArray, logs: FloatArray, population: FloatArray) -> FloatArray:
+    """ln of the ratios of a population, also where they fall the faster the nearer a sample is to sealing.
+
+    A quadratic polynomial does not follow that: at the upper end of its samples too much leaks, in the median too
+    little. Where it leaves much, the likeliest cubic one of -ln(bound - ln Q) takes its place.
+    """
+    found = surface(population)
+    poor = surface.error > _ERROR_OF_BENT * np.sqrt(surface.variance)
+    if not np.any(poor):
+        return found
+    # not by the standard deviation, most of which may be that of one sample next to sealing
+    bound = logs.max(axis=0) + 0.5 * np.subtract(*np.quantile(logs, (0.84, 0.16), axis=0))
+    bent = fit_with_prior(Polynomials.of(population, 3), runs, -np.log(bound - logs))
+    return np.where(poor, bound - np.exp(np.minimum(-bent(population), _LEAST_LOG)), found)
 
 
 def _interval_of_samples(

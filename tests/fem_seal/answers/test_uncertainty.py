@@ -177,6 +177,41 @@ def test_polynomial_gives_the_samples_that_it_has_not_seen():
     assert interval.error < 2e-3
 
 
+@pytest.mark.slow
+def test_samples_of_a_finish_bend_towards_sealing():
+    """A quadratic polynomial of ln Q does not: its upper end was twice that of the samples, all calculated."""
+    result = run_loads(
+        case(
+            closure={
+                "shape": "cone",
+                "included_angle": "60 deg",
+                "inner_diameter": "6 mm",
+                "outer_diameter": "12 mm",
+                "material": "100Cr6",
+            },
+            seat={
+                "shape": "sharp-edge",
+                "bore_diameter": "8 mm",
+                "edge_radius": "0.3 mm",
+                "material": "100Cr6",
+            },
+            roughness={
+                "closure": {"kind": "finish", "Ra": "0.1 um", "process": "ground"},
+                "seat": {"kind": "finish", "Ra": "0.2 um", "process": "ground"},
+            },
+            fluid={"viscosity": "30 mPa s"},
+            load={"fluid_pressure": "50 bar", "applied_force": "100 N"},
+            leak={"theory": "corrected"},
+        )
+    )
+    settings = Uncertainty(samples=128, hardness=TEN_PER_CENT)
+    found = leak_interval(result, settings)
+    assert found.runs < 50
+    all_of_them = module.SampledSeal.of(result, settings).leak_rates(range(128))[:, 0]
+    ends, truth = (np.log(np.quantile(one, (0.05, 0.5, 0.95))) for one in (found.leak_rate[0], all_of_them))
+    assert ends == pytest.approx(truth, abs=0.25)
+
+
 def test_seed_decides_the_samples():
     settings = Uncertainty(samples=64, viscosity=TEN_PER_CENT)
     first, again, other = (
