@@ -122,6 +122,8 @@ def _unknown_thickening(flow: FlowModel, load: LoadResult, loads: Sequence[LoadR
 
 
 def _dense_gas(flow: FlowModel, loads: Sequence[LoadResult]) -> Iterator[Finding]:
+    from leak.fluids.library import condensation_pressure
+
     gas = flow.gas
     assert gas is not None  # of a gas
     highest = max(load.fluid_pressure for load in loads) + flow.outlet_pressure
@@ -131,6 +133,9 @@ def _dense_gas(flow: FlowModel, loads: Sequence[LoadResult]) -> Iterator[Finding
         yield caution(
             "condensed" if condenses else "dense_gas", outside=condenses, gas=gas, at=at, known=known
         )
+    elif gas.real is None and highest > (liquid := condensation_pressure(gas)):
+        at, known = (written(one, ".4g bar") for one in (highest, liquid))
+        yield caution("condensed", outside=True, gas=gas, at=at, known=known)
     elif gas.real is None and highest > gas.dilute_pressure:
         yield from _not_ideal(flow, gas, highest)
 

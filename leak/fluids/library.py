@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -532,7 +533,7 @@ def estimated_real_gas(gas: Gas, highest: float) -> RealGas | None:
     """Estimate of a library gas up to a pressure; None of a gas whose critical constants are not known.
 
     Z by Peng and Robinson, viscosity by Jossi, Stiel and Thodos: together mostly within 15 % of rho/eta up to 700 bar,
-    away from condensation. The largest root is taken: a gas that condenses is not noticed.
+    away from condensation. The largest root is taken: that a gas condenses is for `condensation_pressure` to say.
 
     Parameters
     ----------
@@ -561,6 +562,29 @@ def estimated_real_gas(gas: Gas, highest: float) -> RealGas | None:
     reduced = pressures * critical.volume / (Z * GAS_CONSTANT * gas.temperature)
     ratios = 1.0 + _dense_viscosity(critical, gas.molar_mass, reduced) / gas.viscosity
     return RealGas(tuple(pressures.tolist()), tuple(Z.tolist()), tuple(ratios.tolist()))
+
+
+def condensation_pressure(gas: Gas) -> float:
+    """Pressure above which a library gas is a liquid [Pa], within 1 % of carbon dioxide; infinite where it is none.
+
+    Parameters
+    ----------
+    gas : Gas
+
+    References
+    ----------
+    G. M. Wilson, AIChE 65th National Meeting, Cleveland (1968), paper 15C: vapour pressure from critical constants.
+
+    Examples
+    --------
+    >>> import leak
+    >>> f"{condensation_pressure(leak.gas('carbon dioxide')) / 1e5:.0f} bar"
+    '58 bar'
+    """
+    temperature, pressure, acentric, _ = CRITICAL.get(gas.name, (0.0, 0.0, 0.0, 0.0))
+    if gas.temperature >= temperature:
+        return math.inf
+    return pressure * 1e5 * math.exp(5.373 * (1.0 + acentric) * (1.0 - temperature / gas.temperature))
 
 
 def _peng_robinson(critical: Critical, T: float, p: float) -> float:

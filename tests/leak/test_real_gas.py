@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 
 import leak
-from leak.fluids.library import coolprop_name, estimated_real_gas
+from leak.fluids.library import condensation_pressure, coolprop_name, estimated_real_gas
 
 R0, WIDTH = 0.014, 1e-3
 X, P = np.linspace(0.0, WIDTH, 11), np.full(11, 1e9)
@@ -198,6 +198,15 @@ def test_a_gas_that_condenses_knows_where():
     # vapour pressure of carbon dioxide at 20 degC, R. Span, W. Wagner (1996)
     assert gas.real.highest_pressure == pytest.approx(57.29e5, rel=1e-3)
     assert not coolprop("Nitrogen").real.condenses
+
+
+@pytest.mark.parametrize(("celsius", "bar"), [(-20.0, 19.70), (0.0, 34.85), (20.0, 57.29), (30.0, 72.14)])
+def test_a_gas_of_the_library_knows_where_it_condenses(celsius, bar):
+    """Vapour pressures of R. Span, W. Wagner (1996), to 2 %."""
+    found = condensation_pressure(leak.gas("carbon dioxide", celsius + 273.15))
+    assert found == pytest.approx(1e5 * bar, rel=0.02)
+    assert condensation_pressure(leak.gas("carbon dioxide", 310.0)) == np.inf
+    assert condensation_pressure(leak.gas("nitrogen", celsius + 273.15)) == np.inf
 
 
 @pytest.mark.parametrize("name", [name for name in leak.GASES if name != "carbon dioxide"])
