@@ -632,8 +632,8 @@ def _nearly_sealed(
     area = float(surface.contact_area(load.peak_pressure))
     factor = next(factor for limit, factor in _FACTORS if area <= limit) if area > _FEW_CHANNELS else 1.0
     lay = _lay_factor(area, surface.peklenik)
-    if lay > _LAY_REPORTED and area <= _DIRECT_END:
-        lay = max(lay, factor)
+    lay = max(lay, factor) if lay > _LAY_REPORTED else 1.0
+    if lay > 1.0 and area <= _DIRECT_END:
         long = max(surface.peklenik, 1.0 / surface.peklenik) > _LAY_LONGEST
         ends = [name for name, unknown in (("area", area > _LAY_KNOWN), ("length", long)) if unknown]
         known = [sentence("lay", one, known=_LAY_KNOWN, longest=_LAY_LONGEST) for one in ends]
@@ -649,7 +649,9 @@ def _nearly_sealed(
             beyond=beyond,
         )
     elif area > _DIRECT_END:
-        most = _most_leak(load, surface)
+        # with a lay the bound is as uncertain as the conductivity where direct results end
+        most = _most_leak(load, surface, lay)
+        bound = "with_lay" if lay > 1.0 else "bounded"
         yield caution(
             "close_to_threshold",
             load,
@@ -663,7 +665,7 @@ def _nearly_sealed(
             direct_end=_DIRECT_END,
             bound=sentence(
                 "close_to_threshold",
-                "bounded" if most < ORDERS_OF_MAGNITUDE else "unbounded",
+                bound if most < ORDERS_OF_MAGNITUDE else "unbounded",
                 times=number(most, 2),
             ),
         )
@@ -680,7 +682,7 @@ def _nearly_sealed(
         )
 
 
-def _most_leak(load: LoadResult, surface: RoughContact) -> float:
+def _most_leak(load: LoadResult, surface: RoughContact, lay: float) -> float:
     """Upper bound of the leak rate, over the calculated one: with the pressure limited to where direct results end.
 
     A harder pressed place leaks no more. Infinite where it is not known: for a seal that is not round.
@@ -694,7 +696,7 @@ def _most_leak(load: LoadResult, surface: RoughContact) -> float:
     found = load.rough.leak_pressed_up_to(limit, load.whole, load.fluid_pressure)
     assert found is not None  # the load itself has one
     off = 1.0 if surface.theory == "corrected" else _FACTORS[-1][1]
-    return off * found.leak_rate / leak.leak_rate
+    return max(off, lay) * found.leak_rate / leak.leak_rate
 
 
 def _simulated(table: DirectTable, load: LoadResult, loads: Sequence[LoadResult]) -> Iterator[Finding]:
