@@ -161,6 +161,9 @@ def _temperature(table: dict[str, Any]) -> float | None:
         return None
 
 
+_OTHER_NAMES = {"steam": f"{_COOLPROP}Water", "water vapour": f"{_COOLPROP}Water"}
+
+
 @lru_cache(maxsize=256)
 def _entry(name: str, temperature: float) -> Gas | Liquid | None:
     """Gas or liquid of a library; ValueError for a temperature outside its range."""
@@ -181,6 +184,11 @@ def _known(name: str) -> str:
     from leak import FLUIDS, GASES
 
     names = [*FLUIDS, *GASES]
-    close = get_close_matches(name.lower(), [known.lower() for known in names], n=1)
-    hint = f"do you mean {close[0]}? " if close else ""
+    close = (
+        [_OTHER_NAMES[name.lower()]]
+        if name.lower() in _OTHER_NAMES
+        else get_close_matches(name.lower(), [known.lower() for known in names], n=1)
+        or [known for known in names if len(name) > 2 and name.lower() in known.lower()]
+    )
+    hint = f"do you mean {' or '.join(close)}? " if close else ""
     return hint + "known are " + ", ".join(f'"{known}"' for known in names)

@@ -156,6 +156,8 @@ def with_entries(text: str, entries: Mapping[str, str]) -> str:
 # What grows with a valve: its lengths, and the force with the area that the fluid pressure acts on.
 _LENGTHS = re.compile(r"(closure|seat|gasket)\.\w*(diameter|radius|width|height|recess)|leak\.nominal_size")
 _FORCE = "load.applied_force"
+# Number and unit.
+_QUANTITY = re.compile(r"([-+\d.]+(?:[eE][-+]?\d+)?)\s*(.+)")
 
 
 def scaled(text: str, path: str, value: str, kept: Collection[str] = ()) -> str:
@@ -225,8 +227,27 @@ def _length(text: str) -> float:
 
 def _times(quantity: str, factor: float) -> str:
     """A text with a unit, times a factor, as it would be written."""
-    value, unit = quantity.split(maxsplit=1)
+    value, unit = _QUANTITY.fullmatch(quantity.strip()).groups()  # type: ignore[union-attr]  # it has been read
     return f"{float(f'{float(value) * factor:.4g}'):.12g} {unit}"
+
+
+def up_to(set_pressure: str) -> str | None:
+    """Half, eight and nine tenths of a set pressure, for `with_entries`; None of what is no pressure.
+
+    Parameters
+    ----------
+    set_pressure : str
+
+    Examples
+    --------
+    >>> up_to("350 bar")
+    '175 bar, 280 bar, 315 bar'
+    """
+    try:
+        parse_quantity(set_pressure, "pressure")
+    except QuantityError:
+        return None
+    return ", ".join(_times(set_pressure, share) for share in (0.5, 0.8, 0.9))
 
 
 def required_class(text: str, given: str) -> dict[str, str]:

@@ -153,6 +153,10 @@ def _with_options(text: str, name: str, given: Mapping[str, str], entries: list[
         if not (equals and key.strip() and value.strip()):
             raise InputError.at("--set", 'must be KEY=VALUE, such as seat.land_width="1 mm"', entry)
         changes[key.strip()] = value.strip()
+    pressures = new_case.up_to(given.get("set-pressure", ""))
+    if pressures is not None:
+        # those of the template may be above it, or far below
+        changes.setdefault("load.fluid_pressure", pressures)
     # the bore is scaled first; the closure may then get its own size
     leading = next((paths[key] for key in ("bore", "diameter") if paths.get(key) in changes), None)
     if leading is not None:

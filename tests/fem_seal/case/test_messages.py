@@ -12,6 +12,7 @@ import fem_seal
 from fem_seal.case.case import Case
 from fem_seal.case.drawing_words import words_of
 from fem_seal.case.messages import choices, tables_of
+from fem_seal.errors import InputError
 
 CASE = {
     "closure": {"shape": "ball", "radius": "20 mm", "material": "316L"},
@@ -126,3 +127,16 @@ def test_says_where_a_key_belongs(table, key, said) -> None:
 def test_a_key_above_all_tables() -> None:
     with pytest.raises(fem_seal.InputError, match=r"^viscosity: unknown key; it belongs in \[fluid\];"):
         Case(**CASE, viscosity="1 mPa s")
+
+
+@pytest.mark.parametrize(
+    ("name", "meant"),
+    [
+        ("steam", "CoolProp:Water"),
+        ("oil", "hydraulic oil ISO VG 32 or hydraulic oil ISO VG 46"),
+        ("Heliun", "helium"),
+    ],
+)
+def test_a_fluid_by_another_name_is_told_which_one_is_meant(name: str, meant: str) -> None:
+    with pytest.raises(InputError, match=f"do you mean {meant}\\?"):
+        fem_seal.Case(**CASE, roughness={"Ra": "0.2 um", "process": "lapped"}, fluid={"name": name})

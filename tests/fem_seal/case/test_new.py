@@ -139,6 +139,21 @@ def test_what_cannot_be_is_said_and_nothing_is_written(words, said: str, call, t
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.parametrize(
+    ("options", "pressures"),
+    [
+        (["350 bar"], ["175 bar", "280 bar", "315 bar"]),
+        (["20bar"], ["10 bar", "16 bar", "18 bar"]),
+        (["350 bar", "--pressure", "30 bar"], "30 bar"),
+    ],
+)
+def test_a_relief_valve_of_another_set_pressure_is_run_up_to_it(options, pressures, call, tmp_path) -> None:
+    code, _, err = call("-t", "relief-valve", "--set-pressure", *options)
+    assert (code, err) == (0, "")
+    tables = tomllib.loads((tmp_path / "relief-valve.toml").read_text(encoding="utf-8"))
+    assert tables["load"]["fluid_pressure"] == pressures
+
+
 def test_a_file_is_replaced_only_by_force(call, tmp_path) -> None:
     path = tmp_path / "needle.toml"
     path.write_text("mine")
