@@ -160,24 +160,28 @@ def _outline(
 
 
 def _add_detail(figure: Figure, section: Section, profile: ShownProfile | None, unit: Unit) -> None:
-    """The contact enlarged, beside the section, with the stretch that carries the load."""
-    r0, half = unit.of(section.initial_contact_radius), unit.of(section.half)
+    """The contact enlarged, beside the section, with the stretches that carry the load."""
+    r, z, half = map(unit.of, section.window)
     beside: dict[str, Any] = {"xaxis": "x2", "yaxis": "y2"}
     _outline(figure, "seat", section.seat, 1, unit, **beside)
     _outline(figure, "closure", section.closure, 1, unit, **beside)
     if profile is not None:
-        carries = [
-            x for x, p in zip(profile.x, profile.pressure, strict=True) if p > 1e-3 * max(profile.pressure)
-        ]
-        way = math.cos(section.angle), math.sin(section.angle)
-        ends = [[unit.of(x) * part for x in (carries[0], carries[-1])] for part in way]
-        hover = f"carries over {unit.of(carries[-1] - carries[0]):.3g} {unit.name}<extra></extra>"
-        figure.add("carries", [r0 + x for x in ends[0]], ends[1], PINS[0], hovertemplate=hover, **beside)
+        least = 1e-3 * max(profile.pressure)
+        carries = [p > least for p in profile.pressure]
+        steps = zip(profile.x, profile.x[1:], carries, carries[1:], strict=False)
+        over = sum(end - start for start, end, first, last in steps if first and last)
+        # no line between lands
+        line = (
+            [unit.of(one) if on else None for one, on in zip(axis, carries, strict=True)]
+            for axis in profile.places
+        )
+        hover = f"carries over {unit.of(over):.3g} {unit.name}<extra></extra>"
+        figure.add("carries", *line, PINS[0], hovertemplate=hover, **beside)
     frame = {
-        "x0": r0 - half,
-        "x1": r0 + half,
-        "y0": -half,
-        "y1": half,
+        "x0": r - half,
+        "x1": r + half,
+        "y0": z - half,
+        "y1": z + half,
         "line": {"color": PINS[0], "width": 1.2},
     }
     edge = {"x0": 0, "x1": 1, "y0": 0, "y1": 1, "xref": "x2 domain", "yref": "y2 domain"}
@@ -187,8 +191,8 @@ def _add_detail(figure: Figure, section: Section, profile: ShownProfile | None, 
     ]
     hidden: dict[str, Any] = {"visible": False, "constrain": "domain"}
     figure.update("xaxis", domain=[0, 0.6])
-    figure.layout["xaxis2"] = {**hidden, "domain": [0.64, 1], "range": [r0 - half, r0 + half], "anchor": "y2"}
-    figure.layout["yaxis2"] = {**hidden, "range": [-half, half], "scaleanchor": "x2", "anchor": "x2"}
+    figure.layout["xaxis2"] = {**hidden, "domain": [0.64, 1], "range": [r - half, r + half], "anchor": "y2"}
+    figure.layout["yaxis2"] = {**hidden, "range": [z - half, z + half], "scaleanchor": "x2", "anchor": "x2"}
     figure.update("yaxis", domain=[0, 0.92])
     figure.layout["yaxis2"]["domain"] = [0, 0.92]
     said = f"{2 * half:.2g} {unit.name} wide"

@@ -174,7 +174,7 @@ class Live:
                 design,
                 tuple(shown_load(load) for load in found.loads[:own]),
                 number,
-                profile_of(found.loads[number]),
+                profile_of(found.loads[number], case),
                 section_of(case),
                 waiting="the flow conductivity of this surface",
             )

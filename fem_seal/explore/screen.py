@@ -16,6 +16,7 @@ from fem_seal import units
 from fem_seal.answers.judgement import Verdict, worst_of
 from fem_seal.answers.leakage_class import leakage_classes, limits, volume_of
 from fem_seal.files import own_tables
+from fem_seal.output.answers.lands import on_land
 from fem_seal.output.answers.verdict import next_class_of, verdict_facts, verdict_sentences
 from fem_seal.output.case_words import state_in_words
 from fem_seal.output.columns import COLUMNS
@@ -56,6 +57,8 @@ class ShownLoad:
         Leakage classes that are met.
     digits : dict
         Significant digits that each of the values is worth.
+    remarks : dict
+        On which of several lands peak pressure and width are.
     """
 
     values: dict[str, float]
@@ -64,6 +67,7 @@ class ShownLoad:
     reasons: tuple[str, ...] = ()
     classes: tuple[str, ...] = ()
     digits: dict[str, int] = field(default_factory=dict)
+    remarks: dict[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -80,12 +84,15 @@ class ShownProfile:
         Mean separation [m]; NaN where nothing is known of it.
     fluid : list of float
         Fluid pressure in the gap [Pa]; empty where it is not known.
+    places : list of list
+        r and z of each place on the seat [m].
     """
 
     x: list[float]
     pressure: list[float]
     gap: list[float]
     fluid: list[float]
+    places: list[list[float]]
 
 
 @dataclass(frozen=True)
@@ -101,8 +108,8 @@ class Section:
     angle : float
         Between the axis and the contact normal [rad].
     pressure_side : str
-    half : float
-        Half the height of the enlarged picture of the contact [m].
+    window : tuple of float
+        Middle (r, z) of the enlarged picture of the contact, and half its height [m].
     middle : float or None
         Height of the mid-plane of a gasket [m].
     below : Section or None
@@ -114,7 +121,7 @@ class Section:
     initial_contact_radius: float
     angle: float
     pressure_side: str
-    half: float = 0.0
+    window: tuple[float, float, float] = (0.0, 0.0, 0.0)
     middle: float | None = None
     below: Section | None = None
 
@@ -215,7 +222,7 @@ def screen_of(solution: SealSolution, design: Mapping[str, str], **more: Any) ->
         dict(design),
         tuple(shown_load(load, case) for load in loads),
         number,
-        profile_of(loads[number]),
+        profile_of(loads[number], case),
         section_of(case),
         **({} if widens else _judged(solution, complete=more.get("complete", False))),
         widens=widens,
@@ -276,6 +283,7 @@ def shown_load(load: LoadResult, case: Case | None = None) -> ShownLoad:
         dict.fromkeys(SHOWN, math.nan) | {name: COLUMNS[name].number(load) for name in columns},
         load.applied_force,
         digits={name: COLUMNS[name].digits(load) for name in SHOWN},
+        remarks=dict.fromkeys(("peak_pressure_Pa", "fwhm_m"), on_land(load)),
     )
     if case is None:
         return found
@@ -297,14 +305,15 @@ def without_interval(load: ShownLoad) -> ShownLoad:
     return replace(load, values={**load.values, **dict.fromkeys(LEAK[1:], math.nan)})
 
 
-def profile_of(load: LoadResult) -> ShownProfile:
-    """Pressure and gap of a load.
+def profile_of(load: LoadResult, case: Case) -> ShownProfile:
+    """Pressure and gap of a load, on all its lands.
 
     Parameters
     ----------
     load : LoadResult
+    case : Case
     """
-    line = load.tightest
+    line = load.whole
     x = np.asarray(line.x)
     carries = np.flatnonzero(line.pressure > 1e-3 * line.pressure.max())
     # as wide again to both sides: what the gap does there is what a drawing would show
@@ -320,7 +329,11 @@ def profile_of(load: LoadResult) -> ShownProfile:
     fluid = vars(load).get("leak_round")
     pressure = None if fluid is None else fluid.fluid_pressure
     return ShownProfile(
-        thinned(x), thinned(line.pressure), thinned(line.gap), [] if pressure is None else thinned(pressure)
+        thinned(x),
+        thinned(line.pressure),
+        thinned(line.gap),
+        [] if pressure is None else thinned(pressure),
+        [thinned(one) for one in case.contact.point(x)],
     )
 
 
@@ -331,15 +344,15 @@ def section_of(case: Case) -> Section:
     ----------
     case : Case
     """
-    contact, half = case.contact, contact_window(case)
+    contact, window = case.contact, contact_window(case)
     touch = complex(contact.initial_contact_radius)
     return Section(
-        _corners(contact.closure, touch, half),
-        _corners(contact.seat, touch, half),
+        _corners(contact.closure, touch, window[2]),
+        _corners(contact.seat, touch, window[2]),
         contact.initial_contact_radius,
         contact.angle,
         case.load.pressure_side,
-        half,
+        window,
         contact.seat.extent[1][0] if case.gasket is not None else None,
         None if case.lower_half is None else section_of(case.lower_half),
     )
@@ -445,7 +458,8 @@ def numbers_of(screen: Screen) -> list[Number]:
     for name, one in own_tables("explore.toml")["numbers"].items():
         column = one["column"]
         value = units.quantity_worth(COLUMNS[column].kind, values[column], load.digits[column])
-        found.append(Number(name, one["what"], value, one["more"], values[column]))
+        remark = load.remarks.get(column) or one["more"]
+        found.append(Number(name, one["what"], value, remark, values[column]))
     if load.classes and preliminary_words(screen):
         # a class is met by a whole interval or not at all
         found.append(Number("classes", "leakage class", "–", "follows with the range of the leak rate"))

@@ -40,6 +40,19 @@ def lands_in_words(result: SealSolution) -> list[str]:
     return told
 
 
+def on_land(load: LoadResult) -> str:
+    """Which of several lands is pressed hardest, whose peak pressure and width are those of the load; "" of one.
+
+    Parameters
+    ----------
+    load : LoadResult
+    """
+    if len(load.profiles) == 1:
+        return ""
+    peaks = [one.peak_pressure for one in load.profiles]
+    return phrase("lands.result", "hardest", number=peaks.index(max(peaks)) + 1)
+
+
 def _of_both_faces(upper: LoadResult, lower: LoadResult) -> str:
     """Share of each face in the leak."""
     assert upper.leak is not None and lower.leak is not None  # both faces are known

@@ -169,9 +169,9 @@ def size_picture(result: SealSolution, sizes: Mapping[str, Sizes]) -> style.Pict
     style.label(axes[0], "Peak contact pressure", over.label, f"peak pressure  [{peak.name}]")
     width = _draw_sizes(axes[1], over, sizes, "fwhm", "length")
     style.label(axes[1], "Width of the contact", over.label, f"full width at half maximum  [{width.name}]")
-    return style.captioned(
-        figure, "sizes", "all", "gaussian" if "gaussian" in sizes else "", over.order, over=over.name
-    )
+    lands = "lands" if len(result.highest.profiles) > 1 else ""
+    gaussian = "gaussian" if "gaussian" in sizes else ""
+    return style.captioned(figure, "sizes", "all", lands, gaussian, over.order, over=over.name)
 
 
 def _draw_sizes(axes: Axes, over: LoadAxis, sizes: Mapping[str, Sizes], measure: str, kind: str) -> Unit:

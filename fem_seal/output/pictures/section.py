@@ -41,6 +41,8 @@ _WIDTH, _HEIGHT = 11.0, 6.6
 # Share of the figure's width that the section takes, and height of a row of dimensions [inch].
 _SHARE, _ROW = 0.60, 0.27
 _SMALL, _CHARACTER = 8.5, 0.078
+# Places on the seat of which the picture of several lands is enlarged.
+_PLACES = 401
 # Chords of a quarter of a circle, in the section and in the enlarged contact.
 _CHORDS, _FINE_CHORDS = 60, 2000
 _AXIS_DASHES = (0, (12, 3, 2, 3))
@@ -273,10 +275,10 @@ def _draw_detail(axes: Axes, case: Case) -> None:
     """The contact of the faces, enlarged, with the contact normal and its angle to the axis."""
     contact = case.contact
     _bodies(axes, contact, mirrored=False)
-    r0, theta, half = 1e3 * contact.initial_contact_radius, contact.angle, 1e3 * contact_window(case)
-    axes.set(
-        xlim=(r0 - 1.45 * half, r0 + 1.45 * half), ylim=(-half, half), aspect="equal", xticks=[], yticks=[]
-    )
+    r0, theta = 1e3 * contact.initial_contact_radius, contact.angle
+    r, z, half = (1e3 * one for one in contact_window(case))
+    axes.set(xlim=(r - 1.45 * half, r + 1.45 * half), ylim=(z - half, z + half))
+    axes.set(aspect="equal", xticks=[], yticks=[])
     axes.set_title(
         f"contact, enlarged; picture {_in_unit(2.9 * half, 2)} {fixed_unit('mm').name} wide", fontsize=9
     )
@@ -297,14 +299,19 @@ def _draw_detail(axes: Axes, case: Case) -> None:
     _note(axes, (0.98, 0.03), bend, INK, 1.5, 0.85, ha="right", **at)
 
 
-def contact_window(case: Case) -> float:
-    """Half the height of the enlarged picture [m]: the contact with its edges if they are near.
+def contact_window(case: Case) -> tuple[float, float, float]:
+    """Middle (r, z) of the enlarged picture and half its height [m]: the contact with its edges if near, all lands.
 
     Parameters
     ----------
     case : Case
     """
     contact, seat = case.contact, cast(Any, case.bodies[1])
+    if contact.chambers:
+        places = contact.point(np.linspace(*contact.reach, _PLACES))
+        places = places[:, places[0] <= getattr(seat, "land_end", math.inf)]
+        low, high = places.min(axis=1), places.max(axis=1)
+        return (*(0.5 * (low + high)).tolist(), 0.6 * float((high - low).max()))
     width = getattr(seat, "land_width", None)
     if hasattr(seat, "land_outer_radius"):
         width = seat.land_outer_radius - seat.land_inner_radius
@@ -313,7 +320,8 @@ def contact_window(case: Case) -> float:
         width = high - low
     if width is None:
         width = 0.5 * min(contact.relative_radius, contact.initial_contact_radius)
-    return min(max(0.6 * width, 0.01 * contact.initial_contact_radius), contact.initial_contact_radius)
+    r0 = contact.initial_contact_radius
+    return r0, 0.0, min(max(0.6 * width, 0.01 * r0), r0)
 
 
 def _list(axes: Axes, case: Case) -> None:

@@ -13,6 +13,7 @@ from fem_seal.answers.leakage_class import class_size, is_flange, leakage_classe
 from fem_seal.answers.solution import SealSolution
 from fem_seal.case.roughness import uncertain_heights
 from fem_seal.contact.solution import PlasticZone, yielding_of
+from fem_seal.output.answers.lands import on_land
 from fem_seal.output.answers.target import TARGET_FORCE, opening_reasons, opens_at, valve_facts
 from fem_seal.output.answers.theories import corrected_beside
 from fem_seal.output.answers.uncertainty import told_after_test
@@ -98,9 +99,10 @@ def _facts(result: SealSolution, load: JudgedLoad) -> Iterator[Fact]:
         remark = f"around the axis; {_peak(load)} at the mean line load"
         yield Fact(PEAK, in_words(load, "peak_pressure_max_Pa"), remark)
     else:
-        yield Fact(PEAK, _peak(load))
+        yield Fact(PEAK, _peak(load), on_land(load))
     width = in_words(load, "fwhm_m")
-    yield Fact("Width of the contact", width, "full width at half of the peak pressure")
+    remarks = ["full width at half of the peak pressure", on_land(load)]
+    yield Fact("Width of the contact", width, ", ".join(filter(None, remarks)))
     if load.critical_separation is not None:
         yield Fact("Narrowest point of the leak path", *_narrowest(load))
     where = f"von Mises, in the {load.max_von_mises_at[0]}" + (", at the mean line load" if uneven else "")

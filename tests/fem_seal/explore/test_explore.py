@@ -13,13 +13,14 @@ from queue import Queue
 import numpy as np
 import pytest
 from places import EXAMPLES
+from shape_tables import tables
 
 import fem_seal
 from fem_seal.case.case import input_tables, load_case
 from fem_seal.case.case_file import case_text, free_name, write_case
 from fem_seal.errors import InputError
 from fem_seal.explore.factors import factors_of
-from fem_seal.explore.figures import leak_figure
+from fem_seal.explore.figures import leak_figure, section_figure
 from fem_seal.explore.live import Missing, OwnTable, conductivity
 from fem_seal.explore.screen import SHOWN, Screen, Shown, numbers_of, validity_words
 from fem_seal.explore.session import Session
@@ -835,3 +836,24 @@ def test_a_load_that_comes_again_is_solved_once():
     for first, again in ((0, 4), (1, 3)):
         assert contacts[first] is contacts[again] and loads[first] is loads[again]
     assert len({id(one) for one in contacts}) == 3
+
+
+def test_all_lands_are_on_the_page():
+    load = {"fluid_pressure": "20 bar", "applied_force": "1 kN"}
+    case = fem_seal.Case(**tables("ball", "lands", load=load))
+    screen = Session(case).answer({})
+    profile, (r, z, half) = screen.profile, screen.section.window
+    ((inner, _), (_, outer)) = (land.ends for land in case.bodies[1].lands)
+    # both lands in the enlarged picture, which is little more than them
+    assert r - half < inner[0] < outer[0] < r + half < outer[0] + 0.5 * (outer[0] - inner[0])
+    x, pressure = np.array(profile.x), np.array(profile.pressure)
+    (chamber,) = case.contact.chambers
+    pressed = pressure > 1e-3 * pressure.max()
+    for land in (pressed & (x < chamber), pressed & (x > chamber)):
+        assert land.any() and (np.abs(np.array(profile.places)[:, land] - [[r], [z]]) < half).all()
+    numbers = {one.name: one for one in numbers_of(screen)}
+    assert numbers["peak"].more == f"on land {1 + (x[pressure.argmax()] > chamber)} from the axis"
+    # the line that carries is interrupted between the lands
+    lines = section_figure(screen.section, False, profile).data
+    (carries,) = (one["x"] for one in lines if one.get("hovertemplate", "").startswith("carries over"))
+    assert [one is not None for one in carries] == pressed.tolist()
