@@ -20,7 +20,7 @@ Csv = Annotated[bool, terminal.option("library", "csv")]
 Temperature = Annotated[str, terminal.option("library", "temperature")]
 Units = Annotated[System, terminal.option("library", "units")]
 # Width of a terminal from which on a column of words fits next to the numbers.
-_WIDE = 120
+_WIDE, _ENDLESS = 120, 10_000
 
 
 def materials(
@@ -48,7 +48,7 @@ def materials(
     else:
         _print_table(*library.material_cells(rows), "condition", [row["condition"] for row in rows])
         more = own_tables("library.toml")["more_of_materials"]
-        terminal.say(f"Numbers at {temperature}. {library.ONE_CONDITION}", more)
+        terminal.tell(f"Numbers at {temperature}. {library.ONE_CONDITION}", more)
 
 
 def fluids(
@@ -71,7 +71,7 @@ def fluids(
         _print_lines(library.fluid_lines(rows[0]))
     else:
         _print_table(*library.fluid_cells(rows), "source", [row["source"] for row in rows])
-        terminal.say(
+        terminal.tell(
             f"Viscosity and density at {temperature}. {own_tables('library.toml')['more_of_fluids']}"
         )
 
@@ -95,23 +95,23 @@ def _print_lines(lines: Iterable[tuple[str, str]]) -> None:
     table = Table.grid(padding=(0, 2))
     for word, text in lines:
         table.add_row(word, cell(text))
-    terminal.show(table, _console())
+    terminal.show(table, _console(terminal.room_of(sys.stdout)))
 
 
 def _print_table(
     headings: Sequence[str], cells: Sequence[Sequence[str]], more: str, words: Sequence[str]
 ) -> None:
-    """Print names and numbers, and a last column of words on a wide terminal or into a file."""
-    console = _console()
-    wide = console.width >= _WIDE
+    """Print names and numbers, and a last column of words on a wide terminal."""
+    # numbers are never cut
+    console = _console(None if sys.stdout.isatty() else _ENDLESS)
+    wide = sys.stdout.isatty() and console.width >= _WIDE
     if wide:
         headings = [*headings, f"{more}\n"]
         cells = [[*line, text] for line, text in zip(cells, words, strict=True)]
     terminal.show(terminal.numbers_table(headings, cells, narrow=True, names=True, words=wide), console)
 
 
-def _console() -> Console:
+def _console(width: int | None) -> Console:
     from rich.console import Console
 
-    # a file or pipe has no width
-    return Console(highlight=False, width=None if sys.stdout.isatty() else 10_000)
+    return Console(highlight=False, width=width)

@@ -4,6 +4,7 @@ import csv
 import io
 import json
 import math
+import re
 from itertools import pairwise
 
 import pytest
@@ -17,6 +18,7 @@ from fem_seal.cli import app as cli
 from fem_seal.output.library import fluid_cells, fluid_rows, material_cells, material_rows
 from fem_seal.seal.findings import Level
 from fem_seal.units import parse_quantity
+from leak import FLUIDS, GASES
 
 TASK = SHARED / "cases" / "tasks" / "hydrogen_77_K.toml"
 KSI = 6.894757e6
@@ -375,13 +377,15 @@ def test_tables_of_numbers_fit_eighty_columns():
         assert sum(widths) + 2 * len(widths) + 1 <= 80
 
 
-def test_materials_lists_all_with_condition_and_one_with_its_source(call):
-    code, out, err = call("materials")
-    assert (code, err) == (0, "")
-    for one in LIBRARY.values():
-        assert one.name in out and one.condition in out
+def test_a_pipe_gets_all_names_in_80_characters_and_of_one_its_condition_and_source(call):
+    for words, names in (("materials", LIBRARY), ("fluids", [*FLUIDS, *GASES])):
+        code, out, err = call(words)
+        assert (code, err) == (0, "")
+        assert all(name in out for name in names)
+        assert max(map(len, out.splitlines())) <= 80
     code, out, _ = call("materials", "1.4404")
-    assert code == 0
+    assert code == 0 and max(map(len, out.splitlines())) <= 80
+    assert LIBRARY["316L"].condition in re.sub(r"\s+", " ", out)
     assert "316L" in out and "EN 10088-1" in out and "1.64 GPa" in out and "200 MPa" in out
 
 
