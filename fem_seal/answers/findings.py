@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
 from fem_seal.answers.answer import Answer, Inquiry
+from fem_seal.answers.leakage_class import NominalSize, nominal_size
 from fem_seal.answers.target import TARGET
-from fem_seal.seal.findings import NOT_JUDGED, Finding, Validity, worst_first
+from fem_seal.seal.findings import NOT_JUDGED, Finding, Level, Validity, worst_first
 from fem_seal.seal.load_result import LoadResult, SolvedSeal, highest_load
-from fem_seal.units import format_quantity
+from fem_seal.units import format_quantity, quantity
 from fem_seal.validity.checks import contact_cautions, earlier_cautions, load_validity
+from fem_seal.validity.words import caution
+from leak.standards import nominal_size_of_bore
+
+# Bore over nominal size of valves, needles and reduced bores included.
+_BORES = 0.1, 2.0
 
 
 @dataclass(frozen=True)
@@ -51,8 +57,20 @@ def _compute(seal: SolvedSeal, ask: Inquiry) -> Findings:
     others = compute(
         "validity by the other theory", partial(_of_other_theories, seal, before), ({},) * len(seal.loads)
     )
-    cautions = tuple(worst_first((*seal.left_out, *checks, *before)))
+    cautions = tuple(
+        worst_first((*seal.left_out, *_of_nominal_size(nominal_size(seal.case)), *checks, *before))
+    )
     return Findings(tuple(validity), cautions, others)
+
+
+def _of_nominal_size(size: NominalSize) -> Iterator[Finding]:
+    """A size that is not of this seat: limits of standards grow with it."""
+    narrowest, widest = (share * size.size for share in _BORES)
+    if not narrowest <= size.diameter <= widest:
+        own = f"DN {1e3 * nominal_size_of_bore(size.diameter):.4g}"
+        bore = quantity("length", size.diameter)
+        found = caution("nominal_size", given=size, circle=size.circle, bore=bore, own=own)
+        yield replace(found, level=Level.VALID)
 
 
 def _of_other_theories(seal: SolvedSeal, before: tuple[Finding, ...]) -> tuple[Mapping[str, Validity], ...]:

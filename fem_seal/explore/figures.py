@@ -171,12 +171,12 @@ def _add_detail(figure: Figure, section: Section, profile: ShownProfile | None, 
         steps = zip(profile.x, profile.x[1:], carries, carries[1:], strict=False)
         over = sum(end - start for start, end, first, last in steps if first and last)
         # no line between lands
-        line = (
+        r_carries, z_carries = (
             [unit.of(one) if on else None for one, on in zip(axis, carries, strict=True)]
             for axis in profile.places
         )
         hover = f"carries over {unit.of(over):.3g} {unit.name}<extra></extra>"
-        figure.add("carries", *line, PINS[0], hovertemplate=hover, **beside)
+        figure.add("carries", r_carries, z_carries, PINS[0], hovertemplate=hover, **beside)
     frame = {
         "x0": r - half,
         "x1": r + half,

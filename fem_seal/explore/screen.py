@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem_seal import units
-from fem_seal.answers.judgement import Verdict, worst_of
+from fem_seal.answers.judgement import Verdict
 from fem_seal.answers.leakage_class import leakage_classes, limits, volume_of
 from fem_seal.files import own_tables
 from fem_seal.output.answers.lands import on_land
-from fem_seal.output.answers.verdict import next_class_of, verdict_facts, verdict_sentences
+from fem_seal.output.answers.verdict import next_class_of, verdict_facts, verdict_sentences, worst_verdict
 from fem_seal.output.case_words import state_in_words
 from fem_seal.output.columns import COLUMNS
 from fem_seal.output.pictures.section import contact_window
@@ -260,7 +260,7 @@ def _judged(solution: SealSolution, *, complete: bool) -> dict[str, Any]:
     required = solution.case.requirement
     follow = required is not None and required.test == "standard" and not complete
     service = (own_tables("explore.toml")["verdict"]["service"],) if follow else ()
-    word = worst_of((solution, *solution.standard_tests))
+    word = worst_verdict(solution)
     return {
         # service loads that pass decide nothing while the tests are not there
         "verdict": "" if follow and word == Verdict.PASS else str(word),

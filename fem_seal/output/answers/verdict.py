@@ -9,7 +9,15 @@ from typing import TYPE_CHECKING, Any
 
 from fem_seal import units
 from fem_seal.answers import leakage_class
-from fem_seal.answers.judgement import Limit, SealJudgement, Utilisation, VerdictReason, worst_of
+from fem_seal.answers.judgement import (
+    RANK,
+    Limit,
+    SealJudgement,
+    Utilisation,
+    Verdict,
+    VerdictReason,
+    worst_of,
+)
 from fem_seal.case.fields import Bubbles, NormalVolume, Throughput
 from fem_seal.files import told_of
 from fem_seal.output.prose import phrase
@@ -48,6 +56,17 @@ def factor_text(factor: float, digits: int = 2) -> str:
     if factor > _FAR:
         return f"more than {_FAR_IN_WORDS}"
     return units.format_digits(factor, units.digits_beside(factor, 1.0, digits))
+
+
+def worst_verdict(result: SealSolution) -> Verdict | None:
+    """The worst of the case's loads and of the tests of the standard; None without a requirement.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    found = [one for one in (result.verdict, worst_of(result.standard_tests)) if one is not None]
+    return max(found, key=RANK.__getitem__, default=None)
 
 
 def verdict_sentences(result: SealSolution) -> list[str]:
@@ -554,7 +573,7 @@ SHOWN = Shown(
         or None,
     },
     words=lambda result: {
-        "verdict": worst_of((result, *result.standard_tests)),
+        "verdict": worst_verdict(result),
         "verdict_says": verdict_sentences(result),
         "verdict_facts": verdict_facts(result),
         "next_class": next_class_of(result),

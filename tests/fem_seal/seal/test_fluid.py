@@ -142,6 +142,21 @@ def test_readable_leak_and_class():
     assert all(unit in line for unit in ("mbar l/s", "Pa m³/s", "ml/min (20 °C and 1.01325 bar)", "kg/s"))
 
 
+@pytest.mark.parametrize(
+    ("size", "told"), [("DN 400", True), ("DN 65", False), ("DN 15", False), ("DN 10", True)]
+)
+def test_a_nominal_size_that_is_not_of_the_seat_is_told(size, told):
+    """First touch is on a circle of 28.3 mm."""
+    warnings = fem_seal.run(case(leak={"nominal_size": size})).warnings
+    said = [
+        text
+        for text in warnings
+        if text.startswith(f"leak.nominal_size is {size}, and the circle of first touch")
+    ]
+    assert len(said) == told
+    assert all(text.endswith("those of DN 25") for text in said)
+
+
 @pytest.mark.usefixtures("unrendered")
 def test_summary_and_report_hold_units_and_class():
     result = helium_result()
