@@ -293,7 +293,8 @@ def contact_picture(result: SealSolution, load: LoadResult) -> style.Picture:
         at, text, side = (0.01, f"{name} →", "left") if inside else (0.99, f"← {name}", "right")
         below.text(at, 0.93, text, ha=side, color=BLUE, **how)
         drop = "share of the pressure drop, 0 to 100 %"
-        above.text(at, 0.8, drop, transform=above.transAxes, ha=side, va="center", color=BLUE)
+        over = {**how, "transform": above.transAxes, "zorder": 3}
+        above.text(at, 0.8, drop, ha=side, color=BLUE, **over)
         # from zero to the peak, which is the whole drop
         above.plot(
             load.whole.x / length.size, share * load.peak_pressure / pressure.size, color=BLUE, linestyle="--"
