@@ -66,7 +66,7 @@ def _compute(seal: SolvedSeal, ask: Inquiry) -> Findings:
 def _of_nominal_size(size: NominalSize) -> Iterator[Finding]:
     """A size that is not of this seat: limits of standards grow with it."""
     narrowest, widest = (share * size.size for share in _BORES)
-    if not narrowest <= size.diameter <= widest:
+    if not (size.estimated or narrowest <= size.diameter <= widest):
         own = f"DN {1e3 * nominal_size_of_bore(size.diameter):.4g}"
         bore = quantity("length", size.diameter)
         found = caution("nominal_size", given=size, circle=size.circle, bore=bore, own=own)

@@ -161,6 +161,7 @@ def _temperature(table: dict[str, Any]) -> float | None:
         return None
 
 
+# Fluids that a calculation of the optional package has under another name.
 _OTHER_NAMES = {"steam": f"{_COOLPROP}Water", "water vapour": f"{_COOLPROP}Water"}
 
 
@@ -184,11 +185,9 @@ def _known(name: str) -> str:
     from leak import FLUIDS, GASES
 
     names = [*FLUIDS, *GASES]
-    close = (
-        [_OTHER_NAMES[name.lower()]]
-        if name.lower() in _OTHER_NAMES
-        else get_close_matches(name.lower(), [known.lower() for known in names], n=1)
-        or [known for known in names if len(name) > 2 and name.lower() in known.lower()]
-    )
+    word = name.lower()
+    near = get_close_matches(word, [known.lower() for known in names], n=1)
+    with_it = [known for known in names if len(word) > 2 and word in known.lower()]
+    close = [_OTHER_NAMES[word]] if word in _OTHER_NAMES else near or with_it
     hint = f"do you mean {' or '.join(close)}? " if close else ""
     return hint + "known are " + ", ".join(f'"{known}"' for known in names)

@@ -217,8 +217,10 @@ class _UnknownKey:
             key = everywhere[name][0]
             again = "" if key == self.path[-1] else f"as {key} "
             return f"it belongs {again}{self._belongs(*everywhere[name])}; "
-        if near := difflib.get_close_matches(name, here, n=1, cutoff=0.6):
-            return f"do you mean {here[near[0]]}? "
+        # "pressure_outlet" for "outlet_pressure"
+        turned = [key for key in known if sorted(key.split("_")) == sorted(self.path[-1].split("_"))]
+        if near := turned or difflib.get_close_matches(name, here, n=1, cutoff=0.6):
+            return f"do you mean {here[_plain_word(near[0])]}? "
         if near := difflib.get_close_matches(name, everywhere, n=1, cutoff=0.8):
             key = everywhere[near[0]][0]
             return f"do you mean {key}, which belongs {self._belongs(*everywhere[near[0]])}? "

@@ -20,7 +20,7 @@ Csv = Annotated[bool, terminal.option("library", "csv")]
 Temperature = Annotated[str, terminal.option("library", "temperature")]
 Units = Annotated[System, terminal.option("library", "units")]
 # Width of a terminal from which on a column of words fits next to the numbers.
-_WIDE, _ENDLESS = 120, 10_000
+_WIDE = 120
 
 
 def materials(
@@ -103,7 +103,7 @@ def _print_table(
 ) -> None:
     """Print names and numbers, and a last column of words on a wide terminal."""
     # numbers are never cut
-    console = _console(None if sys.stdout.isatty() else _ENDLESS)
+    console = _console(None if sys.stdout.isatty() else terminal.ENDLESS)
     wide = sys.stdout.isatty() and console.width >= _WIDE
     if wide:
         headings = [*headings, f"{more}\n"]

@@ -224,8 +224,10 @@ def prompt(words: str, default: str) -> str:
     return default if answer == printable(default) else str(answer).strip()
 
 
-# Wider than any table; width of a file; warnings that are told before the rest is counted; of a word in a heading.
-_ENDLESS, _USUAL_WIDTH, _WARNINGS, _WORD = 100_000, 80, 3, 10
+# Wider than any table.
+ENDLESS = 100_000
+# Width of a file; warnings that are told before the rest is counted; width of a word in a heading.
+_USUAL_WIDTH, _WARNINGS, _WORD = 80, 3, 10
 
 
 def show_result(result: SealSolution, *, details: bool) -> None:
@@ -418,7 +420,7 @@ def show_table(title: str, headings: Sequence[str], rows: Sequence[Sequence[str]
     from rich.console import Console
 
     # the width of the terminal limits the columns of a part, never the digits of a number
-    console = Console(width=_ENDLESS, highlight=False)
+    console = Console(width=ENDLESS, highlight=False)
     # not the title of the rich table, which would be broken to the width of the table
     tell(title, bold=True)
     widths = [

@@ -320,10 +320,7 @@ def _evaluated(
     def looked_at(number: int) -> MeshFit:
         fit, made = fits[number], on_bodies[number]
         if isinstance(made, MeshingError):
-            after = fit.after(made)
-            if number in put_off:
-                put_off[number]()
-            return after
+            return put_off.pop(number)() if number in put_off else fit.after(made)
         known = pressed.get(number, {})
         find = partial(found_on, number, fit, made, known)
         round_ones = [one for one in known.values() if isinstance(one, ContactSolution)]

@@ -105,6 +105,7 @@ def test_every_key_is_looked_for_in_every_table() -> None:
         ("load", "viscocity", "do you mean viscosity, which belongs in [fluid]?"),
         ("load", "hurts", "do you mean hurst, which belongs in [roughness]?"),
         ("load", "fluid_presure", "do you mean fluid_pressure? known"),
+        ("fluid", "pressure_outlet", "do you mean outlet_pressure? known"),
         ("closure", "hardness", "it belongs in [closure.material];"),
         ("load", "hardness", "it belongs in [closure.material], [seat.material] or [gasket.material];"),
         ("seat", "land_width", 'it belongs to shape = "conical-land";'),
@@ -120,7 +121,7 @@ def test_every_key_is_looked_for_in_every_table() -> None:
 )
 def test_says_where_a_key_belongs(table, key, said) -> None:
     with pytest.raises(fem_seal.InputError, match=re.escape(f"{table}.{key}: ")) as caught:
-        Case(**{**CASE, table: {**CASE[table], key: "1"}})
+        Case(**{**CASE, table: {**CASE.get(table, {}), key: "1"}})
     assert said in str(caught.value)
 
 

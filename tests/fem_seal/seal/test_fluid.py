@@ -157,6 +157,11 @@ def test_a_nominal_size_that_is_not_of_the_seat_is_told(size, told):
     assert all(text.endswith("those of DN 25") for text in said)
 
 
+def test_a_seat_below_all_nominal_sizes_is_no_wrong_one():
+    tiny = fem_seal.run(case(closure={"shape": "ball", "radius": "0.3 mm", "material": "steel"}))
+    assert not any("nominal_size" in text for text in tiny.warnings)
+
+
 @pytest.mark.usefixtures("unrendered")
 def test_summary_and_report_hold_units_and_class():
     result = helium_result()
