@@ -119,6 +119,10 @@ def begun_anew(browser, address):
     browser.get(address)
     waited(browser, "return document.querySelector('input[id*=seat_angle]') && 1")
     numbers(browser, pressure="20 bar", at_rest=False)
+    # the numbers are there before sliders and pictures
+    waited(
+        browser, "return document.querySelector('[role=slider]') && document.querySelector('.main-svg') && 1"
+    )
 
 
 def waited(browser, script, *arguments):
