@@ -56,15 +56,15 @@ _LARGEST_ERROR = 2e-3
 # With load steps: error of 16 steps on a perfectly plastic seat (docs/theory/elastoplastic.md).
 _LARGEST_ERROR_OF_PATH = 1e-2
 # The theory's own A/A0 beyond which its flow conductivity differs from direct numerical results by more than 30 %,
-# and the factors by which it does; the direct area is 0.19 and 0.25 there (docs/verification/verification.md).
+# and the factors by which it does at some areas; the direct area is 0.19 there (docs/verification/verification.md).
 _FEW_CHANNELS = 0.15
-_FACTORS = ((0.2, 1.7), (1.0, 3.3))
+_FACTORS = ((_FEW_CHANNELS, 1.3), (0.2, 1.7), (0.25, 2.3), (0.31, 3.3))
 # ... where the direct results end; from there to the percolation threshold the conductivity falls to zero.
 _DIRECT_END = 0.39
-# With a lay it differs by up to these factors, up to some A/A0, where the fluid crosses the lay and where it flows
-# along it: direct results for elastic asperities, correlation lengths up to 5 times longer one way, A/A0 up to 0.16.
-# For a lay 10 times longer the factors rise by 10/5 to this power.
-_LAY_ACROSS, _LAY_ALONG, _LAY_KNOWN = ((0.02, 1.4), (0.1, 1.5), (1.0, 2.5)), 1.4, 0.16
+# With a lay it differs by up to these factors at some A/A0, where the fluid crosses the lay, and along it by one at all:
+# direct results for elastic asperities, correlation lengths up to 5 times longer one way, A/A0 up to 0.16. For a lay
+# 10 times longer the factors rise by 10/5 to this power.
+_LAY_ACROSS, _LAY_ALONG, _LAY_KNOWN = ((0.02, 1.4), (0.1, 1.5), (0.16, 2.5)), 1.4, 0.16
 _LAY_LONG, _LAY_LONGEST, _LAY_POWER = 5.0, 10.0, 0.7
 _LAY_REPORTED = 1.3
 # Uncertainty factor of a simulated conductivity above which it is reported.
@@ -630,7 +630,7 @@ def _nearly_sealed(
     if surface.peklenik == 1.0 and most <= _FEW_CHANNELS:
         return
     area = float(surface.contact_area(load.peak_pressure))
-    factor = next(factor for limit, factor in _FACTORS if area <= limit) if area > _FEW_CHANNELS else 1.0
+    factor = _between(_FACTORS, area) if area > _FEW_CHANNELS else 1.0
     lay = _lay_factor(area, surface.peklenik)
     lay = max(lay, factor) if lay > _LAY_REPORTED else 1.0
     if lay > 1.0 and area <= _DIRECT_END:
@@ -730,11 +730,16 @@ def _simulated(table: DirectTable, load: LoadResult, loads: Sequence[LoadResult]
         )
 
 
+def _between(factors: Sequence[tuple[float, float]], area: float) -> float:
+    """A factor that was found at some A/A0, without a step between them: a larger load must not seem to leak more."""
+    areas, found = zip(*factors, strict=True)
+    return math.exp(np.interp(area, areas, np.log(found)))
+
+
 def _lay_factor(area: float, peklenik: float) -> float:
     """Largest factor by which the theory's flow conductivity differs from direct numerical results because of a lay."""
     ratio = max(peklenik, 1.0 / peklenik)
-    across = next(factor for limit, factor in _LAY_ACROSS if area <= limit)
-    known = _LAY_ALONG if peklenik >= 1.0 else across
+    known = _LAY_ALONG if peklenik >= 1.0 else _between(_LAY_ACROSS, area)
     return float(known ** min(1.0, math.log2(ratio)) * max(1.0, ratio / _LAY_LONG) ** _LAY_POWER)
 
 
