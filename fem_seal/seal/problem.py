@@ -225,6 +225,8 @@ class SealProblem:
         Whether the surface comes from the finish of a drawing.
     usual_only : bool
         Whether it does and its range is not sampled.
+    stress_known : bool
+        Whether the stress inside of the bodies can be calculated: not of those that a live page shares.
     cutoff : float or None
         Wave beyond which a finish says nothing of the surface [m]; None without a finish.
     larger_housing : callable
@@ -265,6 +267,7 @@ class SealProblem:
     beside: tuple[str, ...] = ()
     of_finish: bool = False
     usual_only: bool = False
+    stress_known: bool = True
     cutoff: float | None = None
     larger_housing: Callable[[], ContactGeometry | None] = _no_larger_housing
     bolts: Bolts | None = None

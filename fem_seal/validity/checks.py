@@ -15,6 +15,7 @@ from fem_seal.contact.solution import ContactSolution, PlasticZone, YieldedZone,
 from fem_seal.materials import creep_remarks
 from fem_seal.seal.both_faces import joined_validity
 from fem_seal.seal.bounds import EXACT, Bounds
+from fem_seal.seal.direct import HARDNESS_OVER_YIELD_STRESS
 from fem_seal.seal.findings import ORDERS_OF_MAGNITUDE, Finding, Level, Validity
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.load_result import DiscretisationError, GivenLoad, LoadResult
@@ -47,6 +48,9 @@ if TYPE_CHECKING:
 
 # Margin to opening over the acting force or pressure below which the contact force is a small difference of large ones.
 _NEAR_OPENING = 0.05
+# Peak pressure of Hertz's line contact over the yield stress at which it yields, and the yield stress of annealed metals
+# over Young's modulus: 210 MPa for steel, 100 MPa for brass.
+_HERTZ_YIELDS, _SOFT = 1.67, 1e-3
 # Pressure at the end of the contact zone over the peak pressure: above the first the contact is cut off, above the
 # second the missing part changes the result noticeably.
 _CUT_OFF, _MUCH_CUT_OFF = 1e-6, 1e-2
@@ -133,6 +137,7 @@ def load_cautions(
         _near_opening,
         _yielding,
         _yielded_before,
+        _may_yield,
         _beyond_curve,
         _turned,
         _cut_off,
@@ -209,9 +214,7 @@ def validity_of(
     if usual_only and problem.of_finish:
         problem = replace(problem, usual_only=True)
     if found.model.closure.solve is None:
-        # stresses cannot be calculated
-        materials = {name: replace(one, yield_stress=None) for name, one in problem.materials.items()}
-        problem = replace(problem, materials=materials)
+        problem = replace(problem, stress_known=False)
     table = None if load.rough is None or load.rough.flow is None else load.rough.table
     # a gas percolates where a liquid does
     table = getattr(table, "liquid", table)
@@ -261,7 +264,7 @@ def earlier_cautions(
     if earlier is None or problem.loads.earlier is None:
         return ()
     load = LoadResult(*problem.loads.earlier, earlier, mesh_error=error)
-    bodies: tuple[Check, ...] = (_yielding, _beyond_curve, _turned, _cut_off)
+    bodies: tuple[Check, ...] = (_yielding, _may_yield, _beyond_curve, _turned, _cut_off)
     return tuple(
         replace(
             one, reason=f"largest earlier load: {one.reason}", text=f"at the largest earlier load: {one.text}"
@@ -304,7 +307,15 @@ def target_validity(problem: SealProblem, answer: LoadResult) -> Validity:
 
 
 def _at_target(problem: SealProblem, answers: Sequence[LoadResult]) -> Iterator[Finding]:
-    bodies: tuple[Check, ...] = (_yielding, _turned, _cut_off, _wide, _above_hardness, _flanges_meet)
+    bodies: tuple[Check, ...] = (
+        _yielding,
+        _may_yield,
+        _turned,
+        _cut_off,
+        _wide,
+        _above_hardness,
+        _flanges_meet,
+    )
     yield from of_bodies(problem, (one for check in bodies for one in check(problem, answers)))
     if problem.surface is not None and problem.flow is not None:  # of a leak rate
         sealing = _sealing_pressure(problem, problem.surface)
@@ -346,6 +357,8 @@ def _near_opening(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator
 
 
 def _yielding(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
+    if not problem.stress_known:
+        return
     zones = [(load, zone) for load in loads for zone in yielding_of(load.contact, problem.materials).values()]
     elastic = [(load, zone) for load, zone in zones if isinstance(zone, YieldedZone)]
     # the body that is further above its yield stress comes first
@@ -377,7 +390,7 @@ def _yielded_before(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterat
     A stress grows at least with the root of the force, as in Hertz's line contact; what spreads the pressure at small
     forces, and faces that conform, make it grow faster.
     """
-    if problem.loads.earlier is not None or problem.loads.bolts is not None:
+    if problem.loads.earlier is not None or problem.loads.bolts is not None or not problem.stress_known:
         return
     found: dict[str, tuple[float, LoadResult]] = {}
     for name, material in problem.materials.items():
@@ -405,6 +418,37 @@ def _yielded_before(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterat
             limit=fixed_quantity("MPa", problem.materials[name].yield_stress or 0.0),
             load=load,
         )
+
+
+def _may_yield(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
+    """Bodies of which no stress says whether they yield, under a pressure under which they may.
+
+    The peak pressure alone says so: a study that has no yield stress does without the stress, which takes memory.
+    """
+    load = max(loads, key=_highest_pressure)
+    peak = _highest_pressure(load)
+    for name, material in problem.materials.items():
+        flows, hardness, which = material.yield_stress, material.hardness, "known"
+        if flows is not None and problem.stress_known:
+            continue
+        if flows is None and hardness is not None:
+            flows, which = hardness / HARDNESS_OVER_YIELD_STRESS, "hard"
+        elif flows is None:
+            flows, which = _SOFT * material.youngs_modulus, "soft"
+        limit = _HERTZ_YIELDS * flows
+        if peak > limit:
+            words = {"name": name, "material": material.name or name}
+            yield caution(
+                "may_yield",
+                load,
+                loads,
+                **words,
+                pressure=_named_pressure(load),
+                peak=_stress(peak, load, limit),
+                limit=fixed_beside("MPa", limit, peak, 2),
+                why=sentence("may_yield", which, **words),
+                which=sentence("may_yield", f"which_{which}", **words),
+            )
 
 
 def _beyond_curve(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:

@@ -20,8 +20,9 @@ from fem_seal.profile import PressureProfile
 from fem_seal.result import run
 from fem_seal.seal.findings import NOT_JUDGED, VALID, Finding, Level, Validity, worst_first
 from fem_seal.seal.load_result import GivenContact, GivenLoad, LoadResult
+from fem_seal.seal.problem import SealProblem
 from fem_seal.validity import checks as warnings
-from fem_seal.validity.checks import load_validity, profile_validity
+from fem_seal.validity.checks import load_cautions, load_validity, profile_validity
 from fem_seal.validity.words import sentence
 
 
@@ -56,6 +57,37 @@ def test_an_elastic_body_is_outside_the_theory_from_one_and_a_half_times_its_yie
     (found,) = judged("yield stress", load(bodies=(field("seat", excess * 1e9),)))
     assert found.level is level
     assert found.reason == f"seat: von Mises stress {excess:.3g} times its yield stress"
+
+
+@pytest.mark.parametrize(
+    ("material", "at", "words"),
+    [
+        # annealed brass yields at 0.1 % of its modulus, and a line contact at 1.67 times that
+        ({}, 1.67 * 1e-3 * 100e9, "annealed metals as stiff as soft yield"),
+        ({"hardness": "1 GPa"}, 1.67 * 1e9 / 2.9, "metals as hard as soft may yield"),
+        ({"yield_stress": "200 MPa"}, math.inf, ""),
+    ],
+)
+def test_a_body_whose_strength_nobody_knows_is_told_where_it_may_yield(material, at, words):
+    """A brass seat under 800 MPa passed without a word: the library's brass has no yield stress."""
+    soft = {"name": "soft", "youngs_modulus": "100 GPa", "poissons_ratio": 0.3, **material}
+    of = case(closure=ball(STEEL), seat=cone(soft))
+    assert not judged("yield stress", load(peak=0.99 * min(at, 1e9)), of=of)
+    found = judged("yield stress", load(peak=min(1.01 * at, 5e9)), of=of)
+    assert len(found) == bool(words)
+    for one in found:
+        assert one.level is Level.DOUBTFUL
+        assert one.reason == "seat: may yield: soft has no yield_stress here"
+        assert words in one.text and "give the yield_stress" in one.text
+
+
+def test_a_page_without_stresses_tells_that_a_body_may_yield():
+    soft = {**STEEL, "yield_stress": "200 MPa"}
+    problem = replace(SealProblem.of(case(closure=ball(STEEL), seat=cone(soft))), stress_known=False)
+    low, high = (list(load_cautions(problem, [load(peak=times * 200e6)])) for times in (1.6, 1.7))
+    assert not any(one.kind == "yield stress" for one in low)
+    (found,) = (one for one in high if one.kind == "yield stress")
+    assert found.reason == "seat: may yield; a complete run calculates its stress"
 
 
 def test_the_body_that_is_further_above_its_yield_stress_comes_first():
