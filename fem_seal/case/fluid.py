@@ -184,10 +184,9 @@ def _known(name: str) -> str:
 
     from leak import FLUIDS, GASES
 
-    names = [*FLUIDS, *GASES]
-    word = name.lower()
-    near = get_close_matches(word, [known.lower() for known in names], n=1)
-    with_it = [known for known in names if len(word) > 2 and word in known.lower()]
-    close = [_OTHER_NAMES[word]] if word in _OTHER_NAMES else near or with_it
+    names, word = {known.lower(): known for known in (*FLUIDS, *GASES)}, name.lower()
+    with_it = [known for known in names if len(word) > 2 and word in known]
+    near = [names[one] for one in with_it or get_close_matches(word, names, n=1)]
+    close = [_OTHER_NAMES[word]] if word in _OTHER_NAMES else near
     hint = f"do you mean {' or '.join(close)}? " if close else ""
-    return hint + "known are " + ", ".join(f'"{known}"' for known in names)
+    return hint + "known are " + ", ".join(f'"{known}"' for known in names.values())

@@ -135,6 +135,8 @@ def test_a_key_above_all_tables() -> None:
     [
         ("steam", "CoolProp:Water"),
         ("oil", "hydraulic oil ISO VG 32 or hydraulic oil ISO VG 46"),
+        ("hydraulic oil", "hydraulic oil ISO VG 32 or hydraulic oil ISO VG 46"),
+        ("Wter", "water"),
         ("Heliun", "helium"),
     ],
 )
