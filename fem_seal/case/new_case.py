@@ -280,7 +280,7 @@ def required_class(text: str, given: str) -> dict[str, str]:
                 return {"requirement.standard": standard, "requirement.class": name}
         if len(known[standard]) == 1 and standard_named(words) == standard:
             return {"requirement.standard": standard, "requirement.class": known[standard][0]}
-    listed = "; ".join(f"{standard}: {', '.join(names)}" for standard, names in known.items())
+    listed = "; ".join(f"{standard}: {', '.join(names)}" for standard, names in known.items() if names)
     raise InputError.at(
         "--class", f"is no class for {'a gas' if gas else 'a liquid'}; known are {listed}", shown(given)
     )
