@@ -56,9 +56,9 @@ class Limit:
     name : str
         "leak rate", or standard and class.
     leak_rate : float
-        Of the fluid that it is for [m^3/s]; zero where no leakage may be visible.
+        Of the fluid that it is for; where no leakage may be visible what nobody sees [m^3/s].
     visible : float
-        With `leak_rate` zero: what is seen for certain [m^3/s].
+        Where no leakage may be visible: what is seen for certain [m^3/s].
     test_fluid : str
         Of the standard, where the leak rate of the case is not that of its test; empty otherwise.
     ratio : tuple of float
@@ -150,7 +150,7 @@ class Judgement:
 def _margin(limit: Limit, highest: float) -> float:
     if highest == 0:
         return math.inf
-    return limit.leak_rate / highest if limit.leak_rate else math.nan
+    return limit.leak_rate / highest
 
 
 def _decided(
@@ -161,7 +161,7 @@ def _decided(
         return Verdict.PASS, VerdictReason.LIMIT
     if low > max(limit.leak_rate, limit.visible):
         return Verdict.FAIL, VerdictReason.LIMIT
-    if limit.leak_rate == 0:
+    if limit.visible:
         return Verdict.INCONCLUSIVE, VerdictReason.VISIBLE
     own = ends[1] <= limit.leak_rate or ends[0] > limit.leak_rate
     return Verdict.INCONCLUSIVE, VerdictReason.TEST_FLUID if own else VerdictReason.INTERVAL

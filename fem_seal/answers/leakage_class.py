@@ -325,7 +325,7 @@ def limit_of_rate(leak_rate: float) -> Limit:
 def _of_class(
     case: Case, required: Requirement, fluid: Fluid, fluid_pressure: float, load: LoadResult | None
 ) -> Limit | None:
-    from leak.standards import STANDARDS, leakage_limits, visible_leak_rate
+    from leak.standards import STANDARDS, invisible_leak_rate, leakage_limits, visible_leak_rate
 
     wanted = required.standard_and_class
     if wanted is None:
@@ -350,7 +350,11 @@ def _of_class(
     if not found:
         # class VI of FCI 70-2 ends at a diameter, API 527 at a set pressure
         return Limit(name, math.nan, 0.0, test_fluid, ratio)
-    visible = 0.0 if found[0] else visible_leak_rate(gas=gas, bubble_volume=required.bubble_volume)
+    unseen, seen = (
+        told(gas=gas, bubble_volume=required.bubble_volume)
+        for told in (invisible_leak_rate, visible_leak_rate)
+    )
+    most, visible = (found[0], 0.0) if found[0] else (unseen, seen)
     bubble = required.bubble_volume or STANDARDS[wanted[0]].bubble_volume
     counts_bubbles = gas and (visible > 0.0 or wanted[0] in ("API 598", RELIEF))
-    return Limit(name, found[0], visible, test_fluid, ratio, bubble if counts_bubbles else None)
+    return Limit(name, most, visible, test_fluid, ratio, bubble if counts_bubbles else None)

@@ -229,6 +229,7 @@ def screen_of(solution: SealSolution, design: Mapping[str, str], **more: Any) ->
         limits=tuple(
             (one.name, one.leak_rate / one.ratio[1])
             for one in limits(case, loads[number].fluid_pressure, loads[number])
+            if not one.visible
         ),
         volume=volume_of(case),
         **more,

@@ -313,6 +313,7 @@ def class_shares(designs: Designs) -> list[tuple[str, float, float]]:
     standard can be judged.
     """
     from leak import leakage_limits
+    from leak.standards import invisible_leak_rate
 
     seal = designs.about["seal"]
     if LEAK_RATE not in designs.done or designs.done.empty:
@@ -323,7 +324,8 @@ def class_shares(designs: Designs) -> list[tuple[str, float, float]]:
     leak_rate = designs.done.loc[leak_rate.index, ends].max(axis=1)
     claimed = ~designs.outside[leak_rate.index]
     limits = {
-        limit.name: limit.leak_rate
+        # of what may not be seen: what nobody sees
+        limit.name: limit.leak_rate or invisible_leak_rate(gas=seal["gas"])
         for limit in leakage_limits(seal["nominal_size"], gas=seal["gas"])
         if limit.standard == designs.about["standard"]
     }

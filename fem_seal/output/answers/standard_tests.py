@@ -78,7 +78,7 @@ def allowed(load: TestedLoad) -> float:
 
 def _limit(load: TestedLoad) -> str:
     limit = allowed(load)
-    if limit == 0.0:
+    if load.judgement is not None and load.judgement.limit.visible:
         return "none visible"
     return "–" if math.isnan(limit) else leak_range_text(limit, 2, beside=load.ends)
 

@@ -144,15 +144,17 @@ def _verdict(result: SealSolution, found: SealJudgement, *, brief: bool = False)
     if judged.verdict != "inconclusive" and _doubt(result, found):
         load = f"{load}, with doubt"
     measured = [volume.measurable(end) for end in judged.ends]
-    if key == "pass" and not measured[1]:
+    if key in ("pass", "invisible") and not measured[1]:
         key = "unmeasurable"
     # of the kind of the limit: a throughput is compared with a throughput
     low, high = (Throughput(end) if _of_throughput(limit) else end for end in measured)
     # the ends in the sentence have the same unit as the limit
     beside = {"pass": judged.ends[1:], "fail": judged.ends[:1]}.get(key, judged.ends)
-    over = [end / limit.leak_rate if limit.leak_rate else math.nan for end in measured]
+    over = [end / limit.leak_rate for end in measured]
     none = units.leak_rate_text(judged.ends[1], volume=volume)
-    at_most = _amount(high, digits, limit.leak_rate) if high else none
+    # what is seen has no number beside which others stand
+    compared = 0.0 if limit.visible else limit.leak_rate
+    at_most = _amount(high, digits, compared) if high else none
     own = limit.name == leakage_class.OF_LEAK_RATE
     # the sentences that follow the long form name the fluid
     of = f" of {limit.test_fluid}" if brief and limit.test_fluid else ""
@@ -161,10 +163,10 @@ def _verdict(result: SealSolution, found: SealJudgement, *, brief: bool = False)
         key,
         load=load,
         who="the limit" if own else limit.name,
-        low=f"{_amount(low, digits, limit.leak_rate)}{of}",
+        low=f"{_amount(low, digits, compared)}{of}",
         high=f"{at_most}{of}",
-        range=_range(low, high, digits, limit.leak_rate),
-        allowed=_limit_text(limit.leak_rate, beside=beside),
+        range=_range(low, high, digits, compared),
+        allowed=_limit_text(limit, beside=beside),
         limit=f"required{_as_written(limit.leak_rate)}" if own else limit.name,
         factor=factor_text(judged.margin, digits),
         times_low=factor_text(over[0], digits),
@@ -181,13 +183,15 @@ def _sentence(found: SealJudgement) -> str:
         return "no_result"
     if judged.why is VerdictReason.UNKNOWN and math.isnan(judged.limit.leak_rate):
         return "no_limit"
-    if judged.why is VerdictReason.ACCURACY and not judged.limit.leak_rate:
+    if judged.why is VerdictReason.ACCURACY and judged.limit.visible:
         return "visible_accuracy"
     if judged.why is not VerdictReason.LIMIT:
         return judged.why
     if judged.verdict == "fail":
-        return "fail" if judged.limit.leak_rate else "visible_fail"
-    return "sealed" if math.isinf(judged.margin) else "pass"
+        return "visible_fail" if judged.limit.visible else "fail"
+    if math.isinf(judged.margin):
+        return "sealed"
+    return "invisible" if judged.limit.visible else "pass"
 
 
 def _as_written(leak_rate: float) -> str:
@@ -296,11 +300,12 @@ def _range(low: float, high: float, digits: int, limit: float) -> str:
     return units.leak_range_text((low, high), digits, beside=(limit,))
 
 
-def _limit_text(leak_rate: float, beside: Collection[float] = ()) -> str:
+def _limit_text(limit: Limit, beside: Collection[float] = ()) -> str:
+    leak_rate = limit.leak_rate
     if isinstance(leak_rate, Throughput):
         unit = units.fixed_unit("mbar l/s")
         return f"{units.format_digits(unit.of(leak_rate.pressure_volume), 2)} {unit.name}"
-    return "no visible leakage" if leak_rate == 0 else units.leak_range_text(leak_rate, 2, beside=beside)
+    return "no visible leakage" if limit.visible else units.leak_range_text(leak_rate, 2, beside=beside)
 
 
 def used_in_words(result: SealSolution, shares: Utilisation) -> str:
@@ -497,12 +502,12 @@ def requirement_lines(case: Case) -> list[str]:
     required, fluid = case.requirement, case.fluid
     if required is None or fluid is None:
         return []
-    at: dict[tuple[str, float], list[float]] = {}
+    at: dict[tuple[str, float], tuple[Limit, list[float]]] = {}
     for pressure in dict.fromkeys(case.load.fluid_pressure):
         if required.judges(pressure):
             for limit in leakage_class.limits(case, pressure):
-                at.setdefault((limit.name, limit.leak_rate), []).append(pressure)
-    lines = [_limit_line(name, rate, pressures) for (name, rate), pressures in at.items()]
+                at.setdefault((limit.name, limit.leak_rate), (limit, []))[1].append(pressure)
+    lines = [_limit_line(limit, pressures) for limit, pressures in at.values()]
     if fluid.volume.state and not all(
         _of_throughput(one) for one in leakage_class.limits(case, case.load.fluid_pressure[0])
     ):
@@ -523,13 +528,13 @@ def requirement_lines(case: Case) -> list[str]:
     return lines
 
 
-def _limit_line(name: str, leak_rate: float, pressures: Sequence[float]) -> str:
-    kind = "none" if math.isnan(leak_rate) else "limit" if leak_rate else "zero"
+def _limit_line(limit: Limit, pressures: Sequence[float]) -> str:
+    kind = "none" if math.isnan(limit.leak_rate) else "zero" if limit.visible else "limit"
     ends = min(pressures), max(pressures)
     several = f" ({len(pressures)} pressures)" if len(pressures) > 1 else ""
-    allowed = _limit_text(leak_rate)
+    allowed, si = _limit_text(limit), limit.leak_rate
     return phrase(
-        "verdict.check", kind, limit=name, allowed=allowed, si=leak_rate, loads=ends, several=several
+        "verdict.check", kind, limit=limit.name, allowed=allowed, si=si, loads=ends, several=several
     )
 
 

@@ -34,7 +34,13 @@ from fem_seal.seal.findings import Finding, Level, Validity
 from fem_seal.studies.responses import LARGEST_MARGIN, evaluate_design
 from fem_seal.units import leak_range_text
 from leak import FluidError
-from leak.standards import classes_of, leakage_limits, standard_named, visible_leak_rate
+from leak.standards import (
+    classes_of,
+    invisible_leak_rate,
+    leakage_limits,
+    standard_named,
+    visible_leak_rate,
+)
 
 OUTSIDE = Validity.of([Finding("yield stress", Level.OUTSIDE, "seat: 3 times its yield stress", "...")])
 
@@ -182,13 +188,15 @@ def test_without_a_leak_rate_or_a_limit_nothing_is_decided():
         )
 
 
-def test_no_visible_leakage_is_met_by_none_and_failed_by_a_drop_in_the_shortest_test():
-    seen = visible_leak_rate(gas=False)
-    limit = Limit("ISO 5208 A", 0.0, seen)
+def test_no_visible_leakage_is_met_by_what_nobody_sees_and_failed_by_a_drop_in_the_shortest_test():
+    unseen, seen = invisible_leak_rate(gas=False), visible_leak_rate(gas=False)
+    limit = Limit("ISO 5208 A", unseen, seen)
     assert Judgement.of(limit, (0.0, 0.0)).verdict == "pass"
+    little = Judgement.of(limit, (0.0, 0.5 * unseen))
+    assert little.verdict == "pass" and little.margin == pytest.approx(2.0)
     assert Judgement.of(limit, (1.01 * seen, 2 * seen)).verdict == "fail"
     few = Judgement.of(limit, (0.0, 0.5 * seen))
-    assert few.verdict == "inconclusive" and math.isnan(few.margin)
+    assert few.verdict == "inconclusive" and few.margin == pytest.approx(2.0 * unseen / seen)
     # 1/16 ml in 15 s
     assert seen == pytest.approx(1e-6 / 16 / 15, rel=1e-12)
 
