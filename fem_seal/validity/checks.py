@@ -48,8 +48,8 @@ if TYPE_CHECKING:
 
 # Margin to opening over the acting force or pressure below which the contact force is a small difference of large ones.
 _NEAR_OPENING = 0.05
-# Peak pressure of Hertz's line contact over the yield stress at which it yields, and the yield stress of annealed metals
-# over Young's modulus: 210 MPa for steel, 100 MPa for brass.
+# Peak pressure over the yield stress at which Hertz's line contact yields (Tresca: K. L. Johnson, Contact Mechanics, 6.1),
+# and the yield stress of annealed metals over Young's modulus: 210 MPa for steel, 100 MPa for brass.
 _HERTZ_YIELDS, _SOFT = 1.67, 1e-3
 # Pressure at the end of the contact zone over the peak pressure: above the first the contact is cut off, above the
 # second the missing part changes the result noticeably.
@@ -65,9 +65,9 @@ _FEW_CHANNELS = 0.15
 _FACTORS = ((_FEW_CHANNELS, 1.3), (0.2, 1.7), (0.25, 2.3), (0.31, 3.3))
 # ... where the direct results end; from there to the percolation threshold the conductivity falls to zero.
 _DIRECT_END = 0.39
-# With a lay it differs by up to these factors at some A/A0, where the fluid crosses the lay, and along it by one at all:
-# direct results for elastic asperities, correlation lengths up to 5 times longer one way, A/A0 up to 0.16. For a lay
-# 10 times longer the factors rise by 10/5 to this power.
+# With a lay it differs by up to these factors at some A/A0, where the fluid crosses the lay, and by one at all where it
+# flows along it: direct results for elastic asperities, correlation lengths up to 5 times longer one way, A/A0 up to
+# 0.16. For a lay 10 times longer the factors rise by 10/5 to this power.
 _LAY_ACROSS, _LAY_ALONG, _LAY_KNOWN = ((0.02, 1.4), (0.1, 1.5), (0.16, 2.5)), 1.4, 0.16
 _LAY_LONG, _LAY_LONGEST, _LAY_POWER = 5.0, 10.0, 0.7
 _LAY_REPORTED = 1.3
@@ -437,17 +437,17 @@ def _may_yield(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Fi
             flows, which = _SOFT * material.youngs_modulus, "soft"
         limit = _HERTZ_YIELDS * flows
         if peak > limit:
-            words = {"name": name, "material": material.name or name}
+            called = material.name or name
             yield caution(
                 "may_yield",
                 load,
                 loads,
-                **words,
+                name=name,
                 pressure=_named_pressure(load),
                 peak=_stress(peak, load, limit),
                 limit=fixed_beside("MPa", limit, peak, 2),
-                why=sentence("may_yield", which, **words),
-                which=sentence("may_yield", f"which_{which}", **words),
+                why=sentence("may_yield", which, material=called),
+                which=sentence("may_yield", f"which_{which}", material=called),
             )
 
 

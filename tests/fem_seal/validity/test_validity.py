@@ -69,7 +69,7 @@ def test_factors_are_those_of_the_direct_numerical_results(reference_folder):
     import sys
 
     sys.path.insert(0, str(ROOT / "docs"))
-    from direct_numerical import compare, read_direct, worst_factor
+    from direct_numerical import compare, read_direct
 
     for comparison in map(compare, read_direct(reference_folder)):
         # the theory's own area, which is what a user has
