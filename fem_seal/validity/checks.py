@@ -48,8 +48,8 @@ if TYPE_CHECKING:
 
 # Margin to opening over the acting force or pressure below which the contact force is a small difference of large ones.
 _NEAR_OPENING = 0.05
-# Peak pressure over yield stress at which Hertz's line contact yields (K. L. Johnson, Contact Mechanics, 6.1: Tresca), and
-# the yield stress of annealed metals over Young's modulus: 210 MPa for steel, 100 MPa for brass.
+# Peak pressure over yield stress at which Hertz's line contact yields (Tresca: K. L. Johnson, Contact Mechanics, 6.1).
+# Yield stress of annealed metals over Young's modulus: 210 MPa for steel, 100 MPa for brass.
 _HERTZ_YIELDS, _SOFT = 1.67, 1e-3
 # Pressure at the end of the contact zone over the peak pressure: above the first the contact is cut off, above the
 # second the missing part changes the result noticeably.
