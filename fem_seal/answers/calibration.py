@@ -143,16 +143,19 @@ class Conflict:
     ----------
     factor : float
         Measured over expected, geometric mean [-].
-    culprit : {"path", "factor", "order"}
+    culprit : {"path", "factor", "order", "scatter"}
         What explains them best: a path that no force closes (scratch, particle), one factor (fluid, form), or none of
-        them: as much leaks as expected, at other loads.
+        them: as much leaks as expected, at other loads. Readings of one load that contradict each other come first.
     farthest : int
         Number of the reading that is farthest from what is expected.
+    scatter : float
+        Of "scatter", standard deviation of ln Q of readings of the same load [-].
     """
 
     factor: float
     culprit: str
     farthest: int = 0
+    scatter: float = math.nan
 
 
 @dataclass(frozen=True)
@@ -400,7 +403,9 @@ def _conflict(y: FloatArray, data: Data, drive: FloatArray) -> Conflict:
     line = int(np.argmax(np.abs(data.y - expected) / np.hypot(y.std(axis=0), data.spread)))
     if not shown.any():
         return Conflict(math.exp(float((data.y - expected).mean())), "factor", line)
-    mean = y[:, shown].mean(axis=0)
+    mean = expected[shown]
+    if scatter := _scatter(data.y[shown], data.spread[shown], mean):
+        return Conflict(math.exp(float((data.y[shown] - mean).mean())), "scatter", line, scatter)
     covariance = np.atleast_2d(np.cov(y[:, shown].T)) + np.diag(data.spread[shown] ** 2)
     inverse, away = np.linalg.inv(covariance), data.y[shown] - mean
     ones = np.ones(away.size)
@@ -417,6 +422,18 @@ def _conflict(y: FloatArray, data: Data, drive: FloatArray) -> Conflict:
         return Conflict(factor, "order", line)
     path = away.mean() > 0.0 and away.size > 1 and of_path < of_factor
     return Conflict(factor, "path" if path else "factor", line)
+
+
+def _scatter(y: FloatArray, spread: FloatArray, expected: FloatArray) -> float | None:
+    """Standard deviation of readings of the same load, of which as much is expected; None if `spread` explains it."""
+    from scipy.special import chdtrc
+
+    _, load = np.unique(expected, return_inverse=True)
+    rest = y - (np.bincount(load, y) / np.bincount(load))[load]
+    free = rest.size - int(load.max()) - 1
+    if free < 1 or chdtrc(free, float(((rest / spread) ** 2).sum())) >= _CONFLICT:
+        return None
+    return math.sqrt(float((rest**2).sum()) / free)
 
 
 # -------------------------------------------------------------------- the calibration

@@ -122,7 +122,8 @@ def lines(found: Calibration) -> Iterator[str]:
     """
     if found.conflict is not None:
         way, culprit = "more" if found.conflict.factor > 1 else "less", found.conflict.culprit
-        words = phrase("calibration.culprit", culprit if culprit == "order" else f"{culprit}_{way}")
+        key = culprit if culprit in ("order", "scatter") else f"{culprit}_{way}"
+        words = phrase("calibration.culprit", key, scatter=found.conflict.scatter)
         factor = number(max(found.conflict.factor, 1.0 / found.conflict.factor), 2)
         values = {"p": found.p_value, "line": found.readings[found.conflict.farthest].line}
         yield phrase("calibration.sentences", "conflict", factor=factor, way=way, culprit=words, **values)
@@ -145,8 +146,17 @@ def lines(found: Calibration) -> Iterator[str]:
     told, silent = ([one for one in found.inputs if (one.learned >= _LEARNED) is it] for it in (True, False))
     if told:
         spoken = (
-            phrase("calibration.sentences", "input", name=input_name(one.name), learned=one.learned)
+            phrase(
+                "calibration.sentences",
+                "factor" if unit == "factor" else "input",
+                name=input_name(one.name),
+                low=texts[3],
+                high=texts[5],
+                unit=f" {unit}".replace(" -", ""),
+                learned=one.learned,
+            )
             for one in told
+            for unit, texts in [_texts(one)]
         )
         yield phrase("calibration.sentences", "learned", inputs=", ".join(spoken))
     if silent:
@@ -278,8 +288,8 @@ def report(found: Calibration) -> str:
     )
 
 
-def _input_row(one: LearnedInput) -> list[str]:
-    """Cells of the table of inputs; of a wavenumber its wavelength."""
+def _texts(one: LearnedInput) -> tuple[str, list[str]]:
+    """Unit of an input, and its values before and after the test; of a wavenumber its wavelength."""
     values: list[tuple[float, ...]] = [one.prior, one.posterior]
     unit = one.unit
     if unit == "1/m":
@@ -288,7 +298,11 @@ def _input_row(one: LearnedInput) -> list[str]:
     if unit == "m":
         shown = unit_for("length", values[0][1])
         values, unit = [tuple(shown.of(x) for x in three) for three in values], shown.name
-    texts = [number(x, 3) for three in values for x in three]
+    return unit, [number(x, 3) for three in values for x in three]
+
+
+def _input_row(one: LearnedInput) -> list[str]:
+    unit, texts = _texts(one)
     return [f"{input_name(one.name)} [{unit}]", *texts, percent(max(one.learned, 0.0))]
 
 

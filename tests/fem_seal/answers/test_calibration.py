@@ -161,6 +161,21 @@ def test_a_path_that_no_force_closes_is_told_from_a_factor():
     assert _conflict(y, turned, pressure).culprit == "order"
 
 
+def test_readings_of_one_load_that_contradict_each_other_are_told():
+    random = np.random.default_rng(3)
+    one = 0.2 * random.standard_normal(400)
+    y = np.stack([one, one, one + 1.0, one + 1.0], axis=1)
+    away = np.array([0.3, -0.3, 0.2, -0.2])
+
+    def conflict(spread):
+        return _conflict(y, Data(y.mean(axis=0) + away, np.full(4, spread), np.zeros(4, dtype=bool)), np.ones(4))
+
+    found = conflict(0.1)
+    # by hand: sqrt((2 0.3^2 + 2 0.2^2)/(4 readings less 2 loads))
+    assert (found.culprit, found.scatter) == ("scatter", pytest.approx(math.sqrt(0.13)))
+    assert conflict(0.3).culprit != "scatter"
+
+
 def test_the_expected_width_is_that_of_the_closed_form():
     _, slopes, y = linear(4096)
     noise = np.random.default_rng(1).standard_normal((TRUTHS, 1))
@@ -434,7 +449,7 @@ def test_lines_and_table_say_how_the_seat_differs(after):
     found, folder, _ = after
     last = found.predictions[-1]
     (direction,) = (one for one in lines(found) if one.startswith("The seat leaks "))
-    assert f"{last.posterior[1] / last.prior[1]:.2f} times what was expected" in direction
+    assert f"{last.posterior[1] / last.prior[1]:.2g} times what was expected" in direction
     assert "its interval narrowed from a factor of" in direction
     units = pd.read_csv(folder / "inputs.csv", index_col="input").unit
     assert units.to_dict() == {"hardness": "factor", "rms_height": "factor", "theory": "factor"}
