@@ -272,6 +272,7 @@ def show_loads(case: Case, loads: Sequence[LoadResult], title: str = "") -> None
         That of the case unless given.
     """
     from fem_seal.answers.leakage_class import volume_of
+    from fem_seal.materials import ROOM_TEMPERATURE
     from fem_seal.output.report.brief import loads_in_brief, of_throughput
 
     table, left_out = loads_in_brief(case, loads)
@@ -290,7 +291,12 @@ def show_loads(case: Case, loads: Sequence[LoadResult], title: str = "") -> None
     notes = [f"{mark} {level}" for mark, level in marks.items() if mark]
     notes += [f"{left_out} more loads in leak.csv"] if left_out else []
     state = volume_of(case).state
-    notes += [f"volumes of gas at {state}"] if state and not of_throughput(case, loads) else []
+    if state and not of_throughput(case, loads):
+        assert case.fluid is not None
+        share = ROOM_TEMPERATURE / case.fluid.temperature
+        # what a flow meter at room temperature shows of a hot leak
+        cold = "" if 0.9 < share < 1.1 else f", at 20 °C {share:.2g} of them"
+        notes += [f"volumes of gas at {state}{cold}"]
     tell(*([f"  {'; '.join(notes)}"] if notes else []))
 
 

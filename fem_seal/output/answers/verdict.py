@@ -20,6 +20,7 @@ from fem_seal.answers.judgement import (
 )
 from fem_seal.case.fields import Bubbles, NormalVolume, Throughput
 from fem_seal.files import told_of
+from fem_seal.materials import ROOM_TEMPERATURE
 from fem_seal.output.prose import phrase
 from fem_seal.output.shown import Shown
 from fem_seal.seal.findings import YIELD_STRESS, Level
@@ -194,6 +195,12 @@ def _sentence(found: SealJudgement) -> str:
     return "invisible" if judged.limit.visible else "pass"
 
 
+def _state(case: Case, limit: Limit) -> str:
+    """In which a gas is measured: of a standard that tests with another one that of its test."""
+    tested = units.LeakVolume.of_gas(ROOM_TEMPERATURE) if limit.test_fluid else leakage_class.volume_of(case)
+    return tested.state
+
+
 def _as_written(leak_rate: float) -> str:
     """A limit as given, if in another state or in bubbles: ", 1 Nml/min"; empty for all others."""
     if isinstance(leak_rate, NormalVolume):
@@ -206,7 +213,7 @@ def _as_written(leak_rate: float) -> str:
 def _further_sentences(result: SealSolution, found: SealJudgement) -> Iterator[str]:
     volume = leakage_class.volume_of(result.case)
     if volume.state and found.worst.why not in _WITHOUT_RATES and not _of_throughput(found.worst.limit):
-        yield phrase("verdict.sentences", "volume", state=volume.state)
+        yield phrase("verdict.sentences", "volume", state=_state(result.case, found.worst.limit))
     limit, decided = (
         found.worst.limit,
         found.worst.why in (VerdictReason.LIMIT, VerdictReason.INTERVAL, VerdictReason.ACCURACY),
@@ -511,7 +518,11 @@ def requirement_lines(case: Case) -> list[str]:
     if fluid.volume.state and not all(
         _of_throughput(one) for one in leakage_class.limits(case, case.load.fluid_pressure[0])
     ):
-        lines.append(phrase("verdict.check", "volume", state=fluid.volume.state))
+        judged = leakage_class.limits(case, case.load.fluid_pressure[0])
+        lines += [
+            phrase("verdict.check", "volume", state=state)
+            for state in dict.fromkeys(_state(case, one) for one in judged)
+        ]
     for limit in leakage_class.limits(case, case.load.fluid_pressure[0]):
         if limit.name != leakage_class.OF_LEAK_RATE:
             per_length = limit.name.startswith(tuple(leakage_class.PER_LENGTH))

@@ -26,6 +26,7 @@ from fem_seal.output.shown import ReadableTable, ReportColumn, columns_table, fi
 from fem_seal.seal.findings import Level
 from fem_seal.seal.load_names import load_axis, load_values
 from fem_seal.seal.load_result import GivenLoad, LoadResult, highest_load, rate_of
+from fem_seal.seal.problem import LARGEST_TURNING
 from fem_seal.units import fixed_unit, leak_range_text, shared_flow_unit
 from fem_seal.validity.words import sentence
 from leak.standards import STANDARD_PRESSURE
@@ -122,7 +123,13 @@ def _force(result: SealSolution, load: JudgedLoad) -> str:
 def _curve(result: SealSolution, load: JudgedLoad) -> str:
     worst = load.validity.cautions[:1]
     yields = load.validity.outside and worst[0].kind == sentence("yield_stress", "kind")
-    return phrase("brief.second", "curve_needed") if yields else ""
+    if not yields:
+        return ""
+    # the strip that carries the line load with Prandtl's pressure, some three times the yield stress
+    strengths = [one.yield_stress for one in result.problem.materials.values() if one.yield_stress]
+    width = load.line_load / (3.0 * min(strengths))
+    coins = width / 2.0 > LARGEST_TURNING * load.contact.model.relative_radius and not result.case.gasket
+    return phrase("brief.second", "land" if coins else "curve_needed", width=width)
 
 
 def _stop(result: SealSolution, load: JudgedLoad) -> str:
@@ -230,7 +237,9 @@ def _most_telling(case: Case, loads: Sequence[LoadResult]) -> list[ReportColumn]
     names = [name for name in SHOWN_COLUMNS["brief"] if name in known and name not in without]
     filled = (filled_column(name, loads, volume_of(case)) for name in names)
     told = (
-        one for one in map(_finite, filled) if one.some and (any(one.values) or one.column.kind == "flow")
+        one
+        for one in (_claimed(_finite(one), loads) for one in filled)
+        if one.some and (any(one.values) or one.column.kind == "flow")
     )
     columns = list(_leaks_in_one_unit(case, loads, told))
     ends = [one.values for one in columns if one.column.name in _ENDS]
@@ -249,6 +258,15 @@ _ENDS = ("leak_rate_low_m3_per_s", "leak_rate_high_m3_per_s")
 def _finite(column: ReportColumn) -> ReportColumn:
     values = [value if value is not None and math.isfinite(value) else None for value in column.values]
     return replace(column, values=values, digits=[min(one, _DIGITS) for one in column.digits])
+
+
+def _claimed(column: ReportColumn, loads: Sequence[LoadResult]) -> ReportColumn:
+    """Without leak rates of zero where nothing is claimed: "0 to 0" reads as a tight seal."""
+    if column.column.kind != "flow":
+        return column
+    outside = [load.validity.outside for load in loads]
+    values = [None if out and not value else value for value, out in zip(column.values, outside, strict=True)]
+    return replace(column, values=values)
 
 
 def _alike(column: ReportColumn, end: Sequence[float | None]) -> bool:
