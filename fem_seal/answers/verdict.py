@@ -141,11 +141,16 @@ def of_missing(case: Case, point: tuple[float, float], problem: LoadProblem) -> 
     return Judgement(Verdict.INCONCLUSIVE, math.nan, VerdictReason.UNKNOWN, limit, reason=problem.message)
 
 
+def _crest(load: LoadResult) -> float:
+    """Largest peak pressure around the axis over that at the mean line load; a stress follows it, as in the checks."""
+    return 1.0 if load.formed is None else float(load.formed.peak_pressure.max()) / load.peak_pressure
+
+
 def _shares(loads: Sequence[LoadResult], hardness: tuple[float | None, float | None]) -> Utilisation:
     """The largest of all loads and, where they differ, of both faces, each of which has a hardness."""
     faces = [(side, *one) for load in loads for side, one in enumerate(load.each_face)]
     stressed = [
-        (float(load.contact.fields[name].von_mises.max()) / limit, f"{which}{name}")
+        (_crest(load) * float(load.contact.fields[name].von_mises.max()) / limit, f"{which}{name}")
         for _, which, load in faces
         # without a look at the stress, which a model without displacements does not hold
         for name in ("closure", "seat")
@@ -154,7 +159,7 @@ def _shares(loads: Sequence[LoadResult], hardness: tuple[float | None, float | N
     stress, body = max(stressed, default=(None, ""))
     openings = [load.opening.share for load in loads if load.opening is not None]
     peaks = [
-        (load.peak_pressure if load.formed is None else float(load.formed.peak_pressure.max())) / hard
+        _crest(load) * load.peak_pressure / hard
         for side, _, load in faces
         if (hard := hardness[side]) is not None
     ]

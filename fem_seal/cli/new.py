@@ -25,6 +25,9 @@ CLASSES = (
     "API 598; MSS SP-61; API 527 of relief valves; EN 13555 L0.01, L0.1, L1.0; VDI 2440; ISO 15848-1 AH, BH, CH"
 )
 
+# What decides a leak rate and is easily left to the template.
+_SCALED = {"diameter", "bore", "included-angle", "applied-force", "torque"}
+
 
 def new(
     name: Annotated[str | None, option("new", "template", names=NAMES)] = None,
@@ -86,6 +89,10 @@ def new(
     else:
         new_case.read_text_case(text)
     _write(text, path)
+    kept = [f"{one.words} {value}" for one, _, value in new_case.asked(text) if one.name in _SCALED - given.keys()]
+    if kept and given and not asks:
+        scale = ", to the scale of what you gave" if {"bore", "diameter"} & given.keys() else ""
+        say(f"From the template{scale}: {', '.join(kept)}")
     say(f"{path} is written; next:")
     say(f"  fem-seal check {_quoted(path)} --picture   (draws its section)")
     say(f"  fem-seal run {_quoted(path)}   (leak rate and report)")
