@@ -89,7 +89,9 @@ def new(
     else:
         new_case.read_text_case(text)
     _write(text, path)
-    kept = [f"{one.words} {value}" for one, _, value in new_case.asked(text) if one.name in _SCALED - given.keys()]
+    kept = [
+        f"{one.words} {value}" for one, _, value in new_case.asked(text) if one.name in _SCALED - given.keys()
+    ]
     if kept and given and not asks:
         scale = ", to the scale of what you gave" if {"bore", "diameter"} & given.keys() else ""
         say(f"From the template{scale}: {', '.join(kept)}")

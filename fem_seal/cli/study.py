@@ -138,7 +138,8 @@ def _show_remarks(designs: Designs) -> None:
     from fem_seal.studies.display import Display
     from fem_seal.studies.page import at_edge, passing_words
 
-    for told in filter(None, (passing_words(designs), at_edge(Display(designs)))):
+    display = Display(designs)
+    for told in filter(None, (passing_words(display), at_edge(display))):
         say(told)
 
 

@@ -207,20 +207,28 @@ def _passing(display: Display) -> Iterator[Section]:
         return
     likely = designs.done[designs_table.PASSES].sort_values(ascending=False, kind="stable")
     numbers = likely.index[:_MOST_ROWS].tolist()
-    note = _words().passing(passing_words(designs), len(likely), len(numbers))
+    note = _words().passing(passing_words(display), len(likely), len(numbers))
     yield _table_of("Designs that pass", note, numbers, display.told(numbers))
 
 
-def passing_words(designs: designs_table.Designs) -> str:
-    """How many designs pass often enough, or how often the best one does, as a sentence; empty where nobody asks."""
+def passing_words(display: Display) -> str:
+    """How many designs pass often enough, or which does most often, as a sentence; empty where nobody asks."""
+    designs = display.designs
     if designs_table.PASSES not in designs.done or designs.done.empty:
         return ""
     likely, limit = designs.done[designs_table.PASSES], designs.limit
     allowed = f" less than {leak_rate_text(limit)}" if limit else ""
     count, unknown = int((likely >= designs.confidence).sum()), int(likely.isna().sum())
-    best = share_text(float(likely.max()))
+    outside = int((likely.isna() & designs.outside).sum()) == unknown
+    best, row = share_text(float(likely.max())), likely.nlargest(1).index
+    told = [
+        (name, display.unit(name).name, text)
+        for name in designs.parameters
+        for text in display.texts(row, name)
+    ]
+    which = ", ".join(f"{display.title(name)} {text} {unit}".rstrip() for name, unit, text in told)
     confidence = f"{100.0 * designs.confidence:g} %"
-    return str(_words().passed(count, len(likely), allowed, confidence, unknown, best))
+    return str(_words().passed(count, len(likely), allowed, confidence, unknown, best, which, outside))
 
 
 def at_edge(display: Display) -> str:

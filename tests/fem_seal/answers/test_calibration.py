@@ -168,7 +168,9 @@ def test_readings_of_one_load_that_contradict_each_other_are_told():
     away = np.array([0.3, -0.3, 0.2, -0.2])
 
     def conflict(spread):
-        return _conflict(y, Data(y.mean(axis=0) + away, np.full(4, spread), np.zeros(4, dtype=bool)), np.ones(4))
+        return _conflict(
+            y, Data(y.mean(axis=0) + away, np.full(4, spread), np.zeros(4, dtype=bool)), np.ones(4)
+        )
 
     found = conflict(0.1)
     # by hand: sqrt((2 0.3^2 + 2 0.2^2)/(4 readings less 2 loads))

@@ -583,13 +583,13 @@ def test_tiny_shares_are_written_as_such_and_no_design_that_passes_is_said(capsy
     )
     section = headings(designs)["Designs that pass"]
     assert section.note.startswith(
-        "No design passes with a probability of 95 % or more; the best reaches 90.0 %."
+        "No design passes with a probability of 95 % or more; the best reaches 90.0 % ("
     )
     cells = [row[section.columns.index("probability to pass")] for row in section.rows]
     assert cells == ["90.0 %", "31.0 %", "25.0 %", "20.0 %", "10.0 %", "< 0.1 %"]
     _show_remarks(designs)
     assert (
-        "No design passes with a probability of 95 % or more; the best reaches 90.0 %."
+        "No design passes with a probability of 95 % or more; the best reaches 90.0 % ("
         in capsys.readouterr().out
     )
 
