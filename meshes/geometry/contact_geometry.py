@@ -79,10 +79,11 @@ class ContactGeometry:
             s = float(face.project(np.array(self.initial_contact_radius), np.array(0.0)))
             if min(s, face.length - s) < 1e-9 * face.length:
                 edge = face.point(np.array([0.0, face.length]))[0]
+                rounded = ', such as "sharp-edge" or "conical-land"' if name == "seat" else ""
                 raise GeometryError(
                     f"closure and seat would touch first at r = {mm(self.initial_contact_radius)}, where the face "
                     f"of the {name} ends: it reaches from {mm(edge[0])} to {mm(edge[1])}; change the radii, "
-                    "the angle or the bore, or round the edge"
+                    f"the angle or the bore, or take a shape whose edge is round{rounded}"
                 )
             if at_a_corner(face, s):
                 raise GeometryError(

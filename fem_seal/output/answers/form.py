@@ -128,7 +128,11 @@ def _allowed(allowed: Allowed, others: Mapping[Reading, Allowed], load: LoadResu
     if allowed.zone is not None and math.isfinite(allowed.zone):
         kind, zone = _DIRECTIONS[allowed.direction], _down(allowed.zone)
         which = "drawing" if zone else "no_zone"
-        yield phrase("form.allowed", which, kind=kind, zone=zone, waves=allowed.waves, limit=limit)
+        assert load.formed is not None  # of a form error
+        normal = load.contact.model.touch_normal_z
+        share = normal if allowed.direction == "axial" else math.sqrt(1.0 - normal**2)
+        now = float(np.ptp(load.formed.gap_change)) / share
+        yield phrase("form.allowed", which, kind=kind, zone=zone, waves=allowed.waves, limit=limit, now=now)
     for reading, other in others.items():
         if other.zone is not None and math.isfinite(other.zone):
             first, second = (quantity("length", _down(one or 0.0), 2) for one in (allowed.zone, other.zone))
