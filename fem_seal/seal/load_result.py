@@ -196,20 +196,16 @@ class LoadResult(ByReading):
         name : {"peak_pressure", "fwhm", "std", "leak_rate", "force_for_target"}
             Stresses in the bodies are as good as the peak pressure.
         """
-        if name == "force_for_target":
-            # a leak rate off by orders of magnitude leaves more of the force, whose digits fit to those of its line load
-            return max(3, self._digits_of(name))
-        return self._digits_of(name)
-
-    def _digits_of(self, name: str) -> int:
         of_theory = {"leak_rate": self.validity, "force_for_target": self.target_validity}.get(name)
         theory = DIGITS if of_theory is None else digits_within(of_theory.leak_error)
+        # a leak rate off by orders of magnitude leaves more of the force, which stands beside its line load
+        least = 3 if name == "force_for_target" else 1
         if self.mesh_error is None:
-            return theory
+            return max(theory, least)
         # where the strongest load is sealed, nothing is known of what the others leak but the contact that it follows
         known = getattr(self.mesh_error, "leak_rate" if name == "force_for_target" else name)
         share = max(self.mesh_error.peak_pressure, self.mesh_error.std) if known is None else known
-        return min(theory, digits_within(share))
+        return max(min(theory, digits_within(share)), least)
 
     @property
     def leak_validity(self) -> Validity:

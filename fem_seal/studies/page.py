@@ -222,11 +222,9 @@ def passing_words(display: Display) -> str:
     outside = int((likely.isna() & designs.outside).sum()) == unknown
     best, row = share_text(float(likely.max())), likely.nlargest(1).index
     told = [
-        (name, display.unit(name).name, text)
-        for name in designs.parameters
-        for text in display.texts(row, name)
+        (display.title(one), *display.texts(row, one), display.unit(one).name) for one in designs.parameters
     ]
-    which = ", ".join(f"{display.title(name)} {text} {unit}".rstrip() for name, unit, text in told)
+    which = ", ".join(" ".join(one).rstrip() for one in told)
     confidence = f"{100.0 * designs.confidence:g} %"
     return str(_words().passed(count, len(likely), allowed, confidence, unknown, best, which, outside))
 
