@@ -27,7 +27,7 @@ from fem_seal.case.roughness import (
     uncertain_finishes,
     uncertain_heights,
 )
-from fem_seal.case.tables import Uncertainty
+from fem_seal.case.tables import Uncertainty, curves
 from fem_seal.contact.laws import HardContact, Law, ScaledLaw
 from fem_seal.contact.solution import ContactSettings, ContactSolution
 from fem_seal.errors import ConvergenceError, InputError
@@ -1085,7 +1085,11 @@ UNCERTAINTY = Answer[LeakInterval | None](
     "interval of the leak rates",
     lambda seal, ask: leak_interval(seal, progress=ask.clock.progress),
     None,
-    lambda seal, wanted: seal.case.sampled is not None,
+    # each sample repeats a path of loads: minutes for an interval of which nothing would be claimed
+    lambda seal, wanted: (
+        seal.case.sampled is not None
+        and not (curves(seal.case) and all(load.validity.outside for load in seal.loads))
+    ),
     lambda load, number, found: load if found is None else found.of_load(load, number),
     "leak rates of uncertain inputs",
 )

@@ -238,7 +238,7 @@ def _most_telling(case: Case, loads: Sequence[LoadResult]) -> list[ReportColumn]
     filled = (filled_column(name, loads, volume_of(case)) for name in names)
     told = (
         one
-        for one in (_claimed(_finite(one), loads) for one in filled)
+        for one in (_claimed(_finite(one), case, loads) for one in filled)
         if one.some and (any(one.values) or one.column.kind == "flow")
     )
     columns = list(_leaks_in_one_unit(case, loads, told))
@@ -260,12 +260,14 @@ def _finite(column: ReportColumn) -> ReportColumn:
     return replace(column, values=values, digits=[min(one, _DIGITS) for one in column.digits])
 
 
-def _claimed(column: ReportColumn, loads: Sequence[LoadResult]) -> ReportColumn:
-    """Without leak rates of zero where nothing is claimed: "0 to 0" reads as a tight seal."""
-    if column.column.kind != "flow":
-        return column
-    outside = [load.validity.outside for load in loads]
-    values = [None if out and not value else value for value, out in zip(column.values, outside, strict=True)]
+def _claimed(column: ReportColumn, case: Case, loads: Sequence[LoadResult]) -> ReportColumn:
+    """Outside the theory without leak rates of zero, which read as a tight seal, and intervals without samples."""
+    name, values = column.column.name, list(column.values)
+    for n, load in enumerate(loads):
+        open_inputs = case.sampled is not None and load.sampled is None
+        tight = column.column.kind == "flow" and not values[n]
+        if load.validity.outside and (tight or (open_inputs and name in (*_ENDS, "margin"))):
+            values[n] = None
     return replace(column, values=values)
 
 
