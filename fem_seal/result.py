@@ -102,14 +102,14 @@ class SealResult(SealSolution):
     def __repr__(self) -> str:
         from fem_seal.output.notebook import result_text
 
-        with shown_in(self.case.report.units):
+        with shown_in(*self.case.shown):
             return f"<{type(self).__name__} of {result_text(self)}>"
 
     def _repr_html_(self) -> str:
         """What a notebook shows: the table of the loads, leak rates and pressure profiles."""
         from fem_seal.output.notebook import result_html
 
-        with shown_in(self.case.report.units):
+        with shown_in(*self.case.shown):
             return result_html(self)
 
     def __dir__(self) -> list[str]:
@@ -155,7 +155,7 @@ class SealResult(SealSolution):
         from fem_seal.output.files import write
         from fem_seal.output.folders import folder_lock
 
-        with folder_lock(Path(folder)), given_back(), shown_in(self.case.report.units):
+        with folder_lock(Path(folder)), given_back(), shown_in(*self.case.shown):
             for failure in write(self, Path(folder)):
                 warnings.warn(failure, stacklevel=2)
         return Path(folder)
@@ -175,7 +175,7 @@ class SealResult(SealSolution):
         """
         from fem_seal.output.report.page import write_report
 
-        with given_back(), shown_in(self.case.report.units):
+        with given_back(), shown_in(*self.case.shown):
             return write_report(self, Path(path))
 
     @overload
@@ -230,7 +230,7 @@ class SealResult(SealSolution):
         """
         from fem_seal.output.plots import plot, result_figure
 
-        with shown_in(self.case.report.units):
+        with shown_in(*self.case.shown):
             if ax is None and (what is None or not isinstance(what, str)):
                 return result_figure(self, what or figure)
             return plot(self, what if isinstance(what, str) else None, ax)
@@ -264,7 +264,7 @@ class SealResult(SealSolution):
 
         from fem_seal.output.pictures.three_d import view, write_for_view
 
-        with TemporaryDirectory(prefix="fem-seal-") as folder, shown_in(self.case.report.units):
+        with TemporaryDirectory(prefix="fem-seal-") as folder, shown_in(*self.case.shown):
             write_for_view(self, Path(folder))
             view(Path(folder), None if png is None else Path(png), load)
 
@@ -325,7 +325,7 @@ def run(
     192 MPa
     """
     case = case_of(case)
-    with given_back(), shown_in(case.report.units):
+    with given_back(), shown_in(*case.shown):
         solution = solve(case, progress, Wanted(sensitivities, verdict_force))
     return SealResult(**{field.name: getattr(solution, field.name) for field in fields(solution)})
 

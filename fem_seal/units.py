@@ -266,33 +266,49 @@ _SYSTEMS: dict[str, dict[str, tuple[Unit, ...]]] = {
     for system, own in _TABLES["display"].items()
 }
 _shown_in: ContextVar[System] = ContextVar("_shown_in", default="field")
+# Whether leak rates, of a gas, are shown as pressure times volume over time.
+_throughputs: ContextVar[bool] = ContextVar("_throughputs", default=False)
 
 
 @contextmanager
-def shown_in(system: System | None) -> Iterator[None]:
+def shown_in(system: System | None, throughputs: bool = False) -> Iterator[None]:
     """Texts that are made meanwhile have their quantities in the units of a system.
 
     Parameters
     ----------
     system : {"SI", "field", "US"} or None
         None leaves it as it is.
+    throughputs : bool
+        Leak rates as pressure times volume over time; see `fem_seal.case.case.Case.shown`.
 
     Examples
     --------
     >>> with shown_in("US"):
     ...     quantity("fluid pressure", 2e6), quantity("length", 0.3e-3), quantity("flow", 1e-9)
     ('290 psi', '0.0118 in', '0.220 in³/h')
+    >>> with shown_in("field", throughputs=True):
+    ...     quantity("flow", 1e-6)
+    '1.01 mbar l/s'
     """
-    before = _shown_in.set(system or _shown_in.get())
+    before = _shown_in.set(system or _shown_in.get()), _throughputs.set(throughputs)
     try:
         yield
     finally:
-        _shown_in.reset(before)
+        _shown_in.reset(before[0])
+        _throughputs.reset(before[1])
 
 
-def show_in(system: System | None) -> None:
+def show_in(system: System | None, throughputs: bool = False) -> None:
     """The same for all that follows, up to the end of the `shown_in` around it."""
     _shown_in.set(system or _shown_in.get())
+    _throughputs.set(throughputs)
+
+
+def _units(kind: str) -> tuple[Unit, ...]:
+    known = _SYSTEMS[_shown_in.get()]
+    if kind == "flow" and _throughputs.get():
+        return tuple(replace(one, size=one.size / STANDARD_PRESSURE) for one in known["throughput"])
+    return known[kind]
 
 
 def unit_for(kind: str, value: float) -> Unit:
@@ -307,11 +323,10 @@ def unit_for(kind: str, value: float) -> Unit:
     value : float
         Usually the largest of those shown together.
     """
-    system = _shown_in.get()
-    units = _SYSTEMS[system][kind]
+    units = _units(kind)
     if not (math.isfinite(value) and value):
         return units[min(_TABLES["usual"].get(kind, 1), len(units) - 1)]
-    smallest = (_TABLES["smallest"]["field"] | _TABLES["smallest"].get(system, {})).get(kind, 1.0)
+    smallest = (_TABLES["smallest"]["field"] | _TABLES["smallest"].get(_shown_in.get(), {})).get(kind, 1.0)
     # A rounding error below the limit must not change the unit: 1 MPa is not 1000 kPa.
     return next((unit for unit in units if abs(value) >= smallest * unit.size * (1 - 1e-9)), units[-1])
 
@@ -505,8 +520,8 @@ def format_quantity(kind: str, value: float, digits: int = 6) -> str:
 
 def trimmed(value: float, digits: int = 6) -> str:
     """A number with up to so many significant digits and no trailing zeros."""
-    text = number(value, digits)
-    return text.rstrip("0").rstrip(".") if "." in text and "·" not in text else text
+    text, *power = number(value, digits).split("·")
+    return "·".join([text.rstrip("0").rstrip(".") if "." in text else text, *power])
 
 
 def quantity_worth(kind: str, value: float, digits: int) -> str:
@@ -531,15 +546,15 @@ class LeakVolume:
 
     Parameters
     ----------
-    state : str
-        Of a gas; empty for a liquid.
+    gas : str
+        State of a gas; empty for a liquid.
     least : float
         Leak rates below it are called none measurable [m^3/s]: of a liquid a cubic nanometre per hour, some thirty
         molecules of water or one of oil.
     least_name : str
     """
 
-    state: str = ""
+    gas: str = ""
     least: float = 1e-27 / 3600.0
     least_name: str = "a cubic nanometre per hour"
 
@@ -563,6 +578,11 @@ class LeakVolume:
         at = format_quantity("fluid pressure", STANDARD_PRESSURE)
         state = f"{trimmed(round(unit.of(temperature), 1))} {unit.name} and {at}"
         return cls(state, volume / 3600.0, "a molecule per hour")
+
+    @property
+    def state(self) -> str:
+        """What has to be said beside a leak rate: nothing of a liquid, nor of pressure times volume."""
+        return "" if _throughputs.get() else self.gas
 
     def measurable(self, leak_rate: float) -> float:
         """A leak rate, or zero where nobody could measure it [m^3/s]."""
@@ -685,7 +705,7 @@ def flow_unit(leak_rates: Collection[float]) -> Unit | None:
     smallest, largest = min(known), max(known)
     if smallest < _TOGETHER * largest:
         return None
-    units = _SYSTEMS[_shown_in.get()]["flow"]
+    units = _units("flow")
     for unit in units[units.index(unit_for("flow", largest)) :]:
         if unit.of(smallest) >= (_READABLE if unit.of(largest) >= 1.0 else _READABLE_OF_LITTLE):
             return unit

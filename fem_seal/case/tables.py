@@ -29,6 +29,7 @@ from fem_seal.case.fields import (
     Quantity,
     Several,
     Table,
+    Throughput,
     Whole,
 )
 from fem_seal.case.fluid import Fluid
@@ -370,6 +371,17 @@ class CaseTables(Table):
 
     _file: Path | None = PrivateAttr(default=None)
     _warm: dict[str, float] = PrivateAttr(default_factory=dict)
+
+    @property
+    def shown(self) -> tuple[System | None, bool]:
+        """In which units its results are shown, and whether leak rates as pressure times volume: see `shown_in`.
+
+        So are those of a gas, unless what is required of it, or its target, is a volume.
+        """
+        limit = self.load.target_leak_rate if self.requirement is None else self.requirement.leak_rate
+        without = self.requirement is None and limit is None
+        of_gas = self.fluid is not None and self.fluid.gas is not None
+        return self.report.units, of_gas and (without or isinstance(limit, Throughput))
 
     @property
     def faces(self) -> int:

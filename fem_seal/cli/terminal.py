@@ -273,7 +273,7 @@ def show_loads(case: Case, loads: Sequence[LoadResult], title: str = "") -> None
     """
     from fem_seal.answers.leakage_class import volume_of
     from fem_seal.materials import ROOM_TEMPERATURE
-    from fem_seal.output.report.brief import loads_in_brief, of_throughput
+    from fem_seal.output.report.brief import loads_in_brief
 
     table, left_out = loads_in_brief(case, loads)
     headings = []
@@ -291,7 +291,7 @@ def show_loads(case: Case, loads: Sequence[LoadResult], title: str = "") -> None
     notes = [f"{mark} {level}" for mark, level in marks.items() if mark]
     notes += [f"{left_out} more loads in leak.csv"] if left_out else []
     state = volume_of(case).state
-    if state and not of_throughput(case, loads):
+    if state:
         assert case.fluid is not None
         share = ROOM_TEMPERATURE / case.fluid.temperature
         # what a flow meter at room temperature shows of a hot leak
@@ -477,7 +477,7 @@ def _dimension(key: str, value: float) -> str:
 def case_of_command(path: Path) -> Case:
     """The case of a command, in whose units all that follows is shown."""
     case = fem_seal.load_case(path)
-    show_in(case.report.units)
+    show_in(*case.shown)
     return case
 
 

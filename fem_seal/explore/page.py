@@ -128,7 +128,7 @@ def _layout(answers: Answers, title: str, name: str) -> Any:
     # the first numbers are read before plotly.js is loaded; dash makes a layout of its own before, to check it
     first = answers.first(_FIRST_WITHIN if request.path == "/_dash-layout" else 0.0)
     begins: dict[str, Any] = {}
-    with shown_in(session.given.report.units):
+    with shown_in(*session.given.shown):
         if first is not None and first.load and not first.waiting:
             state = _state(first, answers)
             begins = {
@@ -297,7 +297,7 @@ def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
             problem = " ".join(filter(None, said))
             return {**found, "problem": problem, "results": "results stale", "warnings": [], "shown": now}
         designs = designs_shown(screen, pinned)
-        with shown_in(session.given.report.units):
+        with shown_in(*session.given.shown):
             drawn = figures(designs, bool(dark))
             return {
                 **found,

@@ -125,7 +125,7 @@ class Session:
         design = self.design(design)
         try:
             case = self.case(design)
-            with shown_in(case.report.units):
+            with shown_in(*case.shown):
                 if slow := self.slow(case):
                     waiting = slow_words(slow)
                 if waiting:

@@ -340,7 +340,7 @@ def complete_screen(design: Mapping[str, str], result: SealResult, *, follow: bo
     follow : bool
         Whether its sensitivities are still being calculated.
     """
-    with shown_in(result.case.report.units):
+    with shown_in(*result.case.shown):
         return screen_of(
             result,
             design,

@@ -64,7 +64,7 @@ def page(designs: designs_table.Designs, counts: dict[str, int], reasons: list[t
     from markupsafe import Markup
     from plotly.offline import get_plotlyjs
 
-    with shown_in(designs.about.get("units")):
+    with shown_in(designs.about.get("units"), designs.about["seal"].get("throughputs", False)):
         return template("study.html.j2").render(
             title=designs.about["title"] or "Study",
             headline=_headline(designs, counts),
@@ -285,7 +285,8 @@ def _distribution(display: Display) -> Iterator[Section]:
         return
     designs = display.designs
     found = designs_table.quantiles(designs.done[designs_table.LEAK_RATE].dropna().to_numpy())
-    leak_rate = f"leak rate{volumes_of_gas(bool(designs.about['seal'].get('gas')))}"
+    seal = designs.about["seal"]
+    leak_rate = f"leak rate{volumes_of_gas(seal.get('gas') and not seal.get('throughputs'))}"
     headings: tuple[str, ...] = ("share of the designs below", leak_rate, "[m³/s]")
     rows: list[tuple[str, ...]] = [
         (f"{100 * share:g} %", leak_rate_text(value), short(value)) for share, value in found.items()

@@ -215,6 +215,7 @@ def description(study: StudyPlan) -> dict[str, Any]:
         "seal": {
             "nominal_size": nominal_size(case).size,
             "gas": getattr(case.fluid, "gas", None) is not None,
+            "throughputs": case.shown[1],
             "fluid": case.fluid.name if case.fluid else None,
             # limits of classes depend on the design
             "limit_m3_per_s": None if required is None or required.standard else required.leak_rate,

@@ -10,13 +10,12 @@ from fem_seal.answers.judgement import JudgedLoad
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.answers.solution import SealSolution
 from fem_seal.answers.target import TARGET
-from fem_seal.case.fields import Throughput
 from fem_seal.output.answers.verdict import force_to_pass, verdict_force_sentences
 from fem_seal.output.columns import SHOWN_COLUMNS
 from fem_seal.output.prose import other_reading, phrase
 from fem_seal.output.shown import ReadableTable, Shown, columns_table, filled_column
 from fem_seal.seal.load_result import LoadResult
-from fem_seal.units import format_digits, format_quantity, number, quantity, range_text, unit_for
+from fem_seal.units import format_digits, format_quantity, quantity, range_text, unit_for
 from leak import Reading
 
 _DIGITS = 4
@@ -142,9 +141,6 @@ def target_text(result: SealSolution, leak_rate: float) -> str:
     leak_rate : float
         [m^3/s]
     """
-    if isinstance(leak_rate, Throughput):
-        unit = unit_for("throughput", leak_rate.pressure_volume)
-        return f"{number(unit.of(leak_rate.pressure_volume))} {unit.name}"
     state = volume_of(result.case).state
     return f"{format_quantity('flow', leak_rate)} at {state}" if state else format_quantity("flow", leak_rate)
 

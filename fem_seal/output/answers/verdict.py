@@ -18,7 +18,7 @@ from fem_seal.answers.judgement import (
     VerdictReason,
     worst_of,
 )
-from fem_seal.case.fields import Bubbles, NormalVolume, Throughput
+from fem_seal.case.fields import Bubbles, NormalVolume
 from fem_seal.files import told_of
 from fem_seal.materials import ROOM_TEMPERATURE
 from fem_seal.output.prose import phrase
@@ -122,10 +122,6 @@ _LOWEST_HEIGHT = 0.4
 _WITHOUT_RATES = (VerdictReason.OPEN, VerdictReason.OUTSIDE, VerdictReason.UNKNOWN)
 
 
-def _of_throughput(limit: Limit) -> bool:
-    return isinstance(limit.leak_rate, Throughput)
-
-
 def _place(result: SealSolution, found: SealJudgement) -> str:
     if found.number is not None:
         return load_name(result.loads[found.number], result.loads)
@@ -147,8 +143,7 @@ def _verdict(result: SealSolution, found: SealJudgement, *, brief: bool = False)
     measured = [volume.measurable(end) for end in judged.ends]
     if key in ("pass", "invisible") and not measured[1]:
         key = "unmeasurable"
-    # of the kind of the limit: a throughput is compared with a throughput
-    low, high = (Throughput(end) if _of_throughput(limit) else end for end in measured)
+    low, high = measured
     # the ends in the sentence have the same unit as the limit
     beside = {"pass": judged.ends[1:], "fail": judged.ends[:1]}.get(key, judged.ends)
     over = [end / limit.leak_rate for end in measured]
@@ -212,7 +207,7 @@ def _as_written(leak_rate: float) -> str:
 
 def _further_sentences(result: SealSolution, found: SealJudgement) -> Iterator[str]:
     volume = leakage_class.volume_of(result.case)
-    if volume.state and found.worst.why not in _WITHOUT_RATES and not _of_throughput(found.worst.limit):
+    if volume.state and found.worst.why not in _WITHOUT_RATES:
         yield phrase("verdict.sentences", "volume", state=_state(result.case, found.worst.limit))
     limit, decided = (
         found.worst.limit,
@@ -288,31 +283,19 @@ def _amount(leak_rate: float, digits: int, limit: float) -> str:
     """A leak rate with enough digits to be on the correct side of the limit in the sentence."""
     if not 0 < leak_rate < math.inf:
         return units.leak_range_text(leak_rate)
-    if isinstance(leak_rate, Throughput) and isinstance(limit, Throughput):
-        unit = units.fixed_unit("mbar l/s")
-        name, value, allowed = unit.name, *(unit.of(one.pressure_volume) for one in (leak_rate, limit))
-    else:
-        unit = units.flow_unit((leak_rate, limit)) or units.unit_for("flow", leak_rate)
-        name, value, allowed = unit.name, unit.of(leak_rate), unit.of(limit)
-    return (
-        f"{units.format_digits(value, units.digits_beside(value, units.rounded(allowed, 2), digits))} {name}"
-    )
+    unit = units.flow_unit((leak_rate, limit)) or units.unit_for("flow", leak_rate)
+    value, allowed = unit.of(leak_rate), units.rounded(unit.of(limit), 2)
+    return f"{units.format_digits(value, units.digits_beside(value, allowed, digits))} {unit.name}"
 
 
 def _range(low: float, high: float, digits: int, limit: float) -> str:
-    if isinstance(low, Throughput) and isinstance(high, Throughput) and math.isfinite(high):
-        unit = units.fixed_unit("mbar l/s")
-        texts = (units.format_digits(unit.of(one.pressure_volume), digits) for one in (low, high))
-        return f"{units.range_text(*texts)} {unit.name}"
     return units.leak_range_text((low, high), digits, beside=(limit,))
 
 
 def _limit_text(limit: Limit, beside: Collection[float] = ()) -> str:
-    leak_rate = limit.leak_rate
-    if isinstance(leak_rate, Throughput):
-        unit = units.fixed_unit("mbar l/s")
-        return f"{units.format_digits(unit.of(leak_rate.pressure_volume), 2)} {unit.name}"
-    return "no visible leakage" if limit.visible else units.leak_range_text(leak_rate, 2, beside=beside)
+    if limit.visible:
+        return "no visible leakage"
+    return units.leak_range_text(limit.leak_rate, 2, beside=beside)
 
 
 def used_in_words(result: SealSolution, shares: Utilisation) -> str:
@@ -515,9 +498,7 @@ def requirement_lines(case: Case) -> list[str]:
             for limit in leakage_class.limits(case, pressure):
                 at.setdefault((limit.name, limit.leak_rate), (limit, []))[1].append(pressure)
     lines = [_limit_line(limit, pressures) for limit, pressures in at.values()]
-    if fluid.volume.state and not all(
-        _of_throughput(one) for one in leakage_class.limits(case, case.load.fluid_pressure[0])
-    ):
+    if fluid.volume.state:
         judged = leakage_class.limits(case, case.load.fluid_pressure[0])
         lines += [
             phrase("verdict.check", "volume", state=state)

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 from fem_seal.answers.findings import all_cautions
 from fem_seal.answers.judgement import JudgedLoad, Verdict
 from fem_seal.answers.leakage_class import leakage_classes, volume_of
-from fem_seal.case.fields import Throughput
 from fem_seal.output.answers import verdict
 from fem_seal.output.answers.error_shares import largest_share, measurement_in_brief
 from fem_seal.output.answers.form import form_in_brief
@@ -21,15 +20,14 @@ from fem_seal.output.answers.uncertainty import told_after_test
 from fem_seal.output.columns import COLUMNS, MOST_COLUMNS, PROFILE_LEAK_COLUMNS, SHOWN_COLUMNS
 from fem_seal.output.pictures.style import few
 from fem_seal.output.prose import phrase
-from fem_seal.output.report.words import PEAK, Fact, contact_alone, facts, leakage_text
+from fem_seal.output.report.words import PEAK, Fact, contact_alone, facts
 from fem_seal.output.shown import ReadableTable, ReportColumn, columns_table, filled_column
 from fem_seal.seal.findings import Level
 from fem_seal.seal.load_names import load_axis, load_values
 from fem_seal.seal.load_result import GivenLoad, LoadResult, highest_load, rate_of
 from fem_seal.seal.problem import LARGEST_TURNING
-from fem_seal.units import fixed_unit, leak_range_text, shared_flow_unit
+from fem_seal.units import leak_range_text, shared_flow_unit
 from fem_seal.validity.words import sentence
-from leak.standards import STANDARD_PRESSURE
 
 if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
@@ -77,11 +75,7 @@ def leak_in_brief(case: Case, load: LoadResult, loads: Sequence[LoadResult]) -> 
         return phrase("brief.first", "none", load=at)
     if found.outside:
         return phrase("brief.first", "outside", load=at, reason=found.reasons[0])
-    rate = (
-        leakage_text(load, volume).split(" = ")[0]
-        if of_throughput(case, [load])
-        else leak_range_text(rate_of(load), load.leak_digits, volume=volume)
-    )
+    rate = leak_range_text(rate_of(load), load.leak_digits, volume=volume)
     classes = leakage_classes(case, load)
     met = ", ".join(str(one) for one in classes if one.name)
     ends = load.leak_interval or (load.leak.leak_rate,)
@@ -185,9 +179,6 @@ def three_numbers(result: SealSolution) -> list[Fact]:
     """
     load = decisive(result)
     first, *others = facts(result, load)
-    if load.leak is not None and of_throughput(result.case, [load]) and not load.validity.outside:
-        rate, *units = leakage_text(load, volume_of(result.case)).split(" = ")
-        first = replace(first, value=rate, remark=" = ".join(units))
     second = next((one for name in (OPENS, PEAK) for one in others if one.name == name), first)
     share, margin = largest_share(result, result.loads.index(load)), verdict.verdict_facts(result)[:1]
     third = (
@@ -241,7 +232,7 @@ def _most_telling(case: Case, loads: Sequence[LoadResult]) -> list[ReportColumn]
         for one in (_claimed(_finite(one), case, loads) for one in filled)
         if one.some and (any(one.values) or one.column.kind == "flow")
     )
-    columns = list(_leaks_in_one_unit(case, loads, told))
+    columns = list(_leaks_in_one_unit(told))
     ends = [one.values for one in columns if one.column.name in _ENDS]
     columns = [
         one for one in columns if one.column.name in _ENDS or not any(_alike(one, end) for end in ends)
@@ -279,33 +270,11 @@ def _alike(column: ReportColumn, end: Sequence[float | None]) -> bool:
     )
 
 
-def of_throughput(case: Case, loads: Sequence[LoadResult]) -> bool:
-    """Whether leak rates are told in mbar l/s: of a gas, unless its limit is a volume.
-
-    Parameters
-    ----------
-    case : Case
-    loads : sequence of LoadResult
-    """
-    judged = [load.judgement for load in loads if isinstance(load, JudgedLoad)]
-    limits = [one.limit.leak_rate for one in judged if one is not None]
-    return (
-        case.fluid is not None
-        and case.fluid.gas is not None
-        and all(isinstance(one, Throughput) for one in limits)
-    )
-
-
-def _leaks_in_one_unit(
-    case: Case, loads: Sequence[LoadResult], columns: Iterable[ReportColumn]
-) -> Iterator[ReportColumn]:
-    """Columns whose leak rates share the unit of the sentences; that of a gas is one of throughput."""
+def _leaks_in_one_unit(columns: Iterable[ReportColumn]) -> Iterator[ReportColumn]:
+    """Columns whose leak rates share the unit of the sentences."""
     known = list(columns)
     rates = [rate for one in known if one.column.kind == "flow" for rate in one.values if rate is not None]
     unit = shared_flow_unit(rates)
-    if of_throughput(case, loads):
-        throughput = fixed_unit("mbar l/s")
-        unit = replace(throughput, size=throughput.size / STANDARD_PRESSURE)
     for one in known:
         yield replace(one, given_unit=unit) if one.column.kind == "flow" else one
 

@@ -120,7 +120,7 @@ def _leak_facts(case: Case, load: JudgedLoad) -> Iterator[Fact]:
     rate = usual_rate_of(load) if sampled else rate_of(load)
     remarks = [
         state_in_words(volume),
-        _least(load) or per_day(rate, load.leak_digits, volume),
+        _least(load) or (per_day(rate, load.leak_digits, volume) if volume.state == volume.gas else ""),
         readings_in_words(load, volume),
         *([] if sampled else accuracy_in_words(load)),
     ]
@@ -199,10 +199,9 @@ def volume_notes(volume: LeakVolume, units: Sequence[str], *, unmeasured: bool) 
         Whether some of them are too small to be measured.
     """
     found = [phrase("readings.volume", "least", least=volume.least_name)] if unmeasured else []
-    if volume.state:
+    if volume.gas:
         found += [
-            phrase("readings.volume", "column", unit=unit, state=volume.state)
-            for unit in dict.fromkeys(units)
+            phrase("readings.volume", "column", unit=unit, state=volume.gas) for unit in dict.fromkeys(units)
         ]
     return found
 
@@ -613,7 +612,7 @@ def _in_units(found: LeakResult, volume: LeakVolume) -> Iterator[tuple[float, st
         usual = fixed_unit("mbar l/s")
         yield usual.of(found.throughput), usual.name
         yield from [(found.throughput, "Pa m³/s")] if usual.name != "Pa m³/s" else []
-        yield volumes.of(found.leak_rate), f"{volumes.name} ({volume.state})"
+        yield volumes.of(found.leak_rate), f"{volumes.name} ({volume.gas})"
     else:
         yield volumes.of(found.leak_rate), volumes.name
         yield drops_per_minute(found.leak_rate), "drops/min"
