@@ -179,7 +179,7 @@ def tutorial(folder: Path) -> None:
         (made / "check.txt").write_text(_terminal("check", copy), encoding="utf-8")
         (made / "run.txt").write_text(_terminal("run", copy), encoding="utf-8")
         drawn = gallery.pictures(copy.with_suffix(".out"))
-        page = (copy.with_suffix(".out") / "report.html").read_text(encoding="utf-8")
+        page = (copy.with_suffix(".out") / "report.html").read_text(encoding="utf-8").replace("\xa0", " ")
     for name in ("sketch", "leak"):
         (made / f"{name}.svg").write_bytes(drawn[name][0])
     first = re.search(r'<p class="headline">(.*?)</p>', page)

@@ -888,6 +888,24 @@ def written(value: Any, how: str) -> str:
     return quantity(" ".join([first, *rest]), value, *digits)
 
 
+@cache
+def _numbers_and_units() -> re.Pattern[str]:
+    shown = {one.name for system in _SYSTEMS.values() for several in system.values() for one in several}
+    names = sorted({*shown, *_TABLES["fixed"], "%", "drops/min", "bubbles/min", "kg/s"} - {""}, key=len)
+    return re.compile(rf"((?<=\d) |(?<=\[))({'|'.join(map(re.escape, reversed(names)))})(?![\w/·])")
+
+
+def unbroken(text: str) -> str:
+    r"""A text of a page whose lines do not end between a number and its unit, nor within the unit of a heading.
+
+    Examples
+    --------
+    >>> unbroken("leak rate [mbar l/s]: 2 mbar l/s"), unbroken("2 mm")
+    ('leak rate [mbar\xa0l/s]: 2\xa0mbar\xa0l/s', '2\xa0mm')
+    """
+    return _numbers_and_units().sub(lambda found: found[0].replace(" ", "\N{NO-BREAK SPACE}"), text)
+
+
 class _Sentence(string.Formatter):
     """Fills values in, in the format of their braces: "{load.fluid_pressure:given fluid pressure}"."""
 

@@ -196,7 +196,8 @@ def _draw_sizes(axes: Axes, over: LoadAxis, sizes: Mapping[str, Sizes], measure:
     style.logarithmic(axes, *scales)
     if over.returns:
         style.number_dots(axes, x, calculated / unit.size, range(1, len(x) + 1))
-    axes.legend(loc="best")
+    if len(axes.lines) > 1:
+        axes.legend(loc="best")
     return unit
 
 
@@ -248,7 +249,8 @@ def contact_picture(result: SealSolution, load: LoadResult) -> style.Picture:
     above, below = figure.subplots(
         2, 1, gridspec_kw={"left": 0.075, "right": 0.985, "bottom": 0.13, "top": 0.92, "hspace": 0.0}
     )
-    low, high = _shown([load])
+    whole, (low, high) = load.whole, _shown([load])
+    low, high = max(low, float(whole.x[0])), min(high, float(whole.x[-1]))
     length, pressure = unit_for("length", max(-low, high)), unit_for("contact pressure", load.peak_pressure)
     # between lands the gap is that of a chamber
     several, headroom = len(load.profiles) > 1, _HEADROOM[len(load.profiles) > 1]
@@ -258,23 +260,21 @@ def contact_picture(result: SealSolution, load: LoadResult) -> style.Picture:
     ]
     top = headroom * max(float(part.max(initial=0.0)) for part in seen) or 1e-6
     gap, flows = unit_for("length", top), load.leak is not None and 0 < load.leak.leak_rate < np.inf
-    share = np.zeros(load.whole.x.size)
+    share = np.zeros(whole.x.size)
     if flows and load.leak is not None:
         share = load.leak.fluid_pressure / max(float(load.leak.fluid_pressure.max()), 1e-300)
-    ends = np.cumsum([one.x.size for one in load.profiles])
-    for profile, fluid in zip(load.profiles, np.split(share, ends[:-1]), strict=True):
-        x, u = profile.x / length.size, np.minimum(profile.gap, 2.0 * top) / gap.size
-        above.fill_between(x, profile.pressure / pressure.size, color=ORANGE, alpha=0.35, linewidth=0)
-        above.plot(x, profile.pressure / pressure.size, color=ORANGE)
-        below.fill_between(x, -top / gap.size, 0.0, color=_FACES["seat"], linewidth=0)
-        below.fill_between(x, u, 2.0 * top / gap.size, color=_FACES["closure"], linewidth=0)
-        # one colour between two points
-        filled = below.pcolormesh(
-            np.stack([x, x]), np.stack([0.0 * u, u]), fluid[None, 1:], cmap="Blues", vmin=-0.1, vmax=1.3
-        )
-        filled.set_rasterized(True)
-        below.plot(x, u, color=INK, linewidth=0.8)
-        below.plot(x, 0.0 * x, color=INK, linewidth=0.8)
+    x, u = whole.x / length.size, np.minimum(whole.gap, 2.0 * top) / gap.size
+    above.fill_between(x, whole.pressure / pressure.size, color=ORANGE, alpha=0.35, linewidth=0)
+    above.plot(x, whole.pressure / pressure.size, color=ORANGE)
+    below.fill_between(x, -top / gap.size, 0.0, color=_FACES["seat"], linewidth=0)
+    below.fill_between(x, u, 2.0 * top / gap.size, color=_FACES["closure"], linewidth=0)
+    # one colour between two points
+    filled = below.pcolormesh(
+        np.stack([x, x]), np.stack([0.0 * u, u]), share[None, 1:], cmap="Blues", vmin=-0.1, vmax=1.3
+    )
+    filled.set_rasterized(True)
+    below.plot(x, u, color=INK, linewidth=0.8)
+    below.plot(x, 0.0 * x, color=INK, linewidth=0.8)
     above.set_xlim(low / length.size, high / length.size)
     above.set_xticks([])
     above.set_ylim(0.0, 1.08 * load.peak_pressure / pressure.size)
@@ -285,8 +285,11 @@ def contact_picture(result: SealSolution, load: LoadResult) -> style.Picture:
     width, height = style.inches(below)
     times = (high - low) / width / (1.3 * top / height)
     how: dict[str, Any] = {"transform": below.transAxes, "va": "center", "bbox": _ON_FLUID}
+    # where the bodies touch: between lands the closure is far above
+    pressed = load.tightest.x[load.tightest.pressure > 0.5 * load.peak_pressure]
+    middle = (float(pressed.mean()) - low) / (high - low)
     for at, name in ((0.93, "closure"), (0.06, "seat")):
-        below.text(0.5, at, told_of(name, faces=result.case.faces), ha="center", color=INK, **how)
+        below.text(middle, at, told_of(name, faces=result.case.faces), ha="center", color=INK, **how)
     if flows:
         name = format_quantity("fluid pressure", load.fluid_pressure)
         inside = share[0] > share[-1]
@@ -294,11 +297,9 @@ def contact_picture(result: SealSolution, load: LoadResult) -> style.Picture:
         below.text(at, 0.93, text, ha=side, color=BLUE, **how)
         drop = "share of the pressure drop, 0 to 100 %"
         over = {**how, "transform": above.transAxes, "zorder": 3}
-        above.text(at, 0.8, drop, ha=side, color=BLUE, **over)
+        above.text(at, 0.68, drop, ha=side, color=BLUE, **over)
         # from zero to the peak, which is the whole drop
-        above.plot(
-            load.whole.x / length.size, share * load.peak_pressure / pressure.size, color=BLUE, linestyle="--"
-        )
+        above.plot(x, share * load.peak_pressure / pressure.size, color=BLUE, linestyle="--")
     style.label(above, "", "", f"contact pressure  [{pressure.name}]")
     style.label(below, "", f"x  [{length.name}]", f"gap  [{gap.name}]")
     name = load_name(load, result.loads)

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from fem_seal.bodies.fields import BodyField, ElastoplasticField
 from fem_seal.contact.solution import plastic_zone
+from fem_seal.files import told_of
 from fem_seal.output.columns import in_words
 from fem_seal.output.pictures.colours import BLUE, INK, ORANGE
 from fem_seal.output.pictures.style import Picture, captioned, label, panels
@@ -97,8 +98,10 @@ def stress_picture(result: SealSolution, load: LoadResult) -> Picture:
     scale_of_colours(axes, bands, f"von Mises stress  [{unit.name}]")
     body, r, z = load.max_von_mises_at
     largest_at = turned(result.seal_mesh, np.array([[r, z]]))[0]
-    if np.all(np.abs(largest_at) < half):
-        axes[1].plot(*(largest_at / unit_for("length", 2 * half).size), "x", color=INK, ms=6, mew=1.2)
+    # of several lands the enlarged one need not have it
+    for view, reach in zip(axes, (4.0 * half, half), strict=True):
+        if np.all(np.abs(largest_at) < reach):
+            view.plot(*(largest_at / unit_for("length", 2 * reach).size), "x", color=INK, ms=6, mew=1.2)
     depth = float(largest_at[1])
     return captioned(
         figure,
@@ -271,7 +274,7 @@ def imprint_picture(result: SealSolution) -> Picture | None:
     face, unloaded = faces[0], faces[0].unloaded
     assert unloaded is not None
     figure, (depth, strain) = panels(2, height=4.0, side=SCALE_ROOM)
-    _imprints(depth, unloaded)
+    _imprints(depth, unloaded, result.case.faces)
     strains = _strains(strain, face, unloaded)
     digits = result.strongest.digits_of("fwhm")
     imprints = "; ".join(
@@ -281,13 +284,14 @@ def imprint_picture(result: SealSolution) -> Picture | None:
     return captioned(figure, "imprint", "all", imprints=imprints, strains=strains)
 
 
-def _imprints(axes: Axes, unloaded: Unloaded) -> None:
+def _imprints(axes: Axes, unloaded: Unloaded, faces: int) -> None:
     imprints = unloaded.imprints
     reach = max(_WIDTHS * imprint.width + abs(imprint.deepest_at) for imprint in imprints.values())
     length = unit_for("length", reach)
     height = unit_for("length", max(imprint.deepest for imprint in imprints.values()))
     for name, imprint in imprints.items():
-        axes.plot(imprint.x / length.size, imprint.depth / height.size, color=_COLOURS[name], label=name)
+        told = told_of(name, faces=faces)
+        axes.plot(imprint.x / length.size, imprint.depth / height.size, color=_COLOURS[name], label=told)
     axes.axhline(0.0, color=INK, linewidth=0.8)
     axes.set_xlim(-reach / length.size, reach / length.size)
     axes.invert_yaxis()

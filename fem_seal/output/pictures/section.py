@@ -268,7 +268,9 @@ def _pressures(axes: Axes, case: Case, above: Point, below: Point, scale: float)
     if above[0] - rim > scale:
         _note(axes, (above[0], middle), top, top_colour, 0.6, 0.8, ha="right", va="center")
     else:
-        axes.text(*above, top, ha="right", va="bottom", color=top_colour, fontsize=_SMALL)
+        axes.text(
+            above[0], above[1] + 0.06 * scale, top, ha="right", va="bottom", color=top_colour, fontsize=_SMALL
+        )
 
 
 def _draw_detail(axes: Axes, case: Case) -> None:

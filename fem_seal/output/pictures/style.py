@@ -129,6 +129,7 @@ def panels(
 
 def svg(figure: Figure) -> bytes:
     """The finished figure."""
+    _put_legends_below(figure)
     for axes in figure.axes:
         if axes.axison and axes.name == "rectilinear" and axes.get_label() != "<colorbar>":
             _draw_ticks(axes)
@@ -164,6 +165,43 @@ def _drawn(figure: Figure) -> bytes:
     return out.getvalue()
 
 
+# Height of a row of a legend [inch], and width of a letter and of what stands before and behind a name [pt].
+_ROW, _LETTER, _BESIDE = 0.165, 4.7, 36.0
+
+
+def _put_legends_below(figure: Figure) -> None:
+    """Move the legends of panels below them, where no curve is; the figure grows by the highest of them."""
+    rows = 0
+    for axes in figure.axes:
+        before = axes.get_legend()
+        if before is None or axes.name != "rectilinear":
+            continue
+        width, height = inches(axes)
+        handles, names = axes.get_legend_handles_labels()
+        columns = len(names)
+        while columns > 1 and INCH * width < sum(
+            _LETTER * max(map(len, part)) + _BESIDE for part in np.array_split(names, columns)
+        ):
+            columns -= 1
+        title = before.get_title().get_text()
+        rows = max(rows, math.ceil(len(names) / columns) + bool(title))
+        place: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (0.0, -(_BOTTOM - 0.04) / height)}
+        place |= {
+            "ncols": columns,
+            "alignment": "left",
+            "borderpad": 0.0,
+            "borderaxespad": 0.0,
+            "columnspacing": 1.2,
+        }
+        axes.legend(handles, names, title=title or None, **place)
+    before_height, more = figure.get_figheight(), rows * _ROW + 0.06 * bool(rows)
+    figure.set_figheight(before_height + more)
+    for axes in figure.axes if rows else ():
+        x, y, width, height = axes.get_position(original=True).bounds
+        bottom, high = (y * before_height + more, height * before_height)
+        axes.set_position((x, bottom / (before_height + more), width, high / (before_height + more)))
+
+
 # Length of the tick marks of an axis, and distance to their numbers [pt].
 _MARK, _PAD = 3.5, 3.5
 # For each side: the direction outwards, matplotlib's tick mark in that direction, and the alignment of numbers.
@@ -186,17 +224,17 @@ def _draw_ticks(axes: Axes) -> None:
     shown = axes.transScale + axes.transLimits
     grid: list[list[tuple[float, float]]] = []
     for axis, along in ((axes.xaxis, 0), (axes.yaxis, 1)):
-        low, high = sorted(axis.get_view_interval())
-        slack = 1e-9 * (high - low)
-        marks = [one for one in axis.get_major_locator()() if low - slack <= one <= high + slack]
-        names = axis.get_major_formatter().format_ticks(marks)
-        axis.set_major_locator(NullLocator())
-        if not marks:
-            continue
+        ticks = np.asarray(axis.get_major_locator()())
         # a position on the other axis that is valid on any scale
-        places = np.empty((len(marks), 2))
-        places[:, along], places[:, 1 - along] = marks, axes.viewLim.max[1 - along]
-        shares = shown.transform(places)[:, along].tolist()
+        places = np.empty((len(ticks), 2))
+        places[:, along], places[:, 1 - along] = ticks, axes.viewLim.max[1 - along]
+        at = shown.transform(places)[:, along]
+        inside = (at > -1e-9) & (at < 1 + 1e-9)
+        names = axis.get_major_formatter().format_ticks(ticks[inside])
+        axis.set_major_locator(NullLocator())
+        if not names:
+            continue
+        shares = at[inside].tolist()
         draw_marks(axes, shares, names, "left" if along else "bottom")
         ends = [[(share, 0.0), (share, 1.0)] for share in shares]
         grid += [[point[::-1] for point in line] for line in ends] if along else ends

@@ -174,7 +174,7 @@ def draw_spectrum(axes: Axes, surface: RoughContact, peak: float, above: float =
         bottom *= 0.05
         axes.plot(q, np.where(smoothed > bottom, smoothed, np.nan), color=PURPLE, label="after yielding")
         axes.legend(loc="lower left")
-    axes.set_ylim(0.4 * bottom)
+    axes.set_ylim(0.4 * bottom, 2.5 * float(C.max()))
     names = "wavenumber q  [1/m]", "C(q)  [m⁴]"
     label(axes, "Power spectrum of the roughness", *names, log="xy", above=above)
 

@@ -28,6 +28,7 @@ from fem_seal.output.prose import phrase, prose, template
 from fem_seal.output.report import brief, tables, words
 from fem_seal.output.sources import sources
 from fem_seal.seal.problem import exponential_law
+from fem_seal.units import unbroken
 from fem_seal.version import __version__
 
 if TYPE_CHECKING:
@@ -71,9 +72,9 @@ def report(result: SealSolution) -> str:
 
 
 def _told(said: Any, faces: int) -> Any:
-    """Everything that is said, in the words for the bodies: texts, and whatever they are in."""
+    """Everything that is said, in the words for the bodies and with whole units: texts, and whatever they are in."""
     if type(said) is str:
-        return told_of(said, faces=faces)
+        return unbroken(told_of(said, faces=faces))
     if isinstance(said, dict):
         return {key: _told(one, faces) for key, one in said.items()}
     if isinstance(said, (list, tuple)):

@@ -102,7 +102,7 @@ def test_an_added_answer_is_in_the_result_and_in_all_its_files(tmp_path):
     with (tmp_path / "indentation.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert [float(row["share_of_hardness"]) for row in rows] == pytest.approx(shares, rel=1e-9)
-    page = (tmp_path / "report.html").read_text()
+    page = (tmp_path / "report.html").read_text().replace("\xa0", " ")
     assert '<a href="#indentation">Indentation</a>' in page and 'id="picture-indentation"' in page
     assert f"<li>Up to {percent(shares[1])} of the hardness is used.</li>" in page
     assert f"<td>{percent(shares[0])}</td>" in page and "indentation.csv, summary.json" in page

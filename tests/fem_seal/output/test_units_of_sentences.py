@@ -34,7 +34,10 @@ _OF_OTHERS = re.compile(
 def lines_of(page: str) -> list[str]:
     """Texts of a report without its pictures."""
     page = re.sub(r"(?s)<(style|script|svg)[^>]*>.*?</\1>", "", page)
-    return [line.strip() for line in html.unescape(re.sub(r"<[^>]+>", "\n", page)).splitlines()]
+    return [
+        line.strip()
+        for line in html.unescape(re.sub(r"<[^>]+>", "\n", page.replace("\xa0", " "))).splitlines()
+    ]
 
 
 def foreign(lines: list[str], system: str) -> list[str]:
