@@ -132,7 +132,8 @@ def section_figure(section: Section | None, dark: bool, profile: ShownProfile | 
     hover = f"circle of first touch, radius {r0:.4g} {unit.name}<extra></extra>"
     figure.add("touch", [-r0, r0], [0, 0], PINS[0], hovertemplate=hover)
     outer = unit.of(max(r for r, _ in section.seat))
-    above, below = ("high pressure", LIVE), ("low pressure", _GREY)
+    # in two lines, which have room beside a closure that is drawn small
+    above, below = ("high<br>pressure", LIVE), ("low<br>pressure", _GREY)
     if section.pressure_side != "outer":
         above, below = below, above
     veil: dict[str, Any] = {"bgcolor": figure.colours["veil"], "borderpad": 0}
@@ -141,7 +142,7 @@ def section_figure(section: Section | None, dark: bool, profile: ShownProfile | 
         figure.add_note(0, low, *below, xanchor="center", yanchor="bottom", **veil)
     else:
         # the gap between flanges has no room for words
-        inside = f"{below[0]} inside the ring, {above[0]} outside"
+        inside = f"{below[0]} inside the ring, {above[0]} outside".replace("<br>", " ")
         figure.add_note(0, low, inside, figure.ink, xanchor="center", yanchor="top", yshift=-4)
     touch = f"r₀ = {r0:.4g} {unit.name}, contact angle {math.degrees(section.angle):.4g}°"
     figure.add_note(0, 1, touch, figure.ink, xref="x domain", yref="paper", xanchor="left", yanchor="top")
@@ -240,7 +241,9 @@ def leak_figure(shown: Sequence[Shown], dark: bool) -> Figure:
     if 3 <= spread < 100:
         # plotly itself writes a 5 for 0.5 and for 50
         low, high = (math.floor(math.log10(unit.of(end(rates)))) for end in (min, max))
-        marks = [step * 10.0**power for power in range(low - 1, high + 2) for step in (1, 2, 5)]
+        # enough of them to see that the axis is logarithmic
+        steps = (1, 2, 3, 5, 7) if spread < 15 else (1, 2, 5)
+        marks = [step * 10.0**power for power in range(low - 1, high + 2) for step in steps]
         ticks = {"tickvals": marks, "ticktext": [number(one, 1) for one in marks]}
     # in two lines: one is longer than the axis
     title = f"leak rate [{unit.name}]" + (f"<br>at {now.volume.state}" if now.volume.state else "")
