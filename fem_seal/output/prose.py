@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from fem_seal.files import own_tables
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.readings import OWN, WORDS
-from fem_seal.units import filled, written
+from fem_seal.units import filled, unbroken, written
 from leak import Reading
 
 if TYPE_CHECKING:
@@ -49,7 +49,7 @@ def template(name: str, *, escaped: bool = True) -> Template:
         # a page is made once: folding constants takes longer than it saves
         optimized=False,
     )
-    environment.filters["written"] = written
+    environment.filters |= {"written": written, "unbroken": unbroken}
     environment.globals |= {"math": math, "load_name": load_name}
     return environment.get_template(name)
 

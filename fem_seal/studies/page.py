@@ -22,7 +22,7 @@ from fem_seal.studies import designs_table, plots
 from fem_seal.studies.designs import SENSITIVITY
 from fem_seal.studies.display import LOOKS, Display, share_text, short
 from fem_seal.studies.store import FILE, open_to_read
-from fem_seal.units import leak_rate_text, shown_in
+from fem_seal.units import leak_range_text, leak_rate_text, shown_in
 from fem_seal.version import __version__
 from leak.extras import needed
 
@@ -288,14 +288,17 @@ def _distribution(display: Display) -> Iterator[Section]:
     seal = designs.about["seal"]
     leak_rate = f"leak rate{volumes_of_gas(seal.get('gas') and not seal.get('throughputs'))}"
     headings: tuple[str, ...] = ("share of the designs below", leak_rate, "[m³/s]")
+    rates = tuple(found.values())
     rows: list[tuple[str, ...]] = [
-        (f"{100 * share:g} %", leak_rate_text(value), short(value)) for share, value in found.items()
+        (f"{100 * share:g} %", leak_range_text(value, beside=rates), short(value))
+        for share, value in found.items()
     ]
     other = ""
-    for reading, rates in designs_table.other_leak_rates(designs).items():
+    for reading, others in designs_table.other_leak_rates(designs).items():
         headings += (WORDS[reading].title, "[m³/s]")
-        ends = designs_table.quantiles(rates).values()
-        rows = [(*row, leak_rate_text(end), short(end)) for row, end in zip(rows, ends, strict=True)]
+        ends = tuple(designs_table.quantiles(others).values())
+        texts = [leak_range_text(end, beside=(*rates, *ends)) for end in ends]
+        rows = [(*row, text, short(end)) for row, text, end in zip(rows, texts, ends, strict=True)]
         other = phrase("readings.ends", "what")
     yield Section(
         "Distribution of the leak rate",
