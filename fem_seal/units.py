@@ -891,8 +891,11 @@ def written(value: Any, how: str) -> str:
 @cache
 def _numbers_and_units() -> re.Pattern[str]:
     shown = {one.name for system in _SYSTEMS.values() for several in system.values() for one in several}
-    names = sorted({*shown, *_TABLES["fixed"], "%", "drops/min", "bubbles/min", "kg/s"} - {""}, key=len)
-    return re.compile(rf"((?<=\d) |(?<=\[))({'|'.join(map(re.escape, reversed(names)))})(?![\w/·])")
+    names = sorted(
+        {*shown, *_TABLES["fixed"], *_TABLES["scales"], "%", "drops/min", "bubbles/min", "kg/s"} - {""},
+        key=len,
+    )
+    return re.compile(rf"((?<=[\d⁰¹²³⁴-⁹]) |(?<=\[))({'|'.join(map(re.escape, reversed(names)))})(?![\w/·])")
 
 
 def unbroken(text: str) -> str:
