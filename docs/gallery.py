@@ -146,11 +146,14 @@ def keep(result: SealResult, example: Path) -> Path:
         The results folder.
     """
     from fem_seal.output.report.words import headline
+    from fem_seal.units import shown_in
 
     folder = folder_of(example)
     shutil.rmtree(folder, ignore_errors=True)
     result.write(folder)
-    about = {"headline": headline(result), "warnings": list(result.warnings), "state": state()}
+    with shown_in(*result.case.shown):
+        first = headline(result)
+    about = {"headline": first, "warnings": list(result.warnings), "state": state()}
     (folder / "page.json").write_text(json.dumps(about), encoding="utf-8")
     return folder
 
