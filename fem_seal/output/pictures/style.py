@@ -230,7 +230,7 @@ def _draw_ticks(axes: Axes) -> None:
         places[:, along], places[:, 1 - along] = ticks, axes.viewLim.max[1 - along]
         at = shown.transform(places)[:, along]
         inside = (at > -1e-9) & (at < 1 + 1e-9)
-        names = axis.get_major_formatter().format_ticks(ticks[inside])
+        names = axis.get_major_formatter().format_ticks(ticks[inside].tolist())
         axis.set_major_locator(NullLocator())
         if not names:
             continue

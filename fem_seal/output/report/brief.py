@@ -22,7 +22,7 @@ from fem_seal.output.pictures.style import few
 from fem_seal.output.prose import phrase
 from fem_seal.output.report.words import PEAK, Fact, contact_alone, facts
 from fem_seal.output.shown import ReadableTable, ReportColumn, columns_table, filled_column
-from fem_seal.seal.findings import Level
+from fem_seal.seal.findings import YIELD_STRESS, Level
 from fem_seal.seal.load_names import load_axis, load_values
 from fem_seal.seal.load_result import GivenLoad, LoadResult, highest_load, rate_of
 from fem_seal.seal.problem import LARGEST_TURNING
@@ -126,6 +126,12 @@ def _curve(result: SealSolution, load: JudgedLoad) -> str:
     return phrase("brief.second", "land" if coins else "curve_needed", width=width)
 
 
+def _strength(result: SealSolution, load: JudgedLoad) -> str:
+    unknown = any(one.yield_stress is None for one in result.problem.materials.values())
+    yields = any(one.kind == YIELD_STRESS for one in load.validity.cautions)
+    return phrase("brief.second", "strength") if unknown and yields else ""
+
+
 def _stop(result: SealSolution, load: JudgedLoad) -> str:
     return phrase("brief.second", "stop", load=load) if load.stop_force else ""
 
@@ -155,6 +161,7 @@ _ADVICE: dict[str, Callable[[SealSolution, JudgedLoad], str]] = {
     "force": _force,
     "curve": _curve,
     "stop": _stop,
+    "strength": _strength,
     "class": lambda result, load: verdict.next_class_in_words(result.case, load),
     "share": _share,
     "used": _used,
@@ -163,7 +170,7 @@ _ADVICE: dict[str, Callable[[SealSolution, JudgedLoad], str]] = {
 }
 # What is told after each verdict, the first that is known.
 _ORDER: dict[Verdict | None, Sequence[str]] = {
-    Verdict.PASS: ("share", "used"),
+    Verdict.PASS: ("strength", "share", "used"),
     Verdict.INCONCLUSIVE: ("curve", "profile", "measure", "helps", "force", "stop", "share", "used"),
     Verdict.FAIL: ("helps", "force", "stop", "measure", "ask", "used"),
     None: ("curve", "helps", "measure", "class", "stop", "share", "force", "none"),

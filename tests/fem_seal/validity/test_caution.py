@@ -15,6 +15,7 @@ from sample_results import STEEL, ball, case, cone, rough_result, run_loads
 import fem_seal
 from fem_seal.answers.closed_forms import closed_form_limits, derive, nearly_open
 from fem_seal.case.case import Case
+from fem_seal.output.report.brief import first_line, second_line
 from fem_seal.output.report.tables import comparison_note
 from fem_seal.profile import PressureProfile
 from fem_seal.result import run
@@ -79,6 +80,19 @@ def test_a_body_whose_strength_nobody_knows_is_told_where_it_may_yield(material,
         assert one.level is Level.DOUBTFUL
         assert one.reason == "seat: may yield: soft has no yield_stress here"
         assert words in one.text and "give the yield_stress" in one.text
+
+
+def test_a_seal_of_unknown_strength_passes_with_doubt_and_says_what_decides():
+    of = case(
+        seat=cone("brass"),
+        load={"fluid_pressure": "20 bar", "applied_force": "10 kN"},
+        leak={"theory": "paper", "plasticity": False},
+        uncertainty={"samples": 16, "rms_height": {"relative": 0.01}},
+        requirement={"leak_rate": "1 l/min"},
+    )
+    result = run(of, sensitivities=False)
+    assert first_line(result).startswith("Pass at 20 bar, with doubt")
+    assert second_line(result).startswith("A yield_stress in the material of the body that has none decides")
 
 
 def test_a_page_without_stresses_tells_that_a_body_may_yield():
