@@ -7,6 +7,7 @@ import math
 from dataclasses import replace
 
 import pytest
+from around_results import oval_result
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from sample_results import STEEL, ball, case, cone, judged_anew, rough_result, with_capped
@@ -14,10 +15,11 @@ from sample_results import STEEL, ball, case, cone, judged_anew, rough_result, w
 import fem_seal
 from fem_seal.answers.judgement import Judgement, Limit, Verdict, VerdictReason
 from fem_seal.answers.leakage_class import leakage_classes, limits, next_class
-from fem_seal.answers.verdict import seal_judgement
+from fem_seal.answers.verdict import _shares, seal_judgement
 from fem_seal.cli.terminal import show_answers, show_leak_table
 from fem_seal.errors import ConvergenceError, InputError, LoadProblem
 from fem_seal.output.answers.verdict import (
+    _state,
     factor_text,
     next_class_in_words,
     requirement_lines,
@@ -733,3 +735,22 @@ def test_a_gas_has_one_state_on_its_page_and_a_limit_in_another_says_so():
     sentences = verdict_sentences(with_worst(shown, judged))
     assert "is allowed (required, 1 Nml/min)" in sentences[0]
     assert "Volumes are those of the gas at 20 °C and 1.01325 bar." in sentences
+
+
+def test_volumes_of_a_hot_gas_are_cold_where_the_standard_tests_with_air():
+    hot = case(fluid={"name": "nitrogen", "temperature": "200 degC"})
+    assert _state(hot, Limit("API 598", 1e-9, test_fluid="air")).startswith("20 °C")
+    assert _state(hot, Limit("leak rate", 1e-9)).startswith("200 °C")
+
+
+def test_the_share_of_the_yield_stress_is_that_of_the_crest():
+    """Of a seal that is not round, as that of the hardness is: elastic stress grows with the peak pressure."""
+    load = oval_result().highest
+    limit = load.contact.model.seat.material.yield_stress
+    crest = float(load.formed.peak_pressure.max()) / load.peak_pressure
+    shares = _shares([load], (1e9, None))
+    assert shares.hardness == pytest.approx(crest * load.peak_pressure / 1e9)
+    assert (
+        limit is None
+        or shares.yield_stress >= crest * 0.99 * float(load.contact.fields["seat"].von_mises.max()) / limit
+    )

@@ -92,6 +92,14 @@ def test_a_template_runs_with_nothing_outside_the_theory(call, tmp_path) -> None
     assert row["contact_force_N"] == pytest.approx(3.14159265 * 0.5 * 0.006**2 * 50e5 + 5, rel=1e-6)
 
 
+def test_what_the_template_decides_is_told(call) -> None:
+    _, told, _ = call("-t", "ball-valve", "--bore", "80 mm")
+    # 300 N at a bore of 25 mm, times the square of 80/25
+    assert "to the scale of what you gave: diameter of the closure 128 mm" in told
+    assert "closing force of spring or actuator 3072 N" in told
+    assert "From the template" not in call("-t", "ball-valve", "-o", "as_it_is.toml")[1]
+
+
 def test_options_replace_entries_and_keep_the_comments(call, tmp_path) -> None:
     code, _, err = call(
         *("-t", "ball-valve", "--diameter", "60 mm", "--pressure", "10 bar, 20 bar", "--fluid", "helium"),

@@ -29,12 +29,14 @@ from sample_results import (
 
 import fem_seal
 from fem_seal.answers.closed_forms import derive, profile_sizes
+from fem_seal.answers.judgement import JudgedLoad
 from fem_seal.output.answers.target import target_in_brief
 from fem_seal.output.files import summary
 from fem_seal.output.pictures.style import label, logarithmic, number_dots, panels, style
 from fem_seal.output.pictures.style import svg as written_svg
 from fem_seal.output.report import tables
 from fem_seal.output.report import words as report_words
+from fem_seal.output.report.brief import _curve, loads_in_brief
 from fem_seal.output.report.page import pictures, report
 from fem_seal.result import SealResult
 from fem_seal.seal.findings import Finding, Level, Validity
@@ -475,6 +477,27 @@ def test_the_first_lines_say_the_force_for_the_target_and_how_sure_it_is():
     crushed = Finding("yield stress", Level.OUTSIDE, "seat yields", "seat yields")
     result.highest = load.with_values(target_validity=Validity((crushed,)))
     assert target_in_brief(result).endswith("(outside the theory: seat yields)")
+
+
+def test_a_load_that_coins_is_sent_to_the_land_and_not_to_a_curve():
+    """212 N/mm over three times 200 MPa are 0.35 mm: far for an edge of 0.2 mm, little for one of 2 mm."""
+    load = Mock(line_load=212e3, sampled=None)
+    load.validity = Validity((Finding("yield stress", Level.OUTSIDE, "seat yields", "seat yields"),))
+    result = Mock(case=Mock(gasket=None))
+    result.problem.materials = {"closure": Mock(yield_stress=None), "seat": Mock(yield_stress=200e6)}
+    load.contact.model.relative_radius = 0.2e-3
+    assert "0.35 mm wide" in _curve(result, load) and "howto/needle" in _curve(result, load)
+    load.contact.model.relative_radius = 2e-3
+    assert _curve(result, load).startswith("A stress_strain curve")
+
+
+def test_outside_the_theory_no_leak_of_zero_stands_in_the_first_table():
+    load = single_result().highest
+    outside = Validity((Finding("yield stress", Level.OUTSIDE, "seat yields", "seat yields"),))
+    for validity, some in ((load.validity, True), (outside, False)):
+        sealed = load.with_values(validity=validity, leak=replace(load.leak, leak_rate=0.0))
+        table, _ = loads_in_brief(single_case(), [JudgedLoad.of(sealed)])
+        assert any(heading.startswith("leak rate [") for heading in table.headings) is some
 
 
 def test_the_first_lines_say_that_no_force_meets_the_target():
