@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from fem_seal.arrays import FloatArray
 from fem_seal.case.tables import Asperities
 from fem_seal.errors import InputError
+from fem_seal.materials import HARDNESS_OVER_YIELD_STRESS
 from fem_seal.seal.pieces import work
 from leak import ConductivityTable, DirectError, RoughContact
 from leak.direct import (
@@ -50,8 +51,6 @@ QUANTILES = (0.25, 0.5, 0.75, 0.9)
 _SIGMAS = 2.0
 # Factor upwards where nothing says what the shorter half of the waves does, since without it the first patch is tight.
 _UNKNOWN = 10.0
-# Indentation hardness over the yield stress in tension.
-HARDNESS_OVER_YIELD_STRESS = 2.9
 # Metal that flows asks for small steps of the load: the longest over the hardness, and by what share the conductivity
 # of rough surfaces is then too low at most, see leak.direct.press_elastoplastic.
 LOAD_STEP, LOAD_STEP_ERROR = 0.025, 0.09

@@ -19,8 +19,9 @@ import numpy as np
 from fem_seal.arrays import FloatArray
 from fem_seal.case.tables import Asperities
 from fem_seal.contact.solution import ContactSolution
+from fem_seal.materials import HARDNESS_OVER_YIELD_STRESS
 from fem_seal.profile import PressureProfile
-from fem_seal.seal.direct import HARDNESS_OVER_YIELD_STRESS, LOAD_STEP, DirectSettings
+from fem_seal.seal.direct import LOAD_STEP, DirectSettings
 from fem_seal.seal.leak_model import FlowModel, log_peaks
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.pieces import work

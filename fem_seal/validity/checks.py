@@ -12,10 +12,9 @@ import numpy as np
 
 from fem_seal.contact.load_path import yielding_bodies
 from fem_seal.contact.solution import ContactSolution, PlasticZone, YieldedZone, yielded_zone, yielding_of
-from fem_seal.materials import creep_remarks
+from fem_seal.materials import HARDNESS_OVER_YIELD_STRESS, creep_remarks
 from fem_seal.seal.both_faces import joined_validity
 from fem_seal.seal.bounds import EXACT, Bounds
-from fem_seal.seal.direct import HARDNESS_OVER_YIELD_STRESS
 from fem_seal.seal.findings import ORDERS_OF_MAGNITUDE, Finding, Level, Validity
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.load_result import DiscretisationError, GivenLoad, LoadResult
