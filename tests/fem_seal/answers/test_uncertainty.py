@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import replace
+from unittest.mock import Mock
 
 import numpy as np
 import pandas as pd
@@ -684,3 +685,18 @@ def test_samples_flow_as_the_case_does(tables):
         # and with the gas of the standards' tests
         expected = np.append(expected, [one for load in result.loads for one in load.in_test.leak_range])
     np.testing.assert_allclose(study.leak_rates([0])[0], expected, rtol=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("curve", "outside", "asked"), [(True, True, False), (True, False, True), (False, True, True)]
+)
+def test_a_path_outside_the_theory_is_not_repeated_for_samples(curve, outside, asked):
+    """Each sample takes as long as the run, and nothing would be claimed of the interval."""
+    hardening = (
+        {"stress_strain": {"plastic_strain": [0, 0.1], "stress": ["200 MPa", "400 MPa"]}} if curve else {}
+    )
+    seat = {"shape": "cone", "angle": "45 deg"}
+    metal = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3, "hardness": "2 GPa"} | hardening
+    one = case(seat=seat | {"material": metal}, uncertainty={"hardness": {"relative": 0.1}})
+    seal = Mock(case=one, loads=[Mock(validity=Mock(outside=outside))])
+    assert module.UNCERTAINTY.applies(seal, Mock()) is asked
