@@ -89,6 +89,7 @@ GROUPS = {
         "bolted_ring",
         "hot_valve",
         "diesel_1800_bar",
+        "double_land",
         "particles",
     ),
     "Real seats: measured, out of round, scratched": (
@@ -331,13 +332,17 @@ def _card(name: str) -> str:
     )
 
 
+# On the left of a panel, for its numbers [pt].
+_MARGIN = 49.0
+
+
 def first_panel(drawing: bytes) -> bytes:
     """A picture cut after the first of its panels, in a size that can be read on a card."""
     text = drawing.decode()
     frames = re.findall(r'<g id="axes_\d+">\s*<g id="patch_\d+">\s*<path d="([^"]*)"', text)
     lefts = [min(float(x) for x in re.findall(r"[ML] ?([\d.]+) ", frame)) for frame in frames]
-    # the second panel has the margin of the first
-    wide = f"{lefts[1] - lefts[0]:.6g}" if len(lefts) > 1 and lefts[1] > lefts[0] else r"\g<width>"
+    # every panel has the same margin on its left; one that is true to scale is drawn in the middle of its own
+    wide = f"{lefts[1] - _MARGIN:.6g}" if len(lefts) > 1 and lefts[1] > lefts[0] else r"\g<width>"
     size = r'width="[\d.]+pt" height="(?P<high>[\d.]+)pt" viewBox="0 0 (?P<width>[\d.]+) '
     return re.sub(size, rf'width="{wide}pt" height="\g<high>pt" viewBox="0 0 {wide} ', text, count=1).encode()
 

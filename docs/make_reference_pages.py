@@ -182,6 +182,8 @@ def tutorial(folder: Path) -> None:
         page = (copy.with_suffix(".out") / "report.html").read_text(encoding="utf-8").replace("\xa0", " ")
     for name in ("sketch", "leak"):
         (made / f"{name}.svg").write_bytes(drawn[name][0])
+    # for the first page, on which the whole would have letters that nobody can read
+    (made / "section.svg").write_bytes(gallery.first_panel(drawn["sketch"][0]))
     first = re.search(r'<p class="headline">(.*?)</p>', page)
     assert first is not None
     (made / "headline.md").write_text(f"> {unescape(first[1])}\n", encoding="utf-8")

@@ -25,7 +25,7 @@ from fem_seal.explore.gate import Asked, Design, Entered, answered, checked, pla
 from fem_seal.explore.screen import not_taken_words, preliminary_words, refused_words, slow_words, still_words
 from fem_seal.files import own_tables
 from fem_seal.output.prose import template
-from fem_seal.units import shown_in, unbroken
+from fem_seal.units import shown_in
 
 if TYPE_CHECKING:
     from fem_seal.case.case import Case
@@ -54,8 +54,7 @@ def _children(parent: Element) -> list[Any]:
     found: list[Any] = [parent.text]
     for one in parent:
         found += [_element(one), one.tail]
-    said = [unbroken(one) if isinstance(one, str) else one for one in found]
-    return [one for one in said if not (one is None or (isinstance(one, str) and not one.strip()))]
+    return [one for one in found if not (one is None or (isinstance(one, str) and not one.strip()))]
 
 
 def _element(one: Element) -> Any:
