@@ -425,6 +425,14 @@ def _figure():
     return figure
 
 
+def test_legends_stand_below_their_panels():
+    with style():
+        figure = _figure()
+        written_svg(figure)
+    one = figure.axes[0]
+    assert one.get_legend().get_window_extent().y1 < one.get_window_extent().y0
+
+
 def test_pictures_are_written_as_matplotlib_writes_them(monkeypatch):
     with style():
         out = BytesIO()

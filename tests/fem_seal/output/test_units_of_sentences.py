@@ -153,3 +153,18 @@ def test_si_units_of_small_leak_rates_need_no_powers_of_ten():
     with shown_in("SI"):
         unit = shared_flow_unit((2.04e-12, 5.87e-10))
         assert (unit.name, unit.of(2.04e-12)) == ("mm³/s", pytest.approx(0.00204))
+
+
+@pytest.mark.parametrize(
+    ("limits", "throughputs"),
+    [
+        ({}, True),
+        ({"load.target_leak_rate": "1 ml/min"}, False),
+        ({"load.target_leak_rate": "1 mbar l/s"}, True),
+        ({"load.target_leak_rate": "1 mbar l/s", "requirement": {"leak_rate": "1 ml/min"}}, False),
+    ],
+)
+def test_leak_rates_of_a_gas_have_the_kind_of_unit_of_their_limit(limits, throughputs):
+    assert (
+        load_case(EXAMPLES / "helium.toml").replace({"requirement": None, **limits}).shown[1] == throughputs
+    )
