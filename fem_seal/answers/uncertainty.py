@@ -309,7 +309,7 @@ def _interval_of_finish(
         truth = replace(study, whole_paths=True).leak_rates(checked.tolist()) / usual
         checked, truth = (one[~np.isnan(truth).any(axis=1)] for one in (checked, truth))
         error = float(np.abs(ratios[checked] / truth - 1).max(initial=0.0))
-        if study.linearised and error > _allowed(ratios, *_OF_LINEAR):
+        if _linear_fails(study, checked, truth * usual, error, _allowed(ratios, *_OF_LINEAR)):
             return _interval_of_finish(result, settings, progress, whole_paths=True)
         ratios[checked], ratios[known] = truth, rates[known]
         runs += _CHECKS
@@ -424,7 +424,8 @@ def _interval(study: SampledSeal, settings: Uncertainty, progress: Callable[[str
         checked = _ends((nominal / viscosity[:, None])[:, study.last_load], settings.confidence)
         truth = replace(study, whole_paths=True, exact=True).leak_rates(checked)
         error = _largest_difference(nominal[checked], truth, study.of_case)
-        if study.linearised and surface is not None and error > _allowed(nominal, *_OF_LINEAR):
+        allowed = _allowed(nominal, *_OF_LINEAR)
+        if surface is not None and _linear_fails(study, checked, truth, error, allowed):
             return _interval(replace(study, whole_paths=True), settings, progress)
         if not study.exact and error > _allowed(nominal, *_OF_TABLES):
             return _interval(replace(study, exact=True), settings, progress)
@@ -437,6 +438,16 @@ def _interval(study: SampledSeal, settings: Uncertainty, progress: Callable[[str
     return _interval_of_samples(
         study, settings, study.result.loads, by_kind, runs=runs, shares=shares, error=error
     )
+
+
+def _linear_fails(
+    study: SampledSeal, samples: Sequence[int] | IntArray, truth: FloatArray, error: float, allowed: float
+) -> bool:
+    """Whether the linearised bodies, and not the polynomial through their runs, miss samples by so much."""
+    if not study.linearised or error <= allowed:
+        return False
+    found = study.leak_rates(list(samples))
+    return _largest_difference(found, truth, study.of_case) > allowed
 
 
 def _largest_difference(found: FloatArray, truth: FloatArray, of_case: Sequence[float]) -> float:
