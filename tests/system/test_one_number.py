@@ -153,6 +153,10 @@ def test_every_number_of_the_page_stays_when_the_sliders_rest(example):
     # shares of samples and of the yield stress in the bodies take a complete run
     later = ("Passes", "Of the yield stress")
     assert live.facts == (() if live.widens else tuple(one for one in rests.facts if one[0] not in later))
+    if example == "test of the standard":
+        # which come with the complete answer: until then nothing is claimed
+        assert live.told[0].startswith("Of the service loads only") and live.verdict != "pass"
+        return
     # the verdict with its load, leak rate, limit and margin
     assert live.told[:1] == (() if live.widens else rests.told[:1])
     assert live.verdict == ("" if live.widens else rests.verdict)
