@@ -248,7 +248,7 @@ def leakage_limits(
     capacity = (
         None if rated_capacity is None else positive(FluidError, "rated_capacity", rated_capacity, "m^3/s")
     )
-    bubble = positive(FluidError, "bubble_volume", _bubble("API 598", bubble_volume), "m^3")
+    bubble = _bubble("API 598", bubble_volume)
     rates = {"A": 0.0} | {name: 1e-9 * dn * both[gas] for name, both in _DATA["rates_of_iso_5208"].items()}
     mss = (_MSS_GAS if gas else _MSS_LIQUID) * _inches(dn)
     return (
@@ -366,6 +366,11 @@ def invisible_leak_rate(*, gas: bool, bubble_volume: float | None = None) -> flo
     gas, bubble_volume
         See `visible_leak_rate`.
 
+    Raises
+    ------
+    FluidError
+        If the volume of a bubble is not positive.
+
     Examples
     --------
     >>> print(f"{invisible_leak_rate(gas=False):.2g} m^3/s, {invisible_leak_rate(gas=True):.2g} m^3/s")
@@ -375,7 +380,8 @@ def invisible_leak_rate(*, gas: bool, bubble_volume: float | None = None) -> flo
 
 
 def _bubble(standard: str, given: float | None) -> float:
-    return STANDARDS[standard].bubble_volume if given is None else given
+    volume = STANDARDS[standard].bubble_volume if given is None else given
+    return positive(FluidError, "bubble_volume", volume, "m^3")
 
 
 def leakage_class(

@@ -583,10 +583,7 @@ def _passing(case: Case, load: LoadResult, y: FloatArray, weights: FloatArray) -
         return None
     if why := why_none(case, load):
         return PassProbability(why_none=why)
-    most = min(
-        math.log(one.leak_rate / one.ratio[1]) if one.leak_rate else 0.5 * _NO_LEAK
-        for one in limits(case, load.fluid_pressure, load)
-    )
+    most = min(math.log(one.leak_rate / one.ratio[1]) for one in limits(case, load.fluid_pressure, load))
     share = min(float(weights[y <= most].sum()), 1.0)
     return PassProbability(share, math.sqrt(share * (1.0 - share) * float((weights**2).sum())))
 

@@ -350,11 +350,10 @@ def _of_class(
     if not found:
         # class VI of FCI 70-2 ends at a diameter, API 527 at a set pressure
         return Limit(name, math.nan, 0.0, test_fluid, ratio)
-    unseen, seen = (
-        told(gas=gas, bubble_volume=required.bubble_volume)
-        for told in (invisible_leak_rate, visible_leak_rate)
-    )
-    most, visible = (found[0], 0.0) if found[0] else (unseen, seen)
+    most, visible = found[0], 0.0
+    if not most:
+        most = invisible_leak_rate(gas=gas, bubble_volume=required.bubble_volume)
+        visible = visible_leak_rate(gas=gas, bubble_volume=required.bubble_volume)
     bubble = required.bubble_volume or STANDARDS[wanted[0]].bubble_volume
     counts_bubbles = gas and (visible > 0.0 or wanted[0] in ("API 598", RELIEF))
     return Limit(name, most, visible, test_fluid, ratio, bubble if counts_bubbles else None)

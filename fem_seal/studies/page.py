@@ -317,10 +317,7 @@ def _classes(designs: designs_table.Designs) -> Iterator[Section]:
         "Leakage classes",
         _words().classes(designs.about, _counted(designs), bool(shares), both),
         columns=("class", "allowed leak rate", "share of the designs"),
-        rows=tuple(
-            (name, leak_rate_text(most) if most else "none", f"{100 * share:.4g} %")
-            for name, most, share in shares
-        ),
+        rows=tuple((name, leak_rate_text(most), f"{100 * share:.4g} %") for name, most, share in shares),
     )
 
 

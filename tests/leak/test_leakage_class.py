@@ -222,6 +222,13 @@ def test_a_leak_is_called_invisible_where_nobody_sees_it(gas):
     assert unseen < visible_leak_rate(gas=gas) / 30
 
 
+@pytest.mark.parametrize("volume", [0.0, -1e-9, math.nan])
+@pytest.mark.parametrize("rate", [invisible_leak_rate, visible_leak_rate])
+def test_a_bubble_has_a_volume(rate, volume):
+    with pytest.raises(leak.FluidError, match="bubble_volume"):
+        rate(gas=True, bubble_volume=volume)
+
+
 def test_a_leak_that_is_seen_meets_no_class():
     assert str(leak.leakage_class(1.0, 0.025, gas=False)[0]) == "ISO 5208: no class met"
 
