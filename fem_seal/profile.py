@@ -27,6 +27,8 @@ _NO_ELLIPSE = 0.2
 class PressureProfile:
     """Nominal pressure over the contact line.
 
+    One that carries nothing, of a land that does not touch, has no width, and its middle as centroid.
+
     Parameters
     ----------
     x : ndarray, shape (m,)
@@ -78,12 +80,12 @@ class PressureProfile:
     @cached_property
     def centroid(self) -> float:
         """Centre of the pressure over x [m]."""
-        return self.moment(1) / self._whole
+        return self.moment(1) / self._whole if self.touches else 0.5 * float(self.x[0] + self.x[-1])
 
     @cached_property
     def std(self) -> float:
         """Square root of the second central moment of p over x [m]."""
-        return float(np.sqrt(self.moment(2, self.centroid) / self._whole))
+        return float(np.sqrt(self.moment(2, self.centroid) / self._whole)) if self.touches else 0.0
 
     @cached_property
     def _whole(self) -> float:
@@ -170,6 +172,8 @@ class PressureProfile:
     @property
     def fwhm(self) -> float:
         """Full width at half maximum [m]; the flanks are interpolated in (p/p0)^2, exact for an ellipse."""
+        if not self.touches:
+            return 0.0
         height = (self.pressure / self.peak_pressure) ** 2 - 0.25
         ends_sharply = self.pressure[0] == 0 and self.pressure[-1] == 0
         if ends_sharply and (width := self._width_of_ellipse(height)) is not None:
@@ -221,7 +225,8 @@ def remembered(pressure: FloatArray, largest: FloatArray) -> FloatArray:
     >>> remembered(np.array([10.0, 1.0]), np.array([20.0, 19.0])).tolist()
     [20.0, 2.0]
     """
-    return np.minimum(largest, pressure * (largest.max() / pressure.max()))
+    highest = pressure.max()
+    return np.minimum(largest, pressure * (largest.max() / highest if highest > 0.0 else 0.0))
 
 
 def _through(x: list[float], y: list[float]) -> Callable[[float], float]:

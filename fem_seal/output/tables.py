@@ -171,8 +171,7 @@ def _contacts_of_face(
     for number, (one, flow) in enumerate(zip(load.profiles, flows, strict=True), start=1):
         inner, outer, rate = flow
         ends = sorted((outlet + inner, outlet + outer), reverse=True)
-        width = one.fwhm if one.touches else 0.0
-        values = (one.moment(0), float(one.pressure.max()), width, ends[0], ends[1], rate / faces)
+        values = (one.moment(0), float(one.pressure.max()), one.fwhm, ends[0], ends[1], rate / faces)
         yield f" {number}", values
 
 

@@ -481,7 +481,9 @@ def _beyond_curve(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator
 def _cut_off(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
     for end, side in ((0, "bore"), (-1, "outer")):
         ends = [load.profiles[end] for load in loads]
-        shares = [float(one.pressure[end]) / one.peak_pressure for one in ends]
+        shares = [
+            float(one.pressure[end]) / load.peak_pressure for one, load in zip(ends, loads, strict=True)
+        ]
         if max(shares) > _CUT_OFF:
             load = loads[shares.index(max(shares))]
             # conforming faces always end inside the contact
@@ -877,10 +879,7 @@ def _chamber_force(load: LoadResult) -> float:
     """Axial force of the fluid in chambers, between the middles of the lands beside each [N]."""
     if load.leak is None:
         return 0.0
-    middles = [
-        float(np.interp(one.centroid if one.touches else one.x.mean(), one.x, one.radius))
-        for one in load.profiles
-    ]
+    middles = [float(np.interp(one.centroid, one.x, one.radius)) for one in load.profiles]
     return sum(
         math.pi * (outer**2 - inner**2) * flow.outer_pressure
         for (inner, outer), flow in zip(pairwise(middles), load.leak.lands[:-1], strict=True)

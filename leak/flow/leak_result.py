@@ -119,7 +119,7 @@ class LandFlow(NamedTuple):
     inner_pressure: float
     outer_pressure: float
     leak_rate: float
-    """[m^3/s], towards the lower pressure; infinite where the contact is open."""
+    """[m^3/s], towards the lower pressure; where the contact is open that of those beside it which touch."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -94,24 +94,19 @@ def in_series(
         _held([end, *part])
     found = chamber_pressures([contacts[n].flow for n in touching], inner, outer, joined)
     pressure = [inner, *found.tolist(), outer]
-    lands, parts, results = [], [], list[LeakResult]()
+    outwards, parts, results = [], {}, list[LeakResult]()
+    for n, (before, after) in zip(touching, pairwise(pressure), strict=True):
+        leak, flow = contacts[n].leak, 0.0
+        if before != after and leak is not None:
+            results.append(leak(before, after))
+            flow, parts[n] = results[-1].leak_rate, results[-1].fluid_pressure
+        outwards.append(math.copysign(flow, before - after))
+    lands = []
     for n, one in enumerate(contacts):
         k = int(np.searchsorted(touching, n))
-        if one.leak is None:
-            lands.append(LandFlow(pressure[k], pressure[k], math.inf))
-            parts.append(np.full(one.points, pressure[k]))
-        elif pressure[k] == pressure[k + 1]:
-            lands.append(LandFlow(pressure[k], pressure[k + 1], 0.0))
-            parts.append(np.full(one.points, pressure[k]))
-        else:
-            result = one.leak(pressure[k], pressure[k + 1])
-            results.append(result)
-            lands.append(LandFlow(pressure[k], pressure[k + 1], result.leak_rate))
-            parts.append(result.fluid_pressure)
-    outwards = [
-        math.copysign(one.leak_rate, one.inner_pressure - one.outer_pressure)
-        for one in (lands[n] for n in touching)
-    ]
+        passes = _passing(n, touching, outwards, given)
+        lands.append(LandFlow(pressure[k], pressure[k + (n in touching)], abs(passes)))
+        parts.setdefault(n, np.full(one.points, pressure[k]))
     # what arrives at places without pressure
     inflow = [-outwards[0], *(before - after for before, after in pairwise(outwards)), outwards[-1]]
     leaves = sum(max(flow, 0.0) for flow, p in zip(inflow, pressure, strict=True) if p == 0.0)
@@ -120,7 +115,7 @@ def in_series(
     return replace(
         largest,
         resistance=drop / leaves if leaves > 0.0 else math.inf,
-        fluid_pressure=np.concatenate(parts),
+        fluid_pressure=np.concatenate([parts[n] for n in range(len(contacts))]),
         lands=tuple(lands),
     )
 
@@ -205,6 +200,23 @@ def _between(flows: Sequence[Flow], first: float, last: float) -> list[float]:
     else:
         raise ProfileError("the pressures in the chambers between the contacts were not found")
     return [float(one) for one in p[1:-1]]
+
+
+def _passing(
+    n: int, touching: Sequence[int], outwards: Sequence[float], given: Sequence[float | None]
+) -> float:
+    """Flow outwards through a contact [m^3/s]; through one that is open that of the next ones which touch.
+
+    Between two places that are held at one pressure nothing has to flow.
+    """
+    k = int(np.searchsorted(touching, n))
+    if n in touching:
+        return outwards[k]
+    if k > 0 and not any(one is not None for one in given[touching[k - 1] : n]):
+        return outwards[k - 1]
+    if k < len(touching) and not any(one is not None for one in given[n : touching[k]]):
+        return outwards[k]
+    return 0.0
 
 
 def _held(given: Sequence[float | None]) -> float | None:

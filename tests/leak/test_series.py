@@ -97,7 +97,31 @@ def test_a_contact_that_does_not_touch_resists_nothing() -> None:
     lands = [liquid(1e12), SeriesContact(None, 4), liquid(3e12)]
     found = in_series(lands, 4e5, 0.0, [None, None])
     assert found.leak_rate == pytest.approx(1e-7)
-    assert found.lands[1].leak_rate == math.inf and len(found.fluid_pressure) == 10
+    assert found.lands[1].leak_rate == found.lands[0].leak_rate and len(found.fluid_pressure) == 10
     assert found.fluid_pressure[3:7] == pytest.approx(3e5)
     with pytest.raises(ProfileError, match="does not touch"):
         in_series([SeriesContact(None, 3), liquid(1e12)], 4e5, 0.0, [1e5])
+
+
+@pytest.mark.parametrize(
+    ("touching", "ends", "given", "flows"),
+    [
+        # one after the other as much flows through all, from either side
+        ((False, True, True), (4e5, 0.0), [None, None], [1e-7, 1e-7, 1e-7]),
+        ((True, True, False), (0.0, 4e5), [None, None], [1e-7, 1e-7, 1e-7]),
+        ((False, True, False), (4e5, 0.0), [None, None], [4e-7, 4e-7, 4e-7]),
+        # what is let out before an open land does not get to it, what is let out behind it does
+        ((True, False, True), (4e5, 0.0), [0.0, None], [4e-7, 0.0, 0.0]),
+        ((True, False, True), (4e5, 0.0), [None, 0.0], [4e-7, 4e-7, 0.0]),
+        # a port feeds the land beyond
+        ((True, False, True), (4e5, 0.0), [6e5, None], [2e-7, 2e-7, 2e-7]),
+        ((True, True, False), (4e5, 0.0), [None, 0.0], [1e-7, 1e-7, 0.0]),
+    ],
+)
+def test_an_open_land_passes_what_those_beside_it_let_through(
+    touching: tuple[bool, ...], ends: tuple[float, float], given: list[float | None], flows: list[float]
+) -> None:
+    resistances = iter([1e12, 3e12])
+    lands = [liquid(next(resistances)) if one else SeriesContact(None, 3) for one in touching]
+    found = in_series(lands, *ends, given)
+    assert [one.leak_rate for one in found.lands] == pytest.approx(flows, rel=1e-9)

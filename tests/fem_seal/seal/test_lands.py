@@ -152,6 +152,35 @@ def test_a_land_that_is_set_back_far_carries_nothing() -> None:
     assert load.leak.leak_rate == pytest.approx(single.leak.leak_rate, rel=0.03)
 
 
+@pytest.mark.parametrize("closing", ["sealed-area", "penetration"])
+def test_a_land_that_does_not_touch_has_numbers(closing: str) -> None:
+    """It carries nothing, has no width and passes what the other one lets through."""
+    found = evaluate(SealProblem.of(lands_case(INNER, OUTER | {"set_back": "50 um"}, closing=closing)))
+    (load,) = found.loads
+    touching, open_ = load.profiles
+    assert touching.touches and not open_.touches
+    assert (open_.std, open_.fwhm, open_.peak_pressure) == (0.0, 0.0, 0.0)
+    assert open_.x[0] < open_.centroid < open_.x[-1]
+    assert load.leak is not None and load.leak.lands == (
+        (5e5, 0.0, load.leak.leak_rate),
+        (0.0, 0.0, load.leak.leak_rate),
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", [0, 1])
+def test_all_is_written_of_a_land_that_does_not_touch(number: int, tmp_path: Path) -> None:
+    lands = [INNER, OUTER]
+    lands[number] = lands[number] | {"set_back": "50 um"}
+    result = fem_seal.run(lands_case(*lands, fluid="nitrogen"))
+    assert result.write(tmp_path) and not any("could not be calculated" in one for one in result.warnings)
+    table = pd.read_csv(tmp_path / "contacts.csv")
+    assert np.isfinite(table.select_dtypes("number").to_numpy()).all()
+    assert table["leak_rate_m3_per_s"].nunique() == 1
+    assert "Lands in series" in (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert (tmp_path / "contact_line_000.vtp").is_file()
+
+
 @pytest.mark.slow
 def test_a_land_that_is_not_named_is_found() -> None:
     drawn = fem_seal.Case(
