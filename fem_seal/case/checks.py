@@ -23,6 +23,7 @@ from fem_seal.units import briefly
 from fem_seal.units import format_quantity as written
 from meshes import GeometryError
 from meshes.errors import mm
+from meshes.geometry.touch import facets_at
 from meshes.shapes.shape import named_face
 
 # Interference of a press fit over the radius of the wall, up to which strains are small.
@@ -549,18 +550,25 @@ def problems_with_uncertainty(case: CaseTables, table: Uncertainty) -> Iterator[
         yield problem("uncertainty_spectrum")
 
 
-def touched_beside(case: CaseTables) -> Iterator[str]:
-    """What is said of each body that is touched first beside the face that its shape is named after.
+def face_remarks(case: CaseTables) -> Iterator[tuple[str, str, str]]:
+    """What is said of the faces that touch: name of the finding, body and text.
+
+    A body may be touched first beside the face that its shape is named after, or on short lines that stand for a curve.
 
     Parameters
     ----------
     case : CaseTables
         Whose tables fit together.
     """
-    radius = case.contact.initial_contact_radius
-    for name, table, body in zip(("closure", "seat"), (case.closure, case.lower), case.bodies, strict=True):
+    contact, tables = case.contact, (case.closure, case.lower)
+    radius = contact.initial_contact_radius
+    drawn = (contact.closure_face, contact.seat_face)
+    for name, table, body, curve in zip(("closure", "seat"), tables, case.bodies, drawn, strict=True):
         face = named_face(body)
         if face is not None and not face.holds(radius):
             side, end = ("inside", face.inner) if radius < face.inner else ("outside", face.outer)
             words = {"body": name, "shape": table.shape, "face": face.name}
-            yield sentence(f"touched_{side}", **words, radius=mm(radius), end=mm(end))
+            yield "touched_beside", name, sentence(f"touched_{side}", **words, radius=mm(radius), end=mm(end))
+        if facets := facets_at(curve, radius):
+            length = mm(sum(s.length for s in facets) / len(facets))
+            yield "facets", name, sentence("facets", body=name, count=len(facets), length=length)

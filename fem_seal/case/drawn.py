@@ -49,6 +49,7 @@ class ProfileSource(Body):
     length_unit: Literal["m", "cm", "mm", "um", "in"] | None = None
     layer: str | None = None
     tolerance: Annotated[float, Quantity("length", "0.1 nm", "1 mm")] | None = None
+    joint_gap: Annotated[float, Quantity("length", "0.1 nm", "10 mm")] | None = None
     time_limit: Annotated[float, Quantity("time", "1 s", "1 h")] | None = None
 
     def problems(self) -> Iterator[Problem]:
@@ -73,8 +74,9 @@ class ProfileSource(Body):
                 yield Problem(f"{name}.file", str(error), f'"{self.file}"')
         if self.layer is not None and kind != ".dxf":
             yield Problem(f"{name}.layer", "only for a .dxf; remove it", f'"{self.layer}"')
-        if self.tolerance is not None and kind in _MESHES:
-            yield problem("tolerance_of_mesh", body=name, value=1e9 * self.tolerance)
+        for key in ("tolerance", "joint_gap"):
+            if getattr(self, key) is not None and kind in _MESHES:
+                yield problem("key_of_curves", body=name, key=key, value=1e9 * getattr(self, key))
         if self.length_unit is not None and kind in (".step", ".stp"):
             yield Problem(f"{name}.length_unit", "a .step says its unit; remove it", f'"{self.length_unit}"')
 
@@ -85,8 +87,9 @@ class ProfileSource(Body):
         assert self.file is not None  # `problems` has looked
         name, path = self.part, Path(self.file)
         unit = _UNITS[self.length_unit] if self.length_unit else None
-        accuracy, time_limit = self.tolerance or 1e-8, self.time_limit or 20.0
-        found = _read(path, path.stat().st_mtime_ns, name, self.axis, unit, self.layer, accuracy, time_limit)
+        drawn = {"layer": self.layer, "tolerance": self.tolerance or 1e-8, "joint_gap": self.joint_gap}
+        both = {"axis": self.axis, "length_unit": unit, "time_limit": self.time_limit or 20.0}
+        found = _read(path, path.stat().st_mtime_ns, name, **both, **drawn)
         if isinstance(found, GeometryError):
             raise found
         return found
@@ -98,20 +101,20 @@ def _read(
     path: Path,
     changed: int,
     name: str,
+    *,
     axis: Any,
     length_unit: float | None,
-    layer: str | None,
-    tolerance: float,
     time_limit: float,
+    **drawn: Any,
 ) -> Shape | GeometryError:
     if path.suffix.lower() == ".dxf" and find_spec("ezdxf") is None:
         missing = needed("drawings", ImportError(name="ezdxf"))
         return GeometryError(f'{name} file = "{path.name}": reading it {missing}')
     try:
-        both = {"axis": axis, "time_limit": time_limit}
+        both: dict[str, Any] = {"axis": axis, "time_limit": time_limit}
         if path.suffix.lower() in _MESHES:
             return MeshedBody.read(path, name, length_unit=length_unit or 1.0, **both)
-        return read_section(path, name, length_unit=length_unit, layer=layer, tolerance=tolerance, **both)
+        return read_section(path, name, length_unit=length_unit, **drawn, **both)
     except GeometryError as error:
         # at the key of the file, where the message begins with the file's name
         _, found, what = str(error).partition(f"{path.name}: ")

@@ -452,7 +452,7 @@ def _remarks(case: Case) -> list[str]:
         remarks.append(sentence("check_of_round_seal"))
         remarks.extend(case.form.without_effect(case.contact.angle))
     problem = SealProblem.of(case)
-    remarks.extend(problem.beside)
+    remarks.extend(text for _, _, text in problem.face_remarks)
     remarks.extend(creep_remarks(problem.materials))
     remarks.extend(one.text for one in temperature_cautions(problem))
     remarks.extend(one.text for one in left_out(problem.loads, problem.loads.refused))

@@ -137,7 +137,8 @@ def section(case: Case, name: str) -> dict[str, Any]:
     -------
     dict
         "file" and "layer", or None; "length_unit_m", the unit of the file, None for an outline in the case and for
-        STEP; "r_m" and "z_m", smallest and largest coordinate as drawn.
+        STEP; "joined_m", the widest gap of the drawing that was closed; "r_m" and "z_m", smallest and largest
+        coordinate as drawn.
     """
     table = case.table_of(name)
     if not isinstance(table, ProfileSource):
@@ -148,6 +149,7 @@ def section(case: Case, name: str) -> dict[str, Any]:
         "file": Path(table.file).name if table.file else None,
         "layer": table.layer,
         "length_unit_m": getattr(body, "file_unit", None),
+        "joined_m": getattr(body, "joined", 0.0),
         "r_m": r,
         "z_m": z,
     }
@@ -157,12 +159,14 @@ def section_text(section: Mapping[str, Any]) -> dict[str, str]:
     """A `section` in words: its source, if it is a file, and its extent."""
     words = {}
     if section["file"]:
-        layer, unit = section["layer"], section["length_unit_m"]
+        layer, unit, gap = section["layer"], section["length_unit_m"], section["joined_m"]
         words["file"] = ", ".join(
             [
                 section["file"],
                 *([f"layer {layer}"] if layer else []),
                 *([f"unit {format_quantity('length', unit)}"] if unit else []),
+                # less is the last digit of a number
+                *([f"gaps of up to {quantity('length', gap, 2)} closed"] if gap > 1e-8 else []),
             ]
         )
     unit = unit_for("length", section["r_m"][1])

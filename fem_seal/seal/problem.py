@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from fem_seal.bodies.supports import Supports
-from fem_seal.case.checks import touched_beside
+from fem_seal.case.checks import face_remarks
 from fem_seal.case.load_limits import refused_loads
 from fem_seal.case.tightening import bolts_of
 from fem_seal.contact.laws import HardContact, Law
@@ -219,8 +219,8 @@ class SealProblem:
         Whether the asperities are meant to yield.
     remarks : tuple of str
         What the scans themselves say against their use.
-    beside : tuple of str
-        What is said of bodies that touch beside the faces which their shapes are named after.
+    face_remarks : tuple
+        What is said of the faces that touch: name of the finding, body and text.
     of_finish : bool
         Whether the surface comes from the finish of a drawing.
     usual_only : bool
@@ -264,7 +264,7 @@ class SealProblem:
     hardness: float | None = None
     asperities_yield: bool = False
     remarks: tuple[str, ...] = ()
-    beside: tuple[str, ...] = ()
+    face_remarks: tuple[tuple[str, str, str], ...] = ()
     of_finish: bool = False
     usual_only: bool = False
     stress_known: bool = True
@@ -311,7 +311,7 @@ class SealProblem:
             hardness=case.hardness,
             asperities_yield=case.leak.plasticity and case.roughness is not None,
             remarks=tuple(case.roughness.remarks()) if case.roughness else (),
-            beside=tuple(touched_beside(case)),
+            face_remarks=tuple(face_remarks(case)),
             of_finish=of_finish,
             usual_only=of_finish and case.fluid is not None and case.sampled is None,
             cutoff=case.roughness.cutoff if case.roughness else None,

@@ -132,7 +132,7 @@ def load_cautions(
         See `load_validity`.
     """
     bodies: tuple[Check, ...] = (
-        _touched_beside,
+        _faces,
         _near_opening,
         _yielding,
         _yielded_before,
@@ -329,9 +329,9 @@ def _of_surface(problem: SealProblem) -> Iterator[Finding]:
         yield Finding("roughness", Level.DOUBTFUL, text, text)
 
 
-def _touched_beside(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
-    for text in problem.beside:
-        yield caution("touched_beside", body=text.partition(".")[0], text=text)
+def _faces(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
+    for name, body, text in problem.face_remarks:
+        yield caution(name, body=body, text=text)
 
 
 def _near_opening(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator
+from decimal import Decimal
 from itertools import pairwise
 from pathlib import Path
 from types import ModuleType
@@ -20,7 +21,6 @@ from meshes.gmsh_session import gmsh_session
 
 # $INSUNITS of the header, in metres; 0 is "no unit". Those of landscapes and stars are left out.
 _UNITS = {
-    0: 1e-3,
     1: 0.0254,
     2: 0.3048,
     4: 1e-3,
@@ -46,8 +46,10 @@ _CURVES = ("LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE")
 
 def read_dxf(
     path: Path, axis: str, length_unit: float | None, layer: str | None, tolerance: float
-) -> tuple[list[Segment], float]:
-    """All pieces of a drawing's model space in (r, z) [m], in any order, and the length of its unit [m].
+) -> tuple[list[Segment], float, float]:
+    """All pieces of a drawing's model space in (r, z) [m], in any order, the length of its unit [m] and of a joint [m].
+
+    A joint is as far as two ends that were one point may lie apart after the numbers of the file were rounded.
 
     LINE, ARC, CIRCLE, LWPOLYLINE, POLYLINE, ELLIPSE, SPLINE and INSERT are read; POINT, texts, dimensions and hatches
     are passed over. Without `layer`, so is what lies on layers that are switched off or frozen. For the parameters see
@@ -60,6 +62,7 @@ def read_dxf(
     """
     try:
         import ezdxf
+        from ezdxf import bbox
         from ezdxf.entities import Layer
         from ezdxf.lldxf.const import DXFError
     except ImportError as error:
@@ -72,11 +75,6 @@ def read_dxf(
         raise GeometryError(f"{path.name}: cannot be read as DXF ({error})") from error
     if axis not in ("x", "y"):
         raise GeometryError(f'{path.name}: axis = "{axis}": a DXF section is drawn in x and y')
-    unit = length_unit or _UNITS.get(drawing.units)
-    if unit is None:
-        raise GeometryError(
-            f"{path.name}: its unit ($INSUNITS = {drawing.units}) is not known; give length_unit"
-        )
     columns = np.array([1, 0] if axis == "x" else [0, 1])
     off, frozen = (
         {one.dxf.name.lower() for one in drawing.layers if hides(one)}
@@ -96,7 +94,45 @@ def read_dxf(
         wrong = "all layers are switched off or frozen" if layer is None else f'layer = "{layer}": is empty'
         names = ", ".join(sorted({layers[-1] for layers, _ in curves}))
         raise GeometryError(f"{path.name}: {wrong}; layers with drawing are {names}")
-    return [s for entity in chosen for s in _pieces(entity, unit, columns, tolerance)], unit
+    unit = length_unit or _UNITS.get(drawing.units)
+    if unit is None:
+        size = bbox.extents(chosen, fast=True).size if chosen else (0.0, 0.0)
+        raise GeometryError(
+            f"{path.name}: does not say its unit ($INSUNITS = {drawing.units}); the section is {size[0]:.4g} wide and "
+            f'{size[1]:.4g} high: give length_unit, such as "mm" or "in"'
+        )
+    pieces = [s for entity in chosen for s in _pieces(entity, unit, columns, tolerance)]
+    return pieces, unit, unit * _rounding(drawing.entitydb.values())
+
+
+def _rounding(entities: Iterable[Any]) -> float:
+    """Largest distance of two ends of lines or arcs, in units of the file, that were one point before it was written.
+
+    A program writes all numbers with as many digits, so that the longest ones tell how many.
+    """
+    numbers, angles, largest = [0.0], [0.0], 0.0
+    for one in entities:
+        kind = one.dxftype()
+        if kind == "LINE":
+            numbers += [*one.dxf.start, *one.dxf.end]
+        elif kind in ("ARC", "CIRCLE"):
+            numbers += [*one.dxf.center, one.dxf.radius]
+            if kind == "ARC":
+                angles += [one.dxf.start_angle, one.dxf.end_angle]
+                largest = max(largest, one.dxf.radius)
+        elif kind == "LWPOLYLINE":
+            numbers += [c for vertex in one.vertices() for c in vertex]
+        elif kind == "VERTEX":
+            numbers += [*one.dxf.location]
+        elif kind == "SPLINE":
+            numbers += [c for point in one.control_points for c in point]
+    # Half a digit of both coordinates of a centre and of the radius, for each of the two ends.
+    return (1 + math.sqrt(2)) * _last_digit(numbers) + largest * math.radians(_last_digit(angles))
+
+
+def _last_digit(numbers: Iterable[float]) -> float:
+    exponents = (Decimal(repr(float(one))).as_tuple().exponent for one in numbers)
+    return float(10.0 ** min(one for one in exponents if isinstance(one, int)))
 
 
 def _simple(entities: Iterable[Any], around: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], Any]]:

@@ -51,6 +51,8 @@ class Profile:
         Length of the unit of the drawing that it comes from [m], for what is told about it.
     walled : bool, optional
         Whether a seat ends in a straight wall, as a housing does and half a gasket does not.
+    joined : float
+        Widest gap between two ends of the drawing that was closed [m], for what is told about it.
 
     Raises
     ------
@@ -71,6 +73,7 @@ class Profile:
     pieces: tuple[Segment, ...]
     file_unit: float | None = None
     walled: bool = True
+    joined: float = 0.0
 
     def __post_init__(self) -> None:
         self.outline  # noqa: B018  refuse what cannot be a body when it is made

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -12,11 +14,12 @@ from meshes.drawings.halved import profile_of
 from meshes.drawings.profile import Profile
 from meshes.errors import GeometryError, mm
 from meshes.geometry.curve import Curve
-from meshes.geometry.segment import Point, Segment
+from meshes.geometry.segment import Point, Segment, as_point
 from meshes.own_process import OwnProcessError, TimeLimitError, run_in_subprocess
 
-# Ends this close, relative to the size of the drawing, are one point.
-_JOINED = 1e-5
+# Ends this close, relative to the size of the drawing, are one point; those further apart than the second are none,
+# however few digits the numbers have.
+_JOINED, _MOST_JOINED = 1e-5, 3e-3
 
 # More lines and arcs than this are no section of one body: every two of them are compared.
 _MOST_PIECES = 5000
@@ -34,6 +37,7 @@ def read_section(
     length_unit: float | None = None,
     layer: str | None = None,
     tolerance: float = 1e-8,
+    joint_gap: float | None = None,
     time_limit: float = 20.0,
 ) -> Profile:
     """Read the outline of one body, in a process of its own: damaged files make OpenCASCADE hang, crash and print.
@@ -48,11 +52,14 @@ def read_section(
         Coordinate of the drawing along the axis of the seal; the other one of the section is r, and only the half at
         r >= 0 is drawn. "z" is for STEP.
     length_unit : float, optional
-        Length of a DXF's unit [m]; what the file says unless given, millimetre if it says nothing. STEP always says it.
+        Length of a DXF's unit [m]; what the file says unless given. STEP always says it.
     layer : str, optional
         Layer of a DXF that holds the outline; unless given, all layers that are not switched off or frozen.
     tolerance : float
         Largest distance between splines or ellipses and the arcs that stand for them [m].
+    joint_gap : float, optional
+        Largest gap between the ends of two pieces that is closed [m]; unless given, what the rounding of the numbers in
+        a DXF leaves, at least 1e-5 of the drawing's size.
     time_limit : float
         Longest time that reading may take [s].
 
@@ -73,7 +80,9 @@ def read_section(
     if kind is None:
         raise GeometryError(f"{name} file {path.name}: must end with .dxf, .step, .stp or .msh")
     try:
-        return run_in_subprocess(time_limit, _section, path, name, axis, length_unit, layer, tolerance)
+        return run_in_subprocess(
+            time_limit, _section, path, name, axis, length_unit, layer, tolerance, joint_gap
+        )
     except OwnProcessError as error:
         longer = ", or allow a longer time_limit" if isinstance(error, TimeLimitError) else ""
         raise GeometryError(
@@ -82,25 +91,39 @@ def read_section(
 
 
 def _section(
-    path: Path, name: str, axis: str, length_unit: float | None, layer: str | None, tolerance: float
+    path: Path,
+    name: str,
+    axis: str,
+    length_unit: float | None,
+    layer: str | None,
+    tolerance: float,
+    joint_gap: float | None,
 ) -> Profile:
     """What `read_section` returns, by this process."""
+    unit, rounding = None, 0.0
     try:
         from meshes.drawings.curves import read_dxf, read_step
 
         if path.suffix.lower() == ".dxf":
-            pieces, unit = read_dxf(path, axis, length_unit, layer, tolerance)
+            pieces, unit, rounding = read_dxf(path, axis, length_unit, layer, tolerance)
         else:
-            pieces, unit = read_step(path, axis, tolerance), None
+            pieces = read_step(path, axis, tolerance)
     except GeometryError as error:
         # a curve does not know the file that it is from
         raise error if str(error).startswith(path.name) else GeometryError(f"{path.name}: {error}") from error
     _check_pieces(pieces, path)
-    return profile_of(name, _loop(pieces, path), unit)
+    size = max(max(abs(c) for p in (s.start, s.end) for c in p) for s in pieces)
+    apart = joint_gap or max(_JOINED * size, min(rounding, _MOST_JOINED * size))
+    loop = _loop(_once(pieces, _JOINED * size), apart, path)
+    gaps = [math.dist(before.end, after.start) for before, after in _joints(loop)]
+    widest = max((gap for gap in gaps if gap <= apart), default=0.0)
+    return replace(profile_of(name, _joined(loop, apart), unit), joined=widest)
 
 
 def _check_pieces(pieces: list[Segment], path: Path) -> None:
     """Refuse what no drawing of a body holds, before anything is calculated with it."""
+    if all(s.start == s.end for s in pieces):
+        raise GeometryError(f"{path.name}: holds no lines, arcs or curves")
     if len(pieces) > _MOST_PIECES:
         raise GeometryError(
             f"{path.name}: holds {len(pieces)} lines and arcs, allowed are {_MOST_PIECES}; draw the section of one "
@@ -116,34 +139,71 @@ def _check_pieces(pieces: list[Segment], path: Path) -> None:
                 )
 
 
-def _loop(pieces: list[Segment], path: Path) -> list[Segment]:
-    """The pieces in order, each starting where the one before ends."""
-    if all(s.start == s.end for s in pieces):
-        raise GeometryError(f"{path.name}: holds no lines, arcs or curves")
-    size = max(max(abs(c) for p in (s.start, s.end) for c in p) for s in pieces)
-    first, *rest = _once(pieces, _JOINED * size)
+def _loop(pieces: list[Segment], apart: float, path: Path) -> list[Segment]:
+    """The pieces in order, each starting within a distance [m] of where the one before ends."""
+    first, *rest = pieces
     loop = [first]
     while rest:
         at = loop[-1].end
         near = min(rest, key=lambda s: min(math.dist(at, s.start), math.dist(at, s.end)))
-        apart = min(math.dist(at, near.start), math.dist(at, near.end))
-        if apart > _JOINED * size:
-            if math.dist(at, loop[0].start) <= _JOINED * size:
+        gap = min(math.dist(at, near.start), math.dist(at, near.end))
+        if gap > apart:
+            if math.dist(at, loop[0].start) <= apart:
                 raise GeometryError(
                     f"{path.name}: holds more than one outline, {len(rest)} pieces are left beside the first; draw one "
                     "body alone, on a layer of its own"
                 )
             raise GeometryError(
-                f"{path.name}: the outline is open, nothing continues within {mm(_JOINED * size)} of (r, z) = "
-                f"({mm(at[0])}, {mm(at[1])})"
+                f"{path.name}: the outline is open at (r, z) = ({mm(at[0])}, {mm(at[1])}): the nearest end is "
+                f"{mm(gap)} away, and ends are joined up to {mm(apart)}; close it in the drawing, or give a larger "
+                "joint_gap"
             )
         rest.remove(near)
-        if math.dist(at, near.start) > math.dist(at, near.end):
-            near = near.reversed
-        loop.append(replace(near, start=at))
-    if math.dist(loop[-1].end, loop[0].start) <= _JOINED * size:
-        loop[-1] = replace(loop[-1], end=loop[0].start)
+        loop.append(near if math.dist(at, near.start) <= math.dist(at, near.end) else near.reversed)
     return loop
+
+
+def _joints(loop: list[Segment]) -> Iterator[tuple[Segment, Segment]]:
+    """Every piece with the one that follows it, the first one following the last."""
+    return pairwise([*loop, loop[0]])
+
+
+def _joined(loop: list[Segment], apart: float) -> list[Segment]:
+    """The pieces with ends that meet where they lie within a distance [m] of each other; arcs remain arcs."""
+    meets = [
+        _meeting(before, after, apart) if math.dist(before.end, after.start) <= apart else None
+        for before, after in _joints(loop)
+    ]
+    return [
+        _between(s, start or s.start, end or s.end)
+        for s, start, end in zip(loop, [meets[-1], *meets[:-1]], meets, strict=True)
+    ]
+
+
+def _meeting(before: Segment, after: Segment, apart: float) -> Point:
+    """Where two pieces meet: lines stay on their line, and their ends are nearer to the truth than those of arcs."""
+    if before.end == after.start:
+        return before.end
+    if before.centre is None and after.centre is None:
+        (r, z), (dr, dz) = before.end, np.subtract(before.end, before.start)
+        along, up = np.subtract(after.end, after.start)
+        across = dr * up - dz * along
+        if across != 0:
+            way = ((after.start[0] - r) * up - (after.start[1] - z) * along) / across
+            corner = (float(r + way * dr), float(z + way * dz))
+            if max(math.dist(corner, before.end), math.dist(corner, after.start)) <= apart:
+                return corner
+    weight = 0.5 * (1 + (after.centre is None) - (before.centre is None))
+    return as_point((1 - weight) * np.array(before.end) + weight * np.array(after.start))
+
+
+def _between(s: Segment, start: Point, end: Point) -> Segment:
+    """A piece turned and stretched so that it runs between two points."""
+    if s.centre is None or (start, end) == (s.start, s.end):
+        return replace(s, start=start, end=end)
+    first, last, centre, new_first, new_last = (complex(*p) for p in (s.start, s.end, s.centre, start, end))
+    turned = new_first + (centre - first) * (new_last - new_first) / (last - first)
+    return replace(s, start=start, end=end, centre=(turned.real, turned.imag))
 
 
 def _once(pieces: list[Segment], apart: float) -> list[Segment]:

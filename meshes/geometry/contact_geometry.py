@@ -14,7 +14,7 @@ from meshes.arrays import FloatArray, different
 from meshes.errors import GeometryError, mm
 from meshes.geometry.curve import Curve
 from meshes.geometry.outline import Outline
-from meshes.geometry.touch import at_a_corner, first_touch, with_faces
+from meshes.geometry.touch import at_a_corner, facets_at, first_touch, with_faces
 
 # Points of the seat's face between which the contact normal turns evenly, and rounds in which it settles.
 _PER_FACE, _ROUNDS = 400, 4
@@ -86,10 +86,14 @@ class ContactGeometry:
                     f"the angle or the bore, or take a shape whose edge is round{rounded}"
                 )
             if at_a_corner(face, s):
-                raise GeometryError(
-                    f"closure and seat touch first at r = {mm(self.initial_contact_radius)} at a sharp corner of "
-                    f"the {name}; give it an edge radius"
+                corner = f"first at r = {mm(self.initial_contact_radius)} at a sharp corner of the {name}"
+                facets = facets_at(face, self.initial_contact_radius)
+                remedy = (
+                    f"where {len(facets)} short lines in a row stand for a curve; draw arcs or a spline there"
+                    if facets
+                    else "give it an edge radius"
                 )
+                raise GeometryError(f"closure and seat touch {corner}{',' if facets else ';'} {remedy}")
 
         if any(start < self._origin < end for start, end in self._chambers):
             raise GeometryError(

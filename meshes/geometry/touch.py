@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from itertools import groupby, product
+from itertools import groupby, pairwise, product
 
 import numpy as np
 
@@ -13,6 +13,10 @@ from meshes.errors import GeometryError, mm
 from meshes.geometry.curve import Curve
 from meshes.geometry.outline import Outline
 from meshes.geometry.segment import Segment
+
+# So many straight lines in a row that turn the same way, by less than this at each corner [rad], are a curve that was
+# written as lines.
+_FACETS, _FACET_TURN = 4, math.radians(20)
 
 
 @dataclass(frozen=True)
@@ -144,6 +148,36 @@ def at_a_corner(face: Curve, arc_length: float) -> bool:
         if float(before @ after) < math.cos(1e-4):
             return True
     return False
+
+
+def facets_at(face: Curve, radius: float) -> tuple[Segment, ...]:
+    """The straight lines in place of a curve to which a face was reduced where it is touched; none where it was not.
+
+    Parameters
+    ----------
+    face : Curve
+    radius : float
+        Where the bodies touch first [m].
+    """
+    turns = [
+        0.0 if before.centre or after.centre else _turn(before, after)
+        for before, after in pairwise(face.segments)
+    ]
+    bent = [math.copysign(1, t) if 1e-4 < abs(t) < _FACET_TURN else 0.0 for t in turns]
+    start = 0
+    for way, run in groupby(bent):
+        end = start + len(list(run))
+        pieces = face.segments[start : end + 1]
+        if way and len(pieces) >= _FACETS and pieces[0].start[0] <= radius <= pieces[-1].end[0]:
+            return pieces
+        start = end
+    return ()
+
+
+def _turn(before: Segment, after: Segment) -> float:
+    """Angle by which a line turns from the one before [rad]."""
+    a, b = np.subtract(before.end, before.start), np.subtract(after.end, after.start)
+    return math.atan2(a[0] * b[1] - a[1] * b[0], float(a @ b))
 
 
 def with_faces(closure: Outline, seat: Outline) -> tuple[Outline, Outline]:

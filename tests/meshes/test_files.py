@@ -34,7 +34,7 @@ def area_of(drawing, path: Path, **options) -> float:
 
 
 @pytest.mark.parametrize(
-    ("code", "metres"), [(0, 1e-3), (1, 0.0254), (6, 1.0), (10, 0.9144), (12, 1e-9), (21, 1200 / 3937)]
+    ("code", "metres"), [(1, 0.0254), (6, 1.0), (10, 0.9144), (12, 1e-9), (21, 1200 / 3937)]
 )
 def test_unit_of_a_drawing_is_its_own(code, metres, drawing, tmp_path) -> None:
     drawing.units = code
@@ -46,9 +46,76 @@ def test_unit_of_a_drawing_is_its_own(code, metres, drawing, tmp_path) -> None:
 def test_unit_that_is_not_known_is_asked_for(drawing, tmp_path) -> None:
     drawing.units = 20  # parsecs
     draw(drawing.modelspace())
-    with pytest.raises(GeometryError, match=r"its unit \(\$INSUNITS = 20\) is not known; give length_unit"):
+    with pytest.raises(GeometryError, match=r"does not say its unit \(\$INSUNITS = 20\).* give length_unit"):
         area_of(drawing, tmp_path / "seat.dxf")
     assert area_of(drawing, tmp_path / "seat.dxf", length_unit=1e-3) == pytest.approx(AREA, rel=1e-9)
+
+
+def test_drawing_without_a_unit_is_told_by_its_size(drawing, tmp_path) -> None:
+    """Millimetres or inches: nobody but the user knows."""
+    drawing.units = 0
+    draw(drawing.modelspace())
+    with pytest.raises(GeometryError, match=r'is 18\.5 wide and 22\.8 high: give length_unit, such as "mm" or "in"'):
+        area_of(drawing, tmp_path / "seat.dxf")
+    assert area_of(drawing, tmp_path / "seat.dxf", length_unit=0.0254) == pytest.approx(25.4**2 * AREA)
+
+
+def rounded_seat(space, millimetres: float, digits: int, turn: float) -> float:
+    """A hollow seat that ends in lines, drawn with few digits, and the area that it has without rounding [mm^2]."""
+    centre, radius = np.array([-23.3, 51.9]), 60.0
+    angles = np.array([-56.3, -38.0]) + turn
+
+    def place(angle: float) -> np.ndarray:
+        return centre + radius * np.array([math.cos(math.radians(angle)), math.sin(math.radians(angle))])
+
+    inner, outer = (place(angle) for angle in angles)
+    corners = [outer, (40.0, outer[1]), (40.0, -15.0), (inner[0], -15.0), inner]
+
+    def cut(values) -> list[float]:
+        return [round(float(one) / millimetres, digits) for one in values]
+
+    for a, b in zip(corners[:-1], corners[1:], strict=True):
+        space.add_line(cut(a), cut(b))
+    space.add_arc(cut(centre), cut([radius])[0], *(round(float(angle), digits) for angle in angles))
+    polygon = np.array([*corners, corners[0]])
+    shoelace = 0.5 * abs(np.sum(polygon[:-1, 0] * polygon[1:, 1] - polygon[1:, 0] * polygon[:-1, 1]))
+    sweep = math.radians(angles[1] - angles[0])
+    return shoelace - 0.5 * radius**2 * (sweep - math.sin(sweep))
+
+
+@pytest.mark.parametrize(("millimetres", "digits"), [(25.4, 3), (25.4, 4), (25.4, 5), (1.0, 2), (1.0, 3)])
+def test_ends_that_rounding_has_parted_are_joined(millimetres, digits, tmp_path, read_here) -> None:
+    ezdxf = pytest.importorskip("ezdxf", reason="DXF files need ezdxf")
+    step, widest = millimetres * 10.0**-digits, 0.0
+    for turn in np.random.default_rng(digits).uniform(-3, 3, 12):
+        drawing = ezdxf.new(units=1 if millimetres > 1 else 4)
+        area = rounded_seat(drawing.modelspace(), millimetres, digits, turn)
+        drawing.saveas(tmp_path / "seat.dxf")
+        found = read_section(tmp_path / "seat.dxf", "seat")
+        # no side of some 20 mm is off by more than the last digit
+        assert 1e6 * found.outline.area == pytest.approx(area, abs=100 * step)
+        assert 1e3 * found.joined < 3 * step
+        assert {s.name for s in found.outline.segments} >= {"seat_bottom", "seat_wall"}
+        arc = next(s for s in found.outline.segments if s.centre)
+        ends = [math.dist(arc.centre, end) for end in (arc.start, arc.end)]
+        assert ends[0] == pytest.approx(ends[1], rel=1e-12)
+        assert 1e3 * ends[0] == pytest.approx(60, abs=20 * step)
+        widest = max(widest, found.joined)
+    assert 1e3 * widest > 0.3 * step
+
+
+def test_gap_that_no_rounding_leaves_is_closed_when_asked_for(drawing, tmp_path) -> None:
+    """Two lines are drawn on to the corner that both lead to."""
+    space = drawing.modelspace()
+    # the numbers of a program that does not round
+    corners = [(3.5 + 1e-9 / 3, 3.5), *SEAT[1:]]
+    for a, b in zip(corners, [*corners[1:], corners[0]], strict=True):
+        space.add_line(a, (b[0], b[1] + 0.02) if b == SEAT[3] else b)
+    with pytest.raises(GeometryError, match=r"open at .* nearest end is 0\.02 mm away.* larger joint_gap"):
+        area_of(drawing, tmp_path / "seat.dxf")
+    closed = read_section(tmp_path / "seat.dxf", "seat", joint_gap=3e-5)
+    assert 1e6 * closed.outline.area == pytest.approx(AREA, rel=1e-9)
+    assert closed.joined == pytest.approx(2e-5)
 
 
 def test_blocks_give_their_layer_to_what_they_hold_on_layer_0(drawing, tmp_path) -> None:

@@ -12,7 +12,7 @@ from sample_results import run_loads
 from typer.testing import CliRunner
 
 from fem_seal import InputError, load_case, run
-from fem_seal.case.checks import touched_beside
+from fem_seal.case.checks import face_remarks
 from fem_seal.case.fields import NominalSizeEntry
 from fem_seal.case.new_case import QUESTIONS, TEMPLATES, asked, read_text_case, template, with_entries
 from fem_seal.case.schema import case_schema
@@ -246,7 +246,7 @@ def made(name: str, bore: str, *words: str, entries: list[str] | None = None) ->
     answers = {"bore": bore, **dict(word.split("=", 1) for word in words)}
     text = _with_options(template(name), name, answers, entries or [])
     case = read_text_case(text)
-    assert list(touched_beside(case)) == []
+    assert list(face_remarks(case)) == []
     return tomllib.loads(text)
 
 

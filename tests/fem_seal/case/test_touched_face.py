@@ -9,7 +9,7 @@ from places import EXAMPLES
 
 import fem_seal
 import meshes
-from fem_seal.case.checks import touched_beside
+from fem_seal.case.checks import face_remarks
 from fem_seal.cli.app import main
 from meshes.shapes.shape import named_face
 
@@ -114,7 +114,7 @@ CONE = {"shape": "cone", "angle": "45 deg"}
     ],
 )
 def test_says_which_face_is_touched_instead(closure, seat, said) -> None:
-    told = list(touched_beside(case(closure, seat)))
+    told = [text for _, _, text in face_remarks(case(closure, seat))]
     if said is None:
         assert len(told) == 1 and 'seat.shape = "conical-land"' in told[0]
         assert "inside its land" in told[0]
@@ -144,6 +144,31 @@ def test_it_makes_a_run_doubtful_and_stands_in_the_check(tmp_path, capsys) -> No
     assert 'warning: closure.shape = "cone": the bodies touch first at r = 1.32' in capsys.readouterr().err
 
 
+def faceted(count: int, turned: float) -> dict:
+    """A ball of 20 mm whose surface is written as short lines."""
+    angles = [math.pi / 2 * (n + turned) / count for n in range(1, count)]
+    points = [(0, -20), *((20 * math.sin(a), -20 * math.cos(a)) for a in angles), (20, 0), (20, 10), (0, 10)]
+    outline = [{"to": [f"{r!r} mm", f"{z!r} mm"]} for r, z in [*points, points[0]]]
+    return {"shape": "profile", "outline": outline, "material": "steel"}
+
+
+def test_a_curve_written_as_short_lines_is_told() -> None:
+    # a facet right across the contact, as if the ball were turned
+    (told,) = face_remarks(case(faceted(60, 0.5), CONE))
+    assert told[:2] == ("facets", "closure")
+    assert "60 straight lines of about 0.52" in told[2]
+    result = fem_seal.run(case(faceted(60, 0.5), CONE))
+    assert any("polygon" in one for one in result.warnings)
+    assert result.loads[0].validity.level == "doubtful"
+    # a corner right on the cone cannot be calculated, and no edge radius of the ball would help
+    with pytest.raises(fem_seal.InputError, match="60 short lines in a row stand for a curve; draw arcs"):
+        case(faceted(60, 0.3), CONE)
+    # a seat of three angles is no curve
+    three = [(12, 0), (13.6, 1.343), (14.7, 2.443), (16, 3.992), (22, 3.992), (22, -10), (12, -10), (12, 0)]
+    outline = [{"to": [f"{r} mm", f"{z} mm"]} for r, z in three]
+    assert not list(face_remarks(case(BALL_40, {"shape": "profile", "outline": outline, "material": "steel"})))
+
+
 @pytest.mark.parametrize("path", CASES, ids=lambda one: one.stem)
 def test_no_example_is_touched_beside_its_face(path) -> None:
-    assert list(touched_beside(fem_seal.load_case(path))) == []
+    assert list(face_remarks(fem_seal.load_case(path))) == []
