@@ -13,7 +13,7 @@ import stat
 import tomllib
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import replace
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
@@ -24,6 +24,7 @@ from fem_seal.units import parse_quantity
 
 if TYPE_CHECKING:
     from fem_seal.arrays import FloatArray
+    from leak.text_tables import TextTable
 
 
 def write_bytes(path: str | os.PathLike[str], chunks: bytes | Iterable[bytes]) -> Path:
@@ -214,29 +215,8 @@ def _check_length(what: str, text: str, most: int) -> None:
         raise TomlError(f'{what}, "{text[:20]} ...", has {len(text)} characters; {most} are allowed')
 
 
-@dataclass(frozen=True)
-class TextTable:
-    """Numbers of a text file.
-
-    Parameters
-    ----------
-    header : tuple of str
-        Column names, empty if the file has none.
-    values : ndarray, shape (rows, columns)
-        The numbers, as they stand there.
-    lines : tuple of int
-        Line of the file in which each row stands.
-    """
-
-    header: tuple[str, ...]
-    values: FloatArray
-    lines: tuple[int, ...]
-
-
 def read_text_table(file: str | Path) -> TextTable:
-    """Table of a text file with columns separated by comma, semicolon, tab or spaces.
-
-    The first line may be a header. Empty lines and lines that begin with # are skipped.
+    """The only table of a text file, with a number in every cell; see `leak.text_tables.read_tables`.
 
     Parameters
     ----------
@@ -245,33 +225,49 @@ def read_text_table(file: str | Path) -> TextTable:
     Raises
     ------
     TextTableError
-        If the file is missing, no text, empty, or a line does not hold as many numbers as the first; NaN and
-        infinity are no numbers.
+        If the file is missing, no text, empty, has no row of numbers, or a line is not like the first row.
+    """
+    from leak.errors import TableError
+    from leak.text_tables import only_table, read_tables
+
+    try:
+        return without_extremes(only_table(read_tables(read_any_text(file))))
+    except TableError as error:
+        raise TextTableError(str(error)) from None
+
+
+def read_any_text(file: str | Path) -> str:
+    """Text of a file in UTF-8, UTF-16 or Latin-1.
+
+    Parameters
+    ----------
+    file : path
+
+    Raises
+    ------
+    TextTableError
+        If it is missing, empty or no text.
+    """
+    from leak.errors import TableError
+    from leak.text_tables import decoded
+
+    try:
+        return decoded(read_bytes(file))
+    except (TableError, UnreadableFileError) as error:
+        raise TextTableError(str(error)) from None
+
+
+def without_extremes(table: TextTable) -> TextTable:
+    """A table without numbers that have no square; TextTableError if one is beyond all measure.
+
+    Parameters
+    ----------
+    table : TextTable
     """
     import numpy as np
 
-    lines = [(number, line.strip()) for number, line in enumerate(_read_lines(file), start=1)]
-    lines = [(number, line) for number, line in lines if line and not line.startswith("#")]
-    if not lines:
-        raise TextTableError("is empty; a table of numbers is needed")
-    header = () if _numbers(lines[0][1]) else _cells(lines[0][1], keep_spaces=True)
-    rows = lines[1:] if header else lines
-    if not rows:
-        raise TextTableError("has a header but no rows of numbers")
-    for number, line in rows:
-        if _has_decimal_commas(line):
-            raise _wrong_table("decimal_commas", number=number, line=line[:40])
-    values = [_numbers(line) for _, line in rows]
-    columns = len(values[0]) or len(header)
-    for (number, line), row in zip(rows, values, strict=True):
-        if len(row) != columns:
-            found = f"{len(row)}" if row else "something else"
-            raise _wrong_table("row_of_table", number=number, line=line[:40], columns=columns, found=found)
-    numbers = np.array(values)
-    lines_of_rows = tuple(number for number, _ in rows)
-    _check_sizes(numbers, lines_of_rows, _BEYOND)
-    # smaller ones have no square
-    return TextTable(header, np.where(np.abs(numbers) < 1 / _BEYOND, 0.0, numbers), lines_of_rows)
+    _check_sizes(table.values, table.lines, _BEYOND)
+    return replace(table, values=np.where(np.abs(table.values) < 1 / _BEYOND, 0.0, table.values))
 
 
 # Beyond this no number of a table means anything, and beyond these none of its dimension [SI].
@@ -289,58 +285,6 @@ def _check_sizes(values: FloatArray, lines: tuple[int, ...], largest: float, wha
         row = values.reshape(len(values), -1)[beyond[0]]
         number = float(row[int(np.argmax(np.abs(row)))])
         raise _wrong_table("beyond_measure", line=lines[int(beyond[0])], number=number, what=what)
-
-
-def _read_lines(file: str | Path) -> list[str]:
-    try:
-        text = read_text(file)
-    except UnicodeDecodeError:
-        raise TextTableError("is not a text file; a table of numbers is needed") from None
-    except UnreadableFileError as error:
-        raise TextTableError(str(error)) from None
-    if "\0" in text:
-        raise TextTableError("is not a text file; a table of numbers is needed")
-    return lines_of_table(text)
-
-
-# Of a table with a few columns.
-_LONGEST_ROW = 5000
-
-
-def lines_of_table(text: str) -> list[str]:
-    """Lines of a text.
-
-    Raises
-    ------
-    TextTableError
-        If one is longer than any of a table with a few columns.
-    """
-    lines = text.splitlines()
-    for number, line in enumerate(lines, start=1):
-        if len(line) > _LONGEST_ROW:
-            raise TextTableError(f"line {number} has {len(line)} characters; a table of numbers is needed")
-    return lines
-
-
-def _cells(line: str, *, keep_spaces: bool = False) -> tuple[str, ...]:
-    # a header such as "x [m], p [Pa]" has spaces inside its names; numbers never have
-    separated = keep_spaces and re.search(r"[,;\t]", line)
-    cells = re.split(r"\s*[,;\t]\s*" if separated else r"\s*[,;\t]\s*|\s+", line)
-    return tuple(cell.strip().strip('"') for cell in cells)
-
-
-def _has_decimal_commas(line: str) -> bool:
-    """Whether commas stand between digits although something else separates the columns."""
-    return bool(re.search(r"\d,\d", line) and re.search(r"\d\s*[;\s]\s*[-+.\d]", line))
-
-
-def _numbers(line: str) -> list[float]:
-    """The numbers of a line; empty if anything else stands in it."""
-    try:
-        numbers = [float(cell) for cell in _cells(line)]
-    except ValueError:
-        return []
-    return numbers if all(abs(number) < float("inf") for number in numbers) else []
 
 
 # What a column may be called, and its dimension: one of `fem_seal.units.DIMENSIONS`, or "strain".
@@ -367,9 +311,12 @@ def find_columns(table: TextTable, names: Names, example: str) -> dict[str, int]
         If the table has no header, or one of another length than its rows.
     """
     if not table.header:
+        columns = table.values.shape[1]
+        if table.above:
+            raise _wrong_table(
+                "column_names", above=table.above[-1][1][:60], columns=columns, example=example
+            )
         raise TextTableError(f"has no header; name the columns and their units, {example}")
-    if len(table.header) != table.values.shape[1]:
-        raise _wrong_table("column_names", names=len(table.header), columns=table.values.shape[1])
     words = [name_and_unit(header)[0] for header in table.header]
     places = {
         role: next((n for n, word in enumerate(words) if word in known), None)

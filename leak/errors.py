@@ -25,6 +25,19 @@ class SpectrumError(LeakError):
     """
 
 
+class TableError(LeakError):
+    """A text holds no table of numbers, or not the expected one.
+
+    Examples
+    --------
+    >>> from leak.text_tables import read_tables
+    >>> read_tables("no numbers")
+    Traceback (most recent call last):
+        ...
+    leak.errors.TableError: has a header but no rows of numbers
+    """
+
+
 class ScanError(LeakError):
     """A measured line scan or height map cannot be read, or holds too little to make a spectrum of.
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from fem_seal.arrays import FloatArray, IntArray
 from fem_seal.errors import InputError, Problem, QuantityError, TextTableError
-from fem_seal.files import TextTable, column, find_columns, read_text_table
+from fem_seal.files import column, find_columns, read_text_table
 from fem_seal.profile import PressureProfile
 from fem_seal.seal.leak_model import Conductivity, FlowModel, LeakModel
 from fem_seal.seal.load_result import GivenContact, GivenLoad
@@ -20,6 +20,7 @@ from fem_seal.seal.problem import SealProblem
 from fem_seal.units import format_quantity
 from fem_seal.validity.checks import profile_validity
 from leak import RoughContact
+from leak.text_tables import TextTable
 from meshes import ContactGeometry
 
 # What a column may be called, and its dimension.

@@ -7,7 +7,7 @@ from dataclasses import replace
 from itertools import groupby
 from operator import itemgetter
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple, cast
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, cast
 
 from pydantic import Discriminator, Field, GetCoreSchemaHandler, GetJsonSchemaHandler, Tag, model_validator
 from pydantic_core import CoreSchema, core_schema
@@ -25,7 +25,7 @@ from fem_seal.case.fields import (
 from fem_seal.case.material_library import LIBRARY, library_name, material, similar_names
 from fem_seal.case.words import sentence, wrong
 from fem_seal.errors import InputError, TextTableError
-from fem_seal.files import Names, TextTable, column, find_columns, read_text_table
+from fem_seal.files import Names, column, find_columns, read_text_table
 from fem_seal.materials import (
     ROOM_TEMPERATURE,
     HardeningCurve,
@@ -35,6 +35,9 @@ from fem_seal.materials import (
     in_degrees,
 )
 from fem_seal.units import DIMENSIONS
+
+if TYPE_CHECKING:
+    from leak.text_tables import TextTable
 
 _STRENGTH = Quantity("pressure", "0.1 MPa", "200 GPa")
 # Numbers of a material, each as one or as a table over temperature.

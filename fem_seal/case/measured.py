@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,9 +9,10 @@ from typing import Any
 
 from fem_seal.case.case import Case
 from fem_seal.case.words import problem
-from fem_seal.errors import InputError, Problem
-from fem_seal.files import UnreadableFileError, name_and_unit, read_text
+from fem_seal.errors import InputError, Problem, TextTableError
+from fem_seal.files import name_and_unit, read_any_text
 from fem_seal.units import split_unit
+from leak.text_tables import COMMENTS, cells_of
 
 # What stands in a column, and where the case has the same.
 _KEYS = {
@@ -83,12 +82,10 @@ def read_measured(case: Case, file: str | Path) -> tuple[MeasuredLeak, ...]:
         With line and column of an entry that is wrong.
     """
     try:
-        return measured_in(case, read_text(file))
+        return measured_in(case, read_any_text(file))
     except InputError as error:
         raise error.in_file(file) from None
-    except UnicodeDecodeError:
-        raise InputError(problem("measured_no_text"), file=file) from None
-    except UnreadableFileError as error:
+    except TextTableError as error:
         raise InputError.at("", str(error), file=file) from None
 
 
@@ -106,15 +103,17 @@ def measured_in(case: Case, text: str) -> tuple[MeasuredLeak, ...]:
 def _rows(case: Case, text: str) -> Iterator[MeasuredLeak]:
     if case.bolts is not None:
         raise InputError(problem("measured_bolts"))
-    lines = text.lstrip("\ufeff").splitlines()
-    kept = [(n, line) for n, line in enumerate(lines, 1) if line.strip() and not line.startswith("#")]
+    kept = [
+        (n, line)
+        for n, line in enumerate(text.split("\n"), 1)
+        if line.strip() and not line.startswith(COMMENTS)
+    ]
     if len(kept) < 2:
         raise InputError(problem("measured_empty"))
     if len(kept) - 1 > _MOST_ROWS:
         raise InputError(problem("measured_too_many", rows=len(kept) - 1, most=_MOST_ROWS))
     separator = next((one for one in ";\t" if one in kept[0][1]), ",")
-    reader = csv.reader(io.StringIO("\n".join(line for _, line in kept)), delimiter=separator)
-    header, *cells = [[cell.strip() for cell in row] for row in reader]
+    header, *cells = [cells_of(line, separator) for _, line in kept]
     names = [_name_and_unit(one) for one in header]
     known = [name for name, _ in names]
     for name in (

@@ -2,38 +2,33 @@
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from fem_seal.arrays import FloatArray
 from fem_seal.case.words import sentence
 from fem_seal.errors import QuantityError, TextTableError
 from fem_seal.files import (
     Names,
-    UnreadableFileError,
     column,
     find_columns,
-    lines_of_table,
-    read_bytes,
+    read_any_text,
     read_text_table,
 )
 from fem_seal.form import Trace
 from fem_seal.units import parse_quantity
 
+if TYPE_CHECKING:
+    from leak.text_tables import TextTable
+
 # Rows of numbers that make a trace; an instrument's list of results has fewer.
 _FEWEST_ROWS = 8
 _ANGLES = ("angle", "phi", "theta", "winkel", "degree", "degrees", "deg", "position", "azimuth", "c")
 _DEVIATIONS = ("deviation", "dev", "abweichung", "profile", "profil", "height", "residual", "error")
-_SEPARATORS = (";", "\t", ",", None)
-# Between the names of columns, in the order in which they are tried: names may hold spaces, and commas in brackets.
-_BETWEEN_NAMES = (r";", r"\t", r",(?![^\[(]*[\])])", r"\s{2,}", r"(?<=[\])])\s+", r"\s+(?![\[(])")
 # "deviation [um]", "deviation / um", "deviation in um", "deviation_um", "deviation um"
 _UNITS = (r"[\[(]\s*([^\])]+?)\s*[\])]", r"/\s*(\S+)$", r"\bin\s+(\S+)$", r"_([^_\s]+)$", r"\s(\S+)$")
-# What instruments write where they have no reading.
-_NOTHING = ("n/a", "#n/a", "na", "bad", "invalid", "null")
 _ANGLE_UNITS = {"°": "deg", "grad": "deg", "degree": "deg", "degrees": "deg", "radians": "rad"}
 _LENGTH_UNITS = {"microns": "micron", "µ": "um", "μ": "um", "uinch": "uin", "µinch": "uin"}
 
@@ -41,11 +36,9 @@ _LENGTH_UNITS = {"microns": "micron", "µ": "um", "μ": "um", "uinch": "uin", "�
 def read_trace(file: str | Path, unit: str | None = None) -> Trace:
     """A trace of one turn.
 
-    Lines before the numbers are skipped but for the last, which names the columns if it has as many words; units may
-    stand in a line of their own below the names. Columns are separated by semicolons, tabs, commas or spaces; unless
-    they are commas, numbers may have decimal commas. A file of one column holds deviations at uniform angles around
-    the whole turn; a last one that repeats the first closes the turn. Rows without a number, where the probe lost the
-    surface, are left out.
+    The longest table of the file, see `leak.text_tables.read_tables`. A file of one column holds deviations at uniform
+    angles around the whole turn; a last one that repeats the first closes the turn. Rows without a number, where the
+    probe lost the surface, are left out.
 
     Parameters
     ----------
@@ -61,22 +54,19 @@ def read_trace(file: str | Path, unit: str | None = None) -> Trace:
     """
     import numpy as np
 
-    lines = _lines(file)
-    table = max((_block(lines, separator) for separator in _SEPARATORS), key=lambda one: one.rank)
-    if len(table.rows) < _FEWEST_ROWS:
-        raise TextTableError(sentence("trace_rows", fewest=_FEWEST_ROWS))
-    values = np.array(table.rows)
+    table = _longest(file)
+    values = table.values
     if values.shape[1] == 1:
         deviation, at = _one_turn(values[:, 0]), 0
         angle = 2 * np.pi * np.arange(len(deviation)) / len(deviation)
     else:
         place, at = _columns(table.header)
         angle, deviation = values[:, place], values[:, at]
-        angle = angle * _factor_of(_angle_unit(table.name(place), angle), "angle")
+        angle = angle * _factor_of(_angle_unit(_name(table, place), angle), "angle")
     kept = np.isfinite(angle) & np.isfinite(deviation)
     if kept.sum() < _FEWEST_ROWS:
         raise TextTableError(sentence("trace_points", number=kept.sum(), fewest=_FEWEST_ROWS))
-    factor = _factor_of(unit or _unit_in(table.name(at), "length"), "length")
+    factor = _factor_of(unit or _unit_in(_name(table, at), "length"), "length")
     angle, deviation = angle[kept], deviation[kept] * factor
     turn = float(np.ptp(angle))
     if turn > 2 * np.pi * 1.001 + 1e-9:
@@ -87,113 +77,22 @@ def read_trace(file: str | Path, unit: str | None = None) -> Trace:
     return Trace(angle, deviation)
 
 
-@dataclass(frozen=True)
-class _Block:
-    """A run of rows of numbers, and the names over its columns, empty where there are none."""
+def _longest(file: str | Path) -> TextTable:
+    """The longest table of a file: instruments write lists of results beside a trace."""
+    from leak.errors import TableError
+    from leak.text_tables import read_tables
 
-    header: tuple[str, ...] = ()
-    rows: tuple[tuple[float, ...], ...] = ()
-
-    @property
-    def rank(self) -> tuple[int, bool, int]:
-        """The longest block is the trace; of equals the one whose columns have names, then that with more columns."""
-        return len(self.rows), bool(self.header), len(self.rows[0]) if self.rows else 0
-
-    def name(self, place: int) -> str:
-        return self.header[place] if self.header else ""
-
-
-def _lines(file: str | Path) -> list[str]:
     try:
-        content = read_bytes(Path(file))
-    except UnreadableFileError as error:
+        table = max(read_tables(read_any_text(file)), key=lambda one: len(one.rows))
+    except TableError as error:
         raise TextTableError(str(error)) from None
-    marked = content[:2] in (b"\xff\xfe", b"\xfe\xff")
-    try:
-        text = content.decode("utf-16" if marked else "utf-8-sig")
-    except UnicodeDecodeError:
-        # every sequence of bytes is Latin-1; in it instruments write the micro and the degree sign
-        text = content.decode("latin-1")
-    if "\0" in text:
-        raise TextTableError("is not a text file; export the trace as text with angle and deviation")
-    return lines_of_table(text)
+    if len(table.rows) < _FEWEST_ROWS:
+        raise TextTableError(sentence("trace_rows", fewest=_FEWEST_ROWS))
+    return table
 
 
-def _block(lines: Sequence[str], separator: str | None) -> _Block:
-    """The longest run of rows of numbers, if columns are separated so."""
-    longest, start, rows = (0, list[list[float]]()), 0, list[list[float]]()
-    for number, line in enumerate([*lines, ""]):
-        row = _numbers(line, separator)
-        # a row that ends early lacks its last numbers
-        if row and (not rows or len(row) <= len(rows[0])):
-            start = start if rows else number
-            rows.append(row)
-        else:
-            start, rows = number, [row] if row else []
-        if len(rows) > len(longest[1]):
-            longest = start, rows
-    start, rows = longest
-    cells = max(map(len, rows), default=0)
-    header = _header(lines[:start], cells)
-    if not header:
-        # what ends with a separator in every row has one column less than cells
-        known = (n for row in rows for n, value in enumerate(row, start=1) if not math.isnan(value))
-        cells = max(known, default=0)
-        header = _header(lines[:start], cells)
-    return _Block(header, tuple(tuple((row + [math.nan] * cells)[:cells]) for row in rows))
-
-
-def _numbers(line: str, separator: str | None) -> list[float]:
-    """Numbers of a line; NaN where a cell is empty or a word for nothing; empty if it is no row."""
-    if not line.strip():
-        return []
-    cells = [cell.strip().strip('"') for cell in line.strip(" \r\n").split(separator)]
-    found = list[float]()
-    for cell in cells:
-        number = _number(cell if separator == "," else cell.replace(",", "."))
-        if number is None:
-            return []
-        found.append(number)
-    # what begins with a word is no row of a table, but a word alone may be a reading of one column
-    return found if len(found) == 1 or not math.isnan(found[0]) else []
-
-
-def _number(cell: str) -> float | None:
-    """A number; NaN for nothing and for a word without letters, or one that says that there is none; else None."""
-    try:
-        number = float(cell)
-    except ValueError:
-        nothing = not any(c.isalnum() for c in cell) or cell.lower() in _NOTHING
-        return math.nan if nothing else None
-    return number if math.isfinite(number) else math.nan
-
-
-def _header(before: Sequence[str], columns: int) -> tuple[str, ...]:
-    """Names of the columns with their units; empty where the line before the numbers has not as many."""
-    named = [line for line in before if line.strip()]
-    if not named:
-        return ()
-    last = _cells(named[-1], columns)
-    if last and len(named) > 1 and all(_is_unit(cell) for cell in last if cell):
-        # no names if the line above has not as many
-        pairs = zip(_cells(named[-2], columns), last, strict=False)
-        return tuple(f"{name} [{cell.strip('[]() ')}]" for name, cell in pairs)
-    return last
-
-
-def _cells(line: str, columns: int) -> tuple[str, ...]:
-    """Names of a line that has so many, however they are separated; else none."""
-    text = line.strip().lstrip("#").strip()
-    whole = [[text]] if columns == 1 and not re.search(r"[;\t]", text) else []
-    for way in (*whole, *(re.split(between, text.rstrip(";,\t ")) for between in _BETWEEN_NAMES)):
-        if len(way) == columns:
-            return tuple(cell.strip().strip('"') for cell in way)
-    return ()
-
-
-def _is_unit(cell: str) -> bool:
-    unit = cell.strip("[]() ")
-    return _factor(unit, "length") is not None or _factor(unit, "angle") is not None
+def _name(table: TextTable, place: int) -> str:
+    return table.header[place] if table.header else ""
 
 
 def _columns(header: Sequence[str]) -> tuple[int, int]:
