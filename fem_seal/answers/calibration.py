@@ -20,6 +20,7 @@ import numpy as np
 from fem_seal.answers import measurements
 from fem_seal.answers.accuracy import ACCURACY
 from fem_seal.answers.answer import Inquiry, answered
+from fem_seal.answers.conflict import Conflict, Data, conflict_of, data_p_value
 from fem_seal.answers.judgement import JudgedLoad, PassProbability
 from fem_seal.answers.leakage_class import limits
 from fem_seal.answers.opening import OPENING
@@ -29,7 +30,7 @@ from fem_seal.answers.response_surface import fit, variables
 from fem_seal.answers.solution import SealSolution
 from fem_seal.answers.uncertainty import AnyInput, drawn_values, leak_interval, uncertain_inputs
 from fem_seal.answers.verdict import VERDICT, Judgements, seal_judgement, with_judgements
-from fem_seal.arrays import BoolArray, FloatArray, IntArray
+from fem_seal.arrays import FloatArray, IntArray
 from fem_seal.case.case import Case
 from fem_seal.case.finish import HEIGHTS
 from fem_seal.case.measured import MeasuredLeak, with_fluid
@@ -53,9 +54,6 @@ _KEPT = 512
 _FEWEST = 50.0
 # Largest share of data sets of the prior that are farther from it than those that are called a conflict.
 _CONFLICT = 0.02
-_SIMULATED = 4000
-# ln of a factor that is none.
-_AS_MUCH = 0.4
 # Draws of the posterior that say what a next test is expected to leave.
 _SHOWN = 4096
 # Of values that a finish leaves open.
@@ -133,29 +131,6 @@ class NextTest:
     def narrowing(self) -> float:
         """Share of the width of ln Q that goes [-]."""
         return 1.0 - math.log(self.expected) / math.log(self.width) if self.width > 1.0 else 0.0
-
-
-@dataclass(frozen=True)
-class Conflict:
-    """Readings that the prior can hardly have made.
-
-    Parameters
-    ----------
-    factor : float
-        Measured over expected, geometric mean [-].
-    culprit : {"path", "factor", "order", "scatter"}
-        What explains them best: a path that no force closes (scratch, particle), one factor (fluid, form), or none of
-        them: as much leaks as expected, at other loads. Readings of one load that contradict each other come first.
-    farthest : int
-        Number of the reading that is farthest from what is expected.
-    scatter : float
-        Of "scatter", standard deviation of ln Q of readings of the same load [-].
-    """
-
-    factor: float
-    culprit: str
-    farthest: int = 0
-    scatter: float = math.nan
 
 
 @dataclass(frozen=True)
@@ -322,39 +297,6 @@ class _Joint:
 # -------------------------------------------------------------------- Bayes' rule
 
 
-@dataclass(frozen=True)
-class Data:
-    """Readings as the likelihood takes them, arrays of shape (m,).
-
-    Parameters
-    ----------
-    y : ndarray
-        ln of the leak rates, or of the instrument's limit.
-    spread : ndarray
-        Standard deviation of y.
-    below : ndarray of bool
-        Whether less leaked.
-    """
-
-    y: FloatArray
-    spread: FloatArray
-    below: BoolArray
-
-    @classmethod
-    def of(cls, readings: Sequence[MeasuredLeak], slack: float = 0.0) -> Data:
-        """Of readings whose leak rates are known to `slack`."""
-        y = np.log([one.leak_rate for one in readings])
-        spread = np.hypot([one.uncertainty for one in readings], slack)
-        return cls(y, spread, np.array([one.below for one in readings], dtype=bool))
-
-    def log_likelihood(self, y: FloatArray) -> FloatArray:
-        """Of each draw, from its y, shape (n, m); shape (n,)."""
-        from scipy.special import log_ndtr
-
-        away = (self.y - y) / self.spread
-        return np.asarray(np.where(self.below, log_ndtr(away), -0.5 * away**2).sum(axis=1))
-
-
 def weights_of(log_likelihood: FloatArray) -> FloatArray:
     """Weights of draws, their sum one."""
     weights = np.exp(log_likelihood - log_likelihood.max())
@@ -364,76 +306,6 @@ def weights_of(log_likelihood: FloatArray) -> FloatArray:
 def percentiles(values: FloatArray, weights: FloatArray, shares: Percentiles = _SHARES) -> Percentiles:
     """Values that 5, 50 and 95 % of the weight stay below, or three other shares; shapes (n,)."""
     return tuple(measurements.weighted_quantiles(values, weights, shares).tolist())
-
-
-def data_p_value(y: FloatArray, data: Data, seed: int) -> float:
-    """Share of data sets of the prior that are as far from its mean as the readings, or farther.
-
-    Parameters
-    ----------
-    y : ndarray, shape (n, m)
-        Of draws of the prior.
-    data : Data
-    seed : int
-    """
-    random = np.random.default_rng(seed)
-    few = y[random.choice(len(y), _SIMULATED, replace=len(y) < _SIMULATED)]
-    few = few + data.spread * random.standard_normal(few.shape)
-    shares = []
-    if not data.below.all():
-        shown = few[:, ~data.below]
-        covariance = np.atleast_2d(np.cov(shown.T)) + 1e-12 * np.eye(shown.shape[1])
-        inverse, mean = np.linalg.inv(covariance), shown.mean(axis=0)
-        far, own = shown - mean, data.y[~data.below] - mean
-        distance = np.einsum("ij,jk,ik->i", far, inverse, far)
-        shares.append(float((distance >= own @ inverse @ own).mean()))
-    if data.below.any():
-        shares.append(float((few[:, data.below] <= data.y[data.below]).all(axis=1).mean()))
-    # of several looks the most surprising
-    return min(1.0, len(shares) * max(min(shares), 1.0 / _SIMULATED))
-
-
-def _conflict(y: FloatArray, data: Data, drive: FloatArray) -> Conflict:
-    """What explains readings that the prior can hardly have made: a path beside the contact, or a factor.
-
-    A path that no force closes, a scratch or a particle, lets through what the pressure drives.
-    """
-    shown = ~data.below
-    expected = y.mean(axis=0)
-    line = int(np.argmax(np.abs(data.y - expected) / np.hypot(y.std(axis=0), data.spread)))
-    if not shown.any():
-        return Conflict(math.exp(float((data.y - expected).mean())), "factor", line)
-    mean = expected[shown]
-    if scatter := _scatter(data.y[shown], data.spread[shown], mean):
-        return Conflict(math.exp(float((data.y[shown] - mean).mean())), "scatter", line, scatter)
-    covariance = np.atleast_2d(np.cov(y[:, shown].T)) + np.diag(data.spread[shown] ** 2)
-    inverse, away = np.linalg.inv(covariance), data.y[shown] - mean
-    ones = np.ones(away.size)
-    level = float(ones @ inverse @ away / (ones @ inverse @ ones))
-    rest = away - level
-    of_factor = float(rest @ inverse @ rest)
-    per_drive = np.log(drive[shown]) - mean
-    paths = [
-        away - np.log1p(np.exp(size + per_drive)) for size in np.linspace(-40.0, 10.0, 501) - per_drive.mean()
-    ]
-    of_path = min(float(one @ inverse @ one) for one in paths)
-    factor = math.exp(float(away.mean()))
-    if abs(away.mean()) < _AS_MUCH:
-        return Conflict(factor, "order", line)
-    path = away.mean() > 0.0 and away.size > 1 and of_path < of_factor
-    return Conflict(factor, "path" if path else "factor", line)
-
-
-def _scatter(y: FloatArray, spread: FloatArray, expected: FloatArray) -> float | None:
-    """Standard deviation of readings of the same load, of which as much is expected; None if `spread` explains it."""
-    from scipy.special import chdtrc
-
-    _, load = np.unique(expected, return_inverse=True)
-    rest = y - (np.bincount(load, y) / np.bincount(load))[load]
-    free = rest.size - int(load.max()) - 1
-    if free < 1 or chdtrc(free, float(((rest / spread) ** 2).sum())) >= _CONFLICT:
-        return None
-    return math.sqrt(float((rest**2).sum()) / free)
 
 
 # -------------------------------------------------------------------- the calibration
@@ -508,7 +380,7 @@ def calibrate(
     weights = weights_of(data.log_likelihood(y))
     kept = _resampled(weights, _SHOWN, seed)
     p_value = data_p_value(y, data, seed)
-    conflict = _conflict(y, data, _drive(readings)) if p_value < _CONFLICT else None
+    conflict = conflict_of(y, data, _drive(readings)) if p_value < _CONFLICT else None
     last = len(own.load.points) - 1
     candidates = [
         (NextTest(name, case.fluid.name, *point), joint.y[kept, groups[0].points.index(point)])

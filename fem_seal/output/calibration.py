@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from fem_seal.answers.calibration import Calibration, LearnedInput, NextTest, Percentiles, Prediction
+from fem_seal.answers.conflict import Conflict
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.case.case_file import case_text
 from fem_seal.files import as_json, write_text
@@ -43,6 +44,8 @@ TEST_COLUMNS = (
 # An input of whose width less than this has gone is one that the readings say little about, and a theory that is this
 # many times as likely as another is preferred.
 _LEARNED, _PREFERRED = 0.1, 3.0
+# Odds beyond which their number says no more.
+_MOST_ODDS = 1000
 
 
 def write_calibration(found: Calibration, folder: Path) -> None:
@@ -94,7 +97,11 @@ def summary(found: Calibration) -> dict[str, Any]:
         "p_value": found.p_value,
         "conflict": None
         if found.conflict is None
-        else {"factor": found.conflict.factor, "culprit": found.conflict.culprit},
+        else {
+            "factor": found.conflict.factor,
+            "culprit": found.conflict.likeliest.name,
+            "explanations": dict(found.conflict.probabilities),
+        },
         "alternatives": dict(found.alternatives) if taught else {},
         "effective_draws": found.effective_draws,
         "learned": {one.name: one.learned for one in found.inputs} if taught else {},
@@ -121,12 +128,7 @@ def lines(found: Calibration) -> Iterator[str]:
     found : Calibration
     """
     if found.conflict is not None:
-        way, culprit = "more" if found.conflict.factor > 1 else "less", found.conflict.culprit
-        key = culprit if culprit in ("order", "scatter") else f"{culprit}_{way}"
-        words = phrase("calibration.culprit", key, scatter=found.conflict.scatter)
-        factor = number(max(found.conflict.factor, 1.0 / found.conflict.factor), 2)
-        values = {"p": found.p_value, "line": found.readings[found.conflict.farthest].line}
-        yield phrase("calibration.sentences", "conflict", factor=factor, way=way, culprit=words, **values)
+        yield _conflict(found, found.conflict)
         return
     last = found.predictions[-1]
     yield phrase(
@@ -177,6 +179,31 @@ def lines(found: Calibration) -> Iterator[str]:
         yield phrase("calibration.sentences", "next", test=test_in_words(first), narrowing=narrowing)
     if not found.settled:
         yield phrase("calibration.sentences", "thin", draws=found.effective_draws)
+
+
+def _conflict(found: Calibration, conflict: Conflict) -> str:
+    """That the readings contradict the inputs, and the likeliest explanation with its odds."""
+    way, best = "more" if conflict.factor > 1 else "less", conflict.likeliest
+    lines = [str(one.line) for one in found.readings]
+    names = [phrase("calibration.explanations", one.name) for one in conflict.explanations]
+    first, *others = conflict.probabilities.values()
+    likeliest = ""
+    if others:
+        odds = number(first / others[0], 2) if first < _MOST_ODDS * others[0] else f"more than {_MOST_ODDS}"
+        values = {"count": len(names), "first": names[0], "second": names[1], "odds": odds}
+        likeliest = phrase("calibration.sentences", "likeliest", **values)
+    either = best.name in ("factor", "slope")
+    culprit = phrase(
+        "calibration.culprit",
+        f"{best.name}_{'more' if best.size > 1.0 else 'less'}" if either else best.name,
+        size=best.size,
+        rate=leak_range_text(best.size, 2, volume=volume_of(found.case)) if best.name == "path" else "",
+        lines=", ".join(lines[n] for n in best.readings),
+        line=lines[conflict.farthest],
+    )
+    factor = number(max(conflict.factor, 1.0 / conflict.factor), 2)
+    values = {"p": found.p_value, "line": lines[conflict.farthest], "factor": factor, "way": way}
+    return phrase("calibration.sentences", "conflict", likeliest=likeliest, culprit=culprit, **values)
 
 
 def _range(found: Calibration, rates: Percentiles) -> str:

@@ -13,17 +13,15 @@ from places import EXAMPLES
 
 import fem_seal
 from fem_seal.answers.calibration import (
-    Data,
     LearnedInput,
-    _conflict,
     _group,
     _Joint,
     _passing,
     calibrate,
-    data_p_value,
     percentiles,
     weights_of,
 )
+from fem_seal.answers.conflict import Data, conflict_of, data_p_value
 from fem_seal.answers.measurements import TRUTHS, Draws, weighted_quantiles
 from fem_seal.answers.posterior import Posterior
 from fem_seal.answers.uncertainty import drawn_values, uncertain_inputs
@@ -144,38 +142,67 @@ def test_readings_below_the_limit_leave_the_draws_that_leak_less():
     assert weights[y[:, 0] < -0.1].sum() == pytest.approx(1.0 - weights[y[:, 0] >= -0.1].sum())
 
 
-def test_a_path_that_no_force_closes_is_told_from_a_factor():
-    """Theory: the leak falls with the pressure that closes; a scratch leaks what the pressure drives."""
-    pressure = np.array([5e5, 1e6, 2e6, 4e6])
-    theory = np.log(1e-12 * pressure * np.exp(-pressure / 1e6))
-    y = theory + 0.2 * np.random.default_rng(1).standard_normal((2000, 1))
-    spread, below = np.full(4, 0.05), np.zeros(4, dtype=bool)
-    scratched = Data(np.log(np.exp(theory) + 5e-12 * pressure), spread, below)
-    found = _conflict(y, scratched, pressure)
-    assert found.culprit == "path"
-    assert found.factor > 5.0
-    thinner = Data(theory + math.log(20.0), spread, below)
-    found = _conflict(y, thinner, pressure)
-    assert (found.factor, found.culprit) == (pytest.approx(20.0, rel=0.05), "factor")
-    turned = Data(theory[::-1], spread, below)
-    assert _conflict(y, turned, pressure).culprit == "order"
+def force_test(leak_rates, uncertainty=0.05, level=0.5):
+    """Readings at four forces, of a seal whose leak rate falls as theirs does; the level is open."""
+    away = level * np.random.default_rng(1).standard_normal((2000, 1))
+    spread = np.full(4, uncertainty)
+    data = Data(np.log(leak_rates), spread, np.zeros(4, dtype=bool))
+    return conflict_of(EXPECTED + away, data, np.full(4, 1e6))
+
+
+EXPECTED = np.log([8e-9, 3e-9, 9e-10, 2e-10])
+
+
+@pytest.mark.parametrize("share", [0.3, 1.0, 3.0, 30.0])
+def test_a_leak_that_no_force_closes_is_found_with_its_leak_rate(share):
+    """Theory: a scratch adds as much at each force; also where it hides among the leak rates that are expected."""
+    scratch = share * 1e-9
+    found = force_test(np.exp(EXPECTED) + scratch)
+    assert found.likeliest.name == "path"
+    assert found.likeliest.size == pytest.approx(scratch, rel=0.1)
+    first, second, *_ = found.probabilities.values()
+    assert sum(found.probabilities.values()) == pytest.approx(1.0)
+    assert first / second > 3.0
+
+
+@pytest.mark.parametrize(
+    ("leak_rates", "name", "size", "readings"),
+    [
+        (30.0 * np.exp(EXPECTED), "factor", 30.0, ()),
+        (np.exp(EXPECTED) / 30.0, "factor", 1.0 / 30.0, ()),
+        (np.exp(EXPECTED)[[0, 2, 1, 3]], "order", 2.0, (1, 2)),
+        (np.exp(EXPECTED)[::-1], "order", 4.0, (0, 1, 2, 3)),
+        (np.exp(EXPECTED) * [1.0, 1000.0**0.5, 1.0, 1.0], "reading", 1000.0**0.5, (1,)),
+        (np.exp(EXPECTED.mean() + 1.3 * (EXPECTED - EXPECTED.mean())), "slope", 1.3, ()),
+    ],
+)
+def test_each_explanation_is_named_where_it_is_true(leak_rates, name, size, readings):
+    found = force_test(leak_rates)
+    assert found.likeliest.name == name
+    assert found.likeliest.size == pytest.approx(size, rel=0.15)
+    assert found.likeliest.readings == readings
+    assert found.probabilities[name] > 0.8
 
 
 def test_readings_of_one_load_that_contradict_each_other_are_told():
     random = np.random.default_rng(3)
-    one = 0.2 * random.standard_normal(400)
+    one = 0.2 * random.standard_normal(40000)
     y = np.stack([one, one, one + 1.0, one + 1.0], axis=1)
     away = np.array([0.3, -0.3, 0.2, -0.2])
+    data = Data(y.mean(axis=0) + away, np.full(4, 0.05), np.zeros(4, dtype=bool))
+    found = conflict_of(y, data, np.ones(4))
+    # by hand: the likelihood of a variance v is greatest where 0.26/v^2 = 3/v + 1/(v + 4 0.2^2)
+    variance = np.linspace(0.05, 0.12, 20001)
+    best = variance[np.argmin(0.26 / variance + 3 * np.log(variance) + np.log(variance + 0.16))]
+    assert found.likeliest.name == "scatter"
+    assert found.likeliest.size == pytest.approx(math.sqrt(best), rel=0.02)
 
-    def conflict(spread):
-        return _conflict(
-            y, Data(y.mean(axis=0) + away, np.full(4, spread), np.zeros(4, dtype=bool)), np.ones(4)
-        )
 
-    found = conflict(0.1)
-    # by hand: sqrt((2 0.3^2 + 2 0.2^2)/(4 readings less 2 loads))
-    assert (found.culprit, found.scatter) == ("scatter", pytest.approx(math.sqrt(0.13)))
-    assert conflict(0.3).culprit != "scatter"
+def test_one_reading_alone_knows_a_factor_and_a_sealed_draw_costs_nothing():
+    y = np.full((500, 1), -1e3)
+    found = conflict_of(y, Data(np.array([-20.0]), np.array([0.1]), np.array([False])), np.ones(1))
+    assert [one.name for one in found.explanations] == ["factor"]
+    assert math.isfinite(found.factor) and found.factor > 1e6
 
 
 def test_the_expected_width_is_that_of_the_closed_form():
@@ -313,6 +340,7 @@ def test_a_seal_that_leaks_a_hundred_times_more_is_a_conflict(tmp_path):
     (line,) = lines(found)
     assert line.startswith("Conflict: ")
     assert "line 3 is farthest off" in line or "line 2 is farthest off" in line
+    assert f"The factor is {found.conflict.likeliest.size:.0f}" in line
     write_calibration(found, tmp_path)
     # nothing that others could take for known
     assert not list(tmp_path.glob("calibrated.toml"))
