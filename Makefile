@@ -12,7 +12,7 @@ PIP = $(VENV)/bin/python -m pip install --quiet --disable-pip-version-check
 
 PYTEST = OPENBLAS_NUM_THREADS=1 $(VENV)/bin/python -m pytest -n auto --dist loadfile --durations=10
 
-.PHONY: run test test-all lint check wheel docs pages html try benchmarks system clean
+.PHONY: run test test-all test-processors lint check wheel docs pages html try benchmarks system clean
 
 run: $(VENV)/.program
 	@$(VENV)/bin/fem-seal run examples/ball_cone.toml
@@ -23,6 +23,19 @@ test: $(VENV)/.tools
 
 test-all: $(VENV)/.tools
 	@$(PYTEST)
+
+# Last digits differ between processors: the quick tests with all that numpy knows of this one, then without AVX-512.
+AVX512 = from numpy._core._multiarray_umath import __cpu_dispatch__ as known, __cpu_features__ as has; \
+	print(*(name for name in known if has.get(name) and name.startswith(("X86_V4", "AVX512"))))
+
+test-processors: $(VENV)/.tools
+	@NPY_DISABLE_CPU_FEATURES= $(MAKE) --no-print-directory test
+	@newer="$$(NPY_DISABLE_CPU_FEATURES= $(VENV)/bin/python -c '$(AVX512)')"; \
+	if [ -n "$$newer" ]; then \
+		echo "once more without $$newer" && NPY_DISABLE_CPU_FEATURES="$$newer" $(MAKE) --no-print-directory test; \
+	else \
+		echo "numpy uses no AVX-512 on this processor: the tests of an older processor are those above" >&2; \
+	fi
 
 lint: $(VENV)/.tools
 	@$(VENV)/bin/ruff check .
