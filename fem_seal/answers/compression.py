@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fem_seal.answers.answer import Answer, Inquiry
-from fem_seal.contact.load_path import Unloaded
 from fem_seal.seal.load_result import SolvedSeal
 
 
@@ -25,8 +24,8 @@ class CompressionStep:
     line_load : float
         f_N of each face [N/m].
     compression : float
-        By how much the flanges have come nearer to each other since the mean planes of all faces touched [m]: at small
-        loads it is negative, as the asperities keep them apart.
+        By how much the flanges have come nearer to each other since the mean planes of all faces touched, as warm as
+        they are [m]: at small loads it is negative, as the asperities keep them apart.
     stop_force : float or None
         See `LoadResult.stop_force` [N].
     """
@@ -50,7 +49,7 @@ class Compression:
         Compression without load after the last one [m], the layer of asperities between the faces as thick as under
         that load; None where it is not known.
     stop : float or None
-        Compression at which the flanges meet [m]; None without a stop.
+        Compression at which the flanges meet, as warm as they are [m]; None without a stop.
     """
 
     steps: tuple[CompressionStep, ...]
@@ -83,20 +82,6 @@ class Compression:
         return Compression(tuple(steps), left)
 
 
-def _lasting(unloaded: Unloaded) -> float:
-    """Approach at which faces touch that lasting imprints have moved away from each other, along the axis [m]."""
-    imprints = unloaded.imprints.values()
-    return min(
-        float(
-            np.min(
-                (line.initial_gap + sum(np.interp(line.x, one.x, one.depth) for one in imprints))
-                / line.normal[1]
-            )
-        )
-        for line in unloaded.model.lines
-    )
-
-
 def _compute(seal: SolvedSeal, ask: Inquiry) -> Compression:
     upper, *lower = map(_of_both_faces, seal.faces)
     return upper.mean(*lower) if lower else upper
@@ -105,17 +90,18 @@ def _compute(seal: SolvedSeal, ask: Inquiry) -> Compression:
 def _of_both_faces(seal: SolvedSeal) -> Compression:
     # the half that is solved comes nearer to one of the faces
     faces, steps = seal.problem.faces, []
-    stop = None if math.isinf(seal.problem.stop) else faces * seal.problem.stop
+    model = seal.loads[-1].contact.model
+    stop = None if math.isinf(model.stop) else faces * (model.stop - model.touch)
     for number, load in enumerate(seal.loads, start=1):
-        approach = faces * load.contact.approach
-        steps.append(CompressionStep(number, load.applied_force, load.line_load, approach, load.stop_force))
+        closing = faces * load.contact.closing
+        steps.append(CompressionStep(number, load.applied_force, load.line_load, closing, load.stop_force))
     last = seal.loads[-1].contact
     layer = faces * float(last.gap[np.argmax(last.pressure)]) / last.model.touch_normal_z
     if not seal.problem.follows_path:
         return Compression(tuple(steps), 0.0, stop)
     if seal.unloaded is None:
         return Compression(tuple(steps), None, stop)
-    left = faces * _lasting(seal.unloaded) - layer
+    left = faces * seal.unloaded.closing - layer
     steps.append(CompressionStep(len(seal.loads) + 1, 0.0, 0.0, left, None if stop is None else 0.0))
     return Compression(tuple(steps), left, stop)
 

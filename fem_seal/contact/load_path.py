@@ -119,6 +119,15 @@ class Unloaded:
         }
 
 
+    @property
+    def closing(self) -> float:
+        """Approach by which lasting imprints have moved the faces apart along the axis, until they touch [m]."""
+        line = self.model.line
+        depth = sum(np.interp(line.x, one.x, one.depth) for one in self.imprints.values())
+        apart = line.initial_gap + self.at_rest.opening(self.model) + depth
+        return float(np.min(apart / line.normal[1])) - self.model.touch
+
+
 @dataclass(frozen=True)
 class OpenLoad:
     """A load of a path under which a fluid lifts the closure off.
@@ -451,7 +460,7 @@ class _Walk:
             if (strain := reached.plastic_strain) > _COLLAPSED:
                 flows = f"a body flows without limit, to a plastic strain of {100 * strain:.2g} %"
                 raise ConvergenceError(_gave_up(begin.between(end, way), load, flows))
-            if reached.flowed and reached.came_nearer(here) * self.settings.steps > _LEAP * self.model.stop:
+            if reached.flowed and reached.came_nearer(here) * self.settings.steps > _LEAP * (self.model.stop - self.model.touch):
                 usual = step = (aim - way) / 2
                 continue
             earlier, taken = here, aim - way

@@ -156,6 +156,8 @@ class ContactModel:
     stop : float
         Approach at which the loaded surfaces meet beside the contact [m], so that it carries no more; infinite where
         they do not.
+    touch : float
+        Approach at which the mean planes of the faces touch, other than zero where heat has moved them [m].
 
     Examples
     --------
@@ -181,6 +183,7 @@ class ContactModel:
     harmonics: tuple[HarmonicBody, HarmonicBody] = field(repr=False)
     screens: Mapping[str, StressBound] = field(default_factory=dict, repr=False)
     stop: float = math.inf
+    touch: float = 0.0
 
     def __repr__(self) -> str:
         return (
@@ -210,9 +213,10 @@ class ContactModel:
         """E* of the pair [Pa]."""
         return effective_modulus(self.closure.material, self.seat.material)
 
-    def with_stop(self, approach: float) -> ContactModel:
-        """The same with a stop at an approach [m]."""
-        return self if approach == self.stop else replace(self, stop=approach)
+    def with_stop(self, approach: float, touch: float | None = None) -> ContactModel:
+        """The same with a stop at an approach, and first touch at another one if it is given [m]."""
+        touch = self.touch if touch is None else touch
+        return self if (approach, touch) == (self.stop, self.touch) else replace(self, stop=approach, touch=touch)
 
     def line_load(self, contact_force: float) -> float:
         """f_N = F_N / (2 pi r0 cos theta) [N/m] (Fischer et al., above eq. 1)."""

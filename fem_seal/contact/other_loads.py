@@ -96,6 +96,11 @@ class BodyLoads:
             apart = apart + model.compliance @ (model.line.area_weight * self.gap_pressure)
         return apart
 
+    def touch(self, model: ContactModel) -> float:
+        """Approach at which the mean planes touch under these loads, zero without any [m]."""
+        apart, axial = model.line.initial_gap, model.line.normal[1]
+        return float(np.min((apart + self.opening(model)) / axial) - np.min(apart / axial))
+
     def lift(self, model: ContactModel) -> float:
         """Axial force that the loads exert on the closure [N], positive where they lift it."""
         lift = sum(size * model.closure.loads[name].axial_force for name, size in self.closure.items())

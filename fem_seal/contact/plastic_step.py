@@ -250,7 +250,7 @@ class Equilibrium:
 
     def came_nearer(self, before: Equilibrium) -> float:
         """By how much the bodies have come nearer to each other since then [m]."""
-        here, there = (0.0 if one.contact is None else one.contact.approach for one in (self, before))
+        here, there = (0.0 if one.contact is None else one.contact.closing for one in (self, before))
         return here - there
 
     def ahead(self, before: Equilibrium, share: float) -> dict[str, FloatArray]:

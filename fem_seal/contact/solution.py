@@ -61,7 +61,7 @@ class ContactSolution:
         Force F_N that the solid contact carries [N].
     approach : float
         Axial motion of the closure's loaded surface towards the seat's bottom since first touch of the mean
-        planes [m].
+        planes of bodies that are not warm [m].
     log_pressure : ndarray, shape (m,)
         ln(p/Pa) at the points of the contact line; -inf where hard contact is open.
     gap : ndarray, shape (m,)
@@ -186,6 +186,11 @@ class ContactSolution:
     def pressing_force(self) -> float:
         """Force that presses the bodies together [N]: that of the contact, and what goes through a stop."""
         return self.contact_force + self.stop_force
+
+    @property
+    def closing(self) -> float:
+        """Approach since the mean planes of the faces touched, as warm as they are [m]."""
+        return self.approach - self.model.touch
 
     @property
     def applied_force(self) -> float:

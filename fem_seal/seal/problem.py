@@ -21,12 +21,13 @@ from fem_seal.case.load_limits import refused_loads
 from fem_seal.case.tightening import bolts_of
 from fem_seal.contact.laws import HardContact, Law
 from fem_seal.contact.sizing import Opening, contact_widths, element_sizes, for_yielding, rounded
-from fem_seal.errors import InputError, LoadProblem
+from fem_seal.errors import InputError, LoadProblem, Problem
 from fem_seal.loads import PressureSide, expected_force, line_load, plastic_half_width
 from fem_seal.materials import HardeningCurve, Material, effective_modulus
 from fem_seal.profile import PressureProfile, joined, remembered
 from fem_seal.seal.heating import Heating, heating, warmed
 from fem_seal.seal.leak_model import MARGIN, Conductivity, FlowModel, ProfileLeak, as_first_loaded
+from fem_seal.units import written
 from meshes import ContactGeometry, SealMesh, Sizing, build_contact
 
 if TYPE_CHECKING:
@@ -240,7 +241,8 @@ class SealProblem:
         Sealing faces, through which fluid leaks side by side: 1 of a valve seat, 2 of a gasket. The bodies are those of
         one face: of a gasket a flange, as closure, and the upper half of the gasket, as seat.
     stop : float
-        Approach of one face at which the flanges of a gasket meet at a stop [m]; infinite without one.
+        Way of one face until the flanges of a gasket meet at a stop, all at the temperature of assembly [m]; infinite
+        without one.
     lower_half : SealProblem or None
         With the lower flange on both faces of a gasket, under the same loads; None where the flanges are alike.
     beside_path : bool
@@ -412,6 +414,23 @@ class SealProblem:
             {"heat": 1.0, **BodyLoads.press_fit(wall if len(model.seat.held.wall) else 0.0).seat},
             temperature={name: nodes for name, nodes in found.items() if nodes is not None},
         )
+
+    def meeting(self, model: ContactModel, way: float) -> float:
+        """Approach at which flanges meet whose faces, at the temperature of assembly, meet after a way of one face [m].
+
+        Warm flanges grow from where they are pressed towards each other, and more than the gasket by `expansion`.
+
+        Parameters
+        ----------
+        model : ContactModel
+        way : float
+            [m]
+        """
+        from fem_seal.bodies.elasticity import grown_by_one
+
+        held = model.closure.held
+        height = float(held.balance @ grown_by_one(held.mesh)) - self.contact.seat.extent[1][0]
+        return way + self.expansion * (way - height) if math.isfinite(way) else way
 
     @property
     def curves(self) -> list[HardeningCurve]:
@@ -627,7 +646,35 @@ def condensed(problem: SealProblem, seal_mesh: SealMesh, known: ContactModel | N
 
     heat = None if problem.heating is None else problem.heating.of_bodies(seal_mesh, problem.materials)
     model = condense(seal_mesh, problem.materials, problem.supports, heat, known=known)
-    return model.with_stop(problem.stop)
+    return with_stop(problem, model)
+
+
+def with_stop(problem: SealProblem, model: ContactModel) -> ContactModel:
+    """Bodies of a gasket that know where warm faces touch and flanges meet; of a valve seat as they are.
+
+    Parameters
+    ----------
+    problem : SealProblem
+    model : ContactModel
+
+    Raises
+    ------
+    InputError
+        If warm flanges meet before they touch the gasket.
+    """
+    if problem.faces == 1:
+        return model
+    touch = problem.at_rest(model).touch(model)
+    stop = problem.meeting(model, problem.stop)
+    if stop <= touch:
+        problem_of_stop = Problem(
+            "gasket.stop",
+            "the warm flanges meet before they touch the gasket, because they grow by "
+            f"{written(problem.faces * (touch - stop + problem.stop), '.4g um')} more than it does; give more",
+            written(problem.faces * problem.stop, ".6g um"),
+        )
+        raise InputError(problem_of_stop, file=problem.file)
+    return model.with_stop(stop, touch)
 
 
 def expected_forces(problem: SealProblem) -> list[float]:

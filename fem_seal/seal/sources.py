@@ -22,7 +22,7 @@ from fem_seal.seal.conductivity_tables import family_law, family_table
 from fem_seal.seal.kept import Kept
 from fem_seal.seal.leak_model import Conductivity, FlowModel
 from fem_seal.seal.load_solver import Clock
-from fem_seal.seal.problem import SealProblem, condensed
+from fem_seal.seal.problem import SealProblem, condensed, with_stop
 from leak import RoughContact
 from meshes import ContactGeometry, SealMesh, Sizing, build_contact
 
@@ -182,14 +182,14 @@ class Shared(Source):
         name = Bodies.of(problem, wanted, self.rounding)
         if not self.stress:
             made = self.light.get(name, lambda: name.made_light(self.light.latest))
-            return None, made.with_stop(problem.stop)
+            return None, with_stop(problem, made)
         can_yield = tuple(kind for kind, one in problem.materials.items() if one.yield_stress)
         if next(_uses.get(name, count)) < _WORTH_A_SCREEN:
-            return None, _full.get(name, name.made).with_stop(problem.stop)
+            return None, with_stop(problem, _full.get(name, name.made))
         screened = _full.get(
             (name, can_yield), lambda: with_stress_bound(_full.get(name, name.made), can_yield)
         )
-        return None, screened.with_stop(problem.stop)
+        return None, with_stop(problem, screened)
 
     def table(self, flow: FlowModel, surface: RoughContact, log_peaks: Sequence[float]) -> Conductivity:
         """From tables that are shared."""

@@ -555,10 +555,13 @@ def _flanges_meet(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator
     if problem.faces == 1:
         return
     contact, load = problem.contact, max(loads, key=lambda load: load.contact.approach)
-    apart = problem.faces * (contact.closure.extent[1][0] - contact.seat.extent[1][0])
-    way = problem.faces * load.contact.approach
-    if way > apart:
-        yield caution("flanges_meet", load, loads, outside=True, way=1e6 * way, apart=1e6 * apart)
+    model, half = load.contact.model, contact.closure.extent[1][0] - contact.seat.extent[1][0]
+    meeting = problem.meeting(model, half)
+    if load.contact.approach > meeting:
+        way, apart, stop = (
+            1e6 * problem.faces * one for one in (load.contact.closing, meeting - model.touch, half)
+        )
+        yield caution("flanges_meet", load, loads, outside=True, way=way, apart=apart, stop=stop)
 
 
 def _creeps(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:

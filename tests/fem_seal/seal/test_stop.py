@@ -183,6 +183,67 @@ def test_a_yielding_ring_without_a_stop_goes_the_same_way_under_its_own_force() 
     assert without[2].leak.leak_rate == pytest.approx(back.leak.leak_rate, rel=5e-3)
 
 
+def warm(growth: tuple[float, float], **changes: Any) -> tuple[list[float], Evaluation]:
+    """Compressions [m] at 140 degC, flange and gasket growing by 1e-6/K each."""
+    flange, gasket = (f"{one}e-6 1/K" for one in growth)
+    expands = {"closure__material__thermal_expansion": flange, "gasket__material__thermal_expansion": gasket}
+    found = solved(**expands, temperature={"uniform": "140 degC"}, **changes)
+    return [2 * load.contact.closing for load in found.loads], found
+
+
+@pytest.mark.parametrize(("growth", "stop"), [((17, 17), 4.0), ((12, 17), 6.3976), ((17, 12), 1.6024)])
+def test_a_warm_ring_is_the_cold_one_at_the_stop_that_both_leave(
+    growth: tuple[float, float], stop: float
+) -> None:
+    """Ring and groove, of 4 mm and 3.996 mm, grow each by its own expansion over 120 K."""
+    flange, gasket = growth
+    assert stop == pytest.approx(4.0 + 120e-6 * (4000 * gasket - 3996 * flange) - 4.0 * 120e-6 * gasket)
+    hot, found = warm(growth)
+    cold = solved(gasket__stop=f"{stop} um")
+    for one, two, compression in zip(found.loads, cold.loads, hot, strict=True):
+        assert one.contact_force == pytest.approx(two.contact_force, rel=1e-6)
+        assert one.stop_force == pytest.approx(two.stop_force, rel=1e-6)
+        assert one.peak_pressure == pytest.approx(two.peak_pressure, rel=1e-6)
+        assert compression == pytest.approx(2 * two.contact.approach, abs=1e-12)
+
+
+def test_a_ring_that_grows_between_rigid_flanges_is_pressed_by_all_of_it() -> None:
+    """Flanges that do not grow stay where they are: the ring of 4 mm grows by 17e-6/K into them."""
+    _, found = warm((0, 17), gasket__stop="1 um", closure__material__youngs_modulus="2 TPa")
+    cold = solved(gasket__stop="9.16 um", closure__material__youngs_modulus="2 TPa")
+    # to first order in the strain of 2e-3
+    assert found.loads[-1].contact_force == pytest.approx(cold.loads[-1].contact_force, rel=5e-3)
+
+
+def test_warm_flanges_are_of_any_height() -> None:
+    heights = {height: {"closure__height": height} for height in ("15 mm", "45 mm")}
+    cold, hot = (
+        [temperature(**changes) for changes in heights.values()]
+        for temperature in (
+            lambda **changes: [2 * one.contact.closing for one in solved(**changes).loads[:1]],
+            lambda **changes: warm((12, 17), **changes)[0][:1],
+        )
+    )
+    assert hot == [pytest.approx(one, abs=1e-12) for one in cold]
+
+
+def test_a_stop_that_heat_closes_is_refused() -> None:
+    with pytest.raises(InputError, match="before they touch") as error:
+        warm((32, 17))
+    assert error.value.problems[0].key == "gasket.stop"
+
+
+@pytest.mark.slow
+def test_a_warm_ring_that_yields_springs_back_as_the_cold_one() -> None:
+    """The loads of a path begin where warm faces touch."""
+    forces = ["1.5 kN", "20 kN", "1 kN"]
+    _, hot = warm((12, 17), **YIELDING, load__applied_force=forces, gasket__stop="5 um")
+    cold = solved(**YIELDING, load__applied_force=forces, gasket__stop="7.397 um")
+    for one, two in zip(hot.loads, cold.loads, strict=True):
+        assert one.contact.closing == pytest.approx(two.contact.closing, abs=2e-9)
+        assert one.peak_pressure == pytest.approx(two.peak_pressure, rel=1e-3)
+
+
 @pytest.mark.slow
 def test_the_way_to_the_stop_does_not_depend_on_the_force_behind_it() -> None:
     """Load steps that 50 kN would take are longer than the whole way to the stop."""
