@@ -6,11 +6,11 @@ import difflib
 import math
 import re
 from types import MappingProxyType
-from typing import Any
+from typing import Any, NamedTuple
 
 from fem_seal.errors import InputError
 from fem_seal.files import own_tables
-from fem_seal.materials import ROOM_TEMPERATURE, Material, OverTemperature, in_degrees
+from fem_seal.materials import ROOM_TEMPERATURE, HardeningCurve, Material, OverTemperature, in_degrees
 
 # Half the angle between opposite faces of the Vickers pyramid, 136 degrees.
 _VICKERS_HALF_ANGLE = math.radians(68)
@@ -54,10 +54,30 @@ def _key(name: str) -> str:
     return plain
 
 
-def _read() -> tuple[dict[str, Material], dict[str, str]]:
+class LibraryCurve(NamedTuple):
+    """A stress-strain curve of the library, at 20 degC.
+
+    Parameters
+    ----------
+    hardening : HardeningCurve
+    source : str
+    """
+
+    hardening: HardeningCurve
+    source: str
+
+
+def _read() -> tuple[dict[str, Material], dict[str, LibraryCurve], dict[str, str]]:
     tables = dict(own_tables("materials.toml"))
     sources, aliases = tables.pop("sources"), tables.pop("aliases")
-    return {name: _material(name, entry, sources) for name, entry in tables.items()}, aliases
+    found = {name: _material(name, entry, sources) for name, entry in tables.items()}
+    curves = {name: _curve(entry["curve"], sources) for name, entry in tables.items() if "curve" in entry}
+    return found, curves, aliases
+
+
+def _curve(entry: dict[str, Any], sources: dict[str, str]) -> LibraryCurve:
+    stress = tuple(float(f"{one}e6") for one in entry["stress"])
+    return LibraryCurve(HardeningCurve(tuple(entry["strain"]), stress), entry["source"].format(**sources))
 
 
 # Number of a material -> its key in the file, the power of ten of its unit there, what it is called among the sources.
@@ -143,10 +163,13 @@ def suggestion(name: str, key: str, unit: str) -> str:
     return f'give it, in {unit}; the library has "{number:.4g} {unit}" for {known} at {in_degrees(ROOM_TEMPERATURE)}'
 
 
-_MATERIALS, _ALIASES = _read()
+_MATERIALS, _CURVES, _ALIASES = _read()
 
 LIBRARY = MappingProxyType(_MATERIALS)
 """Name -> material, read-only."""
+
+CURVES = MappingProxyType(_CURVES)
+"""Name in `LIBRARY` -> its stress-strain curve, of those that have one; read-only."""
 
 ALIASES = MappingProxyType(_ALIASES)
 """Other word -> name in `LIBRARY`, read-only."""
@@ -216,3 +239,33 @@ def material(name: str) -> Material:
         listed = ", ".join(f'"{one}"' for one in LIBRARY)
         raise InputError.at("material", f"not in the library; {hint}known are {listed}", repr(name))
     return LIBRARY[known]
+
+
+def library_curve(name: str) -> LibraryCurve:
+    """Stress-strain curve of a material of the library.
+
+    Parameters
+    ----------
+    name : str
+        See `material`.
+
+    Raises
+    ------
+    InputError
+        If the library has none of it; the message names those that have one.
+
+    Examples
+    --------
+    >>> library_curve("1.4404").hardening.yield_stress / 1e6
+    200.0
+    """
+    found = CURVES.get(library_name(name) or "")
+    if found is None:
+        listed = ", ".join(f'"{one}"' for one in CURVES)
+        raise InputError.at(
+            "stress_strain",
+            f"the library has no curve of {name or 'a material without a name'}, only of {listed}; write one out, "
+            'such as { plastic_strain = [0, 0.1], stress = ["250 MPa", "350 MPa"] }',
+            '"library"',
+        )
+    return found

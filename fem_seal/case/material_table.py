@@ -7,7 +7,7 @@ from dataclasses import replace
 from itertools import groupby
 from operator import itemgetter
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, cast
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, cast
 
 from pydantic import Discriminator, Field, GetCoreSchemaHandler, GetJsonSchemaHandler, Tag, model_validator
 from pydantic_core import CoreSchema, core_schema
@@ -22,7 +22,7 @@ from fem_seal.case.fields import (
     Table,
     quantities_of,
 )
-from fem_seal.case.material_library import LIBRARY, library_name, material, similar_names
+from fem_seal.case.material_library import LIBRARY, library_curve, library_name, material, similar_names
 from fem_seal.case.words import sentence, wrong
 from fem_seal.errors import InputError, TextTableError
 from fem_seal.files import Names, column, find_columns, read_text_table
@@ -172,31 +172,38 @@ class StressStrain(Table):
         return [TensileTest(kind, strain, self.stress or (), self.temperature)]
 
 
-# Names of the two forms in which curves are given; the messages leave them out.
-CURVE_FORMS = ("one curve", "several curves")
+# Names of the forms in which curves are given; the messages leave them out.
+CURVE_FORMS = ("one curve", "several curves", "the library's")
 
 
 def _form_of_curves(value: object) -> str:
-    return CURVE_FORMS[isinstance(value, (list, tuple))]
+    return CURVE_FORMS[2 if isinstance(value, str) else isinstance(value, (list, tuple))]
 
 
 Curves = Annotated[
     Annotated[StressStrain, Tag(CURVE_FORMS[0])]
-    | Annotated[tuple[StressStrain, ...], Tag(CURVE_FORMS[1]), Field(strict=False)],
+    | Annotated[tuple[StressStrain, ...], Tag(CURVE_FORMS[1]), Field(strict=False)]
+    | Annotated[Literal["library"], Tag(CURVE_FORMS[2])],
     Discriminator(_form_of_curves),
 ]
 
 
 def _hardening(
-    given: StressStrain | tuple[StressStrain, ...] | None, youngs_modulus: Callable[[float | None], float]
+    given: StressStrain | tuple[StressStrain, ...] | Literal["library"] | None,
+    name: str,
+    youngs_modulus: Callable[[float | None], float],
 ) -> HardeningCurve | HardeningOverTemperature | None:
     """What a material's stress_strain says; InputError or TextTableError if it is no such thing.
 
     Parameters
     ----------
+    name : str
+        Of the material.
     youngs_modulus : callable
         At a temperature [K]; None for that of the material as it stands.
     """
+    if given == "library":
+        return library_curve(name).hardening
     tables = (given,) if isinstance(given, StressStrain) else given or ()
     tests = [test for table in tables for test in table.tests]
     if given is None:
@@ -298,6 +305,9 @@ class MaterialEntry:
                 raise ValueError(error.message) from None
         if not isinstance(value, dict):
             raise wrong("no_material")
+        curve = value.get("stress_strain")
+        if isinstance(curve, str) and curve != "library":
+            raise wrong("curve_word", given=curve)
         inherited = _left_out(value)
         table = read_table({**inherited, **value})
         try:
@@ -306,6 +316,7 @@ class MaterialEntry:
             modulus = next((one for one in over if one.key == "youngs_modulus"), None)
             hardening = _hardening(
                 table.stress_strain,
+                str(value.get("name", "")),
                 lambda at: numbers["youngs_modulus"] if modulus is None or at is None else modulus.at(at),
             )
             several = isinstance(hardening, HardeningOverTemperature)
@@ -439,8 +450,11 @@ def _origin(value: dict[str, Any]) -> dict[str, Any]:
     if not of_library or {"youngs_modulus", "poissons_ratio"} <= set(own):
         return {"source": "case file"}
     known = material(of_library["name"])
+    curve = value.get("stress_strain") == "library"
+    own = [key for key in own if not (curve and key == "stress_strain")]
     words = f"{', '.join(own).replace('_', ' ')}: case file; " if own else ""
-    return {"source": words + known.source, "condition": known.condition}
+    of_curve = f"; stress_strain: {library_curve(of_library['name']).source}" if curve else ""
+    return {"source": words + known.source + of_curve, "condition": known.condition}
 
 
 MaterialField = Annotated[Material, MaterialEntry()]

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from fem_seal.case.material_library import ALIASES, LIBRARY
+from fem_seal.case.material_library import ALIASES, CURVES, LIBRARY
 from fem_seal.files import own_tables
 from fem_seal.materials import Material
 from fem_seal.units import fixed_quantity, fixed_unit
@@ -91,6 +91,13 @@ def material_row(material: Material, temperature: float = ROOM_TEMPERATURE) -> d
         "condition": material.condition,
         "source": material.source,
         "over_temperature": over,
+        "stress_strain": None
+        if (curve := CURVES.get(material.name)) is None
+        else {
+            "plastic_strain": list(curve.hardening.plastic_strain),
+            "stress_Pa": list(curve.hardening.stress),
+            "source": curve.source,
+        },
     }
 
 
@@ -230,10 +237,25 @@ def material_lines(row: dict[str, Any]) -> Iterator[tuple[str, str]]:
         missing = f"not known at {at}" if key in row["over_temperature"] else "not given"
         yield number.word, missing if row[key] is None else number.with_unit(row[key])
     yield from over_temperature_lines(row)
+    if row["stress_strain"]:
+        yield "stress-strain curve", curve_line(row["stress_strain"])
     if row["creeps"]:
         yield "creep", CREEPS
     yield "condition", row["condition"]
     yield "source", row["source"]
+
+
+def curve_line(curve: dict[str, Any]) -> str:
+    """A stress-strain curve of the library in words.
+
+    Parameters
+    ----------
+    curve : dict
+        "stress_strain" of `material_row`.
+    """
+    strain = ", ".join(f"{100 * one:.3g}" for one in curve["plastic_strain"])
+    stress = ", ".join(f"{one / 1e6:.4g}" for one in curve["stress_Pa"])
+    return f"{stress} MPa at plastic strains of {strain} % (true); {curve['source']}"
 
 
 def over_temperature_lines(row: dict[str, Any]) -> Iterator[tuple[str, str]]:

@@ -7,13 +7,22 @@ import math
 import re
 from itertools import pairwise
 
+import numpy as np
 import pytest
 from places import SHARED
 from sample_results import ball, cone, smooth_case
 
 import fem_seal
 from fem_seal import Case, InputError, Study
-from fem_seal.case.material_library import ALIASES, LIBRARY, _key, library_name, material, similar_names
+from fem_seal.case.material_library import (
+    ALIASES,
+    CURVES,
+    LIBRARY,
+    _key,
+    library_name,
+    material,
+    similar_names,
+)
 from fem_seal.cli import app as cli
 from fem_seal.output.library import fluid_cells, fluid_rows, material_cells, material_rows
 from fem_seal.seal.findings import Level
@@ -194,6 +203,82 @@ def test_tables_over_temperature_fit_the_list(one):
         if getattr(one, key) is not None
     }
     assert one.at(293.15) is one
+
+
+# Rp0.2 and Rm [MPa] of the sources; factor and offset of m2, and the least strain, of KM-620, table KM-620
+TENSILE = {
+    "316L": (200, 500, 0.75, 1.00, 2e-5),
+    "304": (190, 500, 0.75, 1.00, 2e-5),
+    "nickel": (105, 380, 0.75, 1.00, 2e-5),
+    "steel 1.4122": (550, 750, 0.60, 1.00, 2e-5),
+    "copper Cu-ETP R220": (70, 220, 0.50, 1.00, 5e-6),
+    "copper Cu-ETP R290": (250, 290, 0.50, 1.00, 5e-6),
+    "aluminium 6061-T6": (276, 310, 0.52, 0.98, 5e-6),
+}
+
+
+def plastic_strain_by_asme(stress, proof, tensile, factor, offset, least):
+    """ASME BPVC VIII-3, KM-620.1 to KM-620.12, true stress [MPa]."""
+    R, offset_strain = proof / tensile, 0.002
+    m1 = (math.log(R) + least - offset_strain) / math.log(math.log(1 + least) / math.log(1 + offset_strain))
+    m2 = factor * (offset - R)
+    A1 = proof * (1 + offset_strain) / math.log(1 + offset_strain) ** m1
+    A2 = tensile * math.exp(m2) / m2**m2
+    K = 1.5 * R**1.5 - 0.5 * R**2.5 - R**3.5
+    H = 2 * (stress - (proof + K * (tensile - proof))) / (K * (tensile - proof))
+    micro, macro = (stress / A1) ** (1 / m1), (stress / A2) ** (1 / m2)
+    return 0.5 * micro * (1 - np.tanh(H)) + 0.5 * macro * (1 + np.tanh(H))
+
+
+def test_every_curve_has_a_source_of_its_strengths():
+    assert set(CURVES) == set(TENSILE)
+
+
+@pytest.mark.parametrize("name", TENSILE)
+def test_a_curve_of_the_library_is_that_of_the_standard_between_its_strengths(name):
+    curve, (proof, tensile, *_) = CURVES[name].hardening, TENSILE[name]
+    strain, stress = np.array(curve.plastic_strain), np.array(curve.stress) / 1e6
+    # four digits of the stress; where the curve is flat they are worth more of the strain
+    assert plastic_strain_by_asme(stress[1:], *TENSILE[name]) == pytest.approx(strain[1:], rel=0.012)
+    assert stress[0] == proof
+    # by Considere the specimen necks at its end, where the nominal stress is the tensile strength
+    nominal = stress * np.exp(-strain)
+    assert nominal[-1] == nominal.max() == pytest.approx(tensile, rel=2e-3)
+    listed = LIBRARY[name].yield_stress
+    # the library's 1.4122 is that of the paper, which yields a tenth before the least value of the data sheet
+    assert listed is None or stress[0] == pytest.approx(
+        listed / 1e6, rel=0.1 if name == "steel 1.4122" else 1e-12
+    )
+
+
+def test_the_curve_of_the_library_is_asked_for_and_a_name_alone_stays_elastic():
+    assert case_with("316L").seat.material.hardening is None
+    yielding = case_with({"name": "AISI 316L", "stress_strain": "library"}).seat.material
+    assert yielding.hardening == CURVES["316L"].hardening
+    assert (yielding.yield_stress, yielding.hardness) == (200e6, LIBRARY["316L"].hardness)
+    assert CURVES["316L"].source in yielding.source
+
+
+@pytest.mark.parametrize(
+    ("material", "words"),
+    [
+        (
+            {"name": "stellite 6", "stress_strain": "library"},
+            'the library has no curve of stellite 6, only of "steel',
+        ),
+        (
+            {"name": "316L", "stress_strain": "seat.csv"},
+            r'stress_strain = "library".* \{ file = "curve.csv" \}',
+        ),
+        (
+            {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3, "stress_strain": "library"},
+            "no curve of a material without a name",
+        ),
+    ],
+)
+def test_a_curve_that_is_not_there_is_told(material, words):
+    with pytest.raises(InputError, match=words):
+        case_with(material)
 
 
 @pytest.mark.parametrize(
