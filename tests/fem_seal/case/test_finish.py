@@ -9,7 +9,8 @@ import pytest
 from places import EXAMPLES
 
 import fem_seal
-from fem_seal.answers.profile_leak import ImportedProfile, leak_of_profiles
+from fem_seal.answers.profile_files import ImportedProfile
+from fem_seal.answers.profile_leak import leak_of_profiles
 from fem_seal.answers.uncertainty import SampledSeal, leak_interval
 from fem_seal.case.finish import ProcessName, read_finish
 from fem_seal.case.tables import Uncertainty

@@ -16,7 +16,7 @@ from sample_results import STEEL as STEEL_TABLE
 import fem_seal
 import meshes
 from fem_seal.answers.closed_forms import derive
-from fem_seal.answers.profile_leak import read_profiles
+from fem_seal.answers.profile_files import read_profiles
 from fem_seal.answers.target import target_remarks
 from fem_seal.bodies.elasticity import node_dofs, quadratic_nodes
 from fem_seal.bodies.supports import Supports
@@ -335,7 +335,7 @@ def test_a_path_of_forces_is_told_by_its_forces():
 )
 def test_profiles_of_loads_at_the_same_pressure_are_read_back_one_by_one(load, tmp_path):
     result = fem_seal.run(case(load=load))
-    profiles = read_profiles(write_profile_csv(result, tmp_path / "profile.csv"))
+    profiles = read_profiles(write_profile_csv(result, tmp_path / "profile.csv"), result.problem.contact)
     assert [one.fluid_pressure for one in profiles] == [one.fluid_pressure for one in result.loads]
     for found, one in zip(profiles, result.profiles, strict=True):
         np.testing.assert_allclose(found.x, one.x, rtol=1e-9)

@@ -8,7 +8,8 @@ from dataclasses import replace
 import pytest
 from sample_results import case, rough_result
 
-from fem_seal.answers.profile_leak import leak_of_profiles, read_profiles
+from fem_seal.answers.profile_files import read_profiles
+from fem_seal.answers.profile_leak import leak_of_profiles
 from fem_seal.cli.terminal import show_leakage
 from fem_seal.errors import InputError
 from fem_seal.output.answers.target import valve_table
@@ -134,9 +135,8 @@ def test_the_report_shows_the_numbers_of_leak_csv_in_its_units():
 
 def test_a_given_profile_has_the_columns_of_leak_csv(tmp_path):
     result = rough_result()
-    loads = leak_of_profiles(
-        result.problem, read_profiles(write_profile_csv(result, tmp_path / "profile.csv"))
-    )
+    file, contact = write_profile_csv(result, tmp_path / "profile.csv"), result.problem.contact
+    loads = leak_of_profiles(result.problem, read_profiles(file, contact))
     rows = profile_leak_rows(loads)
     for row, full, load in zip(rows, leak_rows(result), result.loads, strict=True):
         assert tuple(row) == (*PROFILE_LEAK_COLUMNS, "validity", "validity_reasons")

@@ -11,7 +11,8 @@ from sample_results import SPECTRUM, STEEL, ball, case, cone, rough_result, run_
 
 import fem_seal
 import leak
-from fem_seal.answers.profile_leak import leak_of_profiles, read_profiles
+from fem_seal.answers.profile_files import read_profiles
+from fem_seal.answers.profile_leak import leak_of_profiles
 from fem_seal.answers.variants import theory_variants
 from fem_seal.errors import InputError
 from fem_seal.output.tables import write_profile_csv
@@ -245,6 +246,6 @@ def test_the_leak_of_a_contact_that_is_cut_off_converges(tables, tmp_path):
     assert abs(rate / fine - 1) < 3 * max(result.discretisation_error.leak_rate, 1e-5)
     # the profile in its file ends with the face, too
     file = write_profile_csv(result, tmp_path / "profile.csv")
-    (load,) = leak_of_profiles(result.problem, read_profiles(file))
+    (load,) = leak_of_profiles(result.problem, read_profiles(file, result.problem.contact))
     assert load.leak.leak_rate == pytest.approx(rate, rel=2e-3)
     assert any("cut off" in text for text in result.warnings)

@@ -1,0 +1,522 @@
+"""Contact pressure profiles in files of any finite-element program, and where their points lie on the seat."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from fem_seal.arrays import BoolArray, FloatArray, IntArray
+from fem_seal.errors import InputError, QuantityError, TextTableError
+from fem_seal.files import column, name_and_unit, read_any_text, without_extremes
+from fem_seal.units import format_quantity, parse_quantity, written
+from leak.errors import TableError
+from leak.text_tables import TextTable, read_tables
+from meshes import ContactGeometry
+
+# A profile with fewer points has no shape to integrate over.
+_FEWEST_ROWS = 5
+_HIGHEST_PRESSURE = 1e12
+# Less than this is no contact [Pa], and less than this share of the contact circle no width.
+_LOWEST_PRESSURE, _NARROWEST = 1e-3, 1e-4
+# Where the contact pressure is above this share of its peak, the faces are pressed on each other.
+_PRESSED = 1e-3
+
+# What the word of a column's name says, the first that fits.
+_ROLES = {
+    "fluid_pressure": r"fluid_pressure",
+    "gap": r"gap|copen|cshear|largest|.*(separation|stress|strain|force)",
+    "pressure": r"(contact_?)?pressure(\b|_)|cpress|cont_?pres|pres(\b|_)|p(?![a-z:.])",
+    "angle": r"(theta|phi|angle|azimuth)(\b|_|$)",
+    "arc": r"(s|arc_?length|arc|distance|true_distance.*|path.*|length|position)$",
+    "radius": r"(r|radius|radial_.*|r_coord.*)$",
+    "x": r"(x|x_?coord.*|(coord\.?)?coor1|coord_?1|points?[:_]0|coordinates?[:_]0)$",
+    "y": r"(y|y_?coord.*|(coord\.?)?coor2|coord_?2|points?[:_]1|coordinates?[:_]1)$",
+    "z": r"(z|z_?coord.*|(coord\.?)?coor3|coord_?3|points?[:_]2|coordinates?[:_]2)$",
+    "step": r"(load_?)?(step|case)|frame|increment|substep|time(\b|_|$)|part_instance|set$",
+}
+_LENGTHS = ("arc", "radius", "x", "y", "z")
+# Programs that know no units call the contact pressure so; a peak above this is one in Pa, not in MPa.
+_WITHOUT_UNITS, _IN_PASCAL = re.compile(r"cpress|cont_?pres|pres(\b|_)"), 1e5
+_LENGTH_UNIT = re.compile(r"length unit\W+(\w+)", re.IGNORECASE)
+_STEP = re.compile(r"\W*((?:step|frame|part|.*reported at .* for part)\s*[:=].*)", re.IGNORECASE)
+_LOAD = re.compile(r"(\d+(?:[.,]\d+)?)\s*_?(bar|kpa|mpa|psi|pa)(?![a-z])", re.IGNORECASE)
+# Distances between points and the seat's face, and of radii from those of the case, that are none.
+_ON_FACE, _SAME_RADIUS, _FAR = 0.1, 0.02, 0.05
+# Scatter of pressures at one point over the peak; distance from a curve over the length, of points along one.
+_SAME_PRESSURE, _ON_CURVE = 0.2, 0.05
+
+
+@dataclass(frozen=True)
+class ImportedProfile:
+    """A contact pressure profile across a seal, from a file.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n,)
+        Arc length across the contact [m], increasing towards larger radius.
+    pressure : ndarray, shape (n,)
+        Contact pressure [Pa], not negative.
+    radius : ndarray, shape (n,), or None
+        Distance from the axis [m]; None if the file has no such column.
+    fluid_pressure : float or None
+        Fluid pressure that belongs to the profile [Pa]; None if the file does not say.
+    understood : str, optional
+        What the columns were taken for, a sentence.
+    """
+
+    x: FloatArray
+    pressure: FloatArray
+    radius: FloatArray | None
+    fluid_pressure: float | None
+    understood: str = ""
+
+
+def read_profiles(file: str | Path, contact: ContactGeometry) -> tuple[ImportedProfile, ...]:
+    """Contact pressure profiles of a text file, on the seat of a case.
+
+    Parameters
+    ----------
+    file : path
+        Tables with a header, see `leak.text_tables.read_tables`, with a column of contact pressure ("CPRESS [MPa]") and
+        the places of the points: arc length, radius, or the coordinates of points along one meridian, in any order.
+        Several load steps stand beside each other, each with its column of pressure; below each other, with a column
+        that tells them apart, of the fluid pressure or the step; or in tables of their own.
+    contact : ContactGeometry
+        On whose seat the points lie. An arc length is zero at first touch, or where its path begins.
+
+    Returns
+    -------
+    tuple of ImportedProfile
+
+    Raises
+    ------
+    InputError
+        If the file is no such table, or contradicts the case; the message says what was understood.
+    """
+    try:
+        steps = [step for table in read_tables(read_any_text(file)) for step in _steps(table)]
+        pressed = [one for one in steps if one.pressure.max() > _LOWEST_PRESSURE]
+        if not pressed:
+            raise TextTableError(
+                "contact pressure is zero in every row, or below 1 mPa: the bodies do not touch"
+            )
+        return tuple(_placed(one, contact) for one in pressed)
+    except (TableError, TextTableError, QuantityError) as error:
+        raise InputError.at("", str(error), file=file) from None
+
+
+@dataclass(frozen=True)
+class _Step:
+    """Points of one load step as the file has them, in SI; `name` tells it from others."""
+
+    places: dict[str, tuple[str, FloatArray]]
+    pressure: FloatArray
+    pressure_name: str
+    fluid_pressure: float | None
+    name: str
+    remark: str = ""
+
+    def rows(self, kept: IntArray | BoolArray) -> _Step:
+        places = {role: (name, values[kept]) for role, (name, values) in self.places.items()}
+        return replace(self, places=places, pressure=self.pressure[kept])
+
+
+# --- columns ------------------------------------------------------------------------------------------------
+
+
+def _steps(table: TextTable) -> Iterator[_Step]:
+    """The load steps of a table."""
+    if table.stray is not None:
+        number, line = table.stray
+        raise TextTableError(
+            f'line {number} ("{line[:40]}") is no row like line {table.lines[0]}; mend or remove it'
+        )
+    roles = _roles(table)
+    named = [place for found in roles.values() for place in found]
+    given = table.header
+    table = without_extremes(_with_units(table, roles))
+    units = [name_and_unit(name)[1] for name, own in zip(table.header, given, strict=True) if name != own]
+    remark = f"; the file states no units, read in {' and '.join(dict.fromkeys(units))}" if units else ""
+    numbers = [place for role in (*_LENGTHS, "pressure", "fluid_pressure") for place in roles.get(role, ())]
+    lost = np.flatnonzero(~np.isfinite(table.values[:, numbers]).all(axis=1))
+    if lost.size:
+        line, row = table.lines[lost[0]], table.rows[lost[0]]
+        raise TextTableError(f'line {line} ("{row[:40]}"): must hold {len(named)} finite numbers')
+    _check_angles(table, roles)
+    places = {
+        role: (given[roles[role][0]], column(table, roles[role][0], "length"))
+        for role in _LENGTHS
+        if role in roles
+    }
+    loads = column(table, roles["fluid_pressure"][0], "pressure") if "fluid_pressure" in roles else None
+    if loads is not None and not (loads > 0).all():
+        held = format_quantity("fluid pressure", float(loads.min()))
+        raise TextTableError(f"fluid pressure must be positive, it holds {held}")
+    above = "; ".join(found[1] for _, line in table.above if (found := _STEP.match(line)))
+    for place in roles["pressure"]:
+        pressure = column(table, place, "pressure")
+        _check_pressure(table, pressure)
+        for rows, key in _groups(table, roles, loads, next(iter(places.values()))[1]):
+            load = _load_in(table.header[place]) if loads is None else float(loads[rows[0]])
+            name = ", ".join(
+                filter(None, (above, key, table.header[place] if len(roles["pressure"]) > 1 else ""))
+            )
+            yield _Step(places, pressure, given[place], load, name, remark).rows(rows)
+
+
+def _roles(table: TextTable) -> dict[str, list[int]]:
+    """Places of the columns whose names are known, by what they hold; several of contact pressures only."""
+    example = 'such as "x [mm], contact_pressure [MPa]"'
+    if not table.header:
+        columns = table.values.shape[1]
+        above = f" (the line above them is {table.above[-1][1][:60]!r})" if table.above else ""
+        raise TextTableError(
+            f"has no header over its {columns} columns{above}; name each with its unit, {example}"
+        )
+    words = [name_and_unit(name)[0] for name in table.header]
+    found: dict[str, list[int]] = {}
+    for place, word in enumerate(words):
+        role = next((role for role, pattern in _ROLES.items() if re.match(pattern, word)), None)
+        if role is not None and (role in ("pressure", "step") or role not in found):
+            found.setdefault(role, []).append(place)
+    numeric = np.flatnonzero(~np.isnan(table.values).all(axis=0)).tolist()
+    if len(numeric) == 2 == len(table.header) and not ("pressure" in found and found.keys() & {*_LENGTHS}):
+        return {"arc": [0], "pressure": [1]}
+    listed = ", ".join(table.header)
+    if "pressure" not in found:
+        raise TextTableError(f"has no column contact_pressure; its columns are {listed}")
+    if not found.keys() & {*_LENGTHS}:
+        raise TextTableError(f"has no column x (arc length) or r (radius); its columns are {listed}")
+    # where the program's own name stands, other pressures are others
+    own = [place for place in found["pressure"] if _WITHOUT_UNITS.match(words[place])]
+    return found | {"pressure": own or found["pressure"]}
+
+
+def _with_units(table: TextTable, roles: dict[str, list[int]]) -> TextTable:
+    """The table with units of columns that have none where their program says or cannot say them."""
+    header = list(table.header)
+    lengths = [place for role in _LENGTHS for place in roles.get(role, ())]
+    told = next((found[1] for _, line in table.above if (found := _LENGTH_UNIT.search(line))), None)
+    pressures = roles["pressure"]
+    bare = [place for place in (*lengths, *pressures) if not name_and_unit(header[place])[1]]
+    consistent = len(bare) == len(lengths) + len(pressures) and all(
+        _WITHOUT_UNITS.match(name_and_unit(header[place])[0]) for place in pressures
+    )
+    if consistent:
+        in_pascal = float(np.nanmax(np.abs(table.values[:, pressures]))) > _IN_PASCAL
+        told = told or ("m" if in_pascal else "mm")
+        for place in pressures:
+            header[place] += " [Pa]" if in_pascal else " [MPa]"
+    for place in lengths:
+        if place in bare and told is not None:
+            header[place] += f" [{told}]"
+    return replace(table, header=tuple(header))
+
+
+def _check_angles(table: TextTable, roles: dict[str, list[int]]) -> None:
+    for place in roles.get("angle", ()):
+        if np.ptp(table.values[:, place]) > 0.0:
+            raise TextTableError(f'column "{table.header[place]}": {_MAP}')
+
+
+_MAP = (
+    "the points lie over a surface, not along one meridian; a map of the contact pressure is not read, give the points "
+    "of one meridian"
+)
+
+
+def _check_pressure(table: TextTable, pressure: FloatArray) -> None:
+    inside = (pressure >= 0) & (pressure <= _HIGHEST_PRESSURE)
+    if not inside.all():
+        row = int(np.argmin(inside))
+        raise TextTableError(
+            f"contact pressure must lie between 0 and 1 TPa (compression is positive); line {table.lines[row]} has "
+            f"{format_quantity('contact pressure', float(pressure[row]))}"
+        )
+
+
+def _load_in(name: str) -> float | None:
+    """Fluid pressure in the name of a column, "p at 20 bar [MPa]" [Pa]."""
+    found = _LOAD.search(re.sub(r"[\[(][^\])]*[\])]\s*$", "", name))
+    spelled = {"kpa": "kPa", "mpa": "MPa", "pa": "Pa"}
+    unit = spelled.get(found[2].lower(), found[2].lower()) if found else ""
+    return parse_quantity(f"{found[1].replace(',', '.')} {unit}", "pressure") if found else None
+
+
+def _groups(
+    table: TextTable, roles: dict[str, list[int]], loads: FloatArray | None, x: FloatArray
+) -> Iterator[tuple[IntArray, str]]:
+    """Rows of each load step, with what tells it from others."""
+    keys = [table.texts(place) for place in roles.get("step", ())]
+    if loads is not None:
+        keys.append([f"{load!r}" for load in loads.tolist()])
+    varying = [key for key in keys if len(set(key)) > 1]
+    told = list(zip(*varying, strict=True)) if varying else [()] * len(x)
+    found = list[tuple[IntArray, str]]()
+    for one in dict.fromkeys(told):
+        rows = np.array([n for n, own in enumerate(told) if own == one])
+        found += [(block, ", ".join(one)) for block in _begun_anew(x, rows)]
+    yield from sorted(found, key=lambda block: int(block[0][0]))
+
+
+def _begun_anew(x: FloatArray, rows: IntArray) -> list[IntArray]:
+    """Rows of each step where one begins again at the first x; all of them where they are in no order."""
+    blocks = np.split(rows, np.flatnonzero(x[rows] <= x[rows[0]])[1:])
+    in_order = all(len(one) >= _FEWEST_ROWS and (np.diff(x[one]) > 0).all() for one in blocks)
+    return blocks if in_order else [rows]
+
+
+# --- places -------------------------------------------------------------------------------------------------
+
+
+def _placed(step: _Step, contact: ContactGeometry) -> ImportedProfile:
+    """A load step on the seat, its points in order."""
+    if len(step.pressure) < _FEWEST_ROWS:
+        raise TextTableError(f"a profile needs at least {_FEWEST_ROWS} rows, it has {len(step.pressure)}")
+    x, radius, understood = _along(step, contact)
+    understood += step.remark
+    kept = np.isfinite(x)
+    pressure = step.pressure[kept]
+    x, pressure, radius = _merged(x[kept], pressure, None if radius is None else radius[kept])
+    if len(x) < _FEWEST_ROWS:
+        raise TextTableError(f"a profile needs at least {_FEWEST_ROWS} rows, it has {len(x)}")
+    pressed = x[pressure > _PRESSED * pressure.max()]
+    low, high = float(pressed[0]), float(pressed[-1])
+    touch, length = contact.initial_contact_radius, contact.seat_face.length
+    if high - low > 1.05 * length or x[-1] - x[0] < _NARROWEST * touch:
+        end = max(low, high, key=abs) if high - low > length else x[-1] - x[0]
+        doing = "reaches" if high - low > length else "goes over"
+        raise TextTableError(
+            f"x {doing} {_mm(end)}, the contact circle has a radius of {_mm(touch)}: is the unit right? ({understood})"
+        )
+    ends = contact.reach
+    if low < ends[0] - _FAR * length or high > ends[1] + _FAR * length:
+        raise TextTableError(
+            f"the contact pressure goes from x = {_mm(low)} to {_mm(high)}, the faces of the case stand in front of "
+            f"each other from {_mm(ends[0])} to {_mm(ends[1])}, where x = 0 is first touch at r = {_mm(touch)} "
+            f"({understood}); name a radius r, and check the unit and the case"
+        )
+    return ImportedProfile(x, pressure, radius, step.fluid_pressure, understood)
+
+
+def _along(step: _Step, contact: ContactGeometry) -> tuple[FloatArray, FloatArray | None, str]:
+    """x and r of the points, NaN of x beside the face, and what the columns were taken for."""
+    places, tail = step.places, f'"{step.pressure_name}" is their contact pressure'
+    if "radius" in places:
+        name, r = places["radius"]
+        arc = next((places[role] for role in ("arc", "x") if role in places), None)
+        if not (r > 0).all():
+            raise TextTableError(f'radius must be positive; {_mm(float(r.min()))} in column "{name}" is not')
+        if arc is not None:
+            understood = f'"{arc[0]}" is the arc length of the points, "{name}" their radius, {tail}'
+            return _arc_with_radius(arc[1], r, step.pressure, contact, understood), r, understood
+        understood = f'"{name}" is the radius of points on the seat, {tail}'
+        return _on_seat(r, step.pressure, contact, understood), None, understood
+    found = [places[role] for role in ("x", "y", "z") if role in places]
+    if len(found) > 1:
+        return _of_points(found, step, contact, tail)
+    name, x = places["arc"] if "arc" in places else found[0]
+    understood = f'"{name}" is the arc length of the points, {tail}'
+    x, told = _from_touch(x, step.pressure, understood, contact)
+    return x, None, told
+
+
+def _arc_with_radius(
+    x: FloatArray, r: FloatArray, pressure: FloatArray, contact: ContactGeometry, understood: str
+) -> FloatArray:
+    """x on the seat, from an arc length and the radius that belongs to it."""
+    pressed = pressure > _PRESSED * pressure.max()
+    if np.ptp(r[pressed]) > 0.0 and _x_of_radius(contact, r[:1]) is not None:
+        by_radius = _on_seat(r, pressure, contact, understood)
+        offset = (by_radius - x)[pressed]
+        width = float(np.ptp(x[pressed]))
+        if np.ptp(offset) > _FAR * width + _NARROWEST * contact.initial_contact_radius:
+            raise TextTableError(
+                f"r contradicts the case: along the seat it takes {_mm(float(np.ptp(by_radius[pressed])))} from its "
+                f"first radius with pressure to its last, x goes over {_mm(width)} ({understood})"
+            )
+        return x if _touches_at_zero(x, pressure) else x + float(np.median(offset))
+    x, _ = _from_touch(x, pressure, understood, contact)
+    own = contact.radius(x[pressed])
+    # one radius for all points will do
+    if abs(r[pressed].mean() / own.mean() - 1.0) > _SAME_RADIUS:
+        raise TextTableError(
+            f"r contradicts the case: it goes from {_mm(float(r[pressed].min()))} to {_mm(float(r[pressed].max()))}, "
+            f"the seat at these x from {_mm(float(own.min()))} to {_mm(float(own.max()))} ({understood})"
+        )
+    return x
+
+
+def _of_points(
+    found: Sequence[tuple[str, FloatArray]], step: _Step, contact: ContactGeometry, tail: str
+) -> tuple[FloatArray, None, str]:
+    """From the coordinates of points along a meridian, whichever way its axis lies."""
+    largest = max(float(np.ptp(values)) for _, values in found)
+    moving = [one for one in found if np.ptp(one[1]) > 1e-6 * largest]
+    names = " and ".join(f'"{name}"' for name, _ in found)
+    if len(moving) == 1:
+        name, x = moving[0]
+        if "arc" in step.places or x.min() < 0.0 or not _fits(x, contact):
+            arc_name, x = step.places.get("arc", (name, x))
+            x, told = _from_touch(
+                x, step.pressure, f'"{arc_name}" is the arc length of the points, {tail}', contact
+            )
+            return x, None, told
+        understood = f'"{name}" is the radius of points on the seat, {tail}'
+        return _on_seat(x, step.pressure, contact, understood), None, understood
+    pressed = step.pressure > _PRESSED * step.pressure.max()
+    if len(moving) == 2 and not _on_one_curve(moving[0][1][pressed], moving[1][1][pressed]):
+        raise TextTableError(f"{names}: {_MAP}")
+    best, over_a_surface = None, False
+    for axis, r, turned in _meridians([values for _, values in moving]):
+        distance = _distance(r[pressed], moving[axis][1][pressed], step.pressure[pressed], contact)
+        if distance < _ON_FACE:
+            over_a_surface |= turned > _FAR
+            if turned <= _FAR and (best is None or distance < best[0]):
+                best = distance, axis, r
+    if best is None:
+        spans = ", ".join(f"{name} from {_mm(float(v.min()))} to {_mm(float(v.max()))}" for name, v in found)
+        face = contact.seat_face.point(np.array([0.0, contact.seat_face.length]))[0]
+        raise TextTableError(
+            f"{names}: {_MAP}"
+            if over_a_surface
+            else f"the points of {names} ({spans}) do not lie on the face of the seat, whose radius goes from "
+            f"{_mm(float(face.min()))} to {_mm(float(face.max()))}; check unit and case, or name the arc length s"
+        )
+    _, axis, r = best
+    others = " and ".join(f'"{name}"' for n, (name, _) in enumerate(moving) if n != axis)
+    gives = "give" if len(moving) > 2 else "gives"
+    understood = (
+        f'{others} {gives} the radius of points on the seat, "{moving[axis][0]}" lies along the axis, {tail}'
+    )
+    return _on_seat(r, step.pressure, contact, understood), None, understood
+
+
+def _meridians(moving: Sequence[FloatArray]) -> Iterator[tuple[int, FloatArray, float]]:
+    """Each coordinate as the one along the axis: its number, the radius, and the turn around the axis [rad]."""
+    for axis in reversed(range(len(moving))):
+        across = [one for n, one in enumerate(moving) if n != axis]
+        r = np.abs(across[0]) if len(across) == 1 else np.hypot(*across)
+        angle = np.unwrap(np.arctan2(*across[:2])) if len(across) == 2 else np.zeros(1)
+        yield axis, r, float(np.ptp(angle))
+
+
+def _on_one_curve(a: FloatArray, b: FloatArray) -> bool:
+    """Whether points in a plane lie along one curve: they leave a parabola over their longer side by little."""
+    if len(a) < _FEWEST_ROWS:
+        return True
+    points = np.stack([a - a.mean(), b - b.mean()])
+    along, beside = np.linalg.svd(points, full_matrices=False)[0].T @ points
+    if not np.ptp(along) > 0.0:
+        return False
+    u = along / np.ptp(along)
+    off = beside - np.polynomial.Polynomial.fit(u, beside, 2)(u)
+    return bool(np.ptp(off) < _ON_CURVE * np.ptp(along))
+
+
+def _distance(r: FloatArray, z: FloatArray, pressure: FloatArray, contact: ContactGeometry) -> float:
+    """Largest axial distance of points from the seat's face over their own extent; the origin of z is not known."""
+    x = _x_of_radius(contact, r)
+    if x is None or not np.isfinite(x).all():
+        return np.inf
+    height, extent = contact.height(x), float(np.hypot(np.ptp(r), np.ptp(z)))
+    off = [one - np.average(one, weights=pressure) for one in (z - height, z + height)]
+    return min(float(np.abs(one).max()) for one in off) / extent
+
+
+def _x_of_radius(contact: ContactGeometry, r: FloatArray) -> FloatArray | None:
+    """x on the seat's face, NaN beside it; None where a radius does not tell the place."""
+    face = contact.seat_face
+    s = np.linspace(0.0, face.length, 20_001)
+    along = face.point(s)[0]
+    if not (np.diff(along) > 1e-3 * (s[1] - s[0])).all():
+        return None
+    origin = float(np.interp(contact.initial_contact_radius, along, s))
+    return np.interp(r, along, s, left=np.nan, right=np.nan) - origin
+
+
+def _fits(r: FloatArray, contact: ContactGeometry) -> bool:
+    x = _x_of_radius(contact, r)
+    return x is not None and bool(np.isfinite(x).any())
+
+
+def _on_seat(r: FloatArray, pressure: FloatArray, contact: ContactGeometry, understood: str) -> FloatArray:
+    """x of radii on the seat; points beside its face may carry nothing."""
+    x = _x_of_radius(contact, r)
+    if x is None:
+        raise TextTableError(
+            f"on this seat a radius does not tell the place ({understood}); give arc lengths"
+        )
+    pressed = pressure > _PRESSED * pressure.max()
+    if np.isnan(x[pressed]).any():
+        face = contact.seat_face.point(np.array([0.0, contact.seat_face.length]))[0]
+        raise TextTableError(
+            f"r contradicts the case: the contact pressure goes from r = {_mm(float(r[pressed].min()))} to "
+            f"{_mm(float(r[pressed].max()))}, the face of the seat from {_mm(float(face.min()))} to "
+            f"{_mm(float(face.max()))}, first touch is at {_mm(contact.initial_contact_radius)} ({understood}); "
+            "check unit and case"
+        )
+    peak = int(np.argmax(pressure))
+    gap, touch = contact.gap(x[peak : peak + 1]), contact.initial_contact_radius
+    if abs(r[peak] / touch - 1.0) > _FAR and not gap[0] < 1e-3 * touch:
+        raise TextTableError(
+            f"r contradicts the case: the contact pressure is highest at r = {_mm(float(r[peak]))}, closure and seat "
+            f"of the case touch first at {_mm(touch)} ({understood}); check unit and case"
+        )
+    return x
+
+
+def _touches_at_zero(x: FloatArray, pressure: FloatArray) -> bool:
+    """Whether x = 0 lies between places that are pressed."""
+    pressed = x[pressure > _PRESSED * pressure.max()]
+    return bool(pressed.min() <= 0.0 <= pressed.max())
+
+
+def _from_touch(
+    x: FloatArray, pressure: FloatArray, understood: str, contact: ContactGeometry
+) -> tuple[FloatArray, str]:
+    """Arc length from first touch; of a path that begins at zero, with its centre of pressure there."""
+    if _touches_at_zero(x, pressure):
+        return x, understood
+    if abs(x.min()) > 1e-6 * np.ptp(x):
+        peak = float(x[np.argmax(pressure)])
+        raise TextTableError(
+            f"the contact pressure is highest at x = {_mm(peak)}, and zero at x = 0; an arc length x is zero at first "
+            f"touch, or where its path begins ({understood}). Name a radius r"
+        )
+    order = np.argsort(x, kind="stable")
+    whole, first = (float(np.trapezoid(one[order], x[order])) for one in (pressure, pressure * x))
+    centre = first / whole
+    return x - centre, f"{understood}; x = {_mm(centre)}, the centre of pressure, is taken as first touch"
+
+
+def _merged(
+    x: FloatArray, pressure: FloatArray, radius: FloatArray | None
+) -> tuple[FloatArray, FloatArray, FloatArray | None]:
+    """Points in order, those at one place as one with the mean pressure."""
+    order = np.argsort(x, kind="stable")
+    x, pressure = x[order], pressure[order]
+    begins = np.diff(x, prepend=-np.inf) > 1e-9 * np.ptp(x)
+    if begins.all():
+        return x, pressure, None if radius is None else radius[order]
+    first = np.flatnonzero(begins)
+    counts = np.diff(first, append=len(x))
+    lowest, highest = np.minimum.reduceat(pressure, first), np.maximum.reduceat(pressure, first)
+    worst = int(np.argmax(highest - lowest))
+    if highest[worst] - lowest[worst] > _SAME_PRESSURE * pressure.max():
+        raise TextTableError(
+            f"at x = {_mm(float(x[first[worst]]))} the contact pressure is from "
+            f"{format_quantity('contact pressure', float(lowest[worst]))} to "
+            f"{format_quantity('contact pressure', float(highest[worst]))}: several load steps need a column that "
+            f"tells them apart, such as fluid_pressure [bar]; otherwise {_MAP}"
+        )
+    mean = np.add.reduceat(pressure, first) / counts
+    return x[first], mean, None if radius is None else radius[order][first]
+
+
+def _mm(length: float) -> str:
+    return written(length, ".3g mm").replace("-", "−")

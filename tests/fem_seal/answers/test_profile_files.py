@@ -1,0 +1,258 @@
+"""Profiles as programs export them: whatever the columns are, the same points of the same seat, or a reason why not."""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fem_seal.answers.profile_files import ImportedProfile, read_profiles
+from fem_seal.answers.profile_leak import leak_of_profiles
+from fem_seal.case.case import case_of
+from fem_seal.errors import InputError
+from fem_seal.seal.problem import SealProblem
+
+STEEL = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3, "hardness": "3.5 GPa"}
+TABLES = {
+    "closure": {"shape": "ball", "radius": "20 mm", "material": STEEL},
+    "seat": {"shape": "cone", "angle": "45 deg", "material": STEEL},
+    "roughness": {
+        "spectrum": {
+            "kind": "self-affine",
+            "rms_height": "0.5 um",
+            "hurst": 0.8,
+            "q_low": "5e3 1/m",
+            "q_rolloff": "4e4 1/m",
+            "q_high": "3.1416e6 1/m",
+        }
+    },
+    "fluid": {"name": "nitrogen"},
+    "load": {"fluid_pressure": "20 bar"},
+}
+# First touch at R sin(45 deg), and a contact 0.2 mm wide on it [mm], [MPa].
+R0 = 20.0 / math.sqrt(2.0)
+X = np.linspace(-0.3, 0.3, 61)
+P = 100.0 * np.exp(-0.5 * (X / 0.08) ** 2)
+R, Z = R0 + X / math.sqrt(2.0), X / math.sqrt(2.0)
+
+
+@cache
+def problem(**load: str | tuple[str, ...]) -> SealProblem:
+    return SealProblem.of(case_of({**TABLES, "load": load or TABLES["load"]}))
+
+
+def written(header: str, *columns: np.ndarray, separator: str = ",") -> str:
+    rows = "".join(
+        separator.join(f"{value:.9g}" for value in row) + "\n" for row in zip(*columns, strict=True)
+    )
+    return f"{header}\n{rows}"
+
+
+@pytest.fixture
+def read(tmp_path: Path):
+    def profiles(content: str | bytes, of: SealProblem | None = None) -> tuple[ImportedProfile, ...]:
+        path = tmp_path / "profile.txt"
+        path.write_bytes(content if isinstance(content, bytes) else content.encode())
+        return read_profiles(path, (of or problem()).contact)
+
+    return profiles
+
+
+MIXED = np.random.default_rng(3).permutation(len(X))
+ZERO = np.zeros_like(X)
+TURN = 0.3
+# Names, rotated coordinates, encodings: the same points on the same seat.
+SAME = {
+    "arc length": written("x [mm],p [MPa]", X, P),
+    "arc length in metres and pascals": written("x_m,contact_pressure_Pa", X * 1e-3, P * 1e6),
+    "a path from zero": written("Length (mm)\tValue (MPa)", X + 0.3, P, separator="\t").encode("utf-16"),
+    "radius alone": written("r [mm],CPRESS [MPa]", R, P),
+    "radius beside the arc length": written("x [mm],r [mm],p [MPa]", X, R, P),
+    "radius beside a path": written("s [mm],r [mm],p [MPa]", X + 7.0, R, P),
+    "one radius for all points": written("x [mm],r [mm],p [MPa]", X, ZERO + 14.0, P),
+    "X and Y": written("X [mm],Y [mm],CPRESS [MPa]", R, Z + 5.0, P),
+    "X and Y, axis upside down": written("X [mm],Y [mm],CPRESS [MPa]", R, 5.0 - Z, P),
+    "X and Z": written("X [mm],Y [mm],Z [mm],CPRESS [MPa]", R, ZERO, Z, P),
+    "a meridian turned around the axis": written(
+        "X [mm],Y [mm],Z [mm],CPRESS [MPa]", R * math.cos(TURN), Z, R * math.sin(TURN), P
+    ),
+    "COORD without units": written("Node,COORD.COOR1,COORD.COOR2,CPRESS", np.arange(61), R, Z, P),
+    "COORD in SI without units": written("Node,COOR1,COOR2,CPRESS", np.arange(61), R / 1e3, Z / 1e3, P * 1e6),
+    "arc length and points": written("arc_length [mm],Points:0 [mm],Points:1 [mm],p [MPa]", X + 0.3, R, Z, P),
+    "in no order": written("x [mm],p [MPa]", X[MIXED], P[MIXED]),
+    "points twice": written("x [mm],p [MPa]", np.repeat(X, 2), np.repeat(P, 2) * np.tile([0.99, 1.01], 61)),
+    "decimal commas": written("x [mm];p [MPa]", X, P, separator=";").replace(".", ","),
+    "Latin-1": written("Länge [mm];Anpressdruck [MPa]", X + 0.3, P, separator=";").encode("latin-1"),
+    "other columns of the program": written("x [mm],CPRESS [MPa],COPEN [mm],CSHEAR1 [MPa]", X, P, -ZERO, P),
+}
+
+
+@pytest.mark.parametrize("name", SAME)
+def test_the_same_points_however_they_are_written(name: str, read) -> None:
+    (found,) = read(SAME[name])
+    assert found.x == pytest.approx(X * 1e-3, abs=2e-9)
+    assert found.pressure == pytest.approx(P * 1e6, rel=1e-7)
+    assert found.fluid_pressure is None
+
+
+@pytest.mark.parametrize("name", ["radius alone", "X and Y", "a path from zero", "one radius for all points"])
+def test_they_leak_as_much(name: str, read) -> None:
+    """r for x would be 1.4 times the width on this seat, and far more on one that is steeper."""
+    (wanted,), (found,) = (
+        [load.leak.leak_rate for load in leak_of_profiles(problem(), read(SAME[one]))]
+        for one in ("arc length", name)
+    )
+    # 14 mm in place of 14.142 mm around the axis; r changes along x, which adds the square of width over radius
+    assert found == pytest.approx(wanted * (14.0 / R0 if "one radius" in name else 1.0), rel=(0.2 / R0) ** 2)
+
+
+CIRCLE = np.linspace(0.0, 2 * np.pi, 12, endpoint=False)
+R_OVER, TURNED = (one.ravel() for one in np.meshgrid(R, CIRCLE))
+P_OVER, Z_OVER = np.tile(P, 12) * (1.0 + 0.5 * np.cos(TURNED)), np.tile(Z, 12)
+# What is refused, and what of it is understood.
+CONTRADICTIONS = {
+    "x is a radius": (
+        written("x [mm],p [MPa]", R, P),
+        'highest at x = 14.1 mm, and zero at x = 0; .*"x \\[mm\\]" is the arc',
+    ),
+    "m read as mm": (
+        written("x [m],p [MPa]", X, P),
+        "reaches .290 mm, the contact circle has a radius of 14.1 mm: is the unit right",
+    ),
+    "mm read as um": (
+        written("x [um],p [MPa]", 1e-3 * X, P),
+        "contact circle has a radius of 14.1 mm: is the unit right",
+    ),
+    "another radius": (
+        written("r [mm],p [MPa]", R - 5.0, P),
+        "highest at r = 9.14 mm, closure and seat of the case touch first at 14.1",
+    ),
+    "a radius beside the face": (
+        written("x [mm],r [mm],p [MPa]", X, R + 90.0, P),
+        "the face of the seat from 7.07 mm to 22.6 mm",
+    ),
+    "one wrong radius": (
+        written("x [mm],r [mm],p [MPa]", X, ZERO + 10.0, P),
+        "from 10 mm to 10 mm, the seat at these x from 13.9 mm",
+    ),
+    "x is no arc length beside r": (
+        written("x [mm],r [mm],p [MPa]", 3.0 * X, R, P),
+        "r contradicts the case: along the seat",
+    ),
+    "points of another seat": (
+        written("X [mm],Y [mm],p [MPa]", R, 0.2 * Z, P),
+        "do not lie on the face of the seat",
+    ),
+    "a map in space": (
+        written("X,Y,Z,CPRESS", R_OVER * np.cos(TURNED), Z_OVER, R_OVER * np.sin(TURNED), P_OVER),
+        "over a surface",
+    ),
+    "a map in a plane": (
+        written("X,Y,CPRESS", R_OVER * np.cos(TURNED), R_OVER * np.sin(TURNED), P_OVER),
+        "over a surface",
+    ),
+    "a map with angles": (written("r [mm],theta [deg],p [MPa]", R_OVER, TURNED, P_OVER), "over a surface"),
+    "a map without angles": (written("r [mm],p [MPa]", R_OVER[::-1], P_OVER[::-1]), "over a surface"),
+}
+
+
+@pytest.mark.parametrize("name", CONTRADICTIONS)
+def test_contradictions_are_told(name: str, read) -> None:
+    text, said = CONTRADICTIONS[name]
+    with pytest.raises(InputError, match=said):
+        read(text)
+
+
+def test_points_on_both_sides_of_zero_are_no_radii(read) -> None:
+    """A field export along X, in the order of its nodes, with texts beside it and no units."""
+    lines = [
+        f"seat.odb, Step-1, Increment 12: Step Time = 1.000, SEAT-1, {n}, {X[n]:.6E}, 0.0, 0.0, {P[n]:.6E}"
+        for n in MIXED
+    ]
+    header = "ODB Name, Step, Frame, Part Instance Name, Node Label, X, Y, Z, CPRESS General_Contact_Domain"
+    (found,) = read("\n".join([header, *lines]))
+    assert found.x == pytest.approx(X * 1e-3, abs=1e-8)
+    assert found.pressure == pytest.approx(P * 1e6, rel=1e-6)
+    assert "mm and MPa" in found.understood
+
+
+REPORT = """
+Field Output Report, written Tue Jan 12 14:20:33 2016
+
+   Step: {step}
+   Frame: Increment     12: Step Time =    1.000
+
+Loc 1 : Nodal values from source 1
+
+Field Output reported at nodes for part: SEAT-1
+
+            Node     COORD.COOR1     COORD.COOR2          CPRESS
+           Label          @Loc 1          @Loc 1          @Loc 1
+-----------------------------------------------------------------
+{rows}
+
+  Minimum     13.9      -.2   0.
+      At Node    1       1    1
+"""
+
+
+def report(step: str, pressure: np.ndarray) -> str:
+    rows = "\n".join(
+        f"{n:16d} {r:15.8E} {z:15.8E} {p:15.8E}"
+        for n, (r, z, p) in enumerate(zip(R, Z, pressure, strict=True))
+    )
+    return REPORT.format(step=step, rows=rows)
+
+
+# Two load steps, with twice the pressure in the second, and the fluid pressures that the file states [bar].
+STEPS = {
+    "below each other, by fluid pressure": (
+        written(
+            "fluid_pressure [bar],x [mm],p [MPa]", np.repeat([20, 40], 61), np.tile(X, 2), np.append(P, 2 * P)
+        ),
+        (20, 40),
+    ),
+    "below each other, by step": (
+        written(
+            "Step,x [mm],p [MPa]",
+            np.repeat([1, 2], 61),
+            np.tile(X[MIXED], 2),
+            np.append(P, 2 * P)[np.append(MIXED, 61 + MIXED)],
+        ),
+        (),
+    ),
+    "below each other, beginning anew": (written("x [mm],p [MPa]", np.tile(X, 2), np.append(P, 2 * P)), ()),
+    "beside each other": (written("x [mm],p at 20 bar [MPa],p at 40 bar [MPa]", X, P, 2 * P), (20, 40)),
+    "beside each other without fluid pressure": (written("X,CPRESS step 1,CPRESS step 2", X, P, 2 * P), ()),
+    "in tables of a report": (report("Step-1", P) + report("Step-2", 2 * P), ()),
+    "after one without contact": (report("Step-0", ZERO) + report("Step-1", P) + report("Step-2", 2 * P), ()),
+}
+
+
+@pytest.mark.parametrize("name", STEPS)
+def test_load_steps(name: str, read) -> None:
+    text, stated = STEPS[name]
+    found = read(text)
+    assert [one.fluid_pressure for one in found] == pytest.approx([1e5 * bar for bar in stated] or [None] * 2)
+    for one, times in zip(found, (1.0, 2.0), strict=True):
+        assert one.x == pytest.approx(X * 1e-3, abs=2e-9)
+        assert one.pressure == pytest.approx(times * P * 1e6, rel=1e-7)
+
+
+def test_load_steps_meet_the_fluid_pressures_of_the_case(read) -> None:
+    """In their order where they are as many, and never each with all."""
+    two, three = (
+        problem(fluid_pressure=("20 bar", "40 bar")),
+        problem(fluid_pressure=("20 bar", "40 bar", "60 bar")),
+    )
+    profiles = read(STEPS["beside each other without fluid pressure"][0])
+    loads = leak_of_profiles(two, profiles)
+    assert [load.fluid_pressure for load in loads] == [2e6, 4e6]
+    assert loads[1].peak_pressure == pytest.approx(2 * loads[0].peak_pressure, rel=1e-6)
+    with pytest.raises(
+        InputError, match="2 load steps and does not say their fluid pressures, the case has 3"
+    ):
+        leak_of_profiles(three, profiles)
