@@ -1,4 +1,4 @@
-"""Outcome of a leak rate beside its limit: pass, fail or inconclusive."""
+"""Outcome of a leak rate beside its limit: pass, fail or inconclusive, and pass or fail unless the theory is off."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from enum import StrEnum
 from typing import Protocol
 
 from fem_seal.seal.bounds import Bounds
-from fem_seal.seal.findings import VALID, Validity
+from fem_seal.seal.findings import ORDERS_OF_MAGNITUDE, VALID, Validity
 from fem_seal.seal.load_result import LoadResult
 
 
@@ -17,7 +17,11 @@ class Verdict(StrEnum):
     """What is claimed of a requirement, worse and worse."""
 
     PASS = "pass"
+    PASS_UNLESS = "pass unless"
+    """It passes unless the calculation is off, which it may be by so much."""
     INCONCLUSIVE = "inconclusive"
+    FAIL_UNLESS = "fail unless"
+    """It fails unless the calculation is off, which it may be by so much."""
     FAIL = "fail"
 
 
@@ -36,6 +40,8 @@ class VerdictReason(StrEnum):
     """No visible leakage is allowed, and what leaks may or may not be seen."""
     OUTSIDE = "outside"
     """The load is outside the theory."""
+    FAR = "far"
+    """More leaks than outside the theory, or without an interval, is taken for its error."""
     ACCURACY = "accuracy"
     """The limit is inside the interval, but outside of what is calculated without what that may be off by."""
     UNSAMPLED = "unsampled"
@@ -74,6 +80,11 @@ class Limit:
     ratio: tuple[float, float] = (1.0, 1.0)
     bubble_volume: float | None = None
 
+    @property
+    def most(self) -> float:
+        """What fails for certain if more leaks [m^3/s]."""
+        return max(self.leak_rate, self.visible)
+
 
 @dataclass(frozen=True)
 class Judgement:
@@ -91,6 +102,8 @@ class Judgement:
         Of the leak rate's interval, of the fluid that the limit is for [m^3/s].
     reason : str
         Why the load is outside the theory, or what the calculation may be off by; empty otherwise.
+    off : float
+        Of "pass unless" and "fail unless": factor by which the calculation would have to be off for another verdict.
 
     Examples
     --------
@@ -105,6 +118,14 @@ class Judgement:
     limit: Limit
     ends: tuple[float, float] = (math.nan, math.nan)
     reason: str = ""
+    off: float = math.nan
+
+    @property
+    def times_over(self) -> float:
+        """Lower end of the leak rate over what fails for certain: infinite where open, NaN if not known."""
+        if self.why is VerdictReason.OPEN:
+            return math.inf
+        return self.ends[0] / self.limit.most
 
     @classmethod
     def of(
@@ -129,7 +150,10 @@ class Judgement:
         if math.isinf(ends[0]):
             return cls(Verdict.FAIL, 0.0, VerdictReason.OPEN, limit, tested)
         verdict, why = _decided(limit, ends, tested)
-        margin = _margin(limit, tested.high)
+        margin, calculated = _margin(limit, tested.high), tested.ratio_to(validity.leak_factor)
+        if (validity.outside or not sampled) and calculated.low > ORDERS_OF_MAGNITUDE * limit.most:
+            reason = validity.reasons[0] if validity.outside else ""
+            return cls(Verdict.FAIL, margin, VerdictReason.FAR, limit, tested, reason)
         if validity.outside:
             # of what may not be claimed to be sealed there is no margin
             margin = math.nan if math.isinf(margin) else margin
@@ -139,11 +163,13 @@ class Judgement:
         if not sampled:
             return cls(Verdict.INCONCLUSIVE, math.nan, VerdictReason.UNSAMPLED, limit, tested)
         if verdict is Verdict.INCONCLUSIVE:
-            calculated = tested.ratio_to(validity.leak_factor)
             without, _ = _decided(limit, calculated, calculated)
             if without is not Verdict.INCONCLUSIVE:
-                reason = validity.leak_reason(more=without is Verdict.PASS)
-                return cls(verdict, margin, VerdictReason.ACCURACY, limit, tested, reason)
+                passes = without is Verdict.PASS
+                verdict = Verdict.PASS_UNLESS if passes else Verdict.FAIL_UNLESS
+                off = limit.leak_rate / calculated.high if passes else calculated.low / limit.most
+                reason = validity.leak_reason(more=passes)
+                return cls(verdict, margin, VerdictReason.ACCURACY, limit, tested, reason, off)
         return cls(verdict, margin, why, limit, tested)
 
 
@@ -159,7 +185,7 @@ def _decided(
     low, high = tested
     if high <= limit.leak_rate:
         return Verdict.PASS, VerdictReason.LIMIT
-    if low > max(limit.leak_rate, limit.visible):
+    if low > limit.most:
         return Verdict.FAIL, VerdictReason.LIMIT
     if limit.visible:
         return Verdict.INCONCLUSIVE, VerdictReason.VISIBLE
@@ -168,13 +194,14 @@ def _decided(
 
 
 def severity(judged: Judgement) -> tuple[int, float]:
-    """By which judgements are put in order: larger is worse.
+    """By which judgements are put in order: larger is worse. Of those that fail the surest is the worst.
 
     Parameters
     ----------
     judged : Judgement
     """
-    return RANK[judged.verdict], -math.inf if math.isnan(judged.margin) else -judged.margin
+    how = judged.times_over if judged.verdict in (Verdict.FAIL, Verdict.FAIL_UNLESS) else -judged.margin
+    return RANK[judged.verdict], -math.inf if math.isnan(how) else how
 
 
 def worst_of(loads: Iterable[Judged]) -> Verdict | None:
@@ -248,7 +275,7 @@ class SealJudgement:
 
     @property
     def verdict(self) -> Verdict:
-        """Pass, fail or inconclusive."""
+        """That of the deciding load."""
         return self.worst.verdict
 
     @property
@@ -368,7 +395,7 @@ class JudgedLoad(LoadResult):
 
     @property
     def verdict(self) -> Verdict | None:
-        """Verdict "pass", "fail" or "inconclusive"; None where nothing is required."""
+        """What is claimed of the requirement, such as "pass"; None where nothing is required."""
         return None if self.judgement is None else self.judgement.verdict
 
     @property

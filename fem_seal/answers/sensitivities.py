@@ -8,7 +8,7 @@ that of a complete run.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
@@ -19,14 +19,16 @@ from fem_seal.answers.uncertainty import changed_surface, stiffer_bodies
 from fem_seal.answers.verdict import VERDICT
 from fem_seal.case.case import Case
 from fem_seal.case.fields import quantities_of
+from fem_seal.case.material_table import UNNAMED
 from fem_seal.case.roughness import self_affine_part
 from fem_seal.errors import SealError
 from fem_seal.processes import can_copy, fork_map
-from fem_seal.seal.evaluate import evaluate
+from fem_seal.seal.evaluate import Evaluation, evaluate
 from fem_seal.seal.leak_model import Conductivity, FlowModel
-from fem_seal.seal.load_result import SolvedSeal, highest_load
+from fem_seal.seal.load_result import LoadResult, SolvedSeal, highest_load
 from fem_seal.seal.problem import SealProblem
 from fem_seal.seal.sources import Shared, Source
+from fem_seal.validity.checks import validity_of
 from leak import LeakError, RoughContact
 from meshes import GeometryError, MeshingError
 
@@ -65,6 +67,10 @@ _RINGS = {
 }
 # What seats and closures are made of instead: soft and hard, stiff and compliant.
 _MATERIALS = ("316L", "stellite 6", "aluminium bronze C95400")
+# What no drawing and no order says.
+_NOT_DRAWN = ("youngs_modulus", "q_rolloff", "hurst")
+# Largest ratio of leak rates that is told as less, and the ratio up to which it is the same.
+_CUTS, _SAME = 0.97, 1.001
 _DOING = "what changes the leak rate most"
 # Range and points of the table of a changed surface: resistance further down is below 1e-4 of the whole.
 _DECADES, _ABOVE, _POINTS = 2.0, 0.05, 16
@@ -93,6 +99,10 @@ class Sensitivity:
         Local d ln Q / d ln x of the same readings; NaN where one does not leak on either side of a small step.
     material : str
         Name of the other material; empty of all else.
+    drawn : bool
+        Whether a drawing or an order can say it: not modulus and spectrum, nor the hardness of an alloy with a name.
+    helps : bool or None
+        Whether no load that is judged leaks more for it or leaves the theory for it; None where nobody has looked.
     """
 
     key: str
@@ -102,6 +112,8 @@ class Sensitivity:
     ratio: tuple[float, float]
     exponents: tuple[float, float]
     material: str = ""
+    drawn: bool = True
+    helps: bool | None = None
 
     @property
     def strength(self) -> float:
@@ -125,7 +137,10 @@ class Sensitivity:
 
 
 def sensitivities(
-    result: SolvedSeal, number: int | None = None, progress: Callable[[str], None] | None = None
+    result: SolvedSeal,
+    number: int | None = None,
+    progress: Callable[[str], None] | None = None,
+    judged: Collection[int] = (),
 ) -> tuple[Sensitivity, ...]:
     """Sensitivities of a result at one load, the strongest first.
 
@@ -137,13 +152,16 @@ def sensitivities(
         Of the load; the one with the highest fluid pressure unless given.
     progress : callable, optional
         Told before each where they are calculated one after the other, in a process that cannot be copied.
+    judged : collection of int
+        Numbers of the loads at which the strongest one that cuts the leak must help.
 
     Returns
     -------
     tuple of Sensitivity
         Empty where nothing leaks, the seal is open, or there is no leak rate.
     """
-    changed = _ChangedSeal(result, highest_load(result.loads) if number is None else number)
+    number = highest_load(result.loads) if number is None else number
+    changed = _ChangedSeal(result, (number,))
     if not changed.leaks:
         return ()
 
@@ -153,8 +171,15 @@ def sensitivities(
         tell(_DOING)
         return changed.sensitivity(change)
 
-    every = fork_map(found, list(changed.changes()))
-    return tuple(sorted(filter(None, every), key=lambda one: -one.strength))
+    every = sorted(filter(None, fork_map(found, list(changed.changes()))), key=lambda one: -one.strength)
+    everywhere = _ChangedSeal(result, (*(n for n in judged if n != number), number))
+    for place, one in enumerate(every):
+        if one.drawn and one.strength > 0.0 and max(one.ratio) <= _CUTS:
+            tell(_DOING)
+            every[place] = one = replace(one, helps=everywhere.helps(one))
+            if one.helps:
+                break
+    return tuple(every)
 
 
 def _short_table(flow: FlowModel, surface: RoughContact, log_peaks: Sequence[float]) -> Conductivity:
@@ -203,10 +228,22 @@ class _Change:
 
 @dataclass(frozen=True)
 class _ChangedSeal:
-    """A seal up to one load, and what it would be with other inputs."""
+    """A seal up to some loads, and what it would be with other inputs.
+
+    Parameters
+    ----------
+    result : SolvedSeal
+    numbers : tuple of int
+        Of the loads; sensitivities are those at the last one.
+    """
 
     result: SolvedSeal
-    number: int
+    numbers: tuple[int, ...]
+
+    @property
+    def number(self) -> int:
+        """Of the load at which the leak rate is changed."""
+        return self.numbers[-1]
 
     @cached_property
     def source(self) -> Source:
@@ -234,29 +271,54 @@ class _ChangedSeal:
         return bool(self.rates) and all(0 < rate < math.inf for rate in self.rates)
 
     def _at_load(self, problem: SealProblem, more_force: float = 0.0) -> SealProblem:
-        """A problem with the load in question as the last, after those that have a say in it.
-
-        Bodies that yield remember the loads before it; a tolerance is filled as at the highest of all.
-        """
-        points, highest = self.result.problem.loads.points, highest_load(self.result.loads)
-        before: tuple[tuple[float, float], ...] = ()
-        if problem.follows_path:
-            before = points[: self.number]
-        elif problem.form is not None and problem.form.tolerance is not None and highest != self.number:
-            before = points[highest : highest + 1]
-        pressure, force = points[self.number]
-        points = (*before, (pressure, force + more_force))
+        """A problem with the loads in question, after those that have a say in them."""
+        every, more = self.result.problem.loads.points, dict.fromkeys(self.numbers, more_force)
+        points = tuple((every[n][0], every[n][1] + more.get(n, 0.0)) for n in self._solved(problem))
         # bolts keep the force that they have at this load
         loads = replace(problem.loads, points=points, refused={}, target_leak_rate=None)
         return replace(problem, loads=replace(loads, bolts=None, tightened=()))
+
+    def _solved(self, problem: SealProblem) -> tuple[int, ...]:
+        """Numbers of the loads that are solved, those in question at the end.
+
+        Bodies that yield remember the loads before them; a tolerance is filled as at the highest of all.
+        """
+        if problem.follows_path:
+            return tuple(range(max(self.numbers) + 1))
+        highest = highest_load(self.result.loads)
+        fills = problem.form is not None and problem.form.tolerance is not None
+        return (highest, *self.numbers) if fills and highest not in self.numbers else self.numbers
+
+    def helps(self, one: Sensitivity) -> bool:
+        """Whether no load in question leaks more for a change or leaves the theory for it.
+
+        Parameters
+        ----------
+        one : Sensitivity
+        """
+        same = (one.key, one.material)
+        change = next(change for change in self.changes() if (change.key, change.material) == same)
+        with suppress(*_FAILURES):
+            problem = change.problem(one.factor)
+            found = evaluate(problem, Shared(tables=_short_table, stress=True))
+            solved = [n for at, n in enumerate(self._solved(problem)) if at not in found.solved.problems]
+            loads = dict(zip(solved, found.loads, strict=True))
+            return all(
+                n in loads and self._better(found, loads[n], self.result.loads[n]) for n in self.numbers
+            )
+        return False
+
+    def _better(self, found: Evaluation, load: LoadResult, before: LoadResult) -> bool:
+        rates = zip(_rates_of(load), _rates_of(before), strict=True)
+        leaks_more = any(not after <= own * _SAME for after, own in rates)
+        return not leaks_more and (before.validity.outside or not validity_of(found, load).outside)
 
     def _rates(self, problem: SealProblem) -> Rates:
         """Leak rate in each reading of yielding asperities, or the only one [m^3/s]; none without a contact."""
         load = evaluate(problem, self.source).loads[-1]
         if load.point != problem.loads.points[-1]:
             return ()
-        found = (load.leak, *(one.leak for one in load.others.values()))
-        return tuple(leak.leak_rate for leak in found if leak is not None)
+        return _rates_of(load)
 
     def sensitivity(self, change: _Change) -> Sensitivity | None:
         """What a change does; None where it is none or cannot be calculated.
@@ -278,8 +340,23 @@ class _ChangedSeal:
         ratios = [one / before for before, one in zip(self.rates, far, strict=True)]
         exponents = _exponents(self.rates, *((near, 1.0 + small) if small else (far, factor)))
         return Sensitivity(
-            change.key, change.before, after, factor, (ratios[0], ratios[-1]), exponents, change.material
+            change.key,
+            change.before,
+            after,
+            factor,
+            (ratios[0], ratios[-1]),
+            exponents,
+            change.material,
+            drawn=change.key not in self._not_drawn,
         )
+
+    @cached_property
+    def _not_drawn(self) -> tuple[str, ...]:
+        """Keys of what nobody can order; the hardness belongs to the softer body."""
+        hard = [one for one in self.problem.materials.values() if one.hardness is not None]
+        softer = min(hard, key=lambda one: one.hardness or math.inf, default=None)
+        named = softer is not None and softer.name != UNNAMED
+        return (*_NOT_DRAWN, "hardness") if named else _NOT_DRAWN
 
     def _rates_if_any(self, problem: Callable[[float], SealProblem], factor: float) -> Rates:
         with suppress(*_FAILURES):
@@ -397,12 +474,16 @@ class _ChangedSeal:
         for path, kind, value in self._at_contact():
             (angles if kind == "angle" else lengths)[path] = value
 
+        pair = {path: value for path, value in angles.items() if path.endswith(".angle")}
+        apart = max(pair.values(), default=0.0) - min(pair.values(), default=0.0)
+
         def change(key: str, entries: Mapping[str, float], of: float) -> _Change:
-            step = _OF_ANGLE if key.endswith("angle") else _round_step(of)
+            # faces that nearly fit are made with a small difference, and stay a pair
+            of_angle = 0.5 * apart if key in pair and 0.0 < apart < _OF_ANGLE else _OF_ANGLE
+            step = of_angle if key.endswith("angle") else _round_step(of)
             return _Change(key, 1.0 + step / of, partial(self._with_entries, entries, of), before=of)
 
-        pair = {path: value for path, value in angles.items() if path.endswith(".angle")}
-        if len(pair) > 1 and len(set(pair.values())) == 1:
+        if len(pair) > 1 and apart == 0.0:
             # faces that fit each other are turned together
             yield change(" and ".join(pair), pair, next(iter(pair.values())))
             angles = {path: value for path, value in angles.items() if path not in pair}
@@ -458,6 +539,12 @@ class _ChangedSeal:
         return self._at_load(SealProblem.of(self.case.replace({f"{body}.material": name})))
 
 
+def _rates_of(load: LoadResult) -> Rates:
+    """Leak rate of a load in each of its readings [m^3/s]."""
+    found = (load.leak, *(one.leak for one in load.others.values()))
+    return tuple(leak.leak_rate for leak in found if leak is not None)
+
+
 def _round_step(length: float) -> float:
     """The largest of 1, 2, 5 times a power of ten that is no more than a small share of a length [m].
 
@@ -481,7 +568,9 @@ def _exponents(before: Rates, after: Rates, factor: float) -> tuple[float, float
 
 def _compute(seal: SolvedSeal, ask: Inquiry) -> tuple[Sensitivity, ...]:
     judged = VERDICT.of(ask.answers).seal
-    return sensitivities(seal, None if judged is None else judged.number, ask.clock.progress)
+    if judged is None:
+        return sensitivities(seal, None, ask.clock.progress, range(len(seal.loads)))
+    return sensitivities(seal, judged.number, ask.clock.progress, judged.judged)
 
 
 def _applies(seal: SolvedSeal, wanted: Wanted) -> bool:

@@ -274,6 +274,7 @@ def show_loads(case: Case, loads: Sequence[LoadResult], title: str = "") -> None
     from fem_seal.answers.leakage_class import volume_of
     from fem_seal.materials import ROOM_TEMPERATURE
     from fem_seal.output.report.brief import loads_in_brief
+    from fem_seal.output.report.tables import marks_of
 
     table, left_out = loads_in_brief(case, loads)
     headings = []
@@ -287,8 +288,7 @@ def show_loads(case: Case, loads: Sequence[LoadResult], title: str = "") -> None
             ["\n".join([""] * (most - len(one)) + one) for one in headings], [list(row) for row in table.rows]
         )
     )
-    marks = {load.validity.level.mark: load.validity.level for load in loads}
-    notes = [f"{mark} {level}" for mark, level in marks.items() if mark]
+    notes = marks_of(loads)
     notes += [f"{left_out} more loads in leak.csv"] if left_out else []
     state = volume_of(case).state
     if state:

@@ -162,7 +162,7 @@ class Screen:
     between : tuple of ShownLoad
         Further loads that fill the curve; the case does not have them.
     verdict : str
-        "pass", "fail" or "inconclusive"; empty without a requirement, and while its interval is not there.
+        Such as "pass"; empty without a requirement, and while its interval is not there.
     told : tuple of str
         The verdict in sentences, or the next class.
     facts : tuple of tuple

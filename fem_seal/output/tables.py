@@ -81,9 +81,9 @@ def leak_table(result: SealSolution) -> pd.DataFrame:
     """One row per load with `LEAK_COLUMNS`, SI, and `TEXT_COLUMNS`.
 
     reference/columns in the manual explains them. NaN where nothing was calculated. ``verdict`` is
-    "pass", "fail", "inconclusive" or, without a requirement, empty. ``validity`` is "valid", "doubtful" or "outside the
-    theory"; ``validity_reasons`` gives the reasons, the worst first, with "; " between them (guide/validity in the
-    manual).
+    "pass", "pass unless", "inconclusive", "fail unless", "fail" or, without a requirement, empty. ``validity`` is
+    "valid", "doubtful" or "outside the theory"; ``validity_reasons`` gives the reasons, the worst first, with "; "
+    between them (guide/validity in the manual).
 
     Parameters
     ----------

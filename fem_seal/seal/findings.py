@@ -45,6 +45,8 @@ class Finding:
     leak_factor : Bounds, optional
         What really leaks over the calculated leak rate, at least and at most, where that is known: 0 and infinity
         where it may be orders of magnitude.
+    of_contact : bool
+        Whether it is about the contact, and so about all numbers; else it is about the leak rate alone.
     """
 
     kind: str
@@ -52,6 +54,7 @@ class Finding:
     reason: str
     text: str
     leak_factor: Bounds = EXACT
+    of_contact: bool = True
 
     @property
     def leak_error(self) -> float:
@@ -104,9 +107,19 @@ class Validity:
         return self.cautions[0].level if self.cautions else Level.VALID
 
     @property
+    def of_contact(self) -> Validity:
+        """That of all numbers but the leak rate: of peak, width, stresses and opening."""
+        return Validity(tuple(one for one in self.cautions if one.of_contact))
+
+    @property
+    def doubts(self) -> tuple[Finding, ...]:
+        """Cautions that make numbers less than valid, the worst first."""
+        return tuple(one for one in self.cautions if one.level is not Level.VALID)
+
+    @property
     def reasons(self) -> tuple[str, ...]:
         """Why the numbers are not simply valid, the worst reason first."""
-        return tuple(one.reason for one in self.cautions)
+        return tuple(dict.fromkeys(one.reason for one in self.doubts))
 
     @property
     def leak_error(self) -> float:
@@ -122,8 +135,8 @@ class Validity:
         low, high = (math.prod(one.leak_factor[n] for one in self.cautions) for n in range(2))
         return Bounds(min(max(low, 1.0 / ORDERS_OF_MAGNITUDE), 1.0), max(min(high, ORDERS_OF_MAGNITUDE), 1.0))
 
-    def leak_reason(self, *, more: bool) -> str:
-        """Why more may leak than calculated, or why less; empty if nothing is known.
+    def widens(self, *, more: bool) -> tuple[Finding, ...]:
+        """Cautions by which more may leak than calculated, or less; none that explains nothing next to a larger one.
 
         Parameters
         ----------
@@ -135,14 +148,22 @@ class Validity:
         ]
         # next to a larger one, some parts in ten thousand explain nothing
         most = max((factor for factor, _ in factors), default=1.0)
-        found = [
+        return tuple(
             one for factor, one in factors if factor > 1.0 and factor - 1.0 > 0.01 * min(most - 1.0, 1.0)
-        ]
-        reasons = "; ".join(one.reason for one in found)
-        if len(found) < 2:
-            return reasons
+        )
+
+    def leak_reason(self, *, more: bool) -> str:
+        """Why more may leak than calculated, or why less; empty if nothing is known.
+
+        Parameters
+        ----------
+        more : bool
+        """
+        reasons = list(dict.fromkeys(one.reason for one in self.widens(more=more)))
+        if len(reasons) < 2:
+            return "".join(reasons)
         factor = self.leak_factor[1] if more else 1.0 / self.leak_factor[0]
-        return f"together a factor {rounded(factor, 2):g} {'more' if more else 'less'}: {reasons}"
+        return f"together a factor {rounded(factor, 2):g} {'more' if more else 'less'}: {'; '.join(reasons)}"
 
     @property
     def outside(self) -> bool:

@@ -324,9 +324,9 @@ def _at_target(problem: SealProblem, answers: Sequence[LoadResult]) -> Iterator[
 
 def _of_surface(problem: SealProblem) -> Iterator[Finding]:
     if problem.usual_only:
-        yield caution("finish", leak_factor=Bounds.factor_bounds(10.0))
+        yield caution("finish", leak_factor=Bounds.factor_bounds(10.0), found=False)
     for text in problem.remarks:
-        yield Finding("roughness", Level.DOUBTFUL, text, text)
+        yield Finding("roughness", Level.DOUBTFUL, text, text, of_contact=False)
 
 
 def _faces(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
@@ -691,6 +691,7 @@ def _nearly_sealed(
             load,
             loads,
             leak_factor=Bounds.factor_bounds(lay),
+            found=not beyond,
             lay=lay,
             area=area,
             surface=surface,

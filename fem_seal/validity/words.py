@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
@@ -23,27 +24,37 @@ def caution(
     *,
     outside: bool = False,
     leak_factor: Bounds = EXACT,
+    found: bool = True,
     **values: object,
 ) -> Finding:
     """A caution with the texts of its entry.
 
+    A factor of known size on the leak rate is in the interval and is no doubt.
+
     Parameters
     ----------
     name : str
-        Of the entry, which has kind, reason and text.
+        Of the entry, which has kind, reason and text, and leak_only where it is about the leak rate alone.
     load, loads
         The load that it is about, and all loads, among which its name is unique.
     outside : bool
         Whether it puts the numbers outside the theory.
     leak_factor
         See `Finding`.
+    found : bool
+        Whether its size was found, in measurements or simulations, and is no guess.
     **values
         Values for the braces of the texts.
     """
     if load is not None:
         values["where"] = load_name(load, loads)
     kind, reason, text = (sentence(name, part, **values) for part in ("kind", "reason", "text"))
-    return Finding(kind, Level.OUTSIDE if outside else Level.DOUBTFUL, reason, text, leak_factor)
+    leak_only = "leak_only" in own_tables("findings.toml")[name]
+    held = (
+        leak_only and found and leak_factor != EXACT and 0.0 < leak_factor.low <= leak_factor.high < math.inf
+    )
+    level = Level.OUTSIDE if outside else Level.VALID if held else Level.DOUBTFUL
+    return Finding(kind, level, reason, text, leak_factor, of_contact=not leak_only)
 
 
 def of_bodies(problem: SealProblem, findings: Iterable[Finding]) -> Iterator[Finding]:

@@ -87,7 +87,10 @@ def measurement_in_brief(result: SealSolution, number: int) -> str:
     """
     found = _of_load(result, number)
     what, left = min([] if found is None else _told(result, found), key=itemgetter(1), default=("", 0.0))
-    return phrase("brief.second", "measure", what=what, left=left, now=found.factor) if what and found else ""
+    if not what or found is None:
+        return ""
+    at = f" at {load_name(result.loads[number], result.loads)}"
+    return phrase("brief.second", "measure", what=what, left=left, now=found.factor, at=at)
 
 
 def _of_load(result: SealSolution, number: int) -> ErrorShares | None:

@@ -18,16 +18,14 @@ from fem_seal.units import format_digits, range_text, trimmed, unit_for
 
 # So many are told, and none that changes the leak by less.
 _TOLD, _SMALLEST = 3, 0.03
-# What no drawing says.
-_NOT_DRAWN = ("youngs_modulus", "q_rolloff", "hurst")
 # Scaled by a factor, and told without their value.
-_SCALED = ("rms_height", "hardness", *_NOT_DRAWN)
+_SCALED = ("rms_height", "hardness", "youngs_modulus", "q_rolloff", "hurst")
 # Beyond it a leak is told as a multiple and not in per cent more.
 _MULTIPLE = 2.0
 
 
 def shown_sensitivities(found: Sequence[Sensitivity]) -> list[Sensitivity]:
-    """Those that a drawing can change and that change the leak by 3 % or more in both readings.
+    """Those that a drawing or an order can change and that change the leak by 3 % or more in both readings.
 
     Parameters
     ----------
@@ -36,9 +34,7 @@ def shown_sensitivities(found: Sequence[Sensitivity]) -> list[Sensitivity]:
     return [
         one
         for one in found
-        if one.key not in _NOT_DRAWN
-        and one.strength > 0
-        and min(abs(1.0 - ratio) for ratio in one.ratio) >= _SMALLEST
+        if one.drawn and one.strength > 0 and min(abs(1.0 - ratio) for ratio in one.ratio) >= _SMALLEST
     ]
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from fem_seal.answers.judgement import worst_of
 from fem_seal.answers.leakage_class import volume_of
+from fem_seal.output.answers.verdict import verdict_words
 from fem_seal.output.columns import SET_PRESSURE_COLUMNS, STANDARD_TEST_COLUMNS
 from fem_seal.output.pictures.colours import BLUE, GREY, ORANGE
 from fem_seal.output.pictures.style import Picture, captioned, label, panels
@@ -37,7 +38,7 @@ def standard_in_brief(result: SealSolution) -> str:
         "standard_tests.brief",
         known or "alone",
         standard=required.standard_and_class[0],
-        verdict=worst,
+        verdict=verdict_words(worst),
         one=one,
         rate=_rate(one),
         limit=_limit(one),
@@ -51,7 +52,7 @@ def _of_tests(result: SealSolution) -> Iterator[str]:
         return
     for one in tests:
         how = {math.inf: "open"}.get(one.leak_rate, "unknown" if math.isnan(one.leak_rate) else "test")
-        limit, verdict = _limit(one), None if one.judgement is None else one.judgement.verdict
+        limit, verdict = _limit(one), "" if one.judgement is None else verdict_words(one.judgement.verdict)
         name = one.test[0].upper() + one.test[1:]
         yield phrase(
             "standard_tests.says", how, name=name, one=one, rate=_rate(one), limit=limit, verdict=verdict

@@ -107,7 +107,7 @@ def target_in_brief(result: SealSolution) -> str:
         found = TARGET.of(result.answers)
         return phrase("brief.target", "none", why=found.remarks[0].text) if found and found.remarks else ""
     force = max([own, *_other_forces(load).values()])
-    doubt = "" if known is None or not known.cautions else "outside" if known.outside else "doubt"
+    doubt = "" if known is None or not known.doubts else "outside" if known.outside else "doubt"
     return phrase(
         "brief.target",
         "alone" if force <= 0.0 else "force" if contact is None else "line",

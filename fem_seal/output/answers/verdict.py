@@ -23,7 +23,7 @@ from fem_seal.files import told_of
 from fem_seal.materials import ROOM_TEMPERATURE
 from fem_seal.output.prose import phrase
 from fem_seal.output.shown import Shown
-from fem_seal.seal.findings import YIELD_STRESS, Level
+from fem_seal.seal.findings import ORDERS_OF_MAGNITUDE, YIELD_STRESS, Level
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.readings import THEORIES
 from leak import millilitres_per_minute
@@ -70,6 +70,16 @@ def worst_verdict(result: SealSolution) -> Verdict | None:
     return max(found, key=RANK.__getitem__, default=None)
 
 
+def verdict_words(verdict: Verdict) -> str:
+    """A verdict as a part of a sentence.
+
+    Parameters
+    ----------
+    verdict : Verdict
+    """
+    return phrase("verdict.words", verdict)
+
+
 def verdict_sentences(result: SealSolution) -> list[str]:
     """The verdict with its reason and further remarks; empty without a requirement.
 
@@ -82,7 +92,7 @@ def verdict_sentences(result: SealSolution) -> list[str]:
         return []
     first, likely = _verdict(result, found), _pass_sentence(result)
     tests = worst_of(result.standard_tests)
-    tested = phrase("standard_tests.says", "verdict", verdict=tests) if tests else ""
+    tested = phrase("standard_tests.says", "verdict", verdict=verdict_words(tests)) if tests else ""
     return [first, *filter(None, (tested, likely)), *_further_sentences(result, found)]
 
 
@@ -96,11 +106,16 @@ def verdict_in_brief(result: SealSolution) -> str:
     found = result.judgement
     if found is None:
         return ""
-    told = _verdict(result, found, brief=True)
+    told, passes = _verdict(result, found, brief=True), _passes(result, found)
+    return f"{told}; {passes}" if passes and found.verdict is Verdict.INCONCLUSIVE else told
+
+
+def _passes(result: SealSolution, found: SealJudgement) -> str:
+    """How many seals pass at the deciding load; empty where nobody knows."""
     passing = None if found.number is None else result.loads[found.number].passing
-    if passing is None or passing.why_none or found.worst.verdict != "inconclusive":
-        return told
-    return f"{told}; " + phrase("brief.first", "passes", share=_in_percent(passing.share))
+    if passing is None or passing.why_none:
+        return ""
+    return phrase("brief.first", "passes", share=_in_percent(passing.share))
 
 
 def _digits(result: SealSolution, found: SealJudgement) -> int:
@@ -109,8 +124,10 @@ def _digits(result: SealSolution, found: SealJudgement) -> int:
 
 
 def _doubt(result: SealSolution, found: SealJudgement) -> str:
-    """Reason why the deciding load is doubtful; empty if it is not."""
+    """Reason why the deciding load is doubtful; empty if it is not, and where it fails whatever the doubt."""
     if found.number is None or found.worst.why not in (VerdictReason.LIMIT, VerdictReason.INTERVAL):
+        return ""
+    if found.worst.verdict is Verdict.FAIL and found.worst.times_over > ORDERS_OF_MAGNITUDE:
         return ""
     validity = result.loads[found.number].validity
     return validity.reasons[0] if validity.level is Level.DOUBTFUL else ""
@@ -138,7 +155,7 @@ def _verdict(result: SealSolution, found: SealJudgement, *, brief: bool = False)
     digits, volume, load = _digits(result, found), leakage_class.volume_of(result.case), _place(result, found)
     if found.number is not None and result.loads[found.number].tested:
         load = f"{load} after the leak test"
-    if judged.verdict != "inconclusive" and _doubt(result, found):
+    if judged.verdict is not Verdict.INCONCLUSIVE and _doubt(result, found):
         load = f"{load}, with doubt"
     measured = [volume.measurable(end) for end in judged.ends]
     if key in ("pass", "invisible") and not measured[1]:
@@ -169,6 +186,19 @@ def _verdict(result: SealSolution, found: SealJudgement, *, brief: bool = False)
         times_range=units.range_text(*(factor_text(one, digits) for one in over)),
         fluid=limit.test_fluid,
         reason=judged.reason,
+        off=factor_text(judged.off),
+        doubts=_doubts(result, found),
+        likely=f" ({passes})" if (passes := _passes(result, found)) else "",
+    )
+
+
+def _doubts(result: SealSolution, found: SealJudgement) -> str:
+    """By what the calculation may be off in the direction of the limit: "lay, long waves"."""
+    if found.number is None:
+        return ""
+    more = found.worst.verdict is Verdict.PASS_UNLESS
+    return ", ".join(
+        dict.fromkeys(one.kind for one in result.loads[found.number].leak_validity.widens(more=more))
     )
 
 
@@ -179,8 +209,10 @@ def _sentence(found: SealJudgement) -> str:
         return "no_result"
     if judged.why is VerdictReason.UNKNOWN and math.isnan(judged.limit.leak_rate):
         return "no_limit"
-    if judged.why is VerdictReason.ACCURACY and judged.limit.visible:
-        return "visible_accuracy"
+    if judged.why is VerdictReason.ACCURACY:
+        return judged.verdict
+    if judged.why is VerdictReason.FAR and not judged.reason:
+        return "far_unsampled"
     if judged.why is not VerdictReason.LIMIT:
         return judged.why
     if judged.verdict == "fail":
@@ -220,18 +252,19 @@ def _further_sentences(result: SealSolution, found: SealJudgement) -> Iterator[s
             "verdict.sentences", "converted", fluid=limit.test_fluid, ratio=tuple(sorted(limit.ratio))
         )
     if reason := _doubt(result, found):
-        yield phrase("verdict.sentences", "doubtful", reason=reason)
+        yield phrase("verdict.sentences", "doubtful", reason=reason, load=_place(result, found))
     load = None if found.number is None else result.loads[found.number]
     if load is not None and load.tested and found.worst.why not in _WITHOUT_RATES:
         from fem_seal.output.answers.uncertainty import told_after_test
 
-        yield phrase("verdict.sentences", "tested", rate=told_after_test(load, volume))
+        rate = told_after_test(load, volume)
+        yield phrase("verdict.sentences", "tested", rate=rate, load=_place(result, found))
     if measured := would_pass(result):
         yield measured
     yield from _other_theory(result, found)
     count = len(found.judged) + found.left_out
     if count > 1:
-        yield phrase("verdict.sentences", "several", count=count)
+        yield phrase("verdict.sentences", "several", count=count, load=_place(result, found))
 
 
 def would_pass(result: SealSolution, *, brief: bool = False) -> str:
@@ -243,21 +276,29 @@ def would_pass(result: SealSolution, *, brief: bool = False) -> str:
     brief : bool
         In one line.
     """
-    found, known = result.judgement, result.error_shares
+    found = result.judgement
     undecided = (VerdictReason.INTERVAL, VerdictReason.ACCURACY)
     if found is None or found.number is None or found.worst.why not in undecided:
         return ""
-    profiles = known[found.number].by_profiles if found.number < len(known) else None
-    if profiles is None:
-        return ""
-    ends = result.loads[found.number].leak_interval
-    assert ends is not None  # they are judged
-    height = profiles.passing_height(found.margin * ends.high)
+    heights = [_passing_height(result, number) for number in found.judged]
+    height, number = min(zip(heights, found.judged, strict=True))
     if height < _LOWEST_HEIGHT:
         return ""
-    yields = any(one.kind == YIELD_STRESS for one in result.loads[found.number].validity.cautions)
+    profiles, load = result.error_shares[number].by_profiles, result.loads[number]
+    assert profiles is not None  # of a height
+    yields = any(one.kind == YIELD_STRESS for one in load.validity.cautions)
     where = "brief.second" if brief else "verdict.sentences"
-    return phrase(where, "profile", "curve" if yields else "", length=profiles.length, height=height)
+    at = f" at {load_name(load, result.loads)}"
+    return phrase(where, "profile", "curve" if yields else "", length=profiles.length, height=height, at=at)
+
+
+def _passing_height(result: SealSolution, number: int) -> float:
+    """Rms height over the usual one up to which a load passes with measured profiles; zero where nobody knows."""
+    profiles = result.error_shares[number].by_profiles if number < len(result.error_shares) else None
+    load = result.loads[number]
+    if profiles is None or load.judgement is None or load.leak_interval is None:
+        return 0.0
+    return profiles.passing_height(load.judgement.margin * load.leak_interval.high)
 
 
 def _other_theory(result: SealSolution, found: SealJudgement) -> Iterator[str]:
@@ -268,8 +309,8 @@ def _other_theory(result: SealSolution, found: SealJudgement) -> Iterator[str]:
             "verdict.sentences",
             "theory_as_given" if sampled else "theory",
             theory=THEORIES[theory],
-            verdict=judged.verdict,
-            own=own,
+            verdict=verdict_words(judged.verdict),
+            own=verdict_words(own),
             rate=units.leak_range_text(judged.ends, 2, beside=(judged.limit.leak_rate,)),
             load=load_name(result.loads[place], result.loads),
         )

@@ -7,13 +7,14 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from fem_seal.answers.findings import all_cautions
+from fem_seal.answers.findings import FINDINGS, all_cautions
 from fem_seal.answers.judgement import JudgedLoad, Verdict
 from fem_seal.answers.leakage_class import leakage_classes, volume_of
+from fem_seal.answers.target import TARGET
 from fem_seal.output.answers import verdict
 from fem_seal.output.answers.error_shares import largest_share, measurement_in_brief
 from fem_seal.output.answers.form import form_in_brief
-from fem_seal.output.answers.sensitivities import in_words, strongest
+from fem_seal.output.answers.sensitivities import in_words
 from fem_seal.output.answers.standard_tests import spring_in_words, standard_in_brief
 from fem_seal.output.answers.target import OPENS, target_in_brief
 from fem_seal.output.answers.uncertainty import told_after_test
@@ -23,7 +24,7 @@ from fem_seal.output.prose import phrase
 from fem_seal.output.report.words import PEAK, Fact, contact_alone, facts
 from fem_seal.output.shown import ReadableTable, ReportColumn, columns_table, filled_column
 from fem_seal.seal.findings import YIELD_STRESS, Level
-from fem_seal.seal.load_names import load_axis, load_values
+from fem_seal.seal.load_names import load_axis, load_name, load_values
 from fem_seal.seal.load_result import GivenLoad, LoadResult, highest_load, rate_of
 from fem_seal.seal.problem import LARGEST_TURNING
 from fem_seal.units import leak_range_text, shared_flow_unit
@@ -103,15 +104,25 @@ def second_line(result: SealSolution) -> str:
 
 
 def _helps(result: SealSolution, load: JudgedLoad) -> str:
-    found = next((one for one in strongest(result.sensitivities) if max(one.ratio) < 1.0), None)
-    return "" if found is None else phrase("brief.second", "helps", what=in_words(result.case, found))
+    found = next((one for one in result.sensitivities if one.helps), None)
+    if found is None:
+        return ""
+    return phrase("brief.second", "helps", what=in_words(result.case, found), at=_at(result, load))
+
+
+def _at(result: SealSolution, load: JudgedLoad) -> str:
+    """Name of a load in a sentence."""
+    return f" at {load_name(load, result.loads)}"
 
 
 def _force(result: SealSolution, load: JudgedLoad) -> str:
-    found = load.verdict_force
-    if found is None or found.force is None:
+    judged = [one for one in result.loads if one.judgement is not None] or [load]
+    found = {one: None if one.verdict_force is None else one.verdict_force.force for one in judged}
+    forces = [(force, one) for one, force in found.items() if force is not None]
+    if len(forces) < len(found):
         return ""
-    return phrase("brief.second", "force", load=load, force=verdict.force_to_pass(found.force))
+    force, where = max(forces, key=lambda one: one[0])
+    return phrase("brief.second", "force", load=where, force=verdict.force_to_pass(force))
 
 
 def _curve(result: SealSolution, load: JudgedLoad) -> str:
@@ -138,7 +149,11 @@ def _stop(result: SealSolution, load: JudgedLoad) -> str:
 
 def _share(result: SealSolution, load: JudgedLoad) -> str:
     found = largest_share(result, result.loads.index(load))
-    return "" if found is None else phrase("brief.second", "share", name=found[0], share=found[1])
+    return (
+        ""
+        if found is None
+        else phrase("brief.second", "share", name=found[0], share=found[1], at=_at(result, load))
+    )
 
 
 def _used(result: SealSolution, load: JudgedLoad) -> str:
@@ -169,10 +184,14 @@ _ADVICE: dict[str, Callable[[SealSolution, JudgedLoad], str]] = {
     "ask": lambda result, load: "" if result.sensitivities else phrase("brief.second", "ask"),
 }
 # What is told after each verdict, the first that is known.
+_FAILS = ("helps", "force", "stop", "measure", "ask", "used")
+_OPEN = ("curve", "profile", "measure", "helps", "force", "stop", "share", "used")
 _ORDER: dict[Verdict | None, Sequence[str]] = {
     Verdict.PASS: ("strength", "share", "used"),
-    Verdict.INCONCLUSIVE: ("curve", "profile", "measure", "helps", "force", "stop", "share", "used"),
-    Verdict.FAIL: ("helps", "force", "stop", "measure", "ask", "used"),
+    Verdict.PASS_UNLESS: _OPEN,
+    Verdict.INCONCLUSIVE: _OPEN,
+    Verdict.FAIL_UNLESS: _FAILS,
+    Verdict.FAIL: _FAILS,
     None: ("curve", "helps", "measure", "class", "stop", "share", "force", "none"),
 }
 
@@ -287,11 +306,13 @@ def _leaks_in_one_unit(columns: Iterable[ReportColumn]) -> Iterator[ReportColumn
 
 
 def remarks_in_brief(result: SealSolution) -> list[str]:
-    """The warnings as clauses, the worst first.
+    """The warnings as clauses, the worst first; not of the force for a target what is said of the loads already.
 
     Parameters
     ----------
     result : SealSolution
     """
     short = {one.text: one.reason for one in all_cautions(result.answers)}
-    return list(dict.fromkeys(short.get(text, text) for text in result.warnings))
+    kinds, target = {one.kind for one in FINDINGS.of(result.answers).cautions}, TARGET.of(result.answers)
+    again = {one.text for one in target.remarks if one.kind in kinds} if target else set()
+    return list(dict.fromkeys(short.get(text, text) for text in result.warnings if text not in again))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from fem_seal.answers.closed_forms import Sizes, closed_form_limits, derive_beside
@@ -145,13 +145,28 @@ def curve_in_words(curve: HardeningCurve) -> str:
 
 def marks_in_words(result: SealSolution) -> str:
     """Meaning of the marks in the table of the loads; empty without any."""
-    found = [level for level in Level if any(load.validity.level is level for load in result.loads)]
-    marks = [f"{level.mark} {level}" for level in found if level.mark]
+    marks = marks_of(result.loads)
     return f" {', '.join(marks)}." if marks else ""
+
+
+def marks_of(loads: Sequence[LoadResult]) -> list[str]:
+    """Meaning of each mark of some loads: "? doubtful", "? leak rate doubtful" where all else is valid.
+
+    Parameters
+    ----------
+    loads : sequence of LoadResult
+    """
+    found = []
+    for level in Level:
+        marked = [load.validity for load in loads if load.validity.level is level and level.mark]
+        if marked:
+            whole = any(one.of_contact.level is level for one in marked)
+            found.append(f"{level.mark} {level}" if whole else f"{level.mark} leak rate {level}")
+    return found
 
 
 def validity_table(result: SealSolution) -> ReadableTable:
     """All reasons why the numbers of a load are not valid; no rows if all are."""
     loads = result.loads
-    rows = ({"load": load_name(load, loads), "one": one} for load in loads for one in load.validity.cautions)
+    rows = ({"load": load_name(load, loads), "one": one} for load in loads for one in load.validity.doubts)
     return worded_table("validity", rows)

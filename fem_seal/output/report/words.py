@@ -35,6 +35,7 @@ from fem_seal.units import (
     leak_range_text,
     percent,
     range_text,
+    rounded,
     unit_for,
     written,
 )
@@ -80,37 +81,38 @@ class Fact:
 def facts(result: SealSolution, load: JudgedLoad | None = None) -> list[Fact]:
     """The main numbers at a load, the highest unless given, each with the level of its validity."""
     load = load or result.highest
-    of_target = load.target_validity or load.validity
-    return [
-        replace(fact, level=(of_target if fact.name == TARGET_FORCE else load.validity).level)
-        for fact in _facts(result, load)
-    ]
+    return [replace(fact, level=validity.level) for fact, validity in _facts(result, load)]
 
 
-def _facts(result: SealSolution, load: JudgedLoad) -> Iterator[Fact]:
+def _facts(result: SealSolution, load: JudgedLoad) -> Iterator[tuple[Fact, Validity]]:
+    """Each with the validity that it has."""
+    leaks, contact = load.validity, load.validity.of_contact
     if result.uncertainty is not None:
-        yield _interval_fact(result, load)
+        yield _interval_fact(result, load), leaks
     of_leak = [] if load.leak is None else list(_leak_facts(result.case, load))
     # the interval comes first; the other units follow it
-    yield from of_leak if load.sampled is None else reversed(of_leak)
-    yield from (Fact(*fact) for fact in valve_facts(result, load))
+    yield from ((one, leaks) for one in (of_leak if load.sampled is None else reversed(of_leak)))
+    of_target = load.target_validity or leaks
+    yield from (
+        (Fact(*fact), of_target if fact[0] == TARGET_FORCE else contact) for fact in valve_facts(result, load)
+    )
     uneven = load.formed is not None and load.formed.form.felt
     if uneven:
         remark = f"around the axis; {_peak(load)} at the mean line load"
-        yield Fact(PEAK, in_words(load, "peak_pressure_max_Pa"), remark)
+        yield Fact(PEAK, in_words(load, "peak_pressure_max_Pa"), remark), contact
     else:
-        yield Fact(PEAK, _peak(load), on_land(load))
+        yield Fact(PEAK, _peak(load), on_land(load)), contact
     width = in_words(load, "fwhm_m")
     remarks = ["full width at half of the peak pressure", on_land(load)]
-    yield Fact("Width of the contact", width, ", ".join(filter(None, remarks)))
+    yield Fact("Width of the contact", width, ", ".join(filter(None, remarks))), contact
     if load.critical_separation is not None:
-        yield Fact("Narrowest point of the leak path", *_narrowest(load))
+        yield Fact("Narrowest point of the leak path", *_narrowest(load)), leaks
     where = f"von Mises, in the {load.max_von_mises_at[0]}" + (", at the mean line load" if uneven else "")
-    yield Fact("Largest stress in the bodies", in_words(load, "max_von_mises_Pa"), where)
+    yield Fact("Largest stress in the bodies", in_words(load, "max_von_mises_Pa"), where), contact
     if imprint := imprint_in_words(result):
-        yield Fact("Permanent imprint", *imprint)
+        yield Fact("Permanent imprint", *imprint), contact
     if load.leak is not None:
-        yield _class_fact(result.case, load)
+        yield _class_fact(result.case, load), leaks
 
 
 def _leak_facts(case: Case, load: JudgedLoad) -> Iterator[Fact]:
@@ -296,13 +298,15 @@ def remembered(result: SealSolution) -> list[str]:
 def _validity_sentence(result: SealSolution) -> str:
     """Sentence of the headline about loads that are outside the theory or doubtful; empty if all are valid."""
     clauses = []
+    doubted = [load for load in result.loads if load.validity.doubts]
+    what = "result" if any(load.validity.of_contact.doubts for load in doubted) else "leak rate"
     for level in (Level.OUTSIDE, Level.DOUBTFUL):
         found = [load for load in result.loads if load.validity.level is level]
         if found:
             highest = found[highest_load(found)]
             at = "" if len(result.loads) == 1 else f" at {_names_of_loads(found, result.loads)}"
             clauses.append(f"{level}{at} ({_worst_reason(highest.validity)})")
-    return f" The result is {', '.join(clauses)}." if clauses else ""
+    return f" The {what} is {', '.join(clauses)}." if clauses else ""
 
 
 def _names_of_loads(loads: Sequence[LoadResult], among: Sequence[LoadResult]) -> str:
@@ -424,16 +428,14 @@ def accuracy_in_words(load: LoadResult) -> list[str]:
     load : LoadResult
     """
     least, most = load.leak_validity.leak_factor
-    reasons = [
-        load.leak_validity.leak_reason(more=more)
+    ways = [
+        (f"{rounded(factor, 2):g} {'more' if more else 'less'}", load.leak_validity.widens(more=more))
         for more, factor in ((True, most), (False, 1.0 / least))
         if factor > _NOTICED_IN_ENDS
     ]
-    factors, _, why = zip(*(one.partition(": ") for one in reasons), strict=True) if reasons else ((), (), ())
-    if len(reasons) == 2 and why[0] == why[1] != "":
-        reasons = [f"{factors[0]} or {factors[1].removeprefix('together a factor ')}: {why[0]}"]
-    text = "; ".join(dict.fromkeys(reasons))
-    return [phrase("readings.accuracy", "what", reason=text)] if text else []
+    reasons = list(dict.fromkeys(one.reason for _, found in ways for one in found))
+    together = f"together a factor {' or '.join(factor for factor, _ in ways)}: " if len(reasons) > 1 else ""
+    return [phrase("readings.accuracy", "what", reason=together + "; ".join(reasons))] if reasons else []
 
 
 def _samples_in_words(case: Case, load: LoadResult) -> str:
