@@ -405,7 +405,7 @@ def test_the_median_after_the_test_leads(after):
     first, share, *more = verdict_sentences(run)
     assert first.startswith("Inconclusive at 20 bar after the leak test: ")
     assert "of seals that show the readings of the leak test" in share
-    assert f"Median and interval there: {middle} (" in more[0]
+    assert f"Median and interval at 20 bar: {middle} (" in more[0]
 
 
 @pytest.mark.slow
