@@ -353,9 +353,8 @@ class _ChangedSeal:
     @cached_property
     def _not_drawn(self) -> tuple[str, ...]:
         """Keys of what nobody can order; the hardness belongs to the softer body."""
-        hard = [one for one in self.problem.materials.values() if one.hardness is not None]
-        softer = min(hard, key=lambda one: one.hardness or math.inf, default=None)
-        named = softer is not None and softer.name != UNNAMED
+        own = (self.result.case.closure.material, self.result.case.lower.material)
+        named = min(own, key=lambda one: one.hardness or math.inf).name != UNNAMED
         return (*_NOT_DRAWN, "hardness") if named else _NOT_DRAWN
 
     def _rates_if_any(self, problem: Callable[[float], SealProblem], factor: float) -> Rates:

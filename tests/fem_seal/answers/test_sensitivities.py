@@ -9,11 +9,11 @@ from types import SimpleNamespace
 
 import pytest
 from places import EXAMPLES
-from sample_results import case, cone, run_loads, smooth_result
+from sample_results import case, cone, rough_result, run_loads, smooth_result
 
 import fem_seal
 from fem_seal.answers.chain import solve
-from fem_seal.answers.sensitivities import _ChangedSeal, _round_step, sensitivities
+from fem_seal.answers.sensitivities import Sensitivity, _ChangedSeal, _round_step, sensitivities
 from fem_seal.former_names import FormerNameWarning
 from fem_seal.output.answers.sensitivities import (
     effect_in_words,
@@ -202,7 +202,7 @@ BALL_AND_CONE = {"closure": {"shape": "ball", "radius": "20 mm", **STEEL}, "seat
 )
 def test_every_shape_has_the_dimensions_of_its_contact(bodies, closure, seat):
     of = case(**{**BALL_AND_CONE, **bodies})
-    changes = _ChangedSeal(SimpleNamespace(case=of), 0)._dimensions()
+    changes = _ChangedSeal(SimpleNamespace(case=of), (0,))._dimensions()
     expected = {f"closure.{key}" for key in closure} | {f"seat.{key}" for key in seat}
     assert {one.key for one in changes} == expected
 
@@ -212,8 +212,45 @@ def test_faces_that_fit_each_other_are_turned_together():
     of = case(
         closure=poppet, seat={"shape": "conical-land", "angle": "45 deg", "land_width": "1 mm", **STEEL}
     )
-    keys = {one.key for one in _ChangedSeal(SimpleNamespace(case=of), 0)._dimensions()}
+    keys = {one.key for one in _ChangedSeal(SimpleNamespace(case=of), (0,))._dimensions()}
     assert "closure.angle and seat.angle" in keys and not {"closure.angle", "seat.angle"} & keys
+
+
+def test_faces_that_nearly_fit_are_changed_by_half_of_their_difference():
+    """An injector with a needle of 60.5 and a seat of 60 deg is no other injector with one of 70 deg."""
+    needle = {
+        "shape": "cone",
+        "included_angle": "60.5 deg",
+        "outer_radius": "0.9 mm",
+        "inner_radius": "0.45 mm",
+    }
+    of = case(closure={**needle, **STEEL}, seat=cone("steel", "60 deg"))
+    changes = {one.key: one for one in _ChangedSeal(SimpleNamespace(case=of), (0,))._dimensions()}
+    for key in ("closure.angle", "seat.angle"):
+        step = changes[key].after(changes[key].step) - changes[key].before
+        assert math.degrees(step) == pytest.approx(0.125)
+
+
+@pytest.mark.parametrize(("material", "offered"), [("316L", False), ({"hardness": "3 GPa"}, True)])
+def test_the_hardness_of_an_alloy_with_a_name_is_nothing_to_order(material, offered):
+    given = {"youngs_modulus": "200 GPa", "poissons_ratio": 0.3, **material} if offered else material
+    of = case(closure={"shape": "ball", "radius": "20 mm", "material": given}, seat=cone(given))
+    assert ("hardness" not in _ChangedSeal(SimpleNamespace(case=of), (0,))._not_drawn) is offered
+
+
+def test_what_helps_helps_at_every_load_and_inside_the_theory():
+    result = rough_result()
+    halved = Sensitivity("rms_height", None, None, 0.5, (0.2, 0.2), (math.nan, math.nan))
+    assert _ChangedSeal(result, (0, 2)).helps(halved)
+    # a load that hardly leaks now leaks more then
+    low = result.loads[0]
+    tight = low.with_values(leak=replace(low.leak, leak_rate=1e-3 * low.leak.leak_rate))
+    other = replace(result, loads=(tight, *result.loads[1:]))
+    assert not _ChangedSeal(other, (0, 2)).helps(halved)
+    assert _ChangedSeal(other, (1, 2)).helps(halved)
+    # pressed so hard that the seat yields as a whole
+    force = Sensitivity("force", 0.0, 1.0, 300.0, (0.2, 0.2), (math.nan, math.nan))
+    assert not _ChangedSeal(result, (0, 2)).helps(force)
 
 
 def test_flanges_and_a_gasket_that_fits_them_are_turned_together():
@@ -231,7 +268,7 @@ def test_flanges_and_a_gasket_that_fits_them_are_turned_together():
     }
     for more in ({"seat": None}, {"seat": {**flange, "angle": "60 deg", "bore_radius": "93 mm"}}):
         of = case(**tables, **more)
-        keys = {one.key for one in _ChangedSeal(SimpleNamespace(case=of), 0)._dimensions()}
+        keys = {one.key for one in _ChangedSeal(SimpleNamespace(case=of), (0,))._dimensions()}
         assert [one for one in keys if "angle" in one] == [
             "closure.angle and gasket.angle" + (" and seat.angle" if more["seat"] else "")
         ]

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from sample_results import STEEL, ball, case, cone, judged_anew, rough_result, with_capped
 
 import fem_seal
-from fem_seal.answers.judgement import Judgement, Limit, Verdict, VerdictReason
+from fem_seal.answers.judgement import Judgement, Limit, Verdict, VerdictReason, severity
 from fem_seal.answers.leakage_class import leakage_classes, limits, next_class
 from fem_seal.answers.verdict import _shares, seal_judgement
 from fem_seal.cli.terminal import show_answers, show_leak_table
@@ -268,6 +268,26 @@ def test_the_worst_load_decides_and_a_load_that_opens_fails():
     assert left.verdict == "inconclusive" and left.judgement.left_out == 1 and math.isnan(left.margin)
     # a failed load is worse than one that is not known
     assert required(missing=unsolved, leak_rate="1e-12 m^3/s").verdict == "fail"
+
+
+def test_of_loads_that_fail_the_surest_decides():
+    """Not the one with the widest interval, whose upper end alone is far above the limit."""
+    limit = Limit("leak rate", 1.0)
+    sure, wide = Judgement.of(limit, (100.0, 200.0)), Judgement.of(limit, (2.0, 1e6))
+    assert wide.margin < sure.margin
+    assert max((sure, wide), key=severity) is sure
+    opened = Judgement.of(limit, (math.inf, math.inf))
+    assert max((sure, opened, wide), key=severity) is opened
+    # of those that pass it is still the one with the least margin
+    near, far = Judgement.of(limit, (0.1, 0.9)), Judgement.of(limit, (0.01, 0.1))
+    assert max((near, far), key=severity) is near
+    doubt = Validity.of([Finding("lay", Level.VALID, "a lay", "...", Bounds.factor_bounds(3.0))])
+    ranked = [
+        Judgement.of(limit, ends, doubt)
+        for ends in ((0.01, 0.1), (0.1, 2.0), (0.1, 9.0), (0.5, 9.0), (2.0, 9.0))
+    ]
+    assert [str(one.verdict) for one in ranked] == [*Verdict]
+    assert sorted(ranked, key=severity) == ranked
 
 
 def test_only_the_loads_that_are_asked_for_decide():
