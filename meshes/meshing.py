@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 # The condensed contact is a dense matrix of two nodes per element and two components: a gigabyte at this number.
 _MOST_VERTICES = 1600
 
-# Share of a face's length that is no length.
+# Share of a face's length that is no length, nor is what is shorter than half an element.
 _END = 1e-5
 
 # Decimals of the coordinates and digits of the sizes that gmsh gets, in units of the seal. A change in the last digit,
@@ -142,8 +142,9 @@ def _with_contact_line(outline: Outline, ends: FloatArray, stub: FloatArray) -> 
     """
     face, name = outline.face, outline.name
     # What is left of a face beyond the last ray that meets both bodies is round-off.
-    ends = np.where(ends < _END * face.length, 0.0, ends)
-    ends = np.where(ends > (1 - _END) * face.length, face.length, ends)
+    before, after = np.minimum(_END * face.length, stub)
+    ends = np.where(ends < before, 0.0, ends)
+    ends = np.where(ends > face.length - after, face.length, ends)
     pieces = (
         *face.part(0.0, float(ends[0]), f"{name}_inner", (0.0, float(stub[0]))),
         *face.pieces(ends, f"{name}_contact"),
@@ -183,7 +184,7 @@ def triangulate(outline: Outline, contact: ContactGeometry, sizing: Sizing) -> M
     scale = contact.closure.largest_radius
     with gmsh_session("seal") as gmsh:
         drawn = _add_body(gmsh, outline, scale)
-        _set_sizes(gmsh, contact, sizing, scale)
+        _set_sizes(gmsh, outline.name, contact, sizing, scale)
         try:
             gmsh.model.mesh.generate(2)
         except Exception as error:  # gmsh raises plain Exception
@@ -233,14 +234,17 @@ def _add_body(gmsh: ModuleType, outline: Outline, scale: float) -> _Drawn:
     return _Drawn(exact, curves, chords)
 
 
-def _set_sizes(gmsh: ModuleType, contact: ContactGeometry, sizing: Sizing, scale: float) -> None:
-    """Element size over (r, z) as formulas that gmsh evaluates itself."""
-    field = gmsh.model.mesh.field
+def _set_sizes(gmsh: ModuleType, name: str, contact: ContactGeometry, sizing: Sizing, scale: float) -> None:
+    """Element size over (r, z) in the body `name` as formulas that gmsh evaluates itself."""
+    field, places = gmsh.model.mesh.field, np.array([x for x, _ in sizing.spots])
+    # Beside a sharp edge the closure stands many elements away from the seat.
+    on_closure = contact.closure_face.point(contact.closure_arc(np.clip(places, *contact.reach)))
+    spots = on_closure if name == "closure" else contact.point(places)
     formulas = [
         _size(sizing.contact_size, sizing.core, sizing, *_along_and_deep(contact, sizing.zone, scale), scale),
         *(
-            _size(size, 0.0, sizing, "0", f"Sqrt({_square(contact.point(np.array(x)), scale)})", scale)
-            for x, size in sizing.spots
+            _size(size, 0.0, sizing, "0", f"Sqrt({_square(spot, scale)})", scale)
+            for spot, (_, size) in zip(spots.T, sizing.spots, strict=True)
         ),
     ]
     fields = []

@@ -192,9 +192,11 @@ class ContactGeometry:
         """Arc lengths [m] between which both faces stand in front of each other."""
         r, z = self.closure_face.point(np.array([0.0, self.closure_face.length]))
         start, end = self.coordinate(r, z).tolist()
-        # Where the last ray grazes the end of the face it may miss by round-off; the face is long enough without.
-        slack = 1e-6 * (end - start)
-        return self._last_in_front(start + slack), self._last_in_front(end - slack)
+        # Where the last ray grazes the end of the face it may miss by round-off; the face is long enough without, and
+        # so is the arc of a sharp edge.
+        shortest = min(s.length for face in (self.closure_face, self.seat_face) for s in face.segments)
+        slack = min(1e-6 * (end - start), 1e-3 * shortest)
+        return self._last_in_front(start + slack, slack), self._last_in_front(end - slack, slack)
 
     @cached_property
     def turned_away(self) -> tuple[bool, bool]:
@@ -202,10 +204,10 @@ class ContactGeometry:
         start, end = (self.facing(np.array(self.reach)) < 1.05 * _GRAZING).tolist()
         return start, end
 
-    def _last_in_front(self, end: float) -> float:
-        """How far towards x = `end` [m] every contact normal leaves the seat and meets the closure."""
-        near = 0.0
-        for _ in range(3):
+    def _last_in_front(self, end: float, tolerance: float) -> float:
+        """How far towards x = `end` every contact normal leaves the seat and meets the closure, both [m]."""
+        near, rounds = 0.0, max(3, math.ceil(math.log(abs(end) / tolerance, 40)))
+        for _ in range(rounds):
             x = np.linspace(near, end, 41)
             missed = np.isnan(self.gap(x)) | (self.facing(x) < _GRAZING)
             if not missed.any():

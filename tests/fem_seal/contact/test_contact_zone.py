@@ -11,6 +11,7 @@ import pytest
 from contact_models import STEEL
 
 import meshes
+from fem_seal.contact.laws import HardContact
 from fem_seal.contact.model import condense
 from fem_seal.contact.newton import solve
 from fem_seal.contact.sizing import better_sizing, element_sizes, solve_fitted
@@ -20,6 +21,7 @@ from fem_seal.materials import effective_modulus
 from fem_seal.profile import PressureProfile
 from leak import ExponentialLaw
 from meshes import Ball, ConicalSeat, ContactGeometry, SharpEdge, Sizing
+from meshes.mesh.triangles import doubled_area, triangle_shape
 
 LAW = ExponentialLaw(p_c=5e9, u0=0.76e-6)
 FORCE = 1256.0
@@ -104,6 +106,60 @@ def test_no_convergence_is_tried_once_more_on_a_finer_mesh(expected: tuple[Sizin
     with pytest.raises(ConvergenceError, match="did not converge"):
         solve_fitted(sizing, CONTACT, never)
     assert [s.contact_size for s in tried] == [sizing.contact_size, sizing.contact_size / 2]
+
+
+@pytest.mark.parametrize(
+    ("bore", "edge", "ratio"),
+    [
+        (0.0020, 1.0e-6, 1.3),
+        (0.0050, 1.1e-6, 1.8),
+        (0.0137, 5.0e-6, 1.15),
+        (0.0350, 1.0e-6, 2.0),
+        (0.035, 27e-6, 1.2),
+    ],
+)
+def test_a_sharp_edge_is_meshed_as_it_is(bore: float, edge: float, ratio: float) -> None:
+    """An edge 3e-5 to 8e-4 times the bore: all of it is in front of the ball, and area and volume are the seat's."""
+    ball = Ball(ratio * bore)
+    seat = SharpEdge.around(bore, ball, edge_radius=edge)
+    contact = ContactGeometry.of(ball.outline, seat.outline)
+    # up to a thousandth of the whole arc
+    arc = math.pi / 2 * edge
+    assert contact.reach[0] == pytest.approx(edge * contact.angle - arc, rel=0.0, abs=1.01e-3 * arc)
+    wide = element_sizes(ExponentialLaw(p_c=5e9, u0=edge), [1e3], contact, effective_modulus(STEEL, STEEL))
+    body = meshes.build_contact(contact, wide).seat
+    r, t = body.p[0], body.t
+    area = 0.5 * np.abs(doubled_area(body.p, t))
+    # what the rounding takes off the corner: a square without a quarter of a circle
+    square, quarter = edge**2, math.pi / 4 * edge**2
+    taken = square * (bore + edge / 2) - quarter * (bore + edge - 4 * edge / (3 * math.pi))
+    whole = seat.outer_radius - bore, seat.outer_radius**2 - bore**2
+    # chords of a twelfth of the arc, or less, cut 0.3 % off the quarter
+    cut = 3e-3 * quarter + 1e-14 * area.sum()
+    assert area.sum() == pytest.approx(whole[0] * seat.height - (square - quarter), rel=0.0, abs=cut)
+    volume = 2 * math.pi * float(area @ r[t].mean(axis=0))
+    exact = math.pi * whole[1] * seat.height - 2 * math.pi * taken
+    assert volume == pytest.approx(exact, rel=1e-12, abs=2 * math.pi * bore * 1.01 * cut)
+    assert triangle_shape(body.p, t).min() > 0.4
+
+
+def test_a_sharp_edge_is_pressed_as_hertz_says() -> None:
+    """R_rel = 1/(1/R + 1/edge_radius), half-width 5 % of an edge radius that is a ten-thousandth of the bore."""
+    bore, edge, ball = 0.01, 1e-6, Ball(0.018)
+    contact = ContactGeometry.of(ball.outline, SharpEdge.around(bore, ball, edge_radius=edge).outline)
+    modulus, radius, half_width = effective_modulus(STEEL, STEEL), 1 / (1 / 0.018 + 1 / edge), 0.05 * edge
+    line_load = math.pi * modulus * half_width**2 / (4 * radius)
+    sizing = element_sizes(HardContact(), [line_load], contact, modulus)
+    model = condense(meshes.build_contact(contact, sizing), {"closure": STEEL, "seat": STEEL})
+    found = solve(
+        model,
+        HardContact(),
+        contact_force=line_load * 2 * math.pi * contact.initial_contact_radius * math.cos(contact.angle),
+    )
+    # (half_width/edge)^2/9 of the arc's own curvature, and what the mesh is worth
+    peak = math.sqrt(modulus * line_load / (math.pi * radius))
+    assert found.profile.peak_pressure == pytest.approx(peak, rel=1e-3)
+    assert found.profile.std == pytest.approx(half_width / 2, rel=1e-3)
 
 
 def test_a_layer_as_thick_as_the_edge_radius_wedges_nothing() -> None:
