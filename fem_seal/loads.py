@@ -132,6 +132,11 @@ def line_load(contact_force: float, sealing_radius: float, angle: float) -> floa
     return contact_force / (2 * math.pi * sealing_radius * math.cos(angle))
 
 
+# Half-width of Hertz's contact over the radius of relative curvature, the angle by which the faces turn against each
+# other [rad], where a leak rate by the theory of small strains is some 5 % off, and where 20 %
+# (docs/guide/validity.md).
+TURNED, LARGEST_TURNING = 0.07, 0.25
+
 # Prandtl's strip, the most that a narrow contact carries: (2 + pi)/sqrt(3) of the flow stress.
 CONSTRAINT = 2.97
 

@@ -14,6 +14,7 @@ from fem_seal.answers.bolts import BOLTS
 from fem_seal.answers.compression import COMPRESSION
 from fem_seal.answers.error_shares import ERROR_SHARES
 from fem_seal.answers.findings import FINDINGS, all_cautions
+from fem_seal.answers.foreseen import foreseen
 from fem_seal.answers.form import FORM
 from fem_seal.answers.judgement import JudgedLoad
 from fem_seal.answers.opening import OPENING
@@ -109,7 +110,7 @@ def solve(
         In their order; all of them unless given.
     """
     clock, steps = Clock(progress or (lambda text: None)), OptionalSteps()
-    seal = _solved(case, clock, steps)
+    seal = _solved(case, clock, steps, told=progress is not None)
     seal = seal.with_loads([JudgedLoad.of(load) for load in seal.loads])
     ask = Inquiry(LoadSolver(seal.problem, seal.model), clock, wanted, steps, solve=solve)
     seal = answered(seal, ask, ANSWERS if answers is None else answers)
@@ -126,12 +127,14 @@ def _of_lower_half(ask: Inquiry, said: Collection[str]) -> Iterator[str]:
                 yield sentence("lower_flange", said=text)
 
 
-def _solved(case: Case, clock: Clock, steps: OptionalSteps) -> SolvedSeal:
+def _solved(case: Case, clock: Clock, steps: OptionalSteps, *, told: bool = False) -> SolvedSeal:
     """The loads of a case, without any answer."""
     with clock.step("interface", "roughness and interface law"):
         case = warmed(case)
         whole = SealProblem.of(case)
         _ = whole.law  # made once for each surface, and here, where it is timed
+    for text in foreseen(whole) if told else ():
+        clock.progress(text)
     _simulate(whole, clock)
     refused = whole.loads.refused
     # the problem itself keeps its law

@@ -15,9 +15,9 @@ from fem_seal.case.case import Case, CaseSource, case_of
 from fem_seal.contact.laws import HardContact, InterfaceLaw
 from fem_seal.errors import InputError
 from fem_seal.former_names import former_attribute
-from fem_seal.loads import blow_off_of_sealed_area, contact_force, line_load
+from fem_seal.loads import LARGEST_TURNING, TURNED, blow_off_of_sealed_area, contact_force, line_load
 from fem_seal.seal.load_result import SolvedSeal
-from fem_seal.seal.problem import LARGEST_TURNING, TURNED, SealFlow, SealProblem, exponential_law
+from fem_seal.seal.problem import SealFlow, SealProblem, exponential_law
 from fem_seal.units import fixed_unit
 from fem_seal.validity.words import sentence
 
@@ -127,7 +127,16 @@ def derive(case: CaseSource) -> Derived:
     >>> print(f"{derived.initial_contact_radius * 1e3:.2f} mm, {derived.loads[0].hertz.peak_pressure / 1e6:.0f} MPa")
     14.14 mm, 192 MPa
     """
-    problem = SealProblem.of(case_of(case))
+    return derive_problem(SealProblem.of(case_of(case)))
+
+
+def derive_problem(problem: SealProblem) -> Derived:
+    """`derive` of a problem.
+
+    Parameters
+    ----------
+    problem : SealProblem
+    """
     return _derived(problem, [None] * len(problem.loads.points))
 
 

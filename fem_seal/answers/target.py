@@ -10,12 +10,12 @@ from functools import partial, reduce
 from fem_seal.answers.answer import Answer, Inquiry
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError, InputError
-from fem_seal.loads import contact_force
+from fem_seal.loads import LARGEST_TURNING, contact_force
 from fem_seal.seal.findings import Finding, Level, Validity
 from fem_seal.seal.leak_model import LeakModel
 from fem_seal.seal.load_result import LoadResult, SolvedSeal, by_face
 from fem_seal.seal.load_solver import LoadSolver
-from fem_seal.seal.problem import LARGEST_TURNING, SealFlow, SealProblem, expected_forces, largest_force
+from fem_seal.seal.problem import SealFlow, SealProblem, expected_forces, largest_force
 from fem_seal.seal.readings import WORDS
 from fem_seal.units import briefly, format_quantity, quantity
 from fem_seal.validity.checks import target_cautions, target_validity

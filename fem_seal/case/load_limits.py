@@ -2,18 +2,26 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
 from dataclasses import replace
+
+import numpy as np
 
 from fem_seal.case.tables import CaseTables, curves
 from fem_seal.case.words import load_problem
 from fem_seal.errors import LoadProblem
-from fem_seal.loads import CONSTRAINT, contact_force, line_load
+from fem_seal.loads import CONSTRAINT, LARGEST_TURNING, contact_force, line_load, plastic_half_width
 from fem_seal.units import briefly
+from meshes import ContactGeometry
 from meshes.errors import mm
 
 # Pressure over effective modulus that the whole face would have to carry in the mean, above which the contact runs over
 # the ends of the faces whatever their shape: even of an edge pressed flat over all of its radius it is less.
 _CRUSHED = 0.25
+# Angle by which the faces of a body that yields turn [rad] above which load steps shrink until they end: a knife edge
+# that would turn copper by 0.5 stops at a sixth of its load.
+MOST_TURNED = 0.4
 
 
 def refused_loads(case: CaseTables) -> dict[int, LoadProblem]:
@@ -115,4 +123,56 @@ def _too_large(
         if f > most:
             said = {"force": briefly("force", force), "most": briefly("force", force * most / f)}
             return load_problem(name, "strain", **said, length=mm(length), share=share, lower=lower)
-    return None
+    if not hardened or any(len(curve.stress) == 1 for curve in curves(case)):
+        # what a body bears that does not harden is found on the way to the load
+        return None
+    # a narrower contact cannot carry the load, whatever else yields
+    half_width = plastic_half_width(f, min(hardened))
+    turned = turning(contact, half_width)
+    if turned <= MOST_TURNED:
+        return None
+    share = _share_within(lambda share: turning(contact, share * half_width) <= LARGEST_TURNING)
+    said = {"force": briefly("force", force), "most": briefly("force", force * share)}
+    limits_of = {"turned": turned, "largest": LARGEST_TURNING}
+    return load_problem("turned", "strain", **said, **limits_of, width=2 * half_width, lower=lower)
+
+
+# Places of each side at which the gap is looked at, and halvings until the force is known to two digits.
+_PLACES, _HALVINGS = 201, 12
+
+
+def turning(contact: ContactGeometry, half_width: float) -> float:
+    """Angle by which faces turn that are pressed into each other over a width [rad]; a/R on a parabola.
+
+    The width is taken where the undeformed faces are closest. Where they open more slowly further in, as on a flat land
+    with rounded edges, the mean angle counts, and where they open as a cone their own.
+
+    Parameters
+    ----------
+    contact : ContactGeometry
+    half_width : float
+        a [m]; zero is the answer where the faces are shorter.
+    """
+    x = np.linspace(0.0, 2.0 * half_width, _PLACES)
+    inner, outer = (
+        np.maximum.accumulate(
+            np.where(x <= abs(end), np.maximum(contact.gap(math.copysign(1.0, end) * x), 0.0), np.inf)
+        )
+        for end in contact.reach
+    )
+    widest = np.maximum(inner, outer[::-1])
+    at = int(np.argmin(widest))
+    if not math.isfinite(widest[at]):
+        return 0.0
+    ends = [(one, place) for one, place in ((inner, at), (outer, _PLACES - 1 - at)) if place > 0]
+    slope = max(float(one[place] - one[place - 1]) / float(x[1]) for one, place in ends)
+    return min(2.0 * float(widest[at]) / half_width, slope)
+
+
+def _share_within(holds: Callable[[float], bool]) -> float:
+    """Largest share below one that holds, to two digits."""
+    low, high = 0.0, 1.0
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if holds(middle) else (low, middle)
+    return low

@@ -195,6 +195,7 @@ def check(
         strain_limit,
         without_stop,
     )
+    from fem_seal.answers.foreseen import foreseen, run_seconds
     from fem_seal.output.answers.verdict import requirement_lines
     from fem_seal.output.case_words import derived_numbers, finish_rows, requirement_numbers, temperature_rows
     from fem_seal.seal.heating import warmed
@@ -207,12 +208,15 @@ def check(
         drawn = write_section(case, Path(picture) if picture else Path(case_file.with_suffix(".png").name))
     derived = derive(case)
     numbers = derived_numbers(case, derived)
+    from fem_seal.seal.cost import about
     from fem_seal.seal.problem import SealProblem, sizing
 
     problem = SealProblem.of(case)
     numbers["contact_size_m"] = sizing(problem).contact_size
     numbers["requirement"] = requirement_numbers(case)
+    numbers["run_time_s"] = run_seconds(problem)
     limits = [
+        *foreseen(problem, derived),
         nearly_open(derived),
         strain_limit(derived),
         without_stop(case) or closed_form_limits(case, derived),
@@ -224,6 +228,8 @@ def check(
         terminal.tell(*(f"judged: {line}" for line in requirement_lines(case)))
         for name, text in (*finish_rows(case), *temperature_rows(case, problem)):
             terminal.tell(f"  {name:30}{text}", indent=32)
+        if numbers["run_time_s"] is not None:
+            terminal.tell(f"  {'time of a run':30}{about(numbers['run_time_s'])}, in load steps", indent=32)
         terminal.show_derived(numbers, details=details)
     terminal.warn([*_remarks(case), *filter(None, limits)], "" if details or quiet or json else "--details")
     if drawn is not None and not (json or quiet):
@@ -442,7 +448,6 @@ def _remarks(case: Case) -> list[str]:
     from fem_seal.materials import creep_remarks
     from fem_seal.seal.problem import SealProblem
     from fem_seal.validity.materials import temperature_cautions
-    from fem_seal.validity.words import left_out
 
     remarks = []
     if case.roughness is None:
@@ -458,7 +463,6 @@ def _remarks(case: Case) -> list[str]:
     remarks.extend(text for _, _, text in problem.face_remarks)
     remarks.extend(creep_remarks(problem.materials))
     remarks.extend(one.text for one in temperature_cautions(problem))
-    remarks.extend(one.text for one in left_out(problem.loads, problem.loads.refused))
     if case.load.target_leak_rate is not None:
         from fem_seal.answers.target import target_remarks
 

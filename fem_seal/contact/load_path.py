@@ -118,7 +118,6 @@ class Unloaded:
             if self.states[name].plastic.accumulated.any()
         }
 
-
     @property
     def closing(self) -> float:
         """Approach by which lasting imprints have moved the faces apart along the axis, until they touch [m]."""
@@ -460,7 +459,9 @@ class _Walk:
             if (strain := reached.plastic_strain) > _COLLAPSED:
                 flows = f"a body flows without limit, to a plastic strain of {100 * strain:.2g} %"
                 raise ConvergenceError(_gave_up(begin.between(end, way), load, flows))
-            if reached.flowed and reached.came_nearer(here) * self.settings.steps > _LEAP * (self.model.stop - self.model.touch):
+            if reached.flowed and reached.came_nearer(here) * self.settings.steps > _LEAP * (
+                self.model.stop - self.model.touch
+            ):
                 usual = step = (aim - way) / 2
                 continue
             earlier, taken = here, aim - way

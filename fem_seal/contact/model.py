@@ -216,7 +216,11 @@ class ContactModel:
     def with_stop(self, approach: float, touch: float | None = None) -> ContactModel:
         """The same with a stop at an approach, and first touch at another one if it is given [m]."""
         touch = self.touch if touch is None else touch
-        return self if (approach, touch) == (self.stop, self.touch) else replace(self, stop=approach, touch=touch)
+        return (
+            self
+            if (approach, touch) == (self.stop, self.touch)
+            else replace(self, stop=approach, touch=touch)
+        )
 
     def line_load(self, contact_force: float) -> float:
         """f_N = F_N / (2 pi r0 cos theta) [N/m] (Fischer et al., above eq. 1)."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fem_seal.case.tables import CaseTables, Direct
+from fem_seal.units import duration
 
 # Processor seconds of the examples: a load on bodies that are there; the bodies and table of a problem that shares
 # none; conduction of heat in both bodies.
@@ -10,6 +11,11 @@ _LOAD, OWN, _HEAT = 0.004, 0.3, 0.7
 # A path of load steps to one load, with the fluid between the surfaces twice as many of them; the way of the fluid
 # between surfaces that do not yield, and of a gas; contacts around a seal with waves or scratches.
 _PATH, _FLUID, _GAS, _AROUND = 0.4, 0.03, 0.5, 0.05
+# Load steps of a path with what comes after it, such as its error: of any, and of each load; and the seconds of one, by
+# the elements along the contact line.
+_STEPS, _STEPS_OF_LOAD, _STEP = 30, 25, 1.2e-3
+# Times below this are not worth a number [s].
+_SOON = 10.0
 # A point of a simulated map at one pressure, and how much longer metal takes that flows below the surface.
 _POINT, _FLOWS = 1.2e-5, 40.0
 
@@ -36,6 +42,37 @@ def yields(case: CaseTables) -> bool:
     case : CaseTables
     """
     return any(body.material.hardening is not None for body in (case.closure, case.lower))
+
+
+def path_seconds(elements: float, loads: int) -> float:
+    """Estimated processor time of a run of bodies that yield [s], good to a factor of three.
+
+    Parameters
+    ----------
+    elements : float
+        Along the contact line.
+    loads : int
+
+    Examples
+    --------
+    >>> round(path_seconds(elements=120, loads=4))
+    19
+    """
+    return _STEP * elements * (_STEPS + _STEPS_OF_LOAD * loads)
+
+
+def about(seconds: float) -> str:
+    """An estimated time in words, which is good to a factor of three.
+
+    Examples
+    --------
+    >>> about(4.0), about(34.0), about(200.0)
+    ('some seconds', 'about 30 s', 'about 3 min')
+    """
+    if seconds < _SOON:
+        return "some seconds"
+    digits = 10 if seconds < 60 else 60
+    return f"about {duration(digits * max(1, round(seconds / digits)))}"
 
 
 def seconds(case: CaseTables) -> float:

@@ -19,6 +19,7 @@ from fem_seal.contact.newton import ContactProblem, solve_many
 from fem_seal.contact.sizing import MeshFit
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError, LoadProblem, NoLoadLeftError
+from fem_seal.seal.cost import about, path_seconds
 from fem_seal.seal.leak_model import LeakModel
 from fem_seal.seal.load_result import LoadResult, SolvedSeal
 from fem_seal.seal.load_solver import Clock, LoadSolver, SolvedLoads, solve_loads
@@ -366,7 +367,11 @@ def _evaluated(
 
 def _solving(solvers: Collection[LoadSolver]) -> str:
     count = sum(len(one.problem.loads.points) for one in solvers)
-    along = ", one after the other in load steps, and unloading" if any(one.yields for one in solvers) else ""
+    paths = [one for one in solvers if one.yields]
+    seconds = sum(
+        path_seconds(len(one.model.line.vertices) - 1, len(one.problem.loads.points)) for one in paths
+    )
+    along = f", one after the other in load steps, and unloading: {about(seconds)}" if paths else ""
     return f"solving {count} contacts{along}"
 
 

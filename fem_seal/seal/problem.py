@@ -22,7 +22,7 @@ from fem_seal.case.tightening import bolts_of
 from fem_seal.contact.laws import HardContact, Law
 from fem_seal.contact.sizing import Opening, contact_widths, element_sizes, for_yielding, rounded
 from fem_seal.errors import InputError, LoadProblem, Problem
-from fem_seal.loads import PressureSide, expected_force, line_load, plastic_half_width
+from fem_seal.loads import LARGEST_TURNING, PressureSide, expected_force, line_load, plastic_half_width
 from fem_seal.materials import HardeningCurve, Material, effective_modulus
 from fem_seal.profile import PressureProfile, joined, remembered
 from fem_seal.seal.heating import Heating, heating, warmed
@@ -688,12 +688,6 @@ def expected_forces(problem: SealProblem) -> list[float]:
     """
     loads = problem.loads
     return [problem.expected_force(*point) for n, point in enumerate(loads.points) if n not in loads.refused]
-
-
-# Half-width of Hertz's contact over the radius of relative curvature, the angle by which the faces turn against each
-# other [rad], where a leak rate by the theory of small strains is some 5 % off, and where 20 %
-# (docs/guide/validity.md).
-TURNED, LARGEST_TURNING = 0.07, 0.25
 
 
 def largest_force(problem: SealProblem) -> float:

@@ -12,13 +12,14 @@ import numpy as np
 
 from fem_seal.contact.load_path import yielding_bodies
 from fem_seal.contact.solution import ContactSolution, PlasticZone, YieldedZone, yielded_zone, yielding_of
+from fem_seal.loads import LARGEST_TURNING, TURNED
 from fem_seal.materials import HARDNESS_OVER_YIELD_STRESS, creep_remarks
 from fem_seal.seal.both_faces import joined_validity
 from fem_seal.seal.bounds import EXACT, Bounds
 from fem_seal.seal.findings import ORDERS_OF_MAGNITUDE, Finding, Level, Validity
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.load_result import DiscretisationError, GivenLoad, LoadResult
-from fem_seal.seal.problem import LARGEST_TURNING, TURNED, SealProblem
+from fem_seal.seal.problem import SealProblem
 from fem_seal.units import (
     DIGITS,
     briefly,

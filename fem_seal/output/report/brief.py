@@ -11,6 +11,7 @@ from fem_seal.answers.findings import FINDINGS, all_cautions
 from fem_seal.answers.judgement import JudgedLoad, Verdict
 from fem_seal.answers.leakage_class import leakage_classes, volume_of
 from fem_seal.answers.target import TARGET
+from fem_seal.loads import LARGEST_TURNING
 from fem_seal.output.answers import verdict
 from fem_seal.output.answers.error_shares import largest_share, measurement_in_brief
 from fem_seal.output.answers.form import form_in_brief
@@ -26,7 +27,6 @@ from fem_seal.output.shown import ReadableTable, ReportColumn, columns_table, fi
 from fem_seal.seal.findings import YIELD_STRESS, Level
 from fem_seal.seal.load_names import load_axis, load_name, load_values
 from fem_seal.seal.load_result import GivenLoad, LoadResult, highest_load, rate_of
-from fem_seal.seal.problem import LARGEST_TURNING
 from fem_seal.units import leak_range_text, shared_flow_unit
 from fem_seal.validity.words import sentence
 

@@ -14,8 +14,9 @@ import fem_seal
 from fem_seal import Case
 from fem_seal.answers.closed_forms import derive, strain_limit
 from fem_seal.contact.solution import ContactSolution
+from fem_seal.loads import LARGEST_TURNING, TURNED
 from fem_seal.seal.evaluate import evaluate
-from fem_seal.seal.problem import LARGEST_TURNING, TURNED, SealProblem
+from fem_seal.seal.problem import SealProblem
 from fem_seal.validity.checks import load_validity
 
 HARD = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3}

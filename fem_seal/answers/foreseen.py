@@ -1,0 +1,109 @@
+"""Bodies that yield, foreseen from closed forms before anything is solved, and how long their load steps take."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+
+from fem_seal.answers.closed_forms import Derived, derive_problem
+from fem_seal.case.load_limits import MOST_TURNED, turning
+from fem_seal.case.material_library import CURVES, library_name
+from fem_seal.files import told_of
+from fem_seal.loads import CONSTRAINT, plastic_half_width
+from fem_seal.materials import HARDNESS_OVER_YIELD_STRESS, HardeningCurve, Material
+from fem_seal.seal.cost import about, path_seconds
+from fem_seal.seal.problem import SealProblem, sizing
+from fem_seal.units import briefly, fixed_quantity
+from fem_seal.validity.form import LARGEST_EXCESS
+from fem_seal.validity.words import left_out, sentence
+
+# Largest von Mises stress under Hertz's line contact over its peak pressure, in plane strain (K. L. Johnson, Contact
+# Mechanics, 4.2 and 6.1; Poisson's ratio 0.3).
+_VON_MISES = 0.558
+
+
+def foreseen(problem: SealProblem, derived: Derived | None = None) -> Iterator[str]:
+    """Loads that are not calculated, and bodies that yield though they are solved as elastic, one sentence for each.
+
+    Parameters
+    ----------
+    problem : SealProblem
+    derived : Derived, optional
+        Of the same problem.
+    """
+    yield from (one.text for one in left_out(problem.loads, problem.loads.refused))
+    yield from (
+        told_of(text, faces=problem.faces) for text in yielding(problem, derived or derive_problem(problem))
+    )
+
+
+def run_seconds(problem: SealProblem) -> float | None:
+    """Estimated time of a run of bodies that yield [s]; None where none does.
+
+    Parameters
+    ----------
+    problem : SealProblem
+    """
+    kept = problem.loads.without(problem.loads.refused)
+    return _seconds(replace(problem, loads=kept)) if problem.curves and kept.points else None
+
+
+def yielding(problem: SealProblem, derived: Derived) -> Iterator[str]:
+    """Bodies solved as elastic whose stress the closed forms expect above their yield stress.
+
+    Parameters
+    ----------
+    problem : SealProblem
+    derived : Derived
+    """
+    closed = [(load.contact_force, load.line_load, load.crossover or load.hertz) for load in derived.loads]
+    loads = sorted((one.peak_pressure, force, f) for force, f, one in closed if one is not None)
+    if not loads:
+        return
+    # a body that yields lets no more through to the other one
+    most = min((CONSTRAINT * curve.stress[-1] for curve in problem.curves), default=math.inf)
+    loads = [(min(pressure, most), force, f) for pressure, force, f in loads]
+    peak, _, line_load = loads[-1]
+    said: dict[str, list[str]] = {}
+    for name, material in problem.materials.items():
+        known = material.yield_stress is not None
+        limit = material.yield_stress or (material.hardness or 0.0) / HARDNESS_OVER_YIELD_STRESS
+        above = [force for pressure, force, _ in loads if _VON_MISES * pressure > limit]
+        if material.hardening is not None or not (limit and above):
+            continue
+        excess, hardness = _VON_MISES * peak / limit, material.hardness
+        crushed = hardness is not None and peak > hardness
+        text = sentence(
+            "foreseen",
+            material=material.name,
+            first=briefly("force", min(above)),
+            excess=f"{excess:.2g}",
+            limit=fixed_quantity("MPa", limit, 3),
+            which=sentence("foreseen", "known" if known else "hard"),
+            crushed=sentence("foreseen", "crushed", peak=peak, hardness=hardness) if crushed else "",
+            worth=sentence("foreseen", "outside" if excess > LARGEST_EXCESS else "doubtful"),
+            run=_with_curve(problem, name, material, limit, line_load),
+        )
+        said.setdefault(text, []).append(name)
+    for text, names in said.items():
+        yield f"{' and '.join(names)}: {text}"
+
+
+def _with_curve(problem: SealProblem, name: str, material: Material, limit: float, line_load: float) -> str:
+    """What a run takes if this body had a stress-strain curve, that of the library or a perfectly plastic one."""
+    of_library = CURVES.get(library_name(material.name) or "")
+    curve = HardeningCurve((0.0,), (limit,)) if of_library is None else of_library.hardening
+    strongest = max(curve.stress[-1], (material.hardness or 0.0) / HARDNESS_OVER_YIELD_STRESS)
+    turned = turning(problem.contact, plastic_half_width(line_load, strongest))
+    if turned > MOST_TURNED:
+        return sentence("foreseen", "too_large", turned=turned)
+    yields = replace(material, hardening=curve, yield_stress=None, over_temperature=())
+    path = replace(problem, materials={**problem.materials, name: yields})
+    words = "library" if of_library is not None else "own"
+    return sentence("foreseen", words, time=about(_seconds(path)))
+
+
+def _seconds(problem: SealProblem) -> float:
+    elements = len(sizing(problem).contact_vertices(problem.contact.breaks)) - 1
+    return path_seconds(elements, len(problem.loads.points))

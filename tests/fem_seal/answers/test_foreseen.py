@@ -1,0 +1,156 @@
+"""Bodies that yield and loads beyond small strains, told before anything is solved."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import pytest
+from places import EXAMPLES
+from sample_results import ball, cone, smooth_case
+
+import fem_seal
+from fem_seal.answers.foreseen import foreseen, run_seconds
+from fem_seal.case.load_limits import MOST_TURNED, refused_loads, turning
+from fem_seal.cli.app import main
+from fem_seal.contact.solution import yielding_of
+from fem_seal.errors import InputError
+from fem_seal.loads import plastic_half_width
+from fem_seal.seal.evaluate import evaluate
+from fem_seal.seal.problem import SealProblem
+
+SOFT = {
+    "name": "copper Cu-ETP R220",
+    "stress_strain": {
+        "plastic_strain": [0, 0.02, 0.1, 0.3],
+        "stress": ["60 MPa", "120 MPa", "220 MPa", "300 MPa"],
+    },
+}
+
+
+def knife(force, edge_radius="0.1 mm", gasket=SOFT):
+    """A knife edge of a vacuum flange in copper."""
+    return fem_seal.Case(
+        closure={"shape": "disc", "diameter": "82 mm", "height": "2 mm", "material": gasket},
+        seat={
+            "shape": "sharp-edge",
+            "bore_diameter": "77 mm",
+            "top_angle": "-20 deg",
+            "edge_radius": edge_radius,
+            "material": "316L",
+        },
+        interface={"law": "smooth"},
+        load={"fluid_pressure": "1.01325 bar", "applied_force": force, "pressure_side": "outer"},
+    )
+
+
+def seal(yield_stress, force="1 kN", **material):
+    body = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3, "yield_stress": yield_stress, **material}
+    return smooth_case(
+        closure=ball(body), seat=cone(body), load={"fluid_pressure": "20 bar", "applied_force": force}
+    )
+
+
+# ---------------------------------------------------------------- beyond small strains
+
+
+def test_faces_turn_by_the_half_width_over_the_radius_and_not_at_all_on_a_flat():
+    contact = fem_seal.load_case(EXAMPLES / "ball_cone.toml").contact
+    for share in (0.001, 0.01, 0.05):
+        # a/R, of the tangent of an angle of share: to its square
+        assert turning(contact, share * contact.relative_radius) == pytest.approx(share, rel=0.01)
+    flat = fem_seal.load_case(EXAMPLES / "ring_joint.toml").contact
+    start, end = flat.reach
+    assert turning(flat, 0.05 * (end - start)) == pytest.approx(0.0, abs=1e-6)
+    # no contact is as wide as that
+    assert turning(flat, 0.6 * (end - start)) == 0.0
+
+
+def test_a_knife_edge_that_no_load_step_ends_is_refused_with_the_force_that_small_strains_hold():
+    with pytest.raises(InputError, match="beyond small strains: not calculated") as told:
+        knife("25 kN")
+    # by hand: a = f/(2 2.97 300 MPa), f = 25.47 kN/(2 pi 38.6 mm)
+    assert "until they touch over 0.118 mm" in str(told.value)
+    allowed = float(str(told.value).split("at a contact force of ")[1].split(" kN")[0]) * 1e3
+    contact = knife("1 kN").contact
+    f = allowed / (2 * math.pi * contact.initial_contact_radius)
+    assert turning(contact, plastic_half_width(f, 300e6)) == pytest.approx(0.25, rel=0.01)
+    # the same edge ten times as blunt
+    assert not refused_loads(knife("25 kN", edge_radius="1 mm"))
+
+
+def test_what_comes_after_such_a_load_is_refused_and_what_is_before_it_is_not():
+    # half-width over radius from 0.02 to 0.5, and back
+    path = knife(["1 kN", "21 kN", "1 kN"])
+    assert {n: one.kind for n, one in refused_loads(path).items()} == {1: "strain", 2: "path"}
+    said = list(foreseen(SealProblem.of(path)))
+    assert said[0].startswith("at 1.01325 bar with 21000 N: beyond small strains")
+    assert "depends on its load history" in said[1]
+    assert run_seconds(SealProblem.of(path)) == pytest.approx(
+        run_seconds(SealProblem.of(knife("1 kN"))), rel=0.5
+    )
+
+
+def test_elastic_bodies_are_calculated_whatever_they_turn():
+    elastic = {key: value for key, value in SOFT.items() if key == "name"}
+    assert not refused_loads(knife("25 kN", gasket=elastic))
+
+
+# ---------------------------------------------------------------- bodies that yield
+
+
+@pytest.mark.parametrize("share", [0.95, 1.2, 3.0])
+def test_the_stress_that_is_foreseen_is_that_of_the_run(share):
+    chosen = seal("1 GPa")
+    contact = evaluate(SealProblem.of(chosen)).solved.contacts[0]
+    stress = yielding_of(
+        contact, {name: one for name, one in SealProblem.of(seal("1 MPa")).materials.items()}
+    )
+    highest = max(zone.von_mises for zone in stress.values())
+    found = list(foreseen(SealProblem.of(seal(float(highest / share)))))
+    assert bool(found) == (share > 1.0)
+    if found:
+        (text,) = found
+        assert text.startswith("closure and seat: ")
+        excess = float(text.split("up to ")[1].split(" times")[0])
+        # Hertz, and two digits
+        assert excess == pytest.approx(share, rel=0.04, abs=0.05)
+        assert ("outside the theory" in text) == (share > 1.5)
+
+
+def test_hardness_stands_for_a_yield_stress_that_is_not_known():
+    (text,) = foreseen(SealProblem.of(seal(None, hardness="0.1 GPa")))
+    assert "a third of its hardness 34.5 MPa" in text and "above its hardness 0.1 GPa" in text
+
+
+def test_a_curve_of_the_library_is_offered_with_its_time():
+    chosen = smooth_case(
+        closure=ball("440C"), seat=cone("316L"), load={"fluid_pressure": "20 bar", "applied_force": "5 kN"}
+    )
+    (text,) = foreseen(SealProblem.of(chosen))
+    assert text.startswith("seat: 316L yields") and 'with stress_strain = "library" a run takes' in text
+    yielding = chosen.replace({"seat.material": {"name": "316L", "stress_strain": "library"}})
+    assert run_seconds(SealProblem.of(chosen)) is None
+    assert 0.5 < run_seconds(SealProblem.of(yielding)) < 30.0
+    # the ball is harder than what the seat lets through
+    assert list(foreseen(SealProblem.of(yielding))) == []
+
+
+def test_a_sharp_edge_would_not_be_calculated_with_a_curve_either():
+    (text,) = [
+        one
+        for one in foreseen(SealProblem.of(knife("25 kN", "0.03 mm", "316L")))
+        if one.startswith("closure")
+    ]
+    assert "beyond small strains: not calculated" in text
+    assert float(text.split("against each other by ")[1].split(" rad")[0]) > MOST_TURNED
+
+
+def test_check_says_how_long_a_run_takes(tmp_path, capsys):
+    path = tmp_path / "seal.toml"
+    text = (EXAMPLES / "elastoplastic_seat.toml").read_text(encoding="utf-8")
+    path.write_text(text, encoding="utf-8")
+    assert main(["check", str(path)]) == 0
+    assert "time of a run                 some seconds, in load steps" in capsys.readouterr().out
+    assert main(["check", str(path), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["run_time_s"] < 10.0
