@@ -19,7 +19,7 @@ from fem_seal.answers.uncertainty import changed_surface, stiffer_bodies
 from fem_seal.answers.verdict import VERDICT
 from fem_seal.case.case import Case
 from fem_seal.case.fields import quantities_of
-from fem_seal.case.material_table import UNNAMED
+from fem_seal.case.material_table import library_table
 from fem_seal.case.roughness import self_affine_part
 from fem_seal.errors import SealError
 from fem_seal.processes import can_copy, fork_map
@@ -100,7 +100,8 @@ class Sensitivity:
     material : str
         Name of the other material; empty of all else.
     drawn : bool
-        Whether a drawing or an order can say it: not modulus and spectrum, nor the hardness of an alloy with a name.
+        Whether a drawing or an order can say it: not modulus and spectrum, nor the hardness of an alloy that has one,
+        nor a height that is not usual for its process.
     helps : bool or None
         Whether no load that is judged leaks more for it or leaves the theory for it; None where nobody has looked.
     """
@@ -347,15 +348,22 @@ class _ChangedSeal:
             (ratios[0], ratios[-1]),
             exponents,
             change.material,
-            drawn=change.key not in self._not_drawn,
+            drawn=self._can_be_drawn(change, factor),
         )
+
+    def _can_be_drawn(self, change: _Change, factor: float) -> bool:
+        if change.key in self._not_drawn:
+            return False
+        finish = change.key.startswith("roughness.") or (change.key == "rms_height" and self._drawn)
+        # remarks are about heights that are not usual for their process
+        return not (finish and change.problem(factor).remarks)
 
     @cached_property
     def _not_drawn(self) -> tuple[str, ...]:
-        """Keys of what nobody can order; the hardness belongs to the softer body."""
+        """Keys of what nobody can order; an alloy of the library, as the softer body, has its hardness."""
         own = (self.result.case.closure.material, self.result.case.lower.material)
-        named = min(own, key=lambda one: one.hardness or math.inf).name != UNNAMED
-        return (*_NOT_DRAWN, "hardness") if named else _NOT_DRAWN
+        softer = min(own, key=lambda one: one.hardness or math.inf)
+        return (*_NOT_DRAWN, "hardness") if "hardness" in library_table(softer.name) else _NOT_DRAWN
 
     def _rates_if_any(self, problem: Callable[[float], SealProblem], factor: float) -> Rates:
         with suppress(*_FAILURES):

@@ -245,11 +245,12 @@ def sensitivity_words(result: SealSolution, *, follow: bool = False) -> tuple[st
     follow : bool
         Whether they are still being calculated.
     """
-    from fem_seal.output.answers.sensitivities import in_words, shown_sensitivities
+    from fem_seal.output.answers.sensitivities import in_words, load_of, shown_sensitivities
 
     if not result.problem.leaks:
         return ()
-    found = tuple(in_words(result.case, one) for one in shown_sensitivities(result.sensitivities))
+    at = f"at {load_of(result)} " if len(result.loads) > 1 else ""
+    found = tuple(f"{at}{in_words(result.case, one)}" for one in shown_sensitivities(result.sensitivities))
     reason = "yields" if result.problem.follows_path else "follow" if follow else "none"
     return found or (own_tables("explore.toml")["sensitivities"][reason],)
 

@@ -136,12 +136,17 @@ def _dimension(case: Case, one: Sensitivity) -> str:
 
 
 def effect_in_words(one: Sensitivity) -> str:
-    """What the step does, in both readings: "cuts the leak by 82 to 89 %", or that it closes it.
+    """What the step does, in both readings: "cuts the leak by 82 to 89 %", or that it closes it, and whether not everywhere.
 
     Parameters
     ----------
     one : Sensitivity
     """
+    effect = _effect(one)
+    return effect + phrase("sensitivities.words", "elsewhere") if one.helps is False else effect
+
+
+def _effect(one: Sensitivity) -> str:
     low, high = sorted(one.ratio)
     if high == 0:
         return phrase("sensitivities.words", "closes")
@@ -228,7 +233,7 @@ SHOWN = Shown(
     },
     words=lambda result: {
         "sensitivities": sensitivity_table(result),
-        "strongest_sensitivities": sensitivity_lines(result)[1:],
+        "strongest_sensitivities": sensitivity_lines(result),
         "sensitivity_note": sensitivity_note(result),
     },
     lines=sensitivity_lines,
