@@ -136,7 +136,7 @@ def _dimension(case: Case, one: Sensitivity) -> str:
 
 
 def effect_in_words(one: Sensitivity) -> str:
-    """What the step does, in both readings: "cuts the leak by 82 to 89 %", or that it closes it, and whether not everywhere.
+    """What the step does, in both readings: "cuts the leak by 82 to 89 %", and whether not everywhere.
 
     Parameters
     ----------
