@@ -25,9 +25,7 @@ def solve_hard(model: ContactModel, contact_force: float, loads: BodyLoads | Non
     """
     line, loads = model.line, loads or BodyLoads()
     apart = line.initial_gap + loads.opening(model)
-    # piecewise linear between the element ends, one at its own
-    hats = np.stack([np.interp(line.x, line.vertices, unit) for unit in np.eye(len(line.vertices))], axis=1)
-    weights = line.area_weight[:, None] * hats
+    weights = line.area_weight[:, None] * line.hats
     compliance = weights.T @ model.compliance @ weights
     gap0, axial = weights.T @ apart, weights.T @ line.normal[1]
     # A parabolic gap is as high as this where the contact of Hertz ends.
@@ -52,7 +50,7 @@ def solve_hard(model: ContactModel, contact_force: float, loads: BodyLoads | Non
         opening = gap0 + compliance @ pressure - approach * axial
         settled = np.where(active, pressure > 0, opening < 0)
         if np.array_equal(settled, active):
-            p = hats @ pressure
+            p = line.hats @ pressure
             gap = apart - approach * line.normal[1] + model.compliance @ (line.area_weight * p)
             with np.errstate(divide="ignore"):
                 log_pressure = np.log(np.maximum(p, 0.0))

@@ -108,6 +108,11 @@ class ContactLine:
         way = min(max(separation, 0.0) / n_z, 0.1 / self.in_hollow.closure_curvature)
         return self.in_hollow.gap(self.x, way) - self.in_hollow.gap(self.x) - way * self.normal[1]
 
+    @cached_property
+    def hats(self) -> FloatArray:
+        """Functions that are one at an element end, zero at the others and linear between, shape (m, ends)."""
+        return np.stack([np.interp(self.x, self.vertices, one) for one in np.eye(len(self.vertices))], axis=1)
+
     def slope(self, values: FloatArray) -> FloatArray:
         """Derivative over x of values at the points, shape (m,): numpy.gradient, whose weights are known here.
 

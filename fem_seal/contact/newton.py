@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy.linalg.lapack import dpotrf, dpotrs
 
 from fem_seal.arrays import FloatArray
+from fem_seal.contact.flattened import is_all_but_rigid, solve_flattened
 from fem_seal.contact.hard import solve_hard
 from fem_seal.contact.laws import HardContact, Law, LawOfEach, ScaledLaw, law_of_rows
 from fem_seal.contact.model import ContactModel
@@ -74,6 +75,8 @@ def solve(
     of both is an equation: a step ends at the stop, where a force that is missing is that of the stop.
     Increments of v are applied as they are where they fall and as log(1 + dv) where they rise: the pressure
     then never rises faster than linear extrapolation says, and the exponential cannot run away.
+
+    Where the law is all but rigid, ln p is then found at the element ends alone, see `fem_seal.contact.flattened`.
 
     Examples
     --------
@@ -187,22 +190,46 @@ def _softened_first(one: ContactProblem) -> ContactSolution | ConvergenceError:
         except FloatingPointError:
             state, residuals = None, [np.inf]
         if state is None:
-            return ConvergenceError(
-                f"contact at axial force {one.contact_force:.6g} N (line load "
-                f"{one.model.line_load(one.contact_force):.6g} N/m) did not converge in {one.settings.max_iterations} "
-                f"iterations; last residual {residuals[-1]:.2g} decay lengths, refine [mesh] contact_size or soften "
-                "the interface law"
-            )
+            break
         states = [state]
-    assert state is not None  # the last of them is that of the law
-    return _solution(one, state, residuals)
+    return _solution(one, states[0], residuals) if state is not None else _flattened(one, states, residuals)
 
 
-def _solution(one: ContactProblem, state: State, residuals: Sequence[float]) -> ContactSolution:
+def _solution(
+    one: ContactProblem, state: State, residuals: Sequence[float]
+) -> ContactSolution | ConvergenceError:
     assert not isinstance(one.law, HardContact)  # that has no states
-    (v, d), loads = state, one.loads or BodyLoads()
+    if is_all_but_rigid(one.model, state[0], one.law.decay_length(state[0])):
+        return _flattened(one, [state], residuals)
     # the last residual is that of the solution, after which no step is taken
-    steps, carried, line = len(residuals) - 1, one.contact_force, one.model.line
+    return _pressed(one, state, len(residuals) - 1, residuals)
+
+
+def _flattened(
+    one: ContactProblem, states: Sequence[State], residuals: Sequence[float]
+) -> ContactSolution | ConvergenceError:
+    """With a law that is all but rigid, from a state that may still be softer."""
+    assert not isinstance(one.law, HardContact)
+    model, loads = one.model, one.loads or NO_LOADS
+    apart = model.line.initial_gap + loads.opening(model)
+    floor = _FLOOR * model.line_load(one.contact_force) / (np.pi * model.effective_modulus)
+    for state in states:
+        found = solve_flattened(
+            model, one.law, one.contact_force, apart, state, floor, one.settings.gap_tolerance
+        )
+        if found is not None:
+            v, d, steps = found
+            return _pressed(one, (v, d), len(residuals) - 1 + steps, residuals)
+    return ConvergenceError(
+        f"contact at axial force {one.contact_force:.6g} N (line load {model.line_load(one.contact_force):.6g} N/m) "
+        f"did not converge in {one.settings.max_iterations} iterations; last residual {residuals[-1]:.2g} decay "
+        "lengths, refine [mesh] contact_size or soften the interface law"
+    )
+
+
+def _pressed(one: ContactProblem, state: State, steps: int, residuals: Sequence[float]) -> ContactSolution:
+    assert not isinstance(one.law, HardContact)
+    (v, d), carried, line = state, one.contact_force, one.model.line
     if d >= one.model.stop:
         carried = min(float((line.normal[1] * line.area_weight) @ np.exp(v)), carried)
     return ContactSolution(
@@ -213,7 +240,7 @@ def _solution(one: ContactProblem, state: State, residuals: Sequence[float]) -> 
         one.law.gap(v),
         steps,
         tuple(residuals),
-        loads,
+        one.loads or BodyLoads(),
         stop_force=one.contact_force - carried,
     )
 
