@@ -85,12 +85,15 @@ class LoadProblem(Problem):
 
     Parameters
     ----------
-    kind : {"open", "strain", "path", "solution"}
-        The fluid or the spring opens the seal; it is more than the faces can carry; a load before it on the path of a
-        body that yields cannot be calculated; no solution was found.
+    kind : {"open", "strain", "limit", "path", "solution"}
+        The fluid or the spring opens the seal; it is more than the faces can carry, or than a body that yields; a load
+        before it on the path of such a body cannot be calculated; no solution was found.
+    body : str
+        Which yields through: "closure" or "seat".
     """
 
     kind: str = "open"
+    body: str = ""
 
 
 class InputError(SealError, ValueError):
@@ -187,6 +190,21 @@ class ConvergenceError(SealError, RuntimeError):
     def __init__(self, message: str, partial: object = None) -> None:
         super().__init__(message)
         self.partial = partial
+
+
+class LimitLoadError(ConvergenceError):
+    """A body yields through: it bears no larger load.
+
+    Parameters
+    ----------
+    message : str
+    body : str
+        "closure" or "seat".
+    """
+
+    def __init__(self, message: str, body: str) -> None:
+        super().__init__(message)
+        self.body = body
 
 
 class OpenSealError(SealError, ValueError):

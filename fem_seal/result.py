@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 
 # What completion does not offer: steps of the calculation and former names.
-_INTERNAL = {"answered", "left_out", "levers", "missing", "with_loads"}
+_INTERNAL = {"answered", "every_load", "levers", "missing", "said_of_missing", "with_loads"}
 
 
 class SealResult(SealSolution):
@@ -296,9 +296,10 @@ def run(
     Returns
     -------
     SealResult
-        Loads that cannot be calculated - they open the seal, strain the bodies too much or do not converge - are left
-        out, with a warning that names them. So is what comes after contact and leak and fails: stress, error
-        estimate, answers, variants, interval.
+        Loads that cannot be calculated - they open the seal, are more than the faces or a body that yields carry, or
+        do not converge - are not among its `loads`; a row of its table without numbers and a warning say why. What
+        comes after contact and leak and fails is told in a warning: stress, error estimate, answers, variants,
+        interval.
 
     Raises
     ------

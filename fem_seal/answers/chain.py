@@ -33,12 +33,12 @@ from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.heating import warmed
 from fem_seal.seal.lazy import OptionalSteps
 from fem_seal.seal.leak_model import LeakModel
-from fem_seal.seal.load_result import LoadResult, SolvedSeal, by_face
+from fem_seal.seal.load_result import LoadResult, MissingLoad, SolvedSeal, by_face
 from fem_seal.seal.load_solver import Clock, LoadSolver, Progress
 from fem_seal.seal.problem import SealProblem
 from fem_seal.seal.readings import WORDS
 from fem_seal.units import format_quantity
-from fem_seal.validity.words import left_out, of_bodies, sentence
+from fem_seal.validity.words import not_calculated, of_bodies, sentence
 from leak import LeakError, Reading
 
 # All that is asked of a solved seal, each after those whose answers it uses.
@@ -160,8 +160,11 @@ def _solved(case: Case, clock: Clock, steps: OptionalSteps, *, told: bool = Fals
         )
     return replace(
         found.seal(case.without_loads(missing)).with_loads(loads),
-        missing={whole.loads.points[number]: one for number, one in missing.items()},
-        left_out=tuple(of_bodies(whole, left_out(whole.loads, missing))),
+        not_calculated=tuple(
+            MissingLoad(number, *whole.loads.points[number], missing[number], whole.bolts is not None)
+            for number in sorted(missing)
+        ),
+        said_of_missing=tuple(of_bodies(whole, not_calculated(whole.loads, missing))),
     )
 
 

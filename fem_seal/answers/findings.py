@@ -58,7 +58,7 @@ def _compute(seal: SolvedSeal, ask: Inquiry) -> Findings:
         "validity by the other theory", partial(_of_other_theories, seal, before), ({},) * len(seal.loads)
     )
     cautions = tuple(
-        worst_first((*seal.left_out, *_of_nominal_size(nominal_size(seal.case)), *checks, *before))
+        worst_first((*seal.said_of_missing, *_of_nominal_size(nominal_size(seal.case)), *checks, *before))
     )
     return Findings(tuple(validity), cautions, others)
 

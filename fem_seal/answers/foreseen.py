@@ -16,7 +16,7 @@ from fem_seal.seal.cost import about, path_seconds
 from fem_seal.seal.problem import SealProblem, sizing
 from fem_seal.units import briefly, fixed_quantity
 from fem_seal.validity.form import LARGEST_EXCESS
-from fem_seal.validity.words import left_out, sentence
+from fem_seal.validity.words import not_calculated, sentence
 
 # Largest von Mises stress under Hertz's line contact over its peak pressure, in plane strain (K. L. Johnson, Contact
 # Mechanics, 4.2 and 6.1; Poisson's ratio 0.3).
@@ -32,7 +32,7 @@ def foreseen(problem: SealProblem, derived: Derived | None = None) -> Iterator[s
     derived : Derived, optional
         Of the same problem.
     """
-    yield from (one.text for one in left_out(problem.loads, problem.loads.refused))
+    yield from (one.text for one in not_calculated(problem.loads, problem.loads.refused))
     yield from (
         told_of(text, faces=problem.faces) for text in yielding(problem, derived or derive_problem(problem))
     )

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
     from fem_seal.case.case import Case
     from fem_seal.output.columns import TerminalColumn
-    from fem_seal.seal.load_result import LoadResult
+    from fem_seal.seal.load_result import AnyLoad, LoadResult
 
 
 def option(command: str, name: str, **words: str) -> Any:
@@ -247,9 +247,9 @@ def show_result(result: SealSolution, *, details: bool) -> None:
     says = brief.first_line, *brief.ANSWERS, brief.second_line
     show_first(*(told_of(line(result), faces=case.faces) for line in says))
     if not details:
-        show_loads(case, result.loads)
+        show_loads(case, result.every_load)
         return
-    show_leak_table(leak_rows(result), case.title, result.loads, volume_of(case))
+    show_leak_table(leak_rows(result), case.title, result.every_load, volume_of(case))
     show_leakage(case, result.loads)
     show_answers(result)
 
@@ -261,13 +261,13 @@ def show_first(first: str, *others: str) -> None:
     say()
 
 
-def show_loads(case: Case, loads: Sequence[LoadResult], title: str = "") -> None:
+def show_loads(case: Case, loads: Sequence[AnyLoad], title: str = "") -> None:
     """Print the loads in brief.
 
     Parameters
     ----------
     case : Case
-    loads : sequence of LoadResult
+    loads : sequence of LoadResult or MissingLoad
     title : str
         That of the case unless given.
     """
@@ -275,6 +275,7 @@ def show_loads(case: Case, loads: Sequence[LoadResult], title: str = "") -> None
     from fem_seal.materials import ROOM_TEMPERATURE
     from fem_seal.output.report.brief import loads_in_brief
     from fem_seal.output.report.tables import marks_of
+    from fem_seal.seal.load_result import MissingLoad
 
     table, left_out = loads_in_brief(case, loads)
     headings = []
@@ -288,7 +289,7 @@ def show_loads(case: Case, loads: Sequence[LoadResult], title: str = "") -> None
             ["\n".join([""] * (most - len(one)) + one) for one in headings], [list(row) for row in table.rows]
         )
     )
-    notes = marks_of(loads)
+    notes = marks_of([load for load in loads if not isinstance(load, MissingLoad)])
     notes += [f"{left_out} more loads in leak.csv"] if left_out else []
     state = volume_of(case).state
     if state:
@@ -311,7 +312,7 @@ def say_where(folder: Path) -> None:
 
 
 def show_leak_table(
-    rows: Sequence[Mapping[str, Any]], title: str, loads: Sequence[LoadResult], volume: LeakVolume = LIQUID
+    rows: Sequence[Mapping[str, Any]], title: str, loads: Sequence[AnyLoad], volume: LeakVolume = LIQUID
 ) -> None:
     """Print rows of leak.csv as a table without empty columns, and a legend of its marks.
 
@@ -327,12 +328,15 @@ def show_leak_table(
     from fem_seal.output.columns import COLUMNS, LEAK_ON_TERMINAL, own_theory
     from fem_seal.output.report.words import volume_notes
     from fem_seal.seal.findings import Level
+    from fem_seal.seal.load_result import MissingLoad
 
-    twice = own_theory(loads)
+    found = [load for load in loads if not isinstance(load, MissingLoad)]
+    # what tells the rows apart is the contact force, as far as there is one
+    without = {*own_theory(found), *(["applied_force_N"] if len(found) == len(loads) else [])}
     columns = [
         column
         for column in LEAK_ON_TERMINAL
-        if column.name not in twice and any(_filled(row.get(column.name)) for row in rows)
+        if column.name not in without and any(_filled(row.get(column.name)) for row in rows)
     ]
     table = [
         (
@@ -346,12 +350,13 @@ def show_leak_table(
     ]
     flows = [column.unit.name for column in columns if COLUMNS[column.name].kind == "flow"]
     unmeasured = any("<" in texts for _, texts in table)
-    levels = [Level(row["validity"]) for row in rows]
+    marks = {str(level): level.mark for level in Level}
+    levels = [row["validity"] for row in rows]
     # columns that tell the rows apart are repeated in every part of a wide table
     several_forces = len({row["fluid_pressure_Pa"] for row in rows}) < len(rows)
-    keys = 2 if several_forces and columns[1].name == "contact_force_N" else 1
-    if any(level.mark for level in levels):
-        table.insert(keys, ("", [level.mark for level in levels]))
+    keys = 2 if several_forces and columns[1].name.endswith("_force_N") else 1
+    if any(marks.get(level) for level in levels):
+        table.insert(keys, ("", [marks.get(level, "") for level in levels]))
         keys += 1
     if any(row.get("verdict") for row in rows):
         table.append(("verdict\n", [row.get("verdict") or "-" for row in rows]))
@@ -365,7 +370,7 @@ def show_leak_table(
         tell(f"  {text}")
 
 
-def _leak_cell(value: float | None, shown: TerminalColumn, load: LoadResult, volume: LeakVolume) -> str:
+def _leak_cell(value: float | None, shown: TerminalColumn, load: AnyLoad, volume: LeakVolume) -> str:
     """A cell of a load: "<" for an unmeasurable leak rate, ">1e6" for a margin above a million."""
     from fem_seal.output.columns import COLUMNS
 

@@ -24,7 +24,8 @@ from fem_seal.contact.plastic_step import (
     unloading_model,
 )
 from fem_seal.contact.solution import ContactSolution, body_fields, fields_at_rest
-from fem_seal.errors import ConvergenceError, OpenSealError
+from fem_seal.errors import ConvergenceError, LimitLoadError, OpenSealError
+from fem_seal.units import briefly
 
 
 @dataclass(frozen=True)
@@ -391,6 +392,9 @@ _LEAP = 1.5
 _NEAR_OPENING = 0.02
 # Plastic strain of a body that does not harden any more and carries the load by nothing but its small elastic rest.
 _COLLAPSED = 10.0
+# A little more load brings bodies that yield through so many times as near to each other as elastic ones: beyond what a
+# contact in the fully plastic range does, or where so much of a body has yielded.
+_GIVES_WAY, _GIVES_WAY_WHOLE, _WHOLE = 20.0, 5.0, 0.9
 # What keeps a step from being solved; a smaller one may be.
 _FAILURES = (ConvergenceError, OpenSealError, FloatingPointError, RuntimeError, np.linalg.LinAlgError)
 
@@ -455,10 +459,9 @@ class _Walk:
                         raise _Opened(opened, here) from error
                 if not smallest:
                     continue
-                raise ConvergenceError(_gave_up(begin.between(end, way), load, error)) from error
-            if (strain := reached.plastic_strain) > _COLLAPSED:
-                flows = f"a body flows without limit, to a plastic strain of {100 * strain:.2g} %"
-                raise ConvergenceError(_gave_up(begin.between(end, way), load, flows))
+                raise self._gave_up(begin.between(end, way), load, here, error) from error
+            if reached.plastic_strain > _COLLAPSED:
+                raise _yielded_through(begin.between(end, way), reached)
             if reached.flowed and reached.came_nearer(here) * self.settings.steps > _LEAP * (
                 self.model.stop - self.model.touch
             ):
@@ -526,6 +529,29 @@ class _Walk:
             pass
         return OpenLoad(error, model)
 
+    def _gave_up(self, at: PathLoad, aim: PathLoad, here: Equilibrium, error: Exception) -> ConvergenceError:
+        """What is said of a load step that is as small as can be and not solved."""
+        if self._gives_way(at, aim, here):
+            return _yielded_through(at, here)
+        return ConvergenceError(
+            f"elastoplastic contact: the load step from {at} to {aim} does not converge: {error}. The body may be "
+            "near its limit load: lower the load, give a stress_strain table that hardens, or take a thicker body; "
+            "else refine [mesh] contact_size"
+        )
+
+    def _gives_way(self, at: PathLoad, aim: PathLoad, here: Equilibrium) -> bool:
+        """Whether bodies linearised as they flow come so much nearer in a step that they bear nothing more."""
+        if here.linear is None or here.contact is None:
+            return False
+        elastic = unloading_model(self.model, self.bodies, here.states, at.further)
+        try:
+            ends = [aim.contact(one, self.law, here.contact) for one in (here.linear, elastic)]
+        except _FAILURES:
+            return False
+        flowing, springy = (0.0 if one is None else one.approach - here.contact.approach for one in ends)
+        whole = max(_yielded_share(state) for state in here.states.values()) > _WHOLE
+        return springy > 0 and flowing > (_GIVES_WAY_WHOLE if whole else _GIVES_WAY) * springy
+
 
 class _Opened(Exception):
     """A load opens the seal on the way to it; `reached` is where the bodies last touched."""
@@ -536,12 +562,17 @@ class _Opened(Exception):
         self.reached = reached
 
 
-def _gave_up(reached: PathLoad, aim: PathLoad, error: Exception | str) -> str:
-    return (
-        f"elastoplastic contact: the load step from {reached} to {aim} does not converge: {error}. The body may be "
-        "near its limit load: lower the load, give a stress_strain table that hardens, or take a thicker body; else "
-        "refine [mesh] contact_size"
+def _yielded_through(at: PathLoad, here: Equilibrium) -> LimitLoadError:
+    body = max(here.states, key=lambda name: _yielded_share(here.states[name]))
+    return LimitLoadError(
+        f"the {body} yields through: it bears {briefly('force', at.force)} and flows without limit under more. Lower "
+        "the load, give a stress_strain table that hardens, or take a thicker body",
+        body,
     )
+
+
+def _yielded_share(state: BodyState) -> float:
+    return float((state.plastic.accumulated > 0).mean())
 
 
 def yielding_bodies(model: ContactModel) -> dict[str, YieldingBody]:

@@ -17,6 +17,7 @@ import numpy as np
 
 from fem_seal.answers.judgement import JudgedLoad
 from fem_seal.files import own_tables
+from fem_seal.seal.load_result import AnyLoad, MissingLoad
 from fem_seal.seal.readings import FURTHER, OWN, THEORIES, WORDS, force_column, leak_rate_column
 from fem_seal.units import DIGITS, Unit, fixed_unit, quantity_worth, split_unit
 from leak import Reading
@@ -110,13 +111,19 @@ class Column:
         """The column on the terminal."""
         return TerminalColumn(self.name, self.short, self.shown_in)
 
-    def number(self, load: LoadResult) -> float:
-        """Number of a load, NaN where nothing was calculated."""
-        value = self.of(load)
+    def value(self, load: AnyLoad) -> float | None:
+        """Number of a load in SI, None where nothing was calculated."""
+        return load.given.get(self.name) if isinstance(load, MissingLoad) else self.of(load)
+
+    def number(self, load: AnyLoad) -> float:
+        """The same, NaN where nothing was calculated."""
+        value = self.value(load)
         return math.nan if value is None else float(value)
 
-    def digits(self, load: LoadResult) -> int:
+    def digits(self, load: AnyLoad) -> int:
         """Significant digits at a load."""
+        if isinstance(load, MissingLoad):
+            return DIGITS
         of_force = DIGITS if self.spare_digits is None else load.digits + self.spare_digits
         of_error = load.digits_of(self.error_of) if self.error_of else DIGITS
         return min(of_force, of_error, self.most_digits)

@@ -5,13 +5,17 @@ from __future__ import annotations
 from html import escape
 from typing import TYPE_CHECKING
 
+from fem_seal.files import told_of
 from fem_seal.seal.load_names import load_name
+from fem_seal.seal.load_result import MissingLoad
+from fem_seal.validity.words import why_missing
 
 if TYPE_CHECKING:
     import pandas as pd
 
     from fem_seal.answers.solution import SealSolution
     from fem_seal.output.shown import ReadableTable
+    from fem_seal.seal.load_result import AnyLoad
 
 # Largest number of loads in a text, and of rows in a notebook.
 _NAMED = 5
@@ -25,16 +29,21 @@ def result_text(result: SealSolution) -> str:
     ----------
     result : SealSolution
     """
-    loads = result.loads
+    loads = result.every_load
     heading = f"{result.case.title or 'untitled case'}: {_counted(len(loads), 'load')}"
     if result.warnings:
         heading += f", {_counted(len(result.warnings), 'warning')}"
     # of many loads the first ones and the last
     shown = loads if len(loads) <= _NAMED else (*loads[: _NAMED - 1], loads[-1])
-    lines = [f"  {load_name(load, loads)}: {load.in_brief}" for load in shown]
+    faces = result.case.faces
+    lines = [f"  {load_name(load, loads)}: {told_of(_in_brief(load), faces=faces)}" for load in shown]
     if len(shown) < len(loads):
         lines.insert(-1, f"  ... {_counted(len(loads) - len(shown), 'load')} more")
     return "\n".join([heading, *lines])
+
+
+def _in_brief(load: AnyLoad) -> str:
+    return f"not calculated, {why_missing(load.problem)}" if isinstance(load, MissingLoad) else load.in_brief
 
 
 def result_html(result: SealSolution) -> str:

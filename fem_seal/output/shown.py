@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
     from fem_seal.output.pictures.style import Picture
     from fem_seal.output.tables import CsvTable
-    from fem_seal.seal.load_result import LoadResult
+    from fem_seal.seal.load_result import AnyLoad
 
 
 @dataclass(frozen=True)
@@ -190,11 +190,11 @@ class ReportColumn:
         return self.volume.named(found) if self.column.kind == "flow" else found
 
 
-def filled_column(name: str, loads: Sequence[LoadResult], volume: LeakVolume = LIQUID) -> ReportColumn:
+def filled_column(name: str, loads: Sequence[AnyLoad], volume: LeakVolume = LIQUID) -> ReportColumn:
     """A column of leak.csv with the values of loads."""
     column = COLUMNS[name]
     return ReportColumn(
-        column, [column.of(load) for load in loads], [column.digits(load) for load in loads], volume
+        column, [column.value(load) for load in loads], [column.digits(load) for load in loads], volume
     )
 
 

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem_seal.answers.leakage_class import leakage_classes, nominal_size
-from fem_seal.files import write_bytes
+from fem_seal.answers.verdict import of_missing
+from fem_seal.files import told_of, write_bytes
 from fem_seal.output.columns import (
     COLUMNS,
     CONTACT_COLUMNS,
@@ -22,15 +23,19 @@ from fem_seal.output.columns import (
     PROFILE_LEAK_COLUMNS,
     TEXT_COLUMNS,
 )
-from fem_seal.seal.findings import validity_entries
+from fem_seal.seal.findings import NOT_CALCULATED, VALID, VALIDITY_COLUMNS, Validity, validity_entries
+from fem_seal.seal.load_result import in_order
+from fem_seal.validity.words import why_missing
 from leak.standards import STANDARDS, Standard
 
 if TYPE_CHECKING:
     import pandas as pd
     from numpy.typing import NDArray
 
+    from fem_seal.answers.judgement import Verdict
     from fem_seal.answers.solution import SealSolution
-    from fem_seal.seal.load_result import GivenLoad, LoadResult
+    from fem_seal.case.case import Case
+    from fem_seal.seal.load_result import AnyLoad, GivenLoad, LoadResult, MissingLoad
 
 
 # Headings and rows of a CSV file; without rows there is no file.
@@ -42,7 +47,7 @@ _LEAKAGE = ("leak_rate", "mass_flow", "throughput", "standard_leak_rate")
 
 
 def leak_rows(result: SealSolution) -> list[dict[str, Any]]:
-    """Rows of leak.csv, one per load: numbers in SI, NaN where nothing was calculated; `TEXT_COLUMNS`.
+    """Rows of leak.csv, one per load of the case: numbers in SI, NaN where nothing was calculated; `TEXT_COLUMNS`.
 
     Reasons are a list, and a load without a requirement has the verdict None.
 
@@ -50,12 +55,20 @@ def leak_rows(result: SealSolution) -> list[dict[str, Any]]:
     ----------
     result : SealSolution
     """
-    return [
-        _cells(LEAK_COLUMNS, load)
-        | {"verdict": None if load.verdict is None else str(load.verdict)}
-        | validity_entries(load.validity)
-        for load in result.loads
-    ]
+    rows = (_cells(LEAK_COLUMNS, load) | _texts(load.verdict, load.validity) for load in result.loads)
+    return in_order(rows, result.not_calculated, lambda load: _missing_row(result.case, load))
+
+
+def _texts(verdict: Verdict | None, validity: Validity) -> dict[str, Any]:
+    return {"verdict": None if verdict is None else str(verdict)} | validity_entries(validity)
+
+
+def _missing_row(case: Case, load: MissingLoad) -> dict[str, Any]:
+    judged = case.requirement is not None and case.requirement.judges(load.fluid_pressure)
+    verdict = of_missing(case, load.point, load.problem).verdict if judged else None
+    why = told_of(why_missing(load.problem), faces=case.faces)
+    said = dict(zip(VALIDITY_COLUMNS, (NOT_CALCULATED, [why]), strict=True))
+    return _cells(LEAK_COLUMNS, load) | _texts(verdict, VALID) | said
 
 
 def profile_leak_rows(loads: Sequence[GivenLoad]) -> list[dict[str, Any]]:
@@ -73,17 +86,17 @@ def profile_leak_rows(loads: Sequence[GivenLoad]) -> list[dict[str, Any]]:
     ]
 
 
-def _cells(names: Sequence[str], load: LoadResult) -> dict[str, Any]:
+def _cells(names: Sequence[str], load: AnyLoad) -> dict[str, Any]:
     return {name: COLUMNS[name].number(load) for name in names}
 
 
 def leak_table(result: SealSolution) -> pd.DataFrame:
-    """One row per load with `LEAK_COLUMNS`, SI, and `TEXT_COLUMNS`.
+    """One row per load of the case with `LEAK_COLUMNS`, SI, and `TEXT_COLUMNS`.
 
     reference/columns in the manual explains them. NaN where nothing was calculated. ``verdict`` is
     "pass", "pass unless", "inconclusive", "fail unless", "fail" or, without a requirement, empty. ``validity`` is
-    "valid", "doubtful" or "outside the theory"; ``validity_reasons`` gives the reasons, the worst first, with "; "
-    between them (guide/validity in the manual).
+    "valid", "doubtful", "outside the theory" or, of a load without numbers, "not calculated"; ``validity_reasons``
+    gives the reasons, the worst first, with "; " between them (guide/validity in the manual).
 
     Parameters
     ----------

@@ -181,6 +181,8 @@ class Validity:
 
 
 VALID = Validity()
+NOT_CALCULATED = "not calculated"
+"""What stands in place of the level of a load without numbers."""
 YIELD_STRESS = "yield stress"
 """Kind of the caution about a body that is solved as elastic above its yield stress."""
 DIRECT_SCATTER = "direct scatter"

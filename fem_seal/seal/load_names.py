@@ -8,28 +8,28 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem_seal.arrays import FloatArray
-from fem_seal.seal.load_result import LoadResult
+from fem_seal.seal.load_result import AnyLoad, LoadResult
 from fem_seal.units import Unit, format_quantity, unit_for
 
 
-def load_name(load: LoadResult, loads: Sequence[LoadResult]) -> str:
+def load_name(load: AnyLoad, loads: Sequence[AnyLoad]) -> str:
     """What tells a load from the others: "20 bar", "20 bar with 400 N", or "20 bar (load 3)" where a path comes back.
 
     Parameters
     ----------
-    load : LoadResult
+    load : LoadResult or MissingLoad
     loads : sequence
         All of them, in their order.
     """
     return load_values(load, loads) + _number(load, loads)
 
 
-def load_values(load: LoadResult, loads: Sequence[LoadResult]) -> str:
+def load_values(load: AnyLoad, loads: Sequence[AnyLoad]) -> str:
     """Pressure of a load and, if more forces act at this pressure, its force: "20 bar", "20 bar with 400 N".
 
     Parameters
     ----------
-    load : LoadResult
+    load : LoadResult or MissingLoad
     loads : sequence
         All of them.
     """
@@ -50,15 +50,15 @@ def different(loads: Sequence[LoadResult]) -> list[int]:
     return list({(*loads[n].point, _number(loads[n], loads)): n for n in order}.values())
 
 
-def _number(load: LoadResult, loads: Sequence[LoadResult]) -> str:
+def _number(load: AnyLoad, loads: Sequence[AnyLoad]) -> str:
     again = _remembers(load) and [other.point for other in loads].count(load.point) > 1
     return f" (load {loads.index(load) + 1})" if again else ""
 
 
-def _remembers(load: LoadResult) -> bool:
+def _remembers(load: AnyLoad) -> bool:
     from fem_seal.contact.load_path import ElastoplasticContact
 
-    return isinstance(load.contact, ElastoplasticContact)
+    return isinstance(getattr(load, "contact", None), ElastoplasticContact)
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,7 +102,7 @@ class LoadAxis:
         return self.values / self.unit.size
 
 
-def load_axis(loads: Sequence[LoadResult]) -> LoadAxis:
+def load_axis(loads: Sequence[AnyLoad]) -> LoadAxis:
     """The fluid pressure, or the force of spring or actuator where it is all that changes.
 
     Parameters

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from html import escape
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Self, TypeVar
 
 import numpy as np
 
@@ -574,7 +574,7 @@ def strongest_load(loads: Sequence[LoadResult]) -> int:
     return max(range(len(loads)), key=lambda n: loads[n].contact_force)
 
 
-def highest_load(loads: Sequence[LoadResult]) -> int:
+def highest_load(loads: Sequence[AnyLoad]) -> int:
     """Number of the load with the highest fluid pressure; of several, the one that spring or actuator closes most."""
     return max(range(len(loads)), key=lambda n: loads[n].point)
 
@@ -680,6 +680,65 @@ def digits_near_opening(share: float) -> int:
 
 
 @dataclass(frozen=True)
+class MissingLoad:
+    """A load of a case that could not be calculated.
+
+    Parameters
+    ----------
+    number : int
+        Among all loads of the case.
+    fluid_pressure : float
+        [Pa]
+    applied_force : float
+        Of spring or actuator, with bolts their preload [N].
+    problem : LoadProblem
+        Why.
+    bolted : bool
+        Whether the force is a preload.
+    """
+
+    number: int
+    fluid_pressure: float
+    applied_force: float
+    problem: LoadProblem
+    bolted: bool = False
+
+    @property
+    def point(self) -> tuple[float, float]:
+        """Fluid pressure [Pa] and applied force [N]."""
+        return self.fluid_pressure, self.applied_force
+
+    @property
+    def given(self) -> dict[str, float]:
+        """What is known of it, by the names of columns."""
+        force = "bolt_preload_N" if self.bolted else "applied_force_N"
+        return {"fluid_pressure_Pa": self.fluid_pressure, force: self.applied_force}
+
+
+AnyLoad = LoadResult | MissingLoad
+Row = TypeVar("Row")
+
+
+def in_order(
+    of_loads: Iterable[Row], missing: Iterable[MissingLoad], row: Callable[[MissingLoad], Row]
+) -> list[Row]:
+    """One entry per load of a case: those of the loads that were calculated, and those of the others between them.
+
+    Parameters
+    ----------
+    of_loads : iterable
+    missing : iterable of MissingLoad
+        In their order.
+    row : callable
+        The entry of a load that could not be calculated.
+    """
+    rows = list(of_loads)
+    for one in missing:
+        rows.insert(one.number, row(one))
+    return rows
+
+
+@dataclass(frozen=True)
 class SolvedSeal:
     """A case, its bodies on their mesh and its loads.
 
@@ -697,10 +756,10 @@ class SolvedSeal:
         Residual stress and imprint after the last load; None if all bodies are elastic.
     earlier : ContactSolution or None
         At the largest load before those of the case; None without one.
-    missing : mapping
-        Fluid pressure [Pa] and applied force [N] of each load without a result, with the reason.
-    left_out : tuple of Finding
-        The same in words.
+    not_calculated : tuple of MissingLoad
+        The other loads of the case.
+    said_of_missing : tuple of Finding
+        Why, in words.
     lower_half : SolvedSeal or None
         With the lower flange on both faces of a gasket; None where the flanges are alike.
     """
@@ -712,9 +771,19 @@ class SolvedSeal:
     loads: tuple[LoadResult, ...]
     unloaded: Unloaded | None = None
     earlier: ContactSolution | None = None
-    missing: Mapping[tuple[float, float], LoadProblem] = field(default_factory=dict)
-    left_out: tuple[Finding, ...] = ()
+    not_calculated: tuple[MissingLoad, ...] = ()
+    said_of_missing: tuple[Finding, ...] = ()
     lower_half: SolvedSeal | None = None
+
+    @property
+    def missing(self) -> dict[tuple[float, float], LoadProblem]:
+        """Fluid pressure [Pa] and applied force [N] of each load without a result, with the reason."""
+        return {one.point: one.problem for one in self.not_calculated}
+
+    @property
+    def every_load(self) -> list[AnyLoad]:
+        """The loads of the case in its order, with those that could not be calculated."""
+        return in_order([*self.loads], self.not_calculated, lambda one: one)
 
     @property
     def faces(self) -> tuple[SolvedSeal, ...]:

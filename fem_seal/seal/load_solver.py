@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem_seal.bolts import Bolts, held_force
+from fem_seal.case.words import load_problem
 from fem_seal.contact.load_path import (
     ElastoplasticContact,
     FirstLoading,
@@ -41,6 +42,7 @@ from fem_seal.contact.solution import DEFAULT_SETTINGS, ContactSettings, Contact
 from fem_seal.errors import (
     ConvergenceError,
     InputError,
+    LimitLoadError,
     LoadProblem,
     OpenSealError,
     Problem,
@@ -542,8 +544,8 @@ def _solved_path(solver: LoadSolver, progress: Progress | None, *, unload: bool)
     }
     closed = [number for number in range(len(points)) if number not in failures]
     unsolved = closed[len(path.contacts) :]
-    if path.stopped is not None:
-        failures.update(dict.fromkeys(unsolved, path.stopped))
+    if path.stopped is not None and unsolved:
+        failures.update(_beyond(unsolved, points, path.stopped))
     not_unloaded = None if unsolved or path.unloaded is not None else path.stopped
     held = {}
     if solver.problem.loads.bolts is not None:
@@ -553,10 +555,24 @@ def _solved_path(solver: LoadSolver, progress: Progress | None, *, unload: bool)
     return SolvedLoads(path.contacts, path.unloaded, failures, not_unloaded, earlier=earlier, points=held)
 
 
+def _beyond(
+    unsolved: Sequence[int], points: Sequence[tuple[float, float]], stopped: Exception
+) -> dict[int, Exception]:
+    """Why loads from the one at which a path ended have no contact."""
+    first, *others = unsolved
+    pressure, force = points[first]
+    before = f"{written(pressure, '.6g bar')} with {briefly('force', force)}"
+    return {first: stopped} | {
+        number: InputError(load_problem("after_a_load", "path", load=before)) for number in others
+    }
+
+
 def _problem(error: Exception) -> LoadProblem:
     if isinstance(error, InputError):
         first = error.problems[0]
-        return LoadProblem(first.key, first.message, first.value)
+        return first if isinstance(first, LoadProblem) else LoadProblem(first.key, first.message, first.value)
+    if isinstance(error, LimitLoadError):
+        return LoadProblem("load", error_text(error), kind="limit", body=error.body)
     return LoadProblem("load", error_text(error), kind="solution")
 
 

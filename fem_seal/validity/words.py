@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from typing import Literal
 
 from fem_seal.errors import LoadProblem
 from fem_seal.files import own_tables, told_of
@@ -13,7 +14,7 @@ from fem_seal.seal.findings import Finding, Level
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.problem import Loads, SealProblem
-from fem_seal.units import filled, fixed_unit
+from fem_seal.units import briefly, filled
 
 
 def caution(
@@ -83,14 +84,24 @@ def sentence(name: str, part: str = "text", /, **values: object) -> str:
     return filled(words, values)
 
 
-def left_out(loads: Loads, problems: Mapping[int, LoadProblem]) -> Iterator[Finding]:
+def why_missing(problem: LoadProblem) -> str:
+    """Why a load could not be calculated, in a clause.
+
+    Parameters
+    ----------
+    problem : LoadProblem
+    """
+    return sentence("why_not_calculated", problem.kind, problem=problem)
+
+
+def not_calculated(loads: Loads, problems: Mapping[int, LoadProblem]) -> Iterator[Finding]:
     """Which loads have no result: one sentence for each reason and force, or for all forces under one pressure.
 
     Parameters
     ----------
     loads : Loads
     problems : mapping
-        Number of each load that is left out, with the reason.
+        Number of each load that could not be calculated, with the reason.
     """
     for kind in dict.fromkeys(problem.kind for problem in problems.values()):
         # they do not concern the remaining loads
@@ -104,28 +115,49 @@ def _alike(loads: Loads, problems: Mapping[int, LoadProblem], kind: str) -> Iter
     direction = {"open": -1, "strain": 1}.get(kind, 0)
     if len(set(loads.fluid_pressure)) == 1:
         nearest = min(points, key=lambda number: direction * points[number][1])
-        forces = {force for _, force in points.values()} - {points[nearest][1]}
-        yield _left_out(loads, nearest, problems[nearest], "with", forces)
+        forces = [force for _, force in points.values()]
+        yield _found(loads, nearest, problems[nearest], "with", forces)
         return
     for applied_force in dict.fromkeys(force for _, force in points.values()):
         numbers = [number for number, (_, force) in points.items() if force == applied_force]
         nearest = min(numbers, key=lambda number: abs(direction) * loads.fluid_pressure[number])
-        others = {loads.fluid_pressure[number] for number in numbers} - {loads.fluid_pressure[nearest]}
-        yield _left_out(loads, nearest, problems[nearest], "at", others)
+        pressures = [loads.fluid_pressure[number] for number in numbers]
+        yield _found(loads, nearest, problems[nearest], "at", pressures)
 
 
-def _left_out(
-    loads: Loads, number: int, problem: LoadProblem, how: str, others: Collection[float]
+def _found(
+    loads: Loads, number: int, problem: LoadProblem, how: Literal["with", "at"], values: Collection[float]
 ) -> Finding:
+    """A finding about the loads with these forces, or at these pressures and with one force."""
     pressure, force = loads.points[number]
     several = len({applied_force for _, applied_force in loads.points}) > 1
-    load = sentence("left_out", "load_of_forces" if several else "load", pressure=pressure, force=force)
-    unit = fixed_unit("N" if how == "with" else "bar")
-    values = ", ".join(f"{unit.of(value):.6g}" for value in sorted(others)) + f" {unit.name}"
+    load = sentence("not_calculated", "load_of_forces" if several else "load", pressure=pressure, force=force)
+    kind, own = ("force", force) if how == "with" else ("fluid pressure", pressure)
+    names = [briefly(kind, value) for value in sorted(set(values))]
+    with_force = sentence("not_calculated", "of_force", force=force) if several and how == "at" else ""
+    others = ", ".join(briefly(kind, value) for value in sorted(set(values) - {own}))
     return caution(
-        "left_out",
+        "not_calculated",
         # the message of an open seal has its pressure and force already
         load="" if problem.kind == "open" else load,
         problem=problem,
-        others=sentence("left_out", how, values=values) if others else "",
+        names=f"{few_words(names)}{with_force}",
+        why=why_missing(problem),
+        others=sentence("not_calculated", how, values=others) if others else "",
     )
+
+
+# So many names are told.
+_FEW = 3
+
+
+def few_words(names: Sequence[str]) -> str:
+    """Names with commas between them, of many the first two and how many more there are.
+
+    Parameters
+    ----------
+    names : sequence of str
+    """
+    if len(names) <= _FEW:
+        return ", ".join(names)
+    return f"{', '.join(names[: _FEW - 1])} and {len(names) - _FEW + 1} more"

@@ -141,7 +141,7 @@ _WITHOUT_RATES = (VerdictReason.OPEN, VerdictReason.OUTSIDE, VerdictReason.UNKNO
 
 def _place(result: SealSolution, found: SealJudgement) -> str:
     if found.number is not None:
-        return load_name(result.loads[found.number], result.loads)
+        return load_name(result.loads[found.number], result.every_load)
     pressure = units.format_quantity("fluid pressure", found.fluid_pressure)
     return (
         f"{pressure} with {units.format_quantity('force', found.applied_force)}"

@@ -26,9 +26,9 @@ from fem_seal.output.report.words import PEAK, Fact, contact_alone, facts
 from fem_seal.output.shown import ReadableTable, ReportColumn, columns_table, filled_column
 from fem_seal.seal.findings import YIELD_STRESS, Level
 from fem_seal.seal.load_names import load_axis, load_name, load_values
-from fem_seal.seal.load_result import GivenLoad, LoadResult, highest_load, rate_of
+from fem_seal.seal.load_result import AnyLoad, GivenLoad, LoadResult, MissingLoad, highest_load, rate_of
 from fem_seal.units import leak_range_text, shared_flow_unit
-from fem_seal.validity.words import sentence
+from fem_seal.validity.words import few_words, sentence
 
 if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
@@ -57,18 +57,34 @@ def first_line(result: SealSolution) -> str:
     result : SealSolution
     """
     if result.highest.leak is None and result.judgement is None:
-        return contact_alone(result)
-    return verdict.verdict_in_brief(result) or leak_in_brief(result.case, result.highest, result.loads)
+        return f"{contact_alone(result).removesuffix('.')}{missing_in_brief(result)}"
+    told = verdict.verdict_in_brief(result) or leak_in_brief(result.case, result.highest, result.every_load)
+    return f"{told}{missing_in_brief(result)}"
 
 
-def leak_in_brief(case: Case, load: LoadResult, loads: Sequence[LoadResult]) -> str:
+def missing_in_brief(result: SealSolution) -> str:
+    """Which loads could not be calculated, as the end of a sentence; empty if all could.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    missing, found = result.not_calculated, result.judgement
+    # one that decides the verdict is named with it
+    if not missing or (found is not None and found.number is None and len(missing) == 1):
+        return ""
+    names = load_axis(result.every_load).names
+    return phrase("brief.first", "missing", names=few_words([names[one.number] for one in missing]))
+
+
+def leak_in_brief(case: Case, load: LoadResult, loads: Sequence[AnyLoad]) -> str:
     """Leak rate of a load with its interval, and its classes.
 
     Parameters
     ----------
     case : Case
     load : LoadResult
-    loads : sequence of LoadResult
+    loads : sequence of LoadResult or MissingLoad
         All of them.
     """
     at, found, volume = load_values(load, loads), load.validity, volume_of(case)
@@ -214,7 +230,7 @@ def three_numbers(result: SealSolution) -> list[Fact]:
     return list(dict.fromkeys([first, second, *third, *rest]))[:3]
 
 
-def loads_in_brief(case: Case, loads: Sequence[LoadResult], most: int = _ROWS) -> tuple[ReadableTable, int]:
+def loads_in_brief(case: Case, loads: Sequence[AnyLoad], most: int = _ROWS) -> tuple[ReadableTable, int]:
     """The loads with the columns that matter most, at most six, and the number of loads that are left out.
 
     Of many loads the first, the last and the one with the highest fluid pressure or the smallest margin are among those
@@ -223,7 +239,7 @@ def loads_in_brief(case: Case, loads: Sequence[LoadResult], most: int = _ROWS) -
     Parameters
     ----------
     case : Case
-    loads : sequence of LoadResult
+    loads : sequence of LoadResult or MissingLoad
     most : int
         Rows from which on the table is shortened.
     """
@@ -237,7 +253,7 @@ def loads_in_brief(case: Case, loads: Sequence[LoadResult], most: int = _ROWS) -
     columns = _most_telling(case, shown)
     table = columns_table(columns, none="none")
     numbered = load_axis(loads).returns
-    marks = [load.validity.level.mark for load in shown]
+    marks = ["" if isinstance(load, MissingLoad) else load.validity.level.mark for load in shown]
     rows = (
         (f"{mark} {n + 1}: {first}" if numbered else f"{mark} {first}".lstrip(), *others)
         for n, mark, (first, *others) in zip(kept, marks, table.rows, strict=True)
@@ -245,12 +261,13 @@ def loads_in_brief(case: Case, loads: Sequence[LoadResult], most: int = _ROWS) -
     return ReadableTable(table.headings, tuple(rows)), len(loads) - len(kept)
 
 
-def _most_telling(case: Case, loads: Sequence[LoadResult]) -> list[ReportColumn]:
+def _most_telling(case: Case, loads: Sequence[AnyLoad]) -> list[ReportColumn]:
     """Columns that have a value and tell something of their own, without those that are spared first."""
-    without = {"leak_rate_m3_per_s" if loads[0].tested else "leak_rate_p50_m3_per_s"}
+    found = [load for load in loads if isinstance(load, LoadResult)]
+    without = {"leak_rate_m3_per_s" if any(load.tested for load in found) else "leak_rate_p50_m3_per_s"}
     if len({load.applied_force for load in loads}) == 1:
         without.add("applied_force_N")
-    known = PROFILE_LEAK_COLUMNS if isinstance(loads[0], GivenLoad) else COLUMNS
+    known = PROFILE_LEAK_COLUMNS if any(isinstance(load, GivenLoad) for load in found) else COLUMNS
     names = [name for name in SHOWN_COLUMNS["brief"] if name in known and name not in without]
     filled = (filled_column(name, loads, volume_of(case)) for name in names)
     told = (
@@ -277,10 +294,12 @@ def _finite(column: ReportColumn) -> ReportColumn:
     return replace(column, values=values, digits=[min(one, _DIGITS) for one in column.digits])
 
 
-def _claimed(column: ReportColumn, case: Case, loads: Sequence[LoadResult]) -> ReportColumn:
+def _claimed(column: ReportColumn, case: Case, loads: Sequence[AnyLoad]) -> ReportColumn:
     """Outside the theory without leak rates of zero, which read as a tight seal, and intervals without samples."""
     name, values = column.column.name, list(column.values)
     for n, load in enumerate(loads):
+        if isinstance(load, MissingLoad):
+            continue
         open_inputs = case.sampled is not None and load.sampled is None
         tight = column.column.kind == "flow" and not values[n]
         if load.validity.outside and (tight or (open_inputs and name in (*_ENDS, "margin"))):

@@ -27,6 +27,7 @@ from fem_seal.output.pictures.surface import law_picture, separation_picture, su
 from fem_seal.output.prose import phrase, prose, template
 from fem_seal.output.report import brief, tables, words
 from fem_seal.output.sources import sources
+from fem_seal.seal.load_result import in_order
 from fem_seal.seal.problem import exponential_law
 from fem_seal.units import unbroken
 from fem_seal.version import __version__
@@ -174,11 +175,12 @@ def _of_case(result: SealSolution) -> dict[str, Any]:
     if case.interface.law == "spectrum" and decay_length is None and not isinstance(problem.law, HardContact):
         peak = max(load.peak_pressure for load in result.loads)
         at_peak = float(problem.law.decay_length(np.array([math.log(peak)]))[0])
+    points = in_order(case.load.points, result.not_calculated, lambda load: load.point)
     return {
         "drawn_sections": {name: case_words.section_text(one) if one else {} for name, one in drawn.items()},
         "dimensions": {name: case_words.listed_dimensions(case, name) for name in case_words.BODIES},
         # for bodies that yield the order of the loads matters
-        "pressures_in_order": case.load.fluid_pressure if curves(case) else sorted(case.load.fluid_pressure),
+        "points_in_order": points if curves(case) else sorted(points),
         "largest_earlier_load": case_words.earlier_load(case.load),
         "gas_state": volume_of(case).state,
         "temperature_rows": list(case_words.temperature_rows(case, problem, field)),
@@ -192,7 +194,7 @@ def _of_case(result: SealSolution) -> dict[str, Any]:
 
 
 def _words(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes]) -> dict[str, Any]:
-    load, (in_brief, left_out) = brief.decisive(result), brief.loads_in_brief(result.case, result.loads)
+    load, (in_brief, left_out) = brief.decisive(result), brief.loads_in_brief(result.case, result.every_load)
     lines = brief.first_line, *brief.ANSWERS, brief.second_line
     return {
         "first_lines": [told for line in lines if (told := line(result))],

@@ -15,10 +15,11 @@ from fem_seal.output.case_words import law_word
 from fem_seal.output.columns import SHOWN_COLUMNS, own_theory
 from fem_seal.output.prose import phrase
 from fem_seal.output.shown import ReadableTable, columns_table, filled_column, worded_table
-from fem_seal.seal.findings import Level
+from fem_seal.seal.findings import NOT_CALCULATED, Level
 from fem_seal.seal.load_names import load_name
-from fem_seal.seal.load_result import LoadResult
+from fem_seal.seal.load_result import LoadResult, MissingLoad
 from fem_seal.units import format_quantity, percent, quantity_worth, strain_text
+from fem_seal.validity.words import why_missing
 
 if TYPE_CHECKING:
     from fem_seal.materials import HardeningCurve
@@ -30,12 +31,12 @@ _WIDEST, _SPARED = 12, ("std_m", "critical_separation_elastic_m")
 
 def load_table(result: SealSolution) -> ReadableTable:
     """All loads, with one unit per column and without empty columns."""
-    loads, names = result.loads, list(SHOWN_COLUMNS["loads"])
+    loads, names = result.every_load, list(SHOWN_COLUMNS["loads"])
     if any(load.applied_force for load in loads):
         names.insert(1, "applied_force_N")
     if result.surface is None or result.surface.hardness is None:
         names = [name for name in names if "_elastic_" not in name]
-    twice = own_theory(loads)
+    twice = own_theory(result.loads)
     names = [name for name in names if name not in twice]
     volume = volume_of(result.case)
     columns = [one for one in (filled_column(name, loads, volume) for name in names) if one.some]
@@ -45,7 +46,7 @@ def load_table(result: SealSolution) -> ReadableTable:
     table = columns_table(columns)
     # a mark instead of a column: the page is full
     rows = (
-        (f"{first} {load.validity.level.mark}".rstrip(), *others)
+        (first if isinstance(load, MissingLoad) else f"{first} {load.validity.level.mark}".rstrip(), *others)
         for (first, *others), load in zip(table.rows, loads, strict=True)
     )
     return ReadableTable(table.headings, tuple(rows))
@@ -168,5 +169,17 @@ def marks_of(loads: Sequence[LoadResult]) -> list[str]:
 def validity_table(result: SealSolution) -> ReadableTable:
     """All reasons why the numbers of a load are not valid; no rows if all are."""
     loads = result.loads
-    rows = ({"load": load_name(load, loads), "one": one} for load in loads for one in load.validity.doubts)
+    rows: list[dict[str, object]] = [
+        {"load": load_name(load, loads), "level": one.level, "reason": one.reason}
+        for load in loads
+        for one in load.validity.doubts
+    ]
+    rows += [
+        {
+            "load": load_name(load, result.every_load),
+            "level": NOT_CALCULATED,
+            "reason": why_missing(load.problem),
+        }
+        for load in result.not_calculated
+    ]
     return worded_table("validity", rows)

@@ -378,7 +378,7 @@ def contact_alone(result: SealSolution, after: str = "") -> str:
         The contact at another load.
     """
     missing, load = "roughness" if result.surface is None else "fluid", result.highest
-    at, contact = load_values(load, result.loads), _contact(load) + after
+    at, contact = load_values(load, result.every_load), _contact(load) + after
     return phrase("notes.headline", "contact", load=at, contact=contact, missing=missing)
 
 

@@ -33,6 +33,7 @@ from fem_seal.output.report.words import facts, leakage_lines
 from fem_seal.output.tables import leak_table
 from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.findings import Finding, Level, Validity
+from fem_seal.seal.load_result import MissingLoad
 from fem_seal.studies.responses import LARGEST_MARGIN, evaluate_design
 from fem_seal.units import leak_range_text, shown_in
 from leak import FluidError
@@ -69,7 +70,10 @@ def required(result=None, missing=None, **table):
     """A solved result with a requirement, judged as the chain does."""
     result = rough_result() if result is None else result
     changed = replace(result, case=result.case.replace({"requirement": table}))
-    return judged_anew(replace(changed, missing=missing or {}))
+    others = enumerate((missing or {}).items(), start=len(changed.loads))
+    return judged_anew(
+        replace(changed, not_calculated=tuple(MissingLoad(n, *point, one) for n, (point, one) in others))
+    )
 
 
 @pytest.mark.parametrize(
@@ -296,7 +300,7 @@ def test_only_the_loads_that_are_asked_for_decide():
     assert result.verdict == "pass" and result.judgement.judged == (0, 1)
     assert result.loads[2].verdict is None and result.loads[2].margin is None
     table = leak_table(result)
-    assert table["verdict"].tolist() == ["pass", "pass", ""] and math.isnan(table["margin"].iloc[2])
+    assert table["verdict"].tolist() == ["pass", "pass", "", ""] and math.isnan(table["margin"].iloc[2])
 
 
 def test_shares_are_those_of_stress_and_peak():

@@ -58,6 +58,10 @@ def shown(capsys, monkeypatch, rows, width=None):
     return re.sub(r"\x1b\[[0-9;]*m", "", capsys.readouterr().out)
 
 
+# the applied force only tells loads apart that have no contact force
+CALCULATED = [one for one in output_columns.LEAK_ON_TERMINAL if one.name != "applied_force_N"]
+
+
 def four_digits(row, column):
     """A number with its zeros, so that columns stay aligned; one that is worth less has fewer digits."""
     digits = output_columns.COLUMNS[column.name].most_digits
@@ -77,7 +81,7 @@ def test_a_terminal_folds_columns_and_cuts_no_number(width, capsys, monkeypatch)
     assert "…" not in text
     assert max(len(line.rstrip()) for line in table.splitlines()) <= width
     for one in ROWS:
-        for column in output_columns.LEAK_ON_TERMINAL:
+        for column in CALCULATED:
             assert four_digits(one, column) in text.split()
     # every part begins with the pressure, and its rows carry their marks
     firsts = [line[0] for line in cells(table) if line[0] in ("5.000", "20.00", "1800")]
@@ -98,7 +102,7 @@ def test_a_file_gets_all_columns_in_lines_of_80(columns, capsys, monkeypatch):
     parts = [line for line in cells(text) if line[0] == "1800"]
     assert all(line[:2] == ["1800", "!"] for line in parts)
     told = [cell for line in parts for cell in line[2:]]
-    assert told == [four_digits(ROWS[2], column) for column in output_columns.LEAK_ON_TERMINAL[1:]]
+    assert told == [four_digits(ROWS[2], column) for column in CALCULATED[1:]]
 
 
 def test_no_number_has_more_digits_than_the_mesh_leaves(capsys):

@@ -14,12 +14,12 @@ import numpy as np
 import pytest
 
 import leak
-from fem_seal import Case, ConvergenceError, SealResult, run
+from fem_seal import Case, SealResult, run
 from fem_seal.answers.answer import Inquiry
 from fem_seal.answers.compression import COMPRESSION
 from fem_seal.answers.target import contacts_at_target
 from fem_seal.contact.plastic_step import press
-from fem_seal.errors import InputError
+from fem_seal.errors import InputError, LimitLoadError
 from fem_seal.output.report.page import report
 from fem_seal.seal.evaluate import SILENT, Evaluation, evaluate
 from fem_seal.seal.problem import SealProblem
@@ -304,5 +304,5 @@ def test_a_ring_that_flows_without_limit_says_so(monkeypatch: pytest.MonkeyPatch
     monkeypatch.setattr("fem_seal.contact.load_path._COLLAPSED", 1e-4)
     loads = {"fluid_pressure": "1 bar", "applied_force": "3 kN", "pressure_side": "inner"}
     others = {"roughness": None, "fluid": None, "interface": {"law": "smooth"}}
-    with pytest.raises(ConvergenceError, match="flows without limit"):
+    with pytest.raises(LimitLoadError, match="flows without limit"):
         solved(tables(COPPER, load=loads, mesh={"contact_size": "8 um"}, **others))

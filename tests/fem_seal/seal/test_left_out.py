@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import json
 import math
 import re
@@ -13,23 +14,27 @@ import numpy as np
 import pandas as pd
 import pytest
 from places import ROOT
-from sample_results import STEEL, case, cone, rough_result, run_loads, single_result
+from sample_results import SMOOTH, STEEL, case, cone, rough_result, run_loads, single_result
 
 import fem_seal
 from fem_seal.answers.closed_forms import derive
 from fem_seal.answers.opening import opening_margin
 from fem_seal.case.load_limits import refused_loads
 from fem_seal.cli import app as cli
+from fem_seal.cli.terminal import show_result
 from fem_seal.errors import ConvergenceError, InputError, NoLoadLeftError, OutputError
 from fem_seal.output import files
 from fem_seal.output.columns import LEAK_COLUMNS
+from fem_seal.output.files import summary
+from fem_seal.output.report.page import report
+from fem_seal.output.report.tables import load_table
 from fem_seal.output.tables import leak_table
 from fem_seal.seal.lazy import OptionalSteps
 from fem_seal.seal.leak_model import FlowModel, LeakModel
 from fem_seal.seal.load_result import LoadResult, digits_near_opening
 from fem_seal.seal.load_solver import LoadSolver, SolvedLoads
 from fem_seal.seal.problem import Loads
-from fem_seal.validity.words import left_out
+from fem_seal.validity.words import not_calculated
 
 # 20 bar lift a closure that touches at 14.142 mm with 1256.64 N.
 OPENS = math.pi * case().initial_contact_radius ** 2 * 20e5
@@ -56,15 +61,40 @@ def test_open_and_crushing_loads_are_left_out_and_the_others_are_as_if_they_had_
     mixed = seal(["10 bar", "20 bar", "15 bar", "10 bar"], ["1 kN", "1 kN", "1 kN", "100 MN"])
     result = run_loads(mixed)
     table = result.table
-    assert table.fluid_pressure_Pa.tolist() == [10e5, 15e5]
+    assert table.fluid_pressure_Pa.tolist() == [10e5, 20e5, 15e5, 10e5]
+    assert table.applied_force_N.tolist() == [1e3, 1e3, 1e3, 1e8]
+    assert table.validity.tolist()[1::2] == ["not calculated"] * 2
+    assert table.validity_reasons.tolist()[1::2] == ["the seal opens", "more than the faces carry"]
     alone = run_loads(seal(["10 bar", "15 bar"])).table
-    np.testing.assert_allclose(table.leak_rate_m3_per_s, alone.leak_rate_m3_per_s, rtol=1e-9)
-    opened, strained = (text for text in result.warnings if "left out" in text)
+    np.testing.assert_allclose(table.leak_rate_m3_per_s[::2], alone.leak_rate_m3_per_s, rtol=1e-9)
+    assert table.leak_rate_m3_per_s[1::2].isna().all() and table.contact_force_N[1::2].isna().all()
+    opened, strained = (text for text in result.warnings if "load is not calculated" in text)
     assert "the seal is open at a fluid pressure of 20 bar" in opened and "above 1256.64 N" in opened
     assert (
-        strained.startswith("at 10 bar with 1e+08 N: a contact force of") and "effective modulus" in strained
+        strained.startswith("at 10 bar with 100 MN: a contact force of") and "effective modulus" in strained
     )
     assert [load.hertz is None for load in derive(mixed).loads] == [False, True, False, True]
+
+
+@pytest.mark.parametrize("details", [False, True])
+def test_a_load_without_a_result_stays_a_row_and_stands_in_the_first_line(details, capsys):
+    """The loads are told apart by what is given of them, though only one of them has numbers."""
+    result = fem_seal.run(
+        case(load={"fluid_pressure": "5 bar", "applied_force": ["2 kN", "100 MN"]}, **SMOOTH)
+    )
+    show_result(result, details=details)
+    told = " ".join(capsys.readouterr().out.split())
+    assert "5 bar with 2000 N" in told and "; not calculated: 100 MN" in told
+    none = "-" if details else "–"
+    force = "1.000e+08" if details else "100"
+    assert f"{force} {none} {none}" in told
+    assert load_table(result).rows[1][2:] == ("–",) * (len(load_table(result).headings) - 2)
+    assert [row["applied_force_N"] for row in summary(result)["loads"]] == [2e3, 1e8]
+    page = " ".join(html.unescape(re.sub(r"<[^>]+>", " ", report(result))).split())
+    assert (
+        "2 values from 2000 N to 100 MN" in page
+        and "not calculated: 100 MN, more than the faces carry" in page
+    )
 
 
 @pytest.mark.parametrize("closing", ["sealed-area", "penetration"])
@@ -72,8 +102,8 @@ def test_the_same_loads_are_left_out_with_every_closing_mode(closing):
     mixed = seal(["5 bar", "20 bar", "10 bar"], ["1 kN", "0 N", "100 MN"], closing=closing)
     assert sorted(problem.kind for problem in refused_loads(mixed).values()) == ["open", "strain"]
     result = run_loads(mixed)
-    assert result.table.fluid_pressure_Pa.tolist() == [5e5]
-    assert sum("left out" in text for text in result.warnings) == 2
+    assert result.table.dropna(subset="leak_rate_m3_per_s").fluid_pressure_Pa.tolist() == [5e5]
+    assert sum("load is not calculated" in text for text in result.warnings) == 2
 
 
 @pytest.mark.parametrize("closing", ["sealed-area", "penetration"])
@@ -103,9 +133,9 @@ def test_a_load_that_does_not_converge_is_tried_on_a_finer_mesh_and_then_left_ou
     monkeypatch.setattr(LoadSolver, "pressings", lambda self, settings=None: {})
     mesh = {} if size is None else {"mesh": {"contact_size": size}}
     result = fem_seal.run(case(**mesh))
-    assert result.table.fluid_pressure_Pa.tolist() == [2e5, 20e5]
-    (said,) = [text for text in result.warnings if "left out" in text]
-    assert said == "at 5 bar: residual 1e-3 after 60 iterations. This load is left out"
+    assert result.table.dropna(subset="leak_rate_m3_per_s").fluid_pressure_Pa.tolist() == [2e5, 20e5]
+    (said,) = [text for text in result.warnings if "load is not calculated" in text]
+    assert said == "at 5 bar: residual 1e-3 after 60 iterations. This load is not calculated"
     # a mesh whose size the user gives stays as it is
     assert (len(tries) > 1 and tries[1] > tries[0]) == (size is None)
 
@@ -136,16 +166,49 @@ def test_a_path_ends_before_a_load_whose_traces_are_not_known():
         2: "strain",
         3: "path",
     }
-    told = [caution.text for caution in left_out(Loads.of(path), refused_loads(path))]
+    told = [caution.text for caution in not_calculated(Loads.of(path), refused_loads(path))]
     assert len(told) == 3
     assert told[2].startswith("at 10 bar with 0 N: a body that yields depends on its load history")
+
+
+@pytest.mark.slow
+def test_a_ring_that_yields_through_keeps_its_row_and_says_so():
+    """Free to spread it bears its yield stress times its face, and a load after that is not known."""
+    corners = ((25, 0), (30, 0), (30, 3), (25, 3), (25, 0))
+    soft = {"plastic_strain": [0], "stress": ["90 MPa"]}
+    ring = fem_seal.Case(
+        closure={"shape": "disc", "diameter": "90 mm", "material": "steel"},
+        gasket={
+            "shape": "profile",
+            "outline": [{"to": [f"{r} mm", f"{z} mm"]} for r, z in corners],
+            "material": {"youngs_modulus": "70 GPa", "poissons_ratio": 0.33, "stress_strain": soft},
+        },
+        interface={"law": "smooth"},
+        load={
+            "fluid_pressure": "1 bar",
+            "applied_force": ["40 kN", "101 kN", "50 kN"],
+            "pressure_side": "inner",
+        },
+        mesh={"contact_size": "1.2 mm"},
+    )
+    result = run_loads(ring)
+    table = result.table
+    assert table.applied_force_N.tolist() == [40e3, 101e3, 50e3]
+    assert table.validity.tolist()[1:] == ["not calculated"] * 2
+    assert [one.problem.kind for one in result.not_calculated] == ["limit", "path"]
+    assert table.validity_reasons[1] == "the gasket yields through"
+    assert "101 kN: not calculated, the gasket yields through" in repr(result)
+    bears = float(re.search(r"bears ([\d.]+) kN", result.not_calculated[0].problem.message).group(1))
+    assert bears == pytest.approx(90e-3 * math.pi * (30**2 - 25**2), rel=2e-3)
+    assert [text for text in result.warnings if "the gasket yields through" in text]
 
 
 def test_loads_without_a_solution_are_named_together_with_the_reason_of_the_first():
     pressures = Loads.of(case(load={"fluid_pressure": ["5 bar", "2 bar", "8 bar"]}))
     failures = {0: ConvergenceError("no luck"), 2: ZeroDivisionError("float division by zero")}
-    (said,) = left_out(pressures, SolvedLoads((), failures=failures).problems)
-    assert said.text == "at 5 bar: no luck. This load is left out; so are those at 8 bar"
+    (said,) = not_calculated(pressures, SolvedLoads((), failures=failures).problems)
+    assert said.text == "at 5 bar: no luck. This load is not calculated; nor are those at 8 bar"
+    assert said.reason == "not calculated: 5 bar, 8 bar, no solution was found"
 
 
 # ---------------------------------------------------------------- steps that fail
