@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem_seal.bolts import Bolts, held_force
-from fem_seal.case.words import load_problem
 from fem_seal.contact.load_path import (
     ElastoplasticContact,
     FirstLoading,
@@ -49,6 +48,7 @@ from fem_seal.errors import (
     SealError,
     error_text,
 )
+from fem_seal.files import sentence
 from fem_seal.loads import blow_off_of_sealed_area, contact_force
 from fem_seal.seal.problem import Loads, SealFlow, SealProblem, condensed, sizing
 from fem_seal.units import briefly, written
@@ -562,9 +562,8 @@ def _beyond(
     first, *others = unsolved
     pressure, force = points[first]
     before = f"{written(pressure, '.6g bar')} with {briefly('force', force)}"
-    return {first: stopped} | {
-        number: InputError(load_problem("after_a_load", "path", load=before)) for number in others
-    }
+    unknown = LoadProblem("load", sentence("after_a_load", load=before), kind="path")
+    return {first: stopped} | {number: InputError(unknown) for number in others}
 
 
 def _problem(error: Exception) -> LoadProblem:
