@@ -91,7 +91,7 @@ def blow_off_pressures(problem: SealProblem) -> FloatArray:
     """
     applied = [force for _, force in problem.loads.points]
     forces = [share * abs(force) for force in applied for share in (1.0, 0.1) if force]
-    if problem.loads.closing == "sealed-area" or not forces:
+    if problem.on_sealed_area or not forces:
         radius, side = problem.initial_contact_radius, problem.loads.pressure_side
         return np.array([blow_off_of_sealed_area(radius, force, side) for force in applied])
     solver = LoadSolver.on_mesh(problem, sizing(problem, forces))

@@ -78,8 +78,8 @@ def _open(case: CaseTables, fluid_pressure: float, applied_force: float) -> Load
     load, r0 = case.load, case.initial_contact_radius
     lifts = load.pressure_side == "inner"
     needed = -contact_force(r0, fluid_pressure, 0.0, load.pressure_side)
-    # Where penetrating fluid gets to is a result: only what no contact can hold is known before.
-    penetrates = load.closing == "penetration"
+    # Where fluid gets to between surfaces or lands is a result: only what no contact can hold is known before.
+    penetrates = not case.on_sealed_area
     force = case.expected_force(fluid_pressure, applied_force)
     holds = applied_force > 0 or not lifts if penetrates else force > 0
     if holds:

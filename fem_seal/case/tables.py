@@ -409,6 +409,11 @@ class CaseTables(Table):
         """Radius r0 of the circle of first touch [m]."""
         return self.contact.initial_contact_radius
 
+    @property
+    def on_sealed_area(self) -> bool:
+        """Whether the fluid acts on the circle of first touch, so that its force is known before the contact."""
+        return self.load.closing == "sealed-area" and not self.contact.chambers
+
     def expected_force(self, fluid_pressure: float, applied_force: float) -> float:
         """Force F_N that the solid contact is expected to carry under a load [N], see `fem_seal.loads`.
 
@@ -417,8 +422,13 @@ class CaseTables(Table):
         fluid_pressure, applied_force : float
             [Pa], [N].
         """
-        r0, load = self.initial_contact_radius, self.load
-        return expected_force(r0, fluid_pressure, applied_force, load.pressure_side, load.closing)
+        return expected_force(
+            self.initial_contact_radius,
+            fluid_pressure,
+            applied_force,
+            self.load.pressure_side,
+            "sealed-area" if self.on_sealed_area else "penetration",
+        )
 
     @cached_property
     def contact(self) -> ContactGeometry:

@@ -29,6 +29,8 @@ class BodyLoads:
         seat [-]; of bodies whose temperature differs from place to place "heat", a share of it.
     gap_pressure : ndarray, shape (m,), optional
         Fluid pressure at the points of the contact line [Pa].
+    lifting : float
+        Axial force of a fluid on the closure that deforms no body, positive where it lifts [N].
     temperature : mapping, optional
         Of "closure" and "seat", all over or at their nodes [K]; it acts through the loads of the bodies, and stands
         here for all who show it. Empty where it is not given.
@@ -43,6 +45,7 @@ class BodyLoads:
     closure: Mapping[LoadName, float] = field(default_factory=dict)
     seat: Mapping[LoadName, float] = field(default_factory=dict)
     gap_pressure: FloatArray | None = field(default=None, repr=False)
+    lifting: float = field(default=0.0, repr=False, kw_only=True)
     temperature: Mapping[str, FloatArray | float] = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
@@ -103,7 +106,8 @@ class BodyLoads:
 
     def lift(self, model: ContactModel) -> float:
         """Axial force that the loads exert on the closure [N], positive where they lift it."""
-        lift = sum(size * model.closure.loads[name].axial_force for name, size in self.closure.items())
+        lift = self.lifting
+        lift += sum(size * model.closure.loads[name].axial_force for name, size in self.closure.items())
         if self.gap_pressure is not None:
             lift += float(model.line.normal[1] @ (model.line.area_weight * self.gap_pressure))
         return lift

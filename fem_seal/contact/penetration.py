@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -25,7 +25,7 @@ from leak.numerics.roots import root_between
 
 
 class FluidPath(Protocol):
-    """Fluid pressure between the surfaces, as a function of a few unknowns that follow from the solid contact."""
+    """What the fluid does, as a function of a few unknowns that follow from the solid contact."""
 
     @property
     def side(self) -> PressureSide:
@@ -34,11 +34,28 @@ class FluidPath(Protocol):
     def bounds(self, line: ContactLine) -> tuple[float, float]:
         """Between which all unknowns lie."""
 
-    def share(self, line: ContactLine, unknowns: FloatArray) -> FloatArray:
-        """Fluid pressure over the pressure difference at the points of the line, shape (m,)."""
+    def loads(
+        self, model: ContactModel, at_rest: BodyLoads, fluid_pressure: float, unknowns: FloatArray
+    ) -> BodyLoads:
+        """What acts besides the contact, with and without the fluid."""
 
     def found(self, profile: PressureProfile, fluid_pressure: float) -> FloatArray:
         """The unknowns that belong to a profile of the solid contact pressure."""
+
+
+class _BetweenSurfaces(FluidPath, Protocol):
+    """A fluid on the wetted surfaces and in the gap, which it opens."""
+
+    def share(self, line: ContactLine, unknowns: FloatArray) -> FloatArray:
+        """Fluid pressure over the pressure difference at the points of the line, shape (m,)."""
+
+    def loads(
+        self, model: ContactModel, at_rest: BodyLoads, fluid_pressure: float, unknowns: FloatArray
+    ) -> BodyLoads:
+        """Fluid on both bodies and between them, and what acts without it."""
+        high = 0 if self.side == "inner" else len(model.lines)
+        wetted = [fluid_pressure if region == high else 0.0 for region in range(len(model.lines) + 1)]
+        return BodyLoads.of_fluid(wetted, fluid_pressure * self.share(model.line, unknowns), at_rest)
 
 
 def _itself(profile: PressureProfile) -> PressureProfile:
@@ -46,7 +63,7 @@ def _itself(profile: PressureProfile) -> PressureProfile:
 
 
 @dataclass(frozen=True)
-class PenetratingFluid:
+class PenetratingFluid(_BetweenSurfaces):
     """A fluid that flows through the rough contact; its pressure falls along the flow resistance.
 
     Parameters
@@ -102,7 +119,7 @@ class PenetratingFluid:
 
 
 @dataclass(frozen=True)
-class FluidAtContact:
+class FluidAtContact(_BetweenSurfaces):
     """A fluid of which no flow is known: it gets in as far as the contact pressure is below its own.
 
     Full pressure from its side up to the first place where the solid contact presses harder than the fluid, nothing
@@ -147,6 +164,53 @@ class FluidAtContact:
                 f"pressure of {fluid_pressure / 1e6:.4g} MPa: the fluid gets through"
             )
         return np.array([_stretch_above(profile, fluid_pressure)[1 if self.side == "outer" else 0]])
+
+
+@dataclass(frozen=True)
+class FluidInChambers:
+    """A fluid between lands that acts on the closure alone: its pressure falls at one circle of each land.
+
+    The circles are those of the centroids of the contact pressure. Each unknown is what a land holds back, its fall of
+    pressure on the area of its circle, over the pressure difference on `area`.
+
+    Parameters
+    ----------
+    falls : callable
+        Takes a `PressureProfile` and the pressure difference [Pa] to the pressure on the inner side of each land less
+        that on its outer side [Pa].
+    area : float
+        Of the circle of first touch [m^2].
+    side : {"outer", "inner"}
+    as_first_loaded : callable
+        See `PenetratingFluid`.
+
+    Examples
+    --------
+    >>> import fem_seal
+    >>> fem_seal.contact.penetration.FluidInChambers(lambda profile, drop: [drop], 6e-4, "inner").side
+    'inner'
+    """
+
+    falls: Callable[[PressureProfile, float], Sequence[float]]
+    area: float
+    side: PressureSide = "outer"
+    as_first_loaded: Callable[[PressureProfile], PressureProfile] = _itself
+
+    def bounds(self, line: ContactLine) -> tuple[float, float]:
+        """None: test ports may have any pressure."""
+        return -math.inf, math.inf
+
+    def loads(
+        self, model: ContactModel, at_rest: BodyLoads, fluid_pressure: float, unknowns: FloatArray
+    ) -> BodyLoads:
+        """The force of the fluid, and what acts without it."""
+        return replace(at_rest, lifting=fluid_pressure * self.area * float(unknowns.sum()))
+
+    def found(self, profile: PressureProfile, fluid_pressure: float) -> FloatArray:
+        """What each land holds back."""
+        falls = self.falls(self.as_first_loaded(profile), fluid_pressure)
+        radii = [float(np.interp(one.centroid, one.x, one.radius)) for one in profile.lands]
+        return math.pi * np.square(radii) * np.array(falls) / (self.area * fluid_pressure)
 
 
 def _stretch_above(profile: PressureProfile, pressure: float) -> tuple[float, float]:
@@ -203,17 +267,9 @@ class CoupledContact:
     at_rest: BodyLoads = NO_LOADS
     settings: ContactSettings = DEFAULT_SETTINGS
 
-    @property
-    def pressurised(self) -> int:
-        """Number of the wetted surface with the high pressure, from the axis outwards."""
-        return 0 if self.path.side == "inner" else len(self.model.lines)
-
     def loads(self, fluid_pressure: float, unknowns: FloatArray) -> BodyLoads:
-        """Fluid on the wetted surfaces and in the gap, and what acts without it."""
-        regions = range(len(self.model.lines) + 1)
-        wetted = [fluid_pressure if region == self.pressurised else 0.0 for region in regions]
-        share = self.path.share(self.model.line, unknowns)
-        return BodyLoads.of_fluid(wetted, fluid_pressure * share, self.at_rest)
+        """What acts besides the contact under a fluid pressure."""
+        return self.path.loads(self.model, self.at_rest, fluid_pressure, unknowns)
 
 
 # Takes the lift per unit of fluid pressure [N/Pa] to fluid pressure [Pa] and contact force [N].
@@ -256,7 +312,7 @@ def coupled_contact(
 
     low, high = seal.path.bounds(seal.model.line)
     try:
-        if unknowns.size == 1:
+        if isinstance(seal.path, FluidAtContact):
             # The place up to which the fluid gets moves from element to element.
             elements = np.diff(seal.model.line.vertices)
             first_fixed_point(
@@ -471,17 +527,19 @@ class _Step:
 
 
 def _step(seal: CoupledContact, applied_force: float, share: float, before: _Step) -> _Step:
-    force = share * applied_force
+    force, pressure = share * applied_force, math.nan
 
     def balance(lift: float) -> tuple[float, float]:
-        return (applied_force - force) / lift, force
+        nonlocal pressure
+        pressure = (applied_force - force) / lift
+        return pressure, force
 
     unknowns = before.unknowns
     if unknowns is None:
         expected = (applied_force - force) / (math.pi * seal.model.initial_contact_radius**2)
         unknowns = dry_unknowns(seal, force, expected, None)
     contact, unknowns = coupled_contact(seal, balance, unknowns, before.contact)
-    return _Step(share, contact.loads.closure[seal.pressurised], contact, unknowns)
+    return _Step(share, pressure, contact, unknowns)
 
 
 def _way_to_blow_off(seal: CoupledContact, applied_force: float) -> list[_Step]:

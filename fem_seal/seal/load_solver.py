@@ -28,6 +28,7 @@ from fem_seal.contact.newton import ContactProblem, solve, solve_many
 from fem_seal.contact.penetration import (
     CoupledContact,
     FluidAtContact,
+    FluidInChambers,
     FluidPath,
     PenetratingFluid,
     blow_off_pressure,
@@ -50,6 +51,7 @@ from fem_seal.errors import (
 )
 from fem_seal.files import sentence
 from fem_seal.loads import blow_off_of_sealed_area, contact_force
+from fem_seal.profile import PressureProfile
 from fem_seal.seal.problem import Loads, SealFlow, SealProblem, condensed, sizing
 from fem_seal.units import briefly, written
 from meshes import MeshingError, Sizing, build_contact
@@ -232,8 +234,8 @@ class LoadSolver:
 
     @property
     def _on_sealed_area(self) -> bool:
-        """Whether the fluid acts on the circle of first touch: its way between the surfaces is not asked for."""
-        return self.problem.loads.closing == "sealed-area"
+        """Whether the force of the fluid is known before the contact: it acts on the circle of first touch."""
+        return self.problem.on_sealed_area
 
     def open_on_path(self, point: tuple[float, float], opened: OpenLoad) -> InputError:
         """What is said of a load that opens the seal on the path of bodies that yield."""
@@ -403,7 +405,7 @@ class LoadSolver:
 
     def _path_after(self, largest: FloatArray) -> FluidPath:
         """The fluid's way between surfaces of which each place has carried a pressure before [Pa], shape (m,)."""
-        if self.flow is None or not isinstance(self._path, PenetratingFluid):
+        if self.flow is None or not isinstance(self._path, PenetratingFluid | FluidInChambers):
             return self._path
         return replace(self._path, as_first_loaded=partial(self.flow.as_first_loaded, largest=largest))
 
@@ -416,6 +418,9 @@ class LoadSolver:
     @cached_property
     def _path(self) -> FluidPath:
         side, flow = self.problem.loads.pressure_side, self.flow
+        if self.problem.loads.closing == "sealed-area":
+            area = math.pi * self.problem.initial_contact_radius**2
+            return FluidInChambers(self._falls, area, side)
         if flow is None:
             return FluidAtContact(side)
         return PenetratingFluid(
@@ -424,6 +429,25 @@ class LoadSolver:
             side,
             highest=math.inf if any(flow.flow.chambers) else 1.0,
         )
+
+    def _falls(self, profile: PressureProfile, fluid_pressure: float) -> list[float]:
+        """Pressure on the inner side of each land less that on its outer side [Pa]; without a flow it falls evenly."""
+        inside = self.problem.loads.pressure_side == "inner"
+        inner, outer = (fluid_pressure, 0.0) if inside else (0.0, fluid_pressure)
+        if self.flow is not None:
+            lands = self.flow.leak(profile, fluid_pressure).lands
+        else:
+            from leak import LeakResult
+            from leak.flow.series import SeriesContact, in_series
+
+            sealed = [
+                SeriesContact(
+                    (lambda a, b: LeakResult(0.0, math.inf, np.zeros(1))) if one.touches else None, 1
+                )
+                for one in profile.lands
+            ]
+            lands = in_series(sealed, inner, outer, [None] * (len(sealed) - 1)).lands
+        return [before - after for before, after, _ in lands] or [inner - outer]
 
     def _sealed_area(self, force: float, start: ContactSolution | None) -> ContactSolution:
         at_rest = self.problem.at_rest(self.model)

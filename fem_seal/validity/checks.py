@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
-from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -166,7 +165,6 @@ def _interface_cautions(
     yield from _long_waves(surface, loads)
     if problem.flow is not None:
         yield from _fluid_opens(problem, problem.flow, loads)
-        yield from _chamber_lifts(problem, loads)
         yield from fluid_cautions(problem.flow, loads)
 
 
@@ -820,10 +818,6 @@ def _long_waves(surface: RoughContact, loads: Sequence[LoadResult]) -> Iterator[
     )
 
 
-# Force of the fluid in chambers over that of the contact from which on it matters.
-_CHAMBER_LIFTS = 0.02
-
-
 def _fluid_opens(problem: SealProblem, flow: FlowModel, loads: Sequence[LoadResult]) -> Iterator[Finding]:
     if flow.fluid_in_gap == "local":
         yield from _lifted_open(loads)
@@ -854,41 +848,6 @@ def _fluid_over_contact(load: LoadResult) -> float:
         if one.touches
     ]
     return max(fluid / contact for fluid, contact in pairs)
-
-
-def _chamber_lifts(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
-    """Finding about chambers between lands, whose pressure acts on the closure and is left out."""
-    of_lands = [load for load in loads if len(load.profiles) > 1]
-    if problem.loads.closing == "penetration" or not of_lands:
-        return
-    share, load = max(
-        ((_chamber_force(load) / load.contact_force, load) for load in of_lands), key=lambda one: one[0]
-    )
-    if share > _CHAMBER_LIFTS:
-        more = Bounds(1.0, _leaks_more(load, share))
-        yield caution(
-            "chamber_lifts", load, loads, outside=share >= 1.0, leak_factor=more, share=share_text(share)
-        )
-
-
-def _leaks_more(load: LoadResult, share: float) -> float:
-    """How many times as much leaks if a share of the contact pressure is missing at every place."""
-    pressed = None if share >= 1.0 or load.rough is None else load.whole.times(1.0 - share)
-    less = None if pressed is None or load.rough is None else load.rough.leak(pressed, load.fluid_pressure)
-    if less is None or load.leak_round is None or not load.leak_round.leak_rate > 0.0:
-        return math.inf
-    return max(less.leak_rate / load.leak_round.leak_rate, 1.0)
-
-
-def _chamber_force(load: LoadResult) -> float:
-    """Axial force of the fluid in chambers, between the middles of the lands beside each [N]."""
-    if load.leak is None:
-        return 0.0
-    middles = [float(np.interp(one.centroid, one.x, one.radius)) for one in load.profiles]
-    return sum(
-        math.pi * (outer**2 - inner**2) * flow.outer_pressure
-        for (inner, outer), flow in zip(pairwise(middles), load.leak.lands[:-1], strict=True)
-    )
 
 
 def _lifted_open(loads: Sequence[LoadResult]) -> Iterator[Finding]:

@@ -55,7 +55,9 @@ def test_drawing_without_a_unit_is_told_by_its_size(drawing, tmp_path) -> None:
     """Millimetres or inches: nobody but the user knows."""
     drawing.units = 0
     draw(drawing.modelspace())
-    with pytest.raises(GeometryError, match=r'is 18\.5 wide and 22\.8 high: give length_unit, such as "mm" or "in"'):
+    with pytest.raises(
+        GeometryError, match=r'is 18\.5 wide and 22\.8 high: give length_unit, such as "mm" or "in"'
+    ):
         area_of(drawing, tmp_path / "seat.dxf")
     assert area_of(drawing, tmp_path / "seat.dxf", length_unit=0.0254) == pytest.approx(25.4**2 * AREA)
 

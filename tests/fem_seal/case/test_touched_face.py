@@ -166,7 +166,9 @@ def test_a_curve_written_as_short_lines_is_told() -> None:
     # a seat of three angles is no curve
     three = [(12, 0), (13.6, 1.343), (14.7, 2.443), (16, 3.992), (22, 3.992), (22, -10), (12, -10), (12, 0)]
     outline = [{"to": [f"{r} mm", f"{z} mm"]} for r, z in three]
-    assert not list(face_remarks(case(BALL_40, {"shape": "profile", "outline": outline, "material": "steel"})))
+    assert not list(
+        face_remarks(case(BALL_40, {"shape": "profile", "outline": outline, "material": "steel"}))
+    )
 
 
 @pytest.mark.parametrize("path", CASES, ids=lambda one: one.stem)
