@@ -358,7 +358,7 @@ def test_any_force_contact_and_pressures_balance(load: dict[str, str]) -> None:
 
 @pytest.mark.slow
 def test_bolts_hold_contact_and_fluid_of_a_ring_joint() -> None:
-    """The forces of the flanks along the axis, summed over the contact line, and the pressures are all that there is."""
+    """The forces of the flanks along the axis, summed over the line, and the pressures are all that there is."""
     case = load_case(EXAMPLES / "ring_joint.toml").replace({"load.applied_force": ["330 kN"]})
     (load,) = evaluate(SealProblem.of(case.replace({"gasket.material.stress_strain": None}))).loads
     assert load.leak is not None
