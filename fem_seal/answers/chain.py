@@ -13,13 +13,15 @@ from fem_seal.answers.answer import NOTHING_ELSE, Answer, Inquiry, Wanted, answe
 from fem_seal.answers.bolts import BOLTS
 from fem_seal.answers.compression import COMPRESSION
 from fem_seal.answers.error_shares import ERROR_SHARES
-from fem_seal.answers.findings import FINDINGS, all_cautions
+from fem_seal.answers.findings import FINDINGS, all_cautions, findings_of_profiles
 from fem_seal.answers.foreseen import foreseen
 from fem_seal.answers.form import FORM
 from fem_seal.answers.judgement import JudgedLoad
 from fem_seal.answers.opening import OPENING
 from fem_seal.answers.particles import PARTICLES
 from fem_seal.answers.pass_probability import PASS_PROBABILITY
+from fem_seal.answers.profile_files import ImportedProfile
+from fem_seal.answers.profile_leak import leak_of_profiles
 from fem_seal.answers.sensitivities import SENSITIVITIES
 from fem_seal.answers.solution import SealSolution
 from fem_seal.answers.standard_tests import SET_PRESSURE, STANDARD_TESTS
@@ -113,10 +115,56 @@ def solve(
     seal = _solved(case, clock, steps, told=progress is not None)
     seal = seal.with_loads([JudgedLoad.of(load) for load in seal.loads])
     ask = Inquiry(LoadSolver(seal.problem, seal.model), clock, wanted, steps, solve=solve)
-    seal = answered(seal, ask, ANSWERS if answers is None else answers)
+    return _answered(seal, ask, ANSWERS if answers is None else answers)
+
+
+# What is asked of given contacts: all that needs no bodies.
+_OF_PROFILES: tuple[Answer[Any], ...] = (
+    replace(FINDINGS, compute=lambda seal, ask: findings_of_profiles(seal)),
+    UNCERTAINTY,
+    ERROR_SHARES,
+    PASS_PROBABILITY,
+    VERDICT,
+)
+
+
+def solve_profiles(
+    case: Case, profiles: Sequence[ImportedProfile], progress: Progress | None = None
+) -> SealSolution:
+    """Leak rates of given contacts, and all that needs no bodies: interval, shares, verdict.
+
+    Parameters
+    ----------
+    case : Case
+    profiles : sequence of ImportedProfile
+    progress : callable, optional
+        Called with a status message before each step.
+
+    Raises
+    ------
+    InputError
+        As of `leak_of_profiles`.
+    """
+    clock, steps = Clock(progress or (lambda text: None)), OptionalSteps()
+    # the given contact is that of a round seal, whatever its bodies have been through
+    problem = replace(SealProblem.of(case), form=None)
+    _simulate(problem, clock)
+    with clock.step("leak", "flow conductivity and leak rates"):
+        loads = [
+            JudgedLoad.of(_read(steps, _compute_values(steps, load, _LEAK), _SEPARATION))
+            for load in leak_of_profiles(problem, profiles)
+        ]
+    nothing: Any = None  # of what has no bodies
+    seal = SolvedSeal(case, problem, nothing, nothing, tuple(loads))
+    ask = Inquiry(nothing, clock, steps=steps, answers={"profiles": tuple(profiles)})
+    return _answered(seal, ask, _OF_PROFILES)
+
+
+def _answered(seal: SolvedSeal, ask: Inquiry, answers: Sequence[Answer[Any]]) -> SealSolution:
+    seal = answered(seal, ask, answers)
     texts = [caution.text for caution in all_cautions(ask.answers)]
-    warnings = (*texts, *_of_lower_half(ask, texts), *steps.failures)
-    return SealSolution(**vars(seal), answers=ask.answers, warnings=warnings, timings=clock.timings)
+    warnings = (*texts, *_of_lower_half(ask, texts), *ask.steps.failures)
+    return SealSolution(**vars(seal), answers=ask.answers, warnings=warnings, timings=ask.clock.timings)
 
 
 def _of_lower_half(ask: Inquiry, said: Collection[str]) -> Iterator[str]:

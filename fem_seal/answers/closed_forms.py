@@ -147,6 +147,8 @@ def derive_beside(result: SolvedSeal) -> Derived:
     ----------
     result : SolvedSeal
     """
+    if result.of_profile:
+        return derive(result.case)
     held = [load.contact_force if load.stop_force else None for load in result.loads]
     return _derived(SealProblem.of(result.case), held)
 
@@ -357,7 +359,7 @@ def profile_sizes(result: SolvedSeal, derived: Derived) -> dict[str, Sizes]:
         Closed forms of the case.
     """
     sizes = {"calculated": Sizes.of(result.profiles)}
-    for name in CLOSED_FORMS:
+    for name in () if result.of_profile else CLOSED_FORMS:
         profiles = [getattr(load, name) for load in derived.loads]
         if all(profile is not None for profile in profiles):
             sizes[name] = Sizes.of(profiles)

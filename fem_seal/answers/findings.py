@@ -63,6 +63,21 @@ def _compute(seal: SolvedSeal, ask: Inquiry) -> Findings:
     return Findings(tuple(validity), cautions, others)
 
 
+def findings_of_profiles(seal: SolvedSeal) -> Findings:
+    """What is said against the leak rates of given contacts, each load's validity being known.
+
+    Parameters
+    ----------
+    seal : SolvedSeal
+        Of given contacts.
+    """
+    # of all loads the worst of each kind
+    kinds = {one.kind: one for load in seal.loads for one in reversed(worst_first(load.validity.cautions))}
+    found = worst_first((*kinds.values(), *_of_nominal_size(nominal_size(seal.case))))
+    known = ({name: one.validity for name, one in (load.by_theory or {}).items()} for load in seal.loads)
+    return Findings(tuple(load.validity for load in seal.loads), tuple(found), tuple(known))
+
+
 def _of_nominal_size(size: NominalSize) -> Iterator[Finding]:
     """A size that is not of this seat: limits of standards grow with it."""
     narrowest, widest = (share * size.size for share in _BORES)

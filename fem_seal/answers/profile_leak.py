@@ -57,8 +57,6 @@ def leak_of_profiles(problem: SealProblem, profiles: Sequence[ImportedProfile]) 
             "the contact of that load is not solved for profiles that come from elsewhere; remove it",
             file=problem.file,
         )
-    # samples would need the bodies
-    problem = replace(problem, usual_only=problem.of_finish)
     peaks = [float(profile.pressure.max()) for profile in profiles]
     rough = LeakModel(surface, flow, partial(_conductivity, peaks))
     others = {}

@@ -806,8 +806,9 @@ class SampledSeal:
         return _Known(surface, law if own else None)
 
     def _moves(self, sample: _Sample) -> bool:
-        """Whether the law of a sample or its bodies are not those of the case."""
-        return sample.stiffness != 1 or sample.law is not self.result.problem.law
+        """Whether the law of a sample or its bodies are not those of the case; a given contact stays what it is."""
+        changed = sample.stiffness != 1 or sample.law is not self.result.problem.law
+        return changed and not self.result.of_profile
 
     def _loads(
         self, sample: _Sample, contacts: Sequence[ContactSolution] | ConvergenceError | None
@@ -842,6 +843,8 @@ class SampledSeal:
 
         known, problem = self.result.surface, self.result.problem
         assert known is not None  # of the checks
+        if self.result.of_profile:
+            return problem.law
         if problem.interface.law != "spectrum" or problem.interface.plastic:
             return interface_law(problem.interface, surface)
         height = height_ratio(surface.elastic, known.elastic)

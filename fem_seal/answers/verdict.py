@@ -152,6 +152,7 @@ def _shares(loads: Sequence[LoadResult], hardness: tuple[float | None, float | N
     stressed = [
         (_crest(load) * float(load.contact.fields[name].von_mises.max()) / limit, f"{which}{name}")
         for _, which, load in faces
+        if not load.of_profile
         # without a look at the stress, which a model without displacements does not hold
         for name in ("closure", "seat")
         if (limit := getattr(load.contact.model, name).material.yield_stress) is not None

@@ -28,6 +28,7 @@ from fem_seal.units import shown_in
 from fem_seal.version import __version__
 
 if TYPE_CHECKING:
+    from fem_seal.answers.solution import SealSolution
     from fem_seal.case.case import Case
 
 DONE, OTHER_FAILURE, WRONG_INPUT, NO_RESULT, INTERRUPTED = 0, 1, 2, 3, 130
@@ -145,18 +146,34 @@ def run(
     folder = _results_folder(output, case)
     from fem_seal import result as seal_result
     from fem_seal.output import files
-    from fem_seal.output.report.brief import remarks_in_brief
-    from fem_seal.output.tables import leak_rows
 
     with folder_lock(folder), terminal.progress_of(quiet) as progress:
         result = seal_result.run(case, progress=progress, sensitivities=sensitivities)
         progress("writing results")
         failures = files.write(result, folder)
+    _show(result, folder, failures, details=details, quiet=quiet, json=json)
+
+
+def _show(
+    result: SealSolution,
+    folder: Path,
+    failures: Sequence[str],
+    *,
+    details: bool,
+    quiet: bool,
+    json: bool,
+) -> None:
+    """Tell a result that was written, and what was understood of given contacts."""
+    from fem_seal.output.report.brief import remarks_in_brief
+    from fem_seal.output.report.words import given_in_words
+    from fem_seal.output.tables import leak_rows
+
     if json:
-        warnings = (*result.warnings, *failures)
-        terminal.say_json({"folder": str(folder), "loads": leak_rows(result), "warnings": warnings})
+        said = {"folder": str(folder), "loads": leak_rows(result), "warnings": [*result.warnings, *failures]}
+        terminal.say_json(said | ({"understood": given_in_words(result)} if result.of_profile else {}))
     elif not quiet:
         terminal.show_result(result, details=details)
+        terminal.tell(*given_in_words(result))
     terminal.warn(
         (*(result.warnings if details else remarks_in_brief(result)), *failures),
         "" if details else "report.html",
@@ -279,36 +296,18 @@ def leak(
     debug: terminal.Debug = False,
 ) -> None:
     """Leak rate of a given pressure profile, such as one exported from another finite-element code."""
-    from fem_seal.answers.leakage_class import volume_of
+    from fem_seal.answers.chain import solve_profiles
     from fem_seal.answers.profile_files import read_profiles
-    from fem_seal.answers.profile_leak import leak_of_profiles
-    from fem_seal.output.answers.verdict import next_class_in_words
-    from fem_seal.output.report.brief import leak_in_brief
-    from fem_seal.output.tables import profile_leak_rows, write_rows
-    from fem_seal.seal.load_result import highest_load
-    from fem_seal.seal.problem import SealProblem
+    from fem_seal.output import files
 
     case = terminal.case_of_command(case_file)
-    problem = SealProblem.of(case)
-    profiles = read_profiles(profile_file, problem.contact)
+    profiles = read_profiles(profile_file, case.contact)
     folder = _created(output or profile_file.with_suffix(".leak"))
-    loads = leak_of_profiles(problem, profiles)
-    rows = profile_leak_rows(loads)
-    with folder_lock(folder), replaced_together(folder, whole=False) as draft:
-        write_rows(draft / "leak.csv", rows)
-    _warn_of_unfinished(folder)
-    if json:
-        terminal.say_json({"folder": str(folder), "loads": rows})
-    elif not quiet:
-        title, highest = f"{profile_file.name}: {case.title}", loads[highest_load(loads)]
-        terminal.show_first(leak_in_brief(case, highest, loads), next_class_in_words(case, highest))
-        if details:
-            terminal.show_leak_table(rows, title, loads, volume_of(case))
-            terminal.show_leakage(case, loads)
-        else:
-            terminal.show_loads(case, loads, title)
-        terminal.tell(*dict.fromkeys(one.understood for one in profiles))
-        terminal.say_where(folder)
+    with folder_lock(folder), terminal.progress_of(quiet) as progress:
+        result = solve_profiles(case, profiles, progress)
+        progress("writing results")
+        failures = files.write(result, folder)
+    _show(result, folder, failures, details=details, quiet=quiet, json=json)
 
 
 @app.command()

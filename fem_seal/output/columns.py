@@ -354,6 +354,19 @@ def in_words(load: LoadResult, name: str) -> str:
 LEAK_COLUMNS = tuple(COLUMNS)
 # Columns for the pressure profile of another program.
 PROFILE_LEAK_COLUMNS = (*SHOWN_COLUMNS["of_profiles"], *map(leak_rate_column, (OWN, *FURTHER, *THEORIES)))
+
+
+def known_columns(loads: Sequence[AnyLoad]) -> Sequence[str]:
+    """Names of the columns that loads have: of given contacts those that need no bodies.
+
+    Parameters
+    ----------
+    loads : sequence of LoadResult or MissingLoad
+    """
+    given = any(not isinstance(load, MissingLoad) and load.of_profile for load in loads)
+    return PROFILE_LEAK_COLUMNS if given else LEAK_COLUMNS
+
+
 # Columns of the loads on the terminal.
 LEAK_ON_TERMINAL = tuple(COLUMNS[name].on_terminal for name in SHOWN_COLUMNS["terminal"])
 # Rows of `fem-seal check` for the case as a whole: name and unit by the key in its JSON.

@@ -67,6 +67,8 @@ def write(result: SealSolution, folder: Path) -> tuple[str, ...]:
         write_profile_csv(result, draft / "profile.csv")
         # a full disc affects the other files as well
         for name, write_one in _FILES.items():
+            if result.of_profile and name != "report.html":
+                continue  # has neither mesh nor fields
             with steps.attempt(name, but=OSError):
                 write_one(result, draft)
         for name, table in {"contacts.csv": contact_rows, "imprint.csv": imprint_rows, **tables}.items():
@@ -137,13 +139,13 @@ def summary(result: SealSolution) -> dict[str, Any]:
         "case_file": None if case.file is None else str(case.file),
         "input": resolved_input(result),
         "derived": derived_numbers(case, derive_beside(result)),
-        "mesh": mesh_numbers(result),
+        "mesh": None if result.of_profile else mesh_numbers(result),
         "loads": leak_rows(result),
         "leakage": leakage_table(result),
-        "yielding": [_yielding(load) for load in result.loads],
+        "yielding": [] if result.of_profile else [_yielding(load) for load in result.loads],
         "imprint": None if result.unloaded is None else _imprints(result.imprints),
-        "convergence": [_convergence(load) for load in result.loads],
-        "discretisation_error": asdict(result.discretisation_error),
+        "convergence": [] if result.of_profile else [_convergence(load) for load in result.loads],
+        "discretisation_error": None if result.of_profile else asdict(result.discretisation_error),
         "far_field": {
             "changes": [by_reading(asdict(change)) for change in result.far_field],
             "says": far_field_sentence(result),
@@ -176,7 +178,8 @@ def resolved_input(result: SealSolution) -> dict[str, Any]:
     tables = input_tables(case)
     for name in ("closure", "seat"):
         tables[case.key_of(name)] |= chosen_dimensions(case, name)
-    tables["mesh"]["contact_size"] = result.seal_mesh.sizing.contact_size
+    if not result.of_profile:
+        tables["mesh"]["contact_size"] = result.seal_mesh.sizing.contact_size
     if case.interface.law == "exponential":
         tables["interface"]["u0"], tables["interface"]["p_c"] = exponential_law(
             case.interface, result.surface

@@ -6,7 +6,7 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from fem_seal.output.columns import COLUMNS, Column
+from fem_seal.output.columns import COLUMNS, Column, known_columns
 from fem_seal.output.prose import filled, prose
 from fem_seal.seal.readings import FURTHER
 from fem_seal.units import LIQUID, LeakVolume, Unit, fixed_unit, format_digits, trimmed, unit_for
@@ -191,8 +191,10 @@ class ReportColumn:
 
 
 def filled_column(name: str, loads: Sequence[AnyLoad], volume: LeakVolume = LIQUID) -> ReportColumn:
-    """A column of leak.csv with the values of loads."""
+    """A column of leak.csv with the values of loads, None where nothing is known of them."""
     column = COLUMNS[name]
+    if name not in known_columns(loads):
+        return ReportColumn(column, [None] * len(loads), [0] * len(loads), volume)
     return ReportColumn(
         column, [column.value(load) for load in loads], [column.digits(load) for load in loads], volume
     )

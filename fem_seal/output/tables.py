@@ -18,10 +18,9 @@ from fem_seal.output.columns import (
     COLUMNS,
     CONTACT_COLUMNS,
     IMPRINT_COLUMNS,
-    LEAK_COLUMNS,
     PROFILE_COLUMNS,
-    PROFILE_LEAK_COLUMNS,
     TEXT_COLUMNS,
+    known_columns,
 )
 from fem_seal.seal.findings import NOT_CALCULATED, VALID, VALIDITY_COLUMNS, Validity, validity_entries
 from fem_seal.seal.load_result import in_order
@@ -35,7 +34,7 @@ if TYPE_CHECKING:
     from fem_seal.answers.judgement import Verdict
     from fem_seal.answers.solution import SealSolution
     from fem_seal.case.case import Case
-    from fem_seal.seal.load_result import AnyLoad, GivenLoad, LoadResult, MissingLoad
+    from fem_seal.seal.load_result import AnyLoad, LoadResult, MissingLoad
 
 
 # Headings and rows of a CSV file; without rows there is no file.
@@ -49,41 +48,27 @@ _LEAKAGE = ("leak_rate", "mass_flow", "throughput", "standard_leak_rate")
 def leak_rows(result: SealSolution) -> list[dict[str, Any]]:
     """Rows of leak.csv, one per load of the case: numbers in SI, NaN where nothing was calculated; `TEXT_COLUMNS`.
 
-    Reasons are a list, and a load without a requirement has the verdict None.
+    Reasons are a list, and a load without a requirement has the verdict None. Of given contacts `PROFILE_LEAK_COLUMNS`.
 
     Parameters
     ----------
     result : SealSolution
     """
-    rows = (_cells(LEAK_COLUMNS, load) | _texts(load.verdict, load.validity) for load in result.loads)
-    return in_order(rows, result.not_calculated, lambda load: _missing_row(result.case, load))
+    columns = known_columns(result.loads)
+    rows = (_cells(columns, load) | _texts(load.verdict, load.validity) for load in result.loads)
+    return in_order(rows, result.not_calculated, lambda load: _missing_row(result.case, load, columns))
 
 
 def _texts(verdict: Verdict | None, validity: Validity) -> dict[str, Any]:
     return {"verdict": None if verdict is None else str(verdict)} | validity_entries(validity)
 
 
-def _missing_row(case: Case, load: MissingLoad) -> dict[str, Any]:
+def _missing_row(case: Case, load: MissingLoad, columns: Sequence[str]) -> dict[str, Any]:
     judged = case.requirement is not None and case.requirement.judges(load.fluid_pressure)
     verdict = of_missing(case, load.point, load.problem).verdict if judged else None
     why = told_of(why_missing(load.problem), faces=case.faces)
     said = dict(zip(VALIDITY_COLUMNS, (NOT_CALCULATED, [why]), strict=True))
-    return _cells(LEAK_COLUMNS, load) | _texts(verdict, VALID) | said
-
-
-def profile_leak_rows(loads: Sequence[GivenLoad]) -> list[dict[str, Any]]:
-    """Rows of the leak.csv of given pressure profiles: `PROFILE_LEAK_COLUMNS` and validity.
-
-    Parameters
-    ----------
-    loads : sequence of GivenLoad
-        From `fem_seal.answers.profile_leak.leak_of_profiles`.
-    """
-    return [
-        # these columns need only the profile, not its bodies
-        _cells(PROFILE_LEAK_COLUMNS, load) | validity_entries(load.validity)
-        for load in loads
-    ]
+    return _cells(columns, load) | _texts(verdict, VALID) | said
 
 
 def _cells(names: Sequence[str], load: AnyLoad) -> dict[str, Any]:
@@ -105,8 +90,8 @@ def leak_table(result: SealSolution) -> pd.DataFrame:
     import pandas as pd
 
     rows = [with_text(row) for row in leak_rows(result)]
-    table = pd.DataFrame(rows, columns=[*LEAK_COLUMNS, *TEXT_COLUMNS])
-    return table.astype(dict.fromkeys(LEAK_COLUMNS, float))
+    table = pd.DataFrame(rows)
+    return table.astype(dict.fromkeys(table.columns.drop([*TEXT_COLUMNS]), float))
 
 
 def with_text(row: Mapping[str, Any]) -> dict[str, Any]:
@@ -129,7 +114,9 @@ def profile_array(result: SealSolution) -> NDArray[np.float64]:
         )
         fluid = np.full(len(along), math.nan) if load.gap_pressure is None else load.gap_pressure
         pressure = np.full(len(along), load.fluid_pressure)
-        blocks.append(np.column_stack([pressure, along, fluid, load.contact.force_per_length]))
+        # the direction of the force is that of bodies
+        force = np.full(len(along), math.nan) if load.of_profile else load.contact.force_per_length
+        blocks.append(np.column_stack([pressure, along, fluid, force]))
     return np.concatenate(blocks)
 
 

@@ -271,6 +271,11 @@ class LoadResult(ByReading):
         return min(self.digits, self.digits_of("leak_rate"))
 
     @property
+    def of_profile(self) -> bool:
+        """Whether its contact is a given pressure profile, of whose bodies and their forces nothing is known."""
+        return isinstance(self.contact, GivenContact)
+
+    @property
     def contacts(self) -> tuple[ContactSolution, ...]:
         """The contact at the mean line load and, of a seal that is not round, at the largest."""
         return (self.contact,) if self.formed is None else (self.contact, *self.formed.extremes)
@@ -320,7 +325,7 @@ class LoadResult(ByReading):
     @property
     def stop_force(self) -> float | None:
         """What goes past the gasket through its stop [N]; None without a stop."""
-        return None if math.isinf(self.contact.model.stop) else self.contact.stop_force
+        return None if self.of_profile or math.isinf(self.contact.model.stop) else self.contact.stop_force
 
     @property
     def line_load(self) -> float:
@@ -390,7 +395,7 @@ class LoadResult(ByReading):
     @variant
     def first_loading(self) -> Self:
         """The same load if no place had carried more before; itself where none is known to have."""
-        contact = self.contact.first_loading
+        contact = self.contact if self.of_profile else self.contact.first_loading
         formed = None if self.formed is None else self.formed.first_loading
         faces = self._faces_as(lambda one: one.first_loading)
         same = contact is self.contact and faces is self.of_faces
@@ -571,7 +576,7 @@ def by_face(loads: Iterable[LoadResult]) -> list[tuple[LoadResult, ...]]:
 
 def strongest_load(loads: Sequence[LoadResult]) -> int:
     """Number of the load with the largest closing force F_N."""
-    return max(range(len(loads)), key=lambda n: loads[n].contact_force)
+    return max(range(len(loads)), key=lambda n: loads[n].line_load)
 
 
 def highest_load(loads: Sequence[AnyLoad]) -> int:
@@ -589,11 +594,22 @@ class GivenContact:
     """
 
     profile: PressureProfile
+    largest = None
 
     @property
     def profiles(self) -> tuple[PressureProfile, ...]:
         """The only one."""
         return (self.profile,)
+
+    @property
+    def pressure(self) -> NDArray[np.float64]:
+        """Contact pressure [Pa]."""
+        return self.profile.pressure
+
+    @property
+    def line_load(self) -> float:
+        """Int p dx [N/m]."""
+        return self.profile.moment(0)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -818,6 +834,11 @@ class SolvedSeal:
     def with_loads(self, loads: Sequence[LoadResult]) -> Self:
         """The same seal, whose loads know more."""
         return replace(self, loads=tuple(loads))
+
+    @property
+    def of_profile(self) -> bool:
+        """Whether its contacts are given pressure profiles; it has no mesh and no model then."""
+        return self.loads[0].of_profile
 
     @property
     def surface(self) -> RoughContact | None:

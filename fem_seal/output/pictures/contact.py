@@ -51,7 +51,7 @@ def profile_picture(result: SealSolution, derived: Derived) -> style.Picture:
     """
     loads = result.loads
     order = different(loads)
-    closed = not math.isinf(result.model.relative_radius)
+    closed = not result.of_profile and not math.isinf(result.model.relative_radius)
     shown = ([order[-1]] if len(order) == 1 else [order[0], order[-1]]) if closed else []
     together = len(order) > 1 or not closed
     figure, axes = style.panels(len(shown) + together, height=3.7, width=style.WIDTH if closed else _NARROW)
@@ -64,7 +64,7 @@ def profile_picture(result: SealSolution, derived: Derived) -> style.Picture:
     rough = law != "smooth"
     words = ["start", "mean" if result.highest.formed is not None else ""]
     if not closed:
-        words += ["conforming"]
+        words += [] if result.of_profile else ["conforming"]
     elif result.unloaded is not None:
         words += ["hertz", *(["gaussian", "crossover"] if rough else []), "yielding"]
     else:

@@ -19,14 +19,14 @@ from fem_seal.output.answers.sensitivities import in_words
 from fem_seal.output.answers.standard_tests import spring_in_words, standard_in_brief
 from fem_seal.output.answers.target import OPENS, target_in_brief
 from fem_seal.output.answers.uncertainty import told_after_test
-from fem_seal.output.columns import COLUMNS, MOST_COLUMNS, PROFILE_LEAK_COLUMNS, SHOWN_COLUMNS
+from fem_seal.output.columns import MOST_COLUMNS, SHOWN_COLUMNS
 from fem_seal.output.pictures.style import few
 from fem_seal.output.prose import phrase
 from fem_seal.output.report.words import PEAK, Fact, contact_alone, facts
 from fem_seal.output.shown import ReadableTable, ReportColumn, columns_table, filled_column
 from fem_seal.seal.findings import YIELD_STRESS, Level
 from fem_seal.seal.load_names import load_axis, load_name, load_values
-from fem_seal.seal.load_result import AnyLoad, GivenLoad, LoadResult, MissingLoad, highest_load, rate_of
+from fem_seal.seal.load_result import AnyLoad, LoadResult, MissingLoad, highest_load, rate_of
 from fem_seal.units import leak_range_text, shared_flow_unit
 from fem_seal.validity.words import few_words, sentence
 
@@ -267,8 +267,7 @@ def _most_telling(case: Case, loads: Sequence[AnyLoad]) -> list[ReportColumn]:
     without = {"leak_rate_m3_per_s" if any(load.tested for load in found) else "leak_rate_p50_m3_per_s"}
     if len({load.applied_force for load in loads}) == 1:
         without.add("applied_force_N")
-    known = PROFILE_LEAK_COLUMNS if any(isinstance(load, GivenLoad) for load in found) else COLUMNS
-    names = [name for name in SHOWN_COLUMNS["brief"] if name in known and name not in without]
+    names = [name for name in SHOWN_COLUMNS["brief"] if name not in without]
     filled = (filled_column(name, loads, volume_of(case)) for name in names)
     told = (
         one

@@ -116,8 +116,9 @@ def pictures(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes])
 
 def _drawn(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes]) -> Iterator[Picture | None]:
     top = result.highest
-    yield contact_picture(result, brief.decisive(result))
-    yield mesh_picture(result, top)
+    if not result.of_profile:
+        yield contact_picture(result, brief.decisive(result))
+        yield mesh_picture(result, top)
     yield profile_picture(result, derived)
     yield size_picture(result, sizes)
     yield law_picture(result)
@@ -127,9 +128,10 @@ def _drawn(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes]) -
     yield separation_picture(result)
     yield surface_picture(result, top)
     yield from _simulated(result)
-    yield stress_picture(result, max(result.loads, key=lambda load: load.max_von_mises))
-    yield temperature_picture(result, top)
-    yield imprint_picture(result)
+    if not result.of_profile:
+        yield stress_picture(result, max(result.loads, key=lambda load: load.max_von_mises))
+        yield temperature_picture(result, top)
+        yield imprint_picture(result)
     for shown in shown_answers.SHOWN:
         yield from shown.pictures(result)
 
@@ -169,7 +171,9 @@ def _of_case(result: SealSolution) -> dict[str, Any]:
     case, problem = result.case, result.problem
     drawn = {name: case_words.section(case, name) for name in case_words.BODIES}
     heating = problem.heating
-    field = None if heating is None else heating.field(result.seal_mesh, problem.materials)
+    field = (
+        None if heating is None or result.of_profile else heating.field(result.seal_mesh, problem.materials)
+    )
     decay_length, law_pressure = exponential_law(case.interface, result.surface)
     at_peak = None
     if case.interface.law == "spectrum" and decay_length is None and not isinstance(problem.law, HardContact):
@@ -197,6 +201,7 @@ def _words(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes]) -
     load, (in_brief, left_out) = brief.decisive(result), brief.loads_in_brief(result.case, result.every_load)
     lines = brief.first_line, *brief.ANSWERS, brief.second_line
     return {
+        "given": words.given_in_words(result),
         "first_lines": [told for line in lines if (told := line(result))],
         "three_numbers": brief.three_numbers(result),
         "loads_in_brief": in_brief,
@@ -204,7 +209,7 @@ def _words(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes]) -
         "assumed": [*words.held_in_words(result.case, load), *brief.remarks_in_brief(result)],
         "headline": words.headline(result),
         "facts": words.facts(result),
-        "reasons": words.reasons(result, derived),
+        "reasons": [] if result.of_profile else words.reasons(result, derived),
         "far_field": words.far_field_sentence(result),
         "loads": tables.load_table(result),
         "marks": tables.marks_in_words(result),

@@ -107,8 +107,10 @@ def _facts(result: SealSolution, load: JudgedLoad) -> Iterator[tuple[Fact, Valid
     yield Fact("Width of the contact", width, ", ".join(filter(None, remarks))), contact
     if load.critical_separation is not None:
         yield Fact("Narrowest point of the leak path", *_narrowest(load)), leaks
-    where = f"von Mises, in the {load.max_von_mises_at[0]}" + (", at the mean line load" if uneven else "")
-    yield Fact("Largest stress in the bodies", in_words(load, "max_von_mises_Pa"), where), contact
+    if not load.of_profile:
+        where = f"von Mises, in the {load.max_von_mises_at[0]}"
+        where += ", at the mean line load" if uneven else ""
+        yield Fact("Largest stress in the bodies", in_words(load, "max_von_mises_Pa"), where), contact
     if imprint := imprint_in_words(result):
         yield Fact("Permanent imprint", *imprint), contact
     if load.leak is not None:
@@ -366,6 +368,16 @@ def _leak_sentence(result: SealSolution) -> str:
     state = f" ({state_in_words(volume)})" if volume.state else ""
     who = phrase("notes.headline", "tested" if highest.tested else "leaks")
     return " ".join([f"{who} {' and '.join(leaks)}{then}{state}.", *held])
+
+
+def given_in_words(result: SealSolution) -> list[str]:
+    """What the columns of a file with given contacts were taken for; empty where the contacts are solved.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    return list(dict.fromkeys(one.understood for one in result.answers.get("profiles", ()) if one.understood))
 
 
 def contact_alone(result: SealSolution, after: str = "") -> str:

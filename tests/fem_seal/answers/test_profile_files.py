@@ -9,10 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from fem_seal.answers.chain import solve_profiles
 from fem_seal.answers.profile_files import ImportedProfile, read_profiles
 from fem_seal.answers.profile_leak import leak_of_profiles
 from fem_seal.case.case import case_of
 from fem_seal.errors import InputError
+from fem_seal.output.report.brief import first_line
+from fem_seal.output.report.page import report
 from fem_seal.seal.problem import SealProblem
 
 STEEL = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3, "hardness": "3.5 GPa"}
@@ -256,3 +259,37 @@ def test_load_steps_meet_the_fluid_pressures_of_the_case(read) -> None:
         InputError, match="2 load steps and does not say their fluid pressures, the case has 3"
     ):
         leak_of_profiles(three, profiles)
+
+
+def test_the_verdict_is_that_of_each_steps_own_pressure(read) -> None:
+    """The chain of a run: requirement, first line at the load that decides, and a report without bodies."""
+    profiles = read(STEPS["beside each other"][0])
+    rates = [load.leak.leak_rate for load in leak_of_profiles(problem(), profiles)]
+    assert rates[1] > rates[0]
+    limit = f"{0.5 * (rates[0] + rates[1])} m^3/s"
+    case = case_of({**TABLES, "load": {"fluid_pressure": "30 bar"}, "requirement": {"leak_rate": limit}})
+    found = solve_profiles(case, profiles)
+    assert [load.fluid_pressure for load in found.loads] == [2e6, 4e6]
+    assert [load.leak.leak_rate for load in found.loads] == pytest.approx(rates, rel=1e-9)
+    assert [str(load.verdict) for load in found.loads] == ["pass", "fail"]
+    assert first_line(found).startswith("Fail at 40 bar")
+    page = report(found)
+    assert 'id="leak"' in page and 'id="accuracy"' not in page and "are their contact pressure" not in page
+    assert "is their contact pressure" in page
+
+
+@pytest.mark.slow
+def test_samples_keep_the_given_contact(read) -> None:
+    """Each sample leaks as the same profile on the surface of that sample does."""
+    profiles = read(SAME["arc length"])
+    spread = {"samples": 16, "rms_height": {"relative": 0.2}}
+    found = solve_profiles(case_of({**TABLES, "uncertainty": spread}), profiles)
+    interval = found.uncertainty
+    assert interval is not None and found.loads[0].sampled is not None
+    factors = interval.values["rms_height"]
+    for number in (int(np.argmin(factors)), int(np.argmax(factors))):
+        spectrum = TABLES["roughness"]["spectrum"] | {"rms_height": f"{0.5 * float(factors[number])} um"}
+        other = SealProblem.of(case_of({**TABLES, "roughness": {"spectrum": spectrum}}))
+        (load,) = leak_of_profiles(other, profiles)
+        # samples have tables from that of the case
+        assert interval.leak_rate[0, number] == pytest.approx(load.leak.leak_rate, rel=0.01)

@@ -1,5 +1,6 @@
 """A drawing's finish in the case file: keys, words, changes, interval."""
 
+import math
 import re
 from dataclasses import replace
 from typing import get_args
@@ -9,8 +10,8 @@ import pytest
 from places import EXAMPLES
 
 import fem_seal
+from fem_seal.answers.chain import solve_profiles
 from fem_seal.answers.profile_files import ImportedProfile
-from fem_seal.answers.profile_leak import leak_of_profiles
 from fem_seal.answers.uncertainty import SampledSeal, leak_interval
 from fem_seal.case.finish import ProcessName, read_finish
 from fem_seal.case.tables import Uncertainty
@@ -171,12 +172,14 @@ def test_the_report_shows_the_widest_interval_first_and_in_its_other_units(solve
     )
 
 
-def test_given_profiles_say_that_they_know_the_usual_surface_only(solved):
-    problem = SealProblem.of(solved.case)
+def test_given_profiles_have_the_interval_of_the_finish(solved):
+    """The contact stays, whatever the surface: what it changes of the width of the contact is not in the interval."""
     found = solved.loads[0].contact.profile
     profile = ImportedProfile(found.x, found.pressure, None, None)
-    (load,) = leak_of_profiles(problem, [profile])
-    assert "usual surface of a finish only" in load.validity.reasons[0]
+    given = solve_profiles(solved.case, [profile])
+    assert given.uncertainty is not None and given.error_shares[0].of_width
+    ends = zip(given.loads[0].leak_interval, solved.loads[0].leak_interval, strict=True)
+    assert all(abs(math.log(one / of_run)) < 0.3 for one, of_run in ends)
 
 
 def test_samples_with_tables_from_that_of_the_case_are_those_with_their_own(solved):

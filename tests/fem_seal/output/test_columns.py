@@ -8,8 +8,8 @@ from dataclasses import replace
 import pytest
 from sample_results import case, rough_result
 
+from fem_seal.answers.chain import solve_profiles
 from fem_seal.answers.profile_files import read_profiles
-from fem_seal.answers.profile_leak import leak_of_profiles
 from fem_seal.cli.terminal import show_leakage
 from fem_seal.errors import InputError
 from fem_seal.output.answers.target import valve_table
@@ -21,7 +21,7 @@ from fem_seal.output.columns import (
 )
 from fem_seal.output.report.tables import load_table
 from fem_seal.output.report.words import headline
-from fem_seal.output.tables import leak_rows, profile_leak_rows, write_profile_csv
+from fem_seal.output.tables import leak_rows, write_profile_csv
 from fem_seal.seal.load_result import highest_load
 from fem_seal.studies.study import Study
 from fem_seal.units import kind_of, parse_quantity, split_unit, unit_for
@@ -136,10 +136,9 @@ def test_the_report_shows_the_numbers_of_leak_csv_in_its_units():
 def test_a_given_profile_has_the_columns_of_leak_csv(tmp_path):
     result = rough_result()
     file, contact = write_profile_csv(result, tmp_path / "profile.csv"), result.problem.contact
-    loads = leak_of_profiles(result.problem, read_profiles(file, contact))
-    rows = profile_leak_rows(loads)
-    for row, full, load in zip(rows, leak_rows(result), result.loads, strict=True):
-        assert tuple(row) == (*PROFILE_LEAK_COLUMNS, "validity", "validity_reasons")
+    found = solve_profiles(result.case, read_profiles(file, contact))
+    for row, full, load in zip(leak_rows(found), leak_rows(result), result.loads, strict=True):
+        assert tuple(row) == (*PROFILE_LEAK_COLUMNS, "verdict", "validity", "validity_reasons")
         # another range of the table of conductivities
         for name in PROFILE_LEAK_COLUMNS:
             if name == "leak_rate_corrected_m3_per_s":

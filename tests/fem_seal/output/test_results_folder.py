@@ -249,12 +249,17 @@ def test_a_part_of_another_calculation_is_marked(two_runs, tmp_path, capsys):
 
     profile = EXAMPLES / "profile_from_another_code.csv"
     assert main(["leak", str(profile), str(EXAMPLES / "ball_cone.toml"), "-q", "-o", str(folder)]) == 0
-    assert "leak.csv in this folder is newer" in unfinished(folder)
-    # in a folder of its own it belongs to nothing else
-    assert (
-        main(["leak", str(profile), str(EXAMPLES / "ball_cone.toml"), "-q", "-o", str(tmp_path / "own")]) == 0
-    )
-    assert contents(tmp_path / "own").keys() == {"leak.csv"}
+    # it has no mesh, and that of the run before is gone with its other files
+    assert unfinished(folder) is None
+    assert contents(folder).keys() == {
+        "leak.csv",
+        "contacts.csv",
+        "profile.csv",
+        "summary.json",
+        "report.html",
+        "notes.txt",
+        "contact_0.vtu",
+    }
 
 
 HOLDER = """
