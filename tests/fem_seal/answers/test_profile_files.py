@@ -202,7 +202,7 @@ Field Output reported at nodes for part: SEAT-1
 """
 
 
-def report(step: str, pressure: np.ndarray) -> str:
+def field_report(step: str, pressure: np.ndarray) -> str:
     rows = "\n".join(
         f"{n:16d} {r:15.8E} {z:15.8E} {p:15.8E}"
         for n, (r, z, p) in enumerate(zip(R, Z, pressure, strict=True))
@@ -230,8 +230,8 @@ STEPS = {
     "below each other, beginning anew": (written("x [mm],p [MPa]", np.tile(X, 2), np.append(P, 2 * P)), ()),
     "beside each other": (written("x [mm],p at 20 bar [MPa],p at 40 bar [MPa]", X, P, 2 * P), (20, 40)),
     "beside each other without fluid pressure": (written("X,CPRESS step 1,CPRESS step 2", X, P, 2 * P), ()),
-    "in tables of a report": (report("Step-1", P) + report("Step-2", 2 * P), ()),
-    "after one without contact": (report("Step-0", ZERO) + report("Step-1", P) + report("Step-2", 2 * P), ()),
+    "in tables of a report": (field_report("Step-1", P) + field_report("Step-2", 2 * P), ()),
+    "after one without contact": (field_report("Step-0", ZERO) + field_report("Step-1", P) + field_report("Step-2", 2 * P), ()),
 }
 
 
