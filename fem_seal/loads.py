@@ -137,6 +137,9 @@ def line_load(contact_force: float, sealing_radius: float, angle: float) -> floa
 # (docs/guide/validity.md).
 TURNED, LARGEST_TURNING = 0.07, 0.25
 
+# Stress over yield stress of a body solved as elastic, above which its contact is outside the theory.
+LARGEST_EXCESS = 1.5
+
 # Prandtl's strip, the most that a narrow contact carries: (2 + pi)/sqrt(3) of the flow stress.
 CONSTRAINT = 2.97
 

@@ -10,12 +10,11 @@ from fem_seal.answers.closed_forms import Derived, derive_problem
 from fem_seal.case.load_limits import MOST_TURNED, turning
 from fem_seal.case.material_library import CURVES, library_name
 from fem_seal.files import told_of
-from fem_seal.loads import CONSTRAINT, plastic_half_width
+from fem_seal.loads import CONSTRAINT, LARGEST_EXCESS, plastic_half_width
 from fem_seal.materials import HARDNESS_OVER_YIELD_STRESS, HardeningCurve, Material
 from fem_seal.seal.cost import about, path_seconds
 from fem_seal.seal.problem import SealProblem, sizing
 from fem_seal.units import briefly, fixed_quantity
-from fem_seal.validity.form import LARGEST_EXCESS
 from fem_seal.validity.words import not_calculated, sentence
 
 # Largest von Mises stress under Hertz's line contact over its peak pressure, in plane strain (K. L. Johnson, Contact

@@ -158,12 +158,19 @@ class LoadPath:
         Why the path ends before the first load without a contact; None if all have one.
     opened : mapping of OpenLoad
         Number of each load that opens the seal. It leaves no trace: the path goes on from the load before it.
+    left : bool
+        Whether it was left before its end, see `load_path`.
     """
 
     contacts: tuple[ElastoplasticContact, ...]
     unloaded: Unloaded | None
     stopped: ConvergenceError | None = None
     opened: Mapping[int, OpenLoad] = field(default_factory=dict)
+    left: bool = False
+
+
+# Given the contacts so far, and why the last load has none: whether to leave the path.
+Leave = Callable[[Sequence[ContactSolution], ConvergenceError | None], bool]
 
 
 @dataclass(frozen=True)
@@ -200,6 +207,7 @@ def load_path(
     progress: Callable[[PlaceOnPath], None] | None = None,
     first: FirstLoading | None = None,
     elastic: bool = False,
+    leave: Leave | None = None,
 ) -> LoadPath:
     """Press the closure on the seat with one load after the other, then take the load away.
 
@@ -225,6 +233,9 @@ def load_path(
         on it.
     elastic : bool
         Whether none of the bodies need yield: one half of a gasket goes the way of the other one, which does.
+    leave : callable, optional
+        Asked after each load, and where one does not converge: whether the rest of the path is not worth its time. Then
+        it ends there, without what is left after the last load.
 
     Raises
     ------
@@ -269,10 +280,14 @@ def load_path(
                 here, last = reached, load
                 if load.held is None:
                     tightened = reached.contact.approach
+                if leave is not None and leave(contacts, None):
+                    return LoadPath(tuple(contacts), None, None, opened, left=True)
         except ConvergenceError as error:
             if not (partial and contacts):
                 raise
             stopped = error
+            if leave is not None and leave(contacts, error):
+                return LoadPath(tuple(contacts), None, stopped, opened, left=True)
         if not unload:
             return LoadPath(tuple(contacts), None, stopped, opened)
         here = walk.unloaded(rest.after(contacts), last, here, len(loads))

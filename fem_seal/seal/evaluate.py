@@ -14,6 +14,7 @@ from functools import cached_property, partial
 from typing import TypeAlias, TypeVar
 
 from fem_seal.case.case import Case
+from fem_seal.contact.load_path import Leave
 from fem_seal.contact.model import ContactModel
 from fem_seal.contact.newton import ContactProblem, solve_many
 from fem_seal.contact.sizing import MeshFit
@@ -315,7 +316,7 @@ def _evaluated(
             return error
         return LoadSolver(problem, model, settings=sources[number].settings), seal_mesh
 
-    # what is left to be found around the axis on a mesh that a round seal would want another one for already
+    # what is left to be found on a mesh of which is known already that another one is wanted
     put_off: dict[int, Callable[[], MeshFit]] = {}
 
     def looked_at(number: int) -> MeshFit:
@@ -331,13 +332,17 @@ def _evaluated(
                 put_off[number] = find
                 return after
         put_off.pop(number, None)
-        return find()
+        return find(leave=partial(_in_vain, fit))
 
     def found_on(
-        number: int, fit: MeshFit, made: tuple[LoadSolver, SealMesh | None], known: Pressed
+        number: int,
+        fit: MeshFit,
+        made: tuple[LoadSolver, SealMesh | None],
+        known: Pressed,
+        leave: Leave | None = None,
     ) -> MeshFit:
         solver, seal_mesh = made
-        solved = solve_loads(solver, clock.progress, known)
+        solved = solve_loads(solver, clock.progress, known, leave=leave)
         # what a body does not bear it does not bear on a finer mesh
         unconverged = [
             error
@@ -346,7 +351,16 @@ def _evaluated(
         ]
         if unconverged and not (fit.refined or fit.size_given):
             # a load that does not converge is tried on a finer mesh once, before the others go on without it
+            clock.progress(
+                _ANEW.format(why="a load does not converge on this mesh", how="half the element size")
+            )
             return fit.after(unconverged[0])
+        after = fit.after(solved.all_contacts) if solved.all_contacts else fit
+        if solver.yields and after.sizing is not None and solved.contacts:
+            clock.progress(_ANEW.format(why="the contact found does not fit this mesh", how="other sizes"))
+        if solved.left:
+            put_off[number] = partial(found_on, number, fit, made, known)
+            return after
         if not solved.contacts:
             raise _no_load_left(solver.problem, solved)
         done[number] = Evaluation(
@@ -357,7 +371,7 @@ def _evaluated(
             sources[number],
             solver.problem.loads,
         )
-        return fit.after(solved.all_contacts)
+        return after
 
     while left := [number for number, fit in fits.items() if fit.sizing is not None]:
         on_bodies = batch.each(left, with_bodies)
@@ -368,6 +382,17 @@ def _evaluated(
                 on_bodies, looked_at
             )
     return {number: done[number] for number in sorted(fits)}
+
+
+# Said where loads of bodies that yield, which take their time, begin anew.
+_ANEW = "{why}: another one with {how}, and from the first load on"
+
+
+def _in_vain(fit: MeshFit, contacts: Sequence[ContactSolution], error: ConvergenceError | None) -> bool:
+    """Whether another mesh is wanted after the loads so far, so that the others are solved on that one alone."""
+    if error is not None:
+        return not (fit.refined or fit.size_given or isinstance(error, LimitLoadError))
+    return fit.after(contacts).sizing is not None
 
 
 def _solving(solvers: Collection[LoadSolver]) -> str:

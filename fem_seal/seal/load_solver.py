@@ -17,6 +17,7 @@ from fem_seal.bolts import Bolts, held_force
 from fem_seal.contact.load_path import (
     ElastoplasticContact,
     FirstLoading,
+    Leave,
     LoadPath,
     OpenLoad,
     PlaceOnPath,
@@ -52,6 +53,7 @@ from fem_seal.errors import (
 from fem_seal.files import sentence
 from fem_seal.loads import blow_off_of_sealed_area, contact_force
 from fem_seal.profile import PressureProfile
+from fem_seal.seal.cost import about
 from fem_seal.seal.problem import Loads, SealFlow, SealProblem, condensed, sizing
 from fem_seal.units import briefly, written
 from meshes import MeshingError, Sizing, build_contact
@@ -483,6 +485,8 @@ class SolvedLoads:
         Under the largest load before them; None where none is known.
     points : mapping
         Fluid pressure [Pa] and force [N] of loads by their numbers, where bolts give the force.
+    left : bool
+        Whether a path of bodies that yield was left before its end.
     """
 
     contacts: Sequence[ContactSolution]
@@ -492,6 +496,7 @@ class SolvedLoads:
     formed: Sequence[Circumference] = ()
     earlier: ContactSolution | None = None
     points: Mapping[int, tuple[float, float]] = field(default_factory=dict)
+    left: bool = False
 
     @property
     def around(self) -> Sequence[Circumference | None]:
@@ -515,6 +520,7 @@ def solve_loads(
     progress: Progress | None = None,
     pressed: Mapping[int, ContactSolution | Exception] | None = None,
     unload: bool = True,
+    leave: Leave | None = None,
 ) -> SolvedLoads:
     """Solve all loads of a problem on a model; those that cannot be solved do not keep the others from it.
 
@@ -527,10 +533,12 @@ def solve_loads(
         By number of the load what is known already of `LoadSolver.pressings`.
     unload : bool
         Whether to ask for what is left of bodies that yield after the last load.
+    leave : callable, optional
+        Whether to leave the path of bodies that yield, see `fem_seal.contact.load_path.load_path`.
     """
     points = solver.problem.loads.points
     if solver.yields:
-        return _solved_path(solver, progress, unload=unload)
+        return _solved_path(solver, progress, unload=unload, leave=leave)
     failures: dict[int, Exception] = {}
     problem = solver.problem
     # the number of waves that hurts most is one for all loads, that of the highest fluid pressure; a load that comes
@@ -559,10 +567,12 @@ def solve_loads(
     return SolvedLoads(contacts, failures=failures, formed=formed, earlier=earlier, points=held)
 
 
-def _solved_path(solver: LoadSolver, progress: Progress | None, *, unload: bool) -> SolvedLoads:
+def _solved_path(
+    solver: LoadSolver, progress: Progress | None, *, unload: bool, leave: Leave | None
+) -> SolvedLoads:
     """Loads up to the first that cannot be solved: what it would leave behind is not known to those after it."""
     points = solver.problem.loads.points
-    path, earlier = _path(solver, points, unload=unload, progress=progress)
+    path, earlier = _path(solver, points, unload=unload, progress=progress, leave=leave)
     failures: dict[int, Exception] = {
         number: solver.open_on_path(points[number], opened) for number, opened in path.opened.items()
     }
@@ -576,7 +586,9 @@ def _solved_path(solver: LoadSolver, progress: Progress | None, *, unload: bool)
         solved = zip(closed, path.contacts, strict=False)
         held = {number: solver.point_of(points[number][0], contact) for number, contact in solved}
     failures = dict(sorted(failures.items()))
-    return SolvedLoads(path.contacts, path.unloaded, failures, not_unloaded, earlier=earlier, points=held)
+    return SolvedLoads(
+        path.contacts, path.unloaded, failures, not_unloaded, earlier=earlier, points=held, left=path.left
+    )
 
 
 def _beyond(
@@ -649,11 +661,12 @@ def _path(
     unload: bool = True,
     progress: Progress | None = None,
     first: FirstLoading | None = None,
+    leave: Leave | None = None,
 ) -> tuple[LoadPath, ElastoplasticContact | None]:
     """Fluid pressures [Pa] and applied forces [N] one after the other; the largest load before them is the first.
 
     It is returned beside the path: of several times that bolts were tightened the largest. Where asperities yield each
-    contact remembers all those before it. `first` as in `load_path`.
+    contact remembers all those before it. `first` and `leave` as in `load_path`.
     """
     problem, settings = solver.problem, PlasticSettings()
     way = list(_way(problem.loads, points))
@@ -663,7 +676,11 @@ def _path(
     ]
     if steps is not None:
         settings = replace(settings, steps=steps)
-    tell = None if progress is None else _now_and_then(progress, way, _before(problem), len(points))
+    tell = (
+        None
+        if progress is None
+        else _now_and_then(progress, way, _before(problem), len(points), unload=unload)
+    )
     try:
         path = load_path(
             solver.model,
@@ -676,6 +693,7 @@ def _path(
             progress=tell,
             first=first,
             elastic=True,
+            leave=leave,
         )
     except ConvergenceError as error:
         if not isinstance(error.partial, LoadPath):
@@ -724,22 +742,29 @@ def _before(problem: SealProblem) -> str:
 
 
 def _now_and_then(
-    progress: Progress, way: Sequence[tuple[int | None, tuple[float, float]]], before: str, count: int
+    progress: Progress,
+    way: Sequence[tuple[int | None, tuple[float, float]]],
+    before: str,
+    count: int,
+    *,
+    unload: bool,
 ) -> Callable[[PlaceOnPath], None]:
-    """Tells how far a path of `count` loads is, with those before them."""
-    last = time.monotonic()
+    """Tells how far a path of `count` loads is, with those before them, and how much time is left at this pace."""
+    begun = last = time.monotonic()
 
     def tell(place: PlaceOnPath) -> None:
         nonlocal last
         if time.monotonic() - last < _TOLD_EVERY:
             return
         last = time.monotonic()
+        share = (place.number + place.way) / (len(way) + unload)
+        left = f"; {about((last - begun) * (1 / share - 1))} left on this mesh" if share > 0 else ""
         number = way[place.number][0] if place.number < len(way) else count
         what = before if number is None else f"load {number + 1} of {count}"
         what = "unloading" if number == count else what
         progress(
             f"{what}: {100 * place.way:.3g} % of the way after {place.steps} load steps, now in steps of "
-            f"{100 * place.step:.2g} %"
+            f"{100 * place.step:.2g} %{left}"
         )
 
     return tell

@@ -11,7 +11,7 @@ import numpy as np
 
 from fem_seal.contact.load_path import yielding_bodies
 from fem_seal.contact.solution import ContactSolution, PlasticZone, YieldedZone, yielded_zone, yielding_of
-from fem_seal.loads import LARGEST_TURNING, TURNED
+from fem_seal.loads import LARGEST_EXCESS, LARGEST_TURNING, TURNED
 from fem_seal.materials import HARDNESS_OVER_YIELD_STRESS, creep_remarks
 from fem_seal.seal.both_faces import joined_validity
 from fem_seal.seal.bounds import EXACT, Bounds
@@ -32,7 +32,7 @@ from fem_seal.units import (
     written,
 )
 from fem_seal.validity.fluid import fluid_cautions, molecule_cautions
-from fem_seal.validity.form import LARGEST_EXCESS, form_cautions
+from fem_seal.validity.form import form_cautions
 from fem_seal.validity.materials import temperature_cautions
 from fem_seal.validity.words import caution, of_bodies, sentence
 from leak import ConductivityTable

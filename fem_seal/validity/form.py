@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from fem_seal.loads import LARGEST_EXCESS
 from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.circumference import Circumference
 from fem_seal.seal.findings import Finding, Level
@@ -22,8 +23,6 @@ _LONG, _LONGEST = 0.2, 0.6
 _COUNTS = 0.03
 # Line load over its mean below which a place counts as open.
 _OPEN = 1e-2
-# Stress over yield stress of a body solved as elastic, above which its contact is outside the theory.
-LARGEST_EXCESS = 1.5
 # Fluid pressure over the local peak contact pressure, above which it opens the gap noticeably.
 _FLUID_OPENS = 0.5
 

@@ -84,7 +84,7 @@ def test_what_comes_after_such_a_load_is_refused_and_what_is_before_it_is_not():
     path = knife(["1 kN", "21 kN", "1 kN"])
     assert {n: one.kind for n, one in refused_loads(path).items()} == {1: "strain", 2: "path"}
     said = list(foreseen(SealProblem.of(path)))
-    assert said[0].startswith("at 1.01325 bar with 21000 N: beyond small strains")
+    assert said[0].startswith("at 1.01325 bar with 21 kN: beyond small strains")
     assert "depends on its load history" in said[1]
     assert run_seconds(SealProblem.of(path)) == pytest.approx(
         run_seconds(SealProblem.of(knife("1 kN"))), rel=0.5
