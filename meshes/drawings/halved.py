@@ -5,12 +5,17 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+import numpy as np
+
 from meshes.drawings.profile import Profile
 from meshes.errors import GeometryError
-from meshes.geometry.segment import Point, Segment
+from meshes.geometry.curve import Curve
+from meshes.geometry.segment import Point, Segment, as_point
 
 
-def profile_of(name: str, pieces: Sequence[Segment], file_unit: float | None = None) -> Profile:
+def profile_of(
+    name: str, pieces: Sequence[Segment], file_unit: float | None = None, rounding: float = 0.0
+) -> Profile:
     """A body as it is drawn; of a gasket the upper half, which is the "seat" of a contact.
 
     Parameters
@@ -19,6 +24,8 @@ def profile_of(name: str, pieces: Sequence[Segment], file_unit: float | None = N
         "closure", "seat" or "gasket".
     pieces, file_unit
         As of `Profile`.
+    rounding : float
+        How far two points that are one may lie apart in the drawing [m].
 
     Raises
     ------
@@ -26,17 +33,19 @@ def profile_of(name: str, pieces: Sequence[Segment], file_unit: float | None = N
         If they are no such body.
     """
     if name == "gasket":
-        return Profile("seat", tuple(upper_half(pieces)), file_unit, walled=False)
+        return Profile("seat", tuple(upper_half(pieces, rounding)), file_unit, walled=False)
     return Profile(name, tuple(pieces), file_unit)
 
 
-def upper_half(pieces: Sequence[Segment]) -> list[Segment]:
+def upper_half(pieces: Sequence[Segment], rounding: float = 0.0) -> list[Segment]:
     """Of a section that is its own mirror image the part above the mid-plane, which closes it; any other as it is.
 
     Parameters
     ----------
     pieces : sequence of Segment
         Closed, in order; those of the half that is left keep their names.
+    rounding : float
+        How far a corner may lie from the image of another one [m].
 
     Raises
     ------
@@ -52,9 +61,10 @@ def upper_half(pieces: Sequence[Segment]) -> list[Segment]:
     """
     heights = [c[1] for s in pieces for c in s.corners]
     level, size = 0.5 * (min(heights) + max(heights)), max(heights) - min(heights)
-    if not _is_mirrored(pieces, level, 1e-6 * size):
+    slack = max(rounding, 1e-6 * size)
+    if not _is_mirrored(pieces, level, slack):
         return list(pieces)
-    parts = [part for s in pieces for part in _cut(s, level, 1e-6 * size)]
+    parts = [part for s in pieces for part in _cut(s, level, slack)]
     above = [0.5 * (s.start[1] + s.end[1]) > level + 1e-7 * size for s in parts]
     starts = [n for n, here in enumerate(above) if here and not above[n - 1]]
     if len(starts) != 1:
@@ -66,16 +76,17 @@ def upper_half(pieces: Sequence[Segment]) -> list[Segment]:
 
 
 def _is_mirrored(pieces: Sequence[Segment], level: float, slack: float) -> bool:
-    """Whether the image of every corner is a corner as well, and that of every arc an arc."""
+    """Whether the image of every corner is a corner as well, and that of the middle of every arc one of an arc."""
     corners = [s.start for s in pieces]
-    centres = [s.centre for s in pieces if s.centre is not None]
+    arcs = [Curve((s,)) for s in pieces if s.centre is not None]
+    middles = [as_point(arc.point(np.array(0.5 * arc.length))) for arc in arcs]
 
     def has_image(point: Point, among: list[Point]) -> bool:
         image = point[0], 2 * level - point[1]
         return any(math.dist(image, one) <= slack for one in among)
 
     # a corner on the mid-plane is its own image, and so is the end of an arc that crosses it
-    return all(has_image(one, corners) for one in corners) and all(has_image(one, centres) for one in centres)
+    return all(has_image(one, corners) for one in corners) and all(has_image(one, middles) for one in middles)
 
 
 def _cut(s: Segment, level: float, slack: float) -> list[Segment]:

@@ -117,7 +117,7 @@ def _section(
     loop = _loop(_once(pieces, _JOINED * size), apart, path)
     gaps = [math.dist(before.end, after.start) for before, after in _joints(loop)]
     widest = max((gap for gap in gaps if gap <= apart), default=0.0)
-    return replace(profile_of(name, _joined(loop, apart), unit), joined=widest)
+    return replace(profile_of(name, _joined(loop, apart), unit, apart), joined=widest)
 
 
 def _check_pieces(pieces: list[Segment], path: Path) -> None:

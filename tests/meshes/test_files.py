@@ -106,6 +106,32 @@ def test_ends_that_rounding_has_parted_are_joined(millimetres, digits, tmp_path,
     assert 1e3 * widest > 0.3 * step
 
 
+@pytest.mark.parametrize("digits", [3, 4, 5])
+def test_gasket_with_few_digits_is_still_its_own_image(digits, tmp_path, read_here) -> None:
+    """A whole ring with two bulged faces, at a height that is no round number of inches; half is left."""
+    ezdxf = pytest.importorskip("ezdxf", reason="DXF files need ezdxf")
+    r, level, half, sagitta = (0.7, 0.9), 0.1234567, 0.0765432, 0.0111111
+    radius = (0.01 + sagitta**2) / (2 * sagitta)
+    turn = math.degrees(math.asin(0.1 / radius))
+
+    def cut(*values: float) -> list[float]:
+        return [round(one, digits) for one in values]
+
+    drawing = ezdxf.new(units=1)
+    space = drawing.modelspace()
+    for side in r:
+        space.add_line(cut(side, level - half), cut(side, level + half))
+    for way in (-1, 1):
+        centre = cut(0.8, level + way * (half + sagitta - radius))
+        space.add_arc(centre, cut(radius)[0], *cut(90 * way - turn, 90 * way + turn))
+    drawing.saveas(tmp_path / "ring.dxf")
+    found = read_section(tmp_path / "ring.dxf", "gasket").outline
+    sweep = 2 * math.radians(turn)
+    area = 25.4**2 * (0.2 * half + 0.5 * radius**2 * (sweep - math.sin(sweep)))
+    assert 1e6 * found.area == pytest.approx(area, abs=25.4**2 * 2 * 10.0**-digits)
+    assert [s.name for s in found.segments].count("seat_bottom") == 1
+
+
 def test_gap_that_no_rounding_leaves_is_closed_when_asked_for(drawing, tmp_path) -> None:
     """Two lines are drawn on to the corner that both lead to."""
     space = drawing.modelspace()
