@@ -62,6 +62,8 @@ _TERM = rf"(?:1|[^\W\d_]+{_POWER}|°)"
 _PRODUCT = rf"{_TERM}(?:(?:\s?[*/·]\s?|\s){_TERM})*"
 _UNIT = rf"{_TERM}(?:(?:\s?[*/·]\s?|\s)(?:{_TERM}|\({_PRODUCT}\)))*"
 _QUANTITY = re.compile(rf"({NUMBER})\s*({_UNIT})")
+# "1 1/2 in", '3/8"', '2"'
+_INCHES = re.compile(r'''(?:(\d+)[ -])?(\d+)/([1-9]\d*)\s?(?:in|inch|inches|")|(\d+(?:\.\d+)?)\s?"''')
 _TEMPERATURE = re.compile(rf"({NUMBER})\s*(\S+)")
 _LONGEST = 60
 
@@ -91,6 +93,8 @@ def _registered_factor(unit: str, dimension: str) -> Fraction:
     try:
         given = registry.parse_units(re.sub(r"(?<=[^\W\d_])([23])(?!\w)", r"^\1", unit.replace("·", "*")))
     except (pint.PintError, ValueError, TypeError, AttributeError, KeyError):
+        if unit in _TABLES["scales"]:
+            raise QuantityError(f'unit "{unit}" does not fit; write {wanted.wanted}') from None
         raise QuantityError(f'unit "{unit}" is unknown{_similar(unit)}; write {wanted.wanted}') from None
     si = registry.parse_units(wanted.si_unit)
     angular = any(name in ("radian", "degree") for name in given._units)
@@ -208,9 +212,13 @@ def _parsed(stripped: str, dimension: str) -> float:
 def _exact(stripped: str, dimension: str) -> Fraction:
     """Number times unit; of a temperature above the zero of its scale, so that it is no product."""
     wanted, is_temperature = DIMENSIONS[dimension].wanted, dimension == "temperature"
+    if dimension == "length" and (inches := _INCHES.fullmatch(stripped)):
+        whole, over, under, plain = inches.groups()
+        number = Fraction(plain or whole or 0) + Fraction(int(over or 0), int(under or 1))
+        return number * Fraction("0.0254")
     match = (_TEMPERATURE if is_temperature else _QUANTITY).fullmatch(stripped)
-    # "20" alone would be a temperature of 2 of the unit "0"
-    if match is None or (is_temperature and re.fullmatch(NUMBER, stripped)):
+    # "20" alone would be a temperature of 2 of the unit "0", and "0.1" a length of 0 of the unit "1"
+    if match is None or re.fullmatch(NUMBER, stripped):
         raise QuantityError(f"{_what_is_wrong(stripped)}; write {wanted}")
     if not is_temperature:
         return Fraction(match[1]) * _factor(match[2], dimension)
@@ -218,7 +226,10 @@ def _exact(stripped: str, dimension: str) -> Fraction:
         raise QuantityError(f'unit "{match[2]}" is no temperature; write {wanted}')
     zero, degree = (Fraction(part) for part in _TABLES["scales"][match[2]])
     # degF counts its zero in its own degrees
-    return (Fraction(match[1]) + zero) * degree
+    kelvin = (Fraction(match[1]) + zero) * degree
+    if kelvin < 0:
+        raise QuantityError("is below absolute zero, -273.15 degC")
+    return kelvin
 
 
 def _what_is_wrong(text: str) -> str:

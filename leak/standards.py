@@ -275,7 +275,7 @@ def standard_named(name: str) -> str | None:
     >>> standard_named("ANSI/FCI 70-2-2006"), standard_named("EN 1")
     ('FCI 70-2', None)
     """
-    bare = re.sub(r"^ansi/|^din |[\s-]", "", name.lower().split(":")[0])
+    bare = re.sub(r"^ansi/|^din |[\s.-]", "", name.lower().split(":")[0])
     # which names the classes of the other
     bare = "en13555" if bare == "en15911" else bare
     known = {re.sub(r"[\s-]", "", one.lower()): one for one in STANDARDS}
@@ -541,7 +541,7 @@ def read_nominal_size(text: str) -> float | None:
     dn = re.fullmatch(r"\s*DN\s*(\d{1,4})\s*", text, flags=re.IGNORECASE)
     if dn:
         return float(dn[1]) * 1e-3 or None
-    nps = re.fullmatch(r"\s*NPS\s*(\d{1,3})?(?:[\s-]*(\d)/(\d))?\s*", text, flags=re.IGNORECASE)
+    nps = re.fullmatch(r"\s*NPS\s*(\d{1,3}(?:\.\d+)?)?(?:[\s-]*(\d)/(\d))?\s*", text, flags=re.IGNORECASE)
     if not nps or not (nps[1] or nps[2]) or nps[3] == "0":
         return None
     inches = float(nps[1] or 0) + (float(nps[2]) / float(nps[3]) if nps[2] else 0.0)

@@ -47,20 +47,28 @@ class NominalSize:
         Which of the two it is, in words.
     estimated : bool
         Whether the size was taken from the diameter.
+    written : str
+        The size as the case has it, where that is a number of a list other than DN: "NPS 2".
     """
 
     size: float
     diameter: float
     circle: str
     estimated: bool
+    written: str = ""
+
+    @property
+    def short(self) -> str:
+        """The size alone, as the case has it; DN of a whole number of millimetres."""
+        whole = math.isclose(1e3 * self.size, round(1e3 * self.size), rel_tol=1e-6)
+        return self.written or (f"DN {1e3 * self.size:.4g}" if whole else quantity("length", self.size))
 
     def __str__(self) -> str:
         """The size in words."""
-        text = f"DN {1e3 * self.size:.4g}"
         return (
-            f"{text}, estimated from the {self.circle}, {quantity('length', self.diameter)} in diameter"
+            f"{self.short}, estimated from the {self.circle}, {quantity('length', self.diameter)} in diameter"
             if self.estimated
-            else text
+            else self.short
         )
 
 
@@ -80,7 +88,9 @@ def nominal_size(case: Case) -> NominalSize:
     of = told_of("bore of the seat" if case.gasket is None else "bore of the closure", faces=case.faces)
     circle = "circle of first touch" if bore is None else of
     if case.leak.nominal_size is not None:
-        return NominalSize(case.leak.nominal_size, diameter, circle, False)
+        given = str(case.written.get("leak", {}).get("nominal_size", "")).strip().upper()
+        written = given if given.startswith("NPS") else ""
+        return NominalSize(case.leak.nominal_size, diameter, circle, False, written)
     return NominalSize(nominal_size_of_bore(diameter), diameter, circle, True)
 
 
@@ -262,7 +272,7 @@ def class_size(case: Case, *, per_length: bool | None = None) -> tuple[str, str]
         length = f"{quantity('length', seal_length(case))} of seal"
         return length, length
     size = nominal_size(case)
-    return f"DN {1e3 * size.size:.4g}", str(size)
+    return size.short, str(size)
 
 
 def seal_length(case: Case) -> float:

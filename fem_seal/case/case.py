@@ -19,7 +19,7 @@ from fem_seal.case.case_file import FILES, case_text, with_files
 from fem_seal.case.checks import contradictions, of_unlike_flanges
 from fem_seal.case.drawing_words import as_written, in_keys, partner, said_twice, same_entry, words_of
 from fem_seal.case.fields import quantities_of
-from fem_seal.case.gauge import as_differences
+from fem_seal.case.gauge import as_differences, as_gauge
 from fem_seal.case.material_table import library_table
 from fem_seal.case.messages import choices, missing, problems, tables_of
 from fem_seal.case.roughness import roughness_like
@@ -135,7 +135,9 @@ class Case(CaseTables):
         try:
             super().__init__(**{**written, **{name: getattr(like, name) for name in known}})
         except ValidationError as error:
-            raise InputError(*wrong, *problems(error, type(self))) from None
+            known_keys = {one.key for one in wrong}
+            found = (as_gauge(one, tables) for one in problems(error, type(self)))
+            raise InputError(*wrong, *(one for one in found if one.key not in known_keys)) from None
         if wrong:
             raise InputError(*wrong)
         if like is not None and ({"closure", self.key_of("seat")} <= known or self._of_the_shape_of(like)):

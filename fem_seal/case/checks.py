@@ -210,6 +210,12 @@ def _fit(case: CaseTables) -> Iterator[Problem]:
 def _geometry_problem(message: str, case: CaseTables) -> Problem:
     """A geometry that cannot be, at its key if the message begins with one."""
     named = re.match(r"(closure|seat|gasket) ([\w\[\].]+) = ([^:]+): (.+)", message, re.DOTALL)
+    drawn = re.match(r"(closure|seat|gasket) outline: (.+)", message, re.DOTALL)
+    if drawn is not None:
+        body, what = drawn[1] if drawn[1] == "closure" else case.key_of("seat"), drawn[2]
+        table = case.closure if body == "closure" else case.lower
+        source = "outline" if getattr(table, "outline", None) is not None else "file"
+        return Problem(f"{body}.{source}", told_of(what, faces=case.faces))
     if named is None:
         return Problem(case.key_of("seat"), told_of(message, faces=case.faces))
     body, key, value, what = named.groups()
@@ -451,7 +457,7 @@ def _requirement(case: CaseTables, required: Requirement) -> Iterator[Problem]:
     if missing or case.fluid is None:
         yield Problem("requirement", f"needs a leak rate, and there is none without [{missing}]; add it")
         return
-    if required.leak_rate is None and required.standard is None:
+    if required.leak_rate is None and required.standard is None and required.class_name is None:
         yield problem("requirement")
     yield from _class(required, gas=case.fluid.gas is not None)
     yield from _own_tests(case, required, gas=case.fluid.gas is not None)
@@ -569,6 +575,22 @@ def face_remarks(case: CaseTables) -> Iterator[tuple[str, str, str]]:
             side, end = ("inside", face.inner) if radius < face.inner else ("outside", face.outer)
             words = {"body": name, "shape": table.shape, "face": face.name}
             yield "touched_beside", name, sentence(f"touched_{side}", **words, radius=mm(radius), end=mm(end))
+        if (
+            name == "seat"
+            and face is not None
+            and face.name == "land"
+            and math.isinf(contact.relative_radius)
+        ):
+            other = named_face(case.bodies[0])
+            if (
+                other is not None
+                and other.holds(radius)
+                and not (other.holds(face.inner) and other.holds(face.outer))
+            ):
+                ends = (mm(one) for one in (face.inner, face.outer, other.inner, other.outer))
+                words = dict(zip(("inner", "outer", "closure_inner", "closure_outer"), ends, strict=True))
+                text = sentence("land_beyond_face", shape=table.shape, face=other.name, **words)
+                yield "land_beyond_face", name, text
         if facets := facets_at(curve, radius):
             length = mm(sum(s.length for s in facets) / len(facets))
             yield "facets", name, sentence("facets", body=name, count=len(facets), length=length)

@@ -104,6 +104,19 @@ def _limits(quantity: Quantity) -> tuple[float, float]:
 
 
 @dataclass(frozen=True)
+class AbsolutePressure(Quantity):
+    """A pressure above vacuum."""
+
+    def read(self, text: object) -> float:
+        """Pressure in Pa; ValueError that says what a negative one is meant to be."""
+        if (value := parse_quantity(text, self.dimension)) < 0:
+            above = value + STANDARD_PRESSURE
+            meant = f'; below the atmosphere it is "{above / 1e5:.6g} bar"' if above >= 0 else ""
+            raise ValueError(f'is absolute: vacuum is "0 bar", the atmosphere "1.01325 bar"{meant}')
+        return super().read(text)
+
+
+@dataclass(frozen=True)
 class OneOrMany(Quantity):
     """A quantity, or a list of quantities; a float or a tuple of floats in SI."""
 

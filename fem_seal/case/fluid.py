@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import ConfigDict, Field, model_validator
 
-from fem_seal.case.fields import Number, Numbers, OneOrMany, Quantity, Table, shown
+from fem_seal.case.fields import AbsolutePressure, Number, Numbers, OneOrMany, Quantity, Table, shown
 from fem_seal.case.words import wrong
 from fem_seal.errors import InputError, QuantityError
 from fem_seal.units import LIQUID, LeakVolume, parse_quantity
@@ -70,7 +70,7 @@ class Fluid(Table):
         Annotated[float, Quantity("pressure-viscosity coefficient", "0 1/GPa", "100 1/GPa")] | None
     ) = None
     roelands_z: Annotated[float, Number(0, 2, exclusive_low=True)] | None = None
-    outlet_pressure: Annotated[float, Quantity("pressure", "0 Pa", "10 GPa")] | None = None
+    outlet_pressure: Annotated[float, AbsolutePressure("pressure", "0 Pa", "10 GPa")] | None = None
     particles: Particles | None = None
 
     @model_validator(mode="before")
@@ -78,10 +78,10 @@ class Fluid(Table):
     def _from_library(cls, table: Any) -> Any:
         if not isinstance(table, dict) or not isinstance(table.get("name", ""), str):
             return table
-        name, temperature = table.get("name", ""), _temperature(table)
-        entry = _entry(name, temperature) if temperature is not None else None
+        name = table.get("name", "")
+        entry = _entry(name, _temperature(table))
         if entry is None:
-            if "viscosity" not in table and name and temperature is not None:
+            if "viscosity" not in table and name:
                 raise wrong("unknown_fluid", name=shown(name), known=_known(name))
             return table
         filled = {"viscosity": f"{entry.viscosity!r} Pa s", **table, "name": entry.name}
@@ -153,12 +153,12 @@ class Fluid(Table):
         return entry.density if isinstance(entry, Liquid) else None
 
 
-def _temperature(table: dict[str, Any]) -> float | None:
-    """Temperature of a raw table [K]; None if it is no temperature, which the field itself reports."""
+def _temperature(table: dict[str, Any]) -> float:
+    """Temperature of a raw table [K]; that of the room if it is no temperature, which the field itself reports."""
     try:
         return parse_quantity(table.get("temperature", "20 degC"), "temperature")
     except QuantityError:
-        return None
+        return _ROOM_TEMPERATURE
 
 
 # Fluids that a calculation of the optional package has under another name.

@@ -5,13 +5,15 @@ A case has pressure differences across the seal, and one absolute pressure, that
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from typing import Any
 
 from fem_seal.case.fields import shown
 from fem_seal.case.words import problem
-from fem_seal.errors import Problem, QuantityError
+from fem_seal.errors import InputError, Problem, QuantityError
 from fem_seal.units import NUMBER, exact_quantity
 from leak.standards import STANDARD_PRESSURE
 
@@ -45,6 +47,18 @@ def is_said_of_one_side(entry: object) -> bool:
     return any(map(_match, _texts(entry)))
 
 
+def without_reference(text: str) -> str:
+    """A pressure without what it is measured from.
+
+    Examples
+    --------
+    >>> without_reference("20 barg"), without_reference("20 bar")
+    ('20 bar', '20 bar')
+    """
+    match = _match(text)
+    return text if match is None else _bare(match)
+
+
 def as_differences(tables: Mapping[str, Any], fluid: object) -> tuple[dict[str, Any], list[Problem]]:
     """Tables whose pressures are differences across the seal, and what cannot be made one.
 
@@ -63,7 +77,7 @@ def as_differences(tables: Mapping[str, Any], fluid: object) -> tuple[dict[str, 
     outlet = fluid.get("outlet_pressure") if isinstance(fluid, Mapping) else None
     if (match := _match(outlet)) and "fluid" in changed:
         if _kind(match) == "g":
-            wrong.append(problem("gauge_outlet", value=shown(outlet)))
+            wrong.append(problem("gauge_outlet", value=shown(outlet), remedy=_absolute(match)))
         changed["fluid"] = {**changed["fluid"], "outlet_pressure": _bare(match)}
     for table, key in _DIFFERENCES:
         entries = changed.get(table)
@@ -72,6 +86,54 @@ def as_differences(tables: Mapping[str, Any], fluid: object) -> tuple[dict[str, 
             changed[table] = {**entries, key: made.of(entries[key])}
             wrong += made.wrong
     return changed, wrong
+
+
+def as_difference(path: str, entry: Any, fluid: object) -> Any:
+    """What varies at an entry of a case, gauge and absolute pressures as differences across the seal.
+
+    Parameters
+    ----------
+    path : str
+        Of the entry, "load.fluid_pressure".
+    entry : anything
+        A value, a list, a range or a distribution as it is written.
+    fluid : anything
+        The table [fluid] as it is written.
+
+    Raises
+    ------
+    InputError
+        If a pressure cannot be made one.
+    """
+    table, _, key = path.partition(".")
+    if (table, key) not in _DIFFERENCES or not is_said_of_one_side(entry):
+        return entry
+    made = _Differences(f"parameters.{path}", fluid)
+    found = made.of(entry)
+    if made.wrong:
+        raise InputError(*made.wrong)
+    return found
+
+
+def as_gauge(problem: Problem, tables: Mapping[str, Any]) -> Problem:
+    """What is wrong with a pressure, with the pressure as it stands in the case.
+
+    Parameters
+    ----------
+    problem : Problem
+    tables : mapping
+        The case as it was written.
+    """
+    table, _, key = problem.key.partition(".")
+    entries = tables.get(table)
+    entry = entries.get(key) if isinstance(entries, Mapping) else None
+    if (table, key) not in _DIFFERENCES or not is_said_of_one_side(entry):
+        return problem
+    message = problem.message
+    for text in _texts(entry):
+        if match := _match(text):
+            message = message.replace(f'"{_bare(match)}"', shown(text))
+    return replace(problem, message=message, value=shown(entry))
 
 
 class _Differences:
@@ -126,6 +188,15 @@ def _match(entry: object) -> re.Match[str] | None:
 
 def _kind(match: re.Match[str]) -> str:
     return match[3] or match[4]
+
+
+def _absolute(match: re.Match[str]) -> str:
+    """How a gauge pressure is written as an absolute one."""
+    try:
+        bar = (float(exact_quantity(_bare(match), "pressure")) + STANDARD_PRESSURE) / 1e5
+    except (QuantityError, OverflowError):
+        bar = math.nan
+    return f'write it as "{bar:.6g} bara"' if bar >= 0 else "there is no pressure below 0 bara"
 
 
 def _bare(match: re.Match[str]) -> str:

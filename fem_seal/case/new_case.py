@@ -6,6 +6,7 @@ import json
 import math
 import re
 from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 from importlib.resources import files
 from typing import Any
@@ -13,6 +14,7 @@ from typing import Any
 from fem_seal.case.case import Case, load_case
 from fem_seal.case.drawing_words import partner
 from fem_seal.case.fields import shown
+from fem_seal.case.gauge import without_reference
 from fem_seal.case.messages import nearest
 from fem_seal.errors import InputError, QuantityError
 from fem_seal.files import TomlError, own_tables, parse_toml
@@ -240,11 +242,11 @@ def up_to(set_pressure: str) -> str | None:
 
     Examples
     --------
-    >>> up_to("350 bar")
-    '175 bar, 280 bar, 315 bar'
+    >>> up_to("350 barg")
+    '175 barg, 280 barg, 315 barg'
     """
     try:
-        parse_quantity(set_pressure, "pressure")
+        parse_quantity(without_reference(set_pressure), "pressure")
     except QuantityError:
         return None
     return ", ".join(_times(set_pressure, share) for share in (0.5, 0.8, 0.9))
@@ -274,16 +276,54 @@ def required_class(text: str, given: str) -> dict[str, str]:
     own = _entries(text).get("requirement.standard")
     first = standard_named(_plain(own["value"])) if own else None
     words = given.strip()
+    asked_for = " ".join(re.sub(r"\b(class|rate)\b", "", words.lower()).split())
     for standard in sorted(known, key=lambda one: one != first):
         for name in known[standard]:
-            if words.lower() in (name.lower(), f"{standard} {name}".lower()):
+            before = f" {asked_for}".removesuffix(f" {name.lower()}").strip()
+            if before != asked_for and (not before or standard_named(before) == standard):
                 return {"requirement.standard": standard, "requirement.class": name}
-        if len(known[standard]) == 1 and standard_named(words) == standard:
-            return {"requirement.standard": standard, "requirement.class": known[standard][0]}
+        if standard_named(words) == standard:
+            if len(known[standard]) == 1:
+                return {"requirement.standard": standard, "requirement.class": known[standard][0]}
+            classes = ", ".join(known[standard])
+            raise InputError.at(
+                "--class", f"names a standard and no class; {standard} has {classes}", shown(given)
+            )
     listed = "; ".join(f"{standard}: {', '.join(names)}" for standard, names in known.items() if names)
     raise InputError.at(
         "--class", f"is no class for {'a gas' if gas else 'a liquid'}; known are {listed}", shown(given)
     )
+
+
+def for_fluid(text: str, given: AbstractSet[str]) -> dict[str, str | None]:
+    """Entries that follow from another fluid than the template's; None for one that goes.
+
+    A temperature that is not given becomes that of the room, and a requirement that there is not for the fluid a leak
+    rate: pressure times volume for a liquid, a class of a standard for gases alone.
+
+    Parameters
+    ----------
+    text : str
+        Of the case, with the fluid.
+    given : set of str
+        Paths that stay as they are.
+    """
+    changes: dict[str, str | None] = {}
+    known = _entries(text)
+    if "fluid.temperature" in known.keys() - given:
+        changes["fluid.temperature"] = "20 degC"
+    try:
+        read_text_case(text)
+    except InputError as error:
+        if all(one.key.startswith("requirement.") for one in error.problems):
+            changes |= dict.fromkeys(known.keys() & {"requirement.standard", "requirement.class"} - given)
+            if "requirement.leak_rate" not in given:
+                changes["requirement.leak_rate"] = "0.1 ml/min"
+    return {path: value for path, value in changes.items() if value is None or value != _value(known, path)}
+
+
+def _value(known: Mapping[str, dict[str, Any]], path: str) -> str | None:
+    return _plain(known[path]["value"]) if path in known else None
 
 
 def without_entry(text: str, path: str) -> str:

@@ -172,11 +172,29 @@ def _with_options(text: str, name: str, given: Mapping[str, str], entries: list[
         text = new_case.scaled(text, leading, changes[leading], kept=tuple(changes))
     if "included-angle" in given and "diameter" not in given:
         text = new_case.for_angle(text, given["included-angle"])
+    before = {path: value for _, path, value in new_case.asked(text)}
     text = new_case.with_entries(text, changes)
+    if given.get("fluid") not in (None, before.get("fluid.name")):
+        kept = {*changes, *(("requirement.standard", "requirement.class") if "class" in given else ())}
+        text = _for_fluid(text, kept)
     if "class" in given:
         text = new_case.with_entries(text, new_case.required_class(text, given["class"]))
         if "leak-rate" not in given:
             text = new_case.without_entry(text, "requirement.leak_rate")
+    return text
+
+
+def _for_fluid(text: str, kept: set[str]) -> str:
+    """The text with what follows from its fluid, which is told."""
+    from fem_seal.case import new_case
+
+    follows = new_case.for_fluid(text, kept)
+    changed = {path: value for path, value in follows.items() if value is not None}
+    if changed:
+        say(f"With the fluid: {', '.join(f'{path} = {value}' for path, value in changed.items())}")
+    text = new_case.with_entries(text, changed)
+    for path in follows.keys() - changed.keys():
+        text = new_case.without_entry(text, path)
     return text
 
 
@@ -215,6 +233,8 @@ def _answered(text: str, question: Question, path: str, value: str, kept: list[s
                 new_case.scaled(text, path, answer, kept) if question.name in ("bore", "diameter") else text
             )
             changed = new_case.with_entries(sized, {path: answer})
+            if question.name == "fluid":
+                changed = _for_fluid(changed, set(kept))
         try:
             new_case.read_text_case(changed)
         except NoLoadLeftError:

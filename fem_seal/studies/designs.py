@@ -14,6 +14,7 @@ from fem_seal.arrays import FloatArray
 from fem_seal.case.case import Case
 from fem_seal.case.drawing_words import said_twice
 from fem_seal.case.fields import Quantity, shown
+from fem_seal.case.gauge import as_difference
 from fem_seal.case.paths import Entry, Value, entry_at, with_open_materials
 from fem_seal.errors import InputError
 from fem_seal.files import UnreadableFileError, read_text
@@ -124,12 +125,16 @@ def read_list(path: Path, case: Case) -> tuple[Case, tuple[Parameter, ...], Floa
     case = with_open_materials(case, paths)
     entries = [_entry(case, name, path) for name in paths]
     columns: list[list[Value]] = [[] for _ in entries]
+    fluid = None if any(one.startswith("fluid.") for one in paths) else case.written.get("fluid")
     for number, row in enumerate(rows[1:], start=2):
         if len(row) != len(entries):
             raise _wrong(path, f"row {number} has {len(row)} cells, the heading {len(entries)}")
         for column, entry, (_, unit), cell in zip(columns, entries, heading, row, strict=True):
             try:
-                column.append(entry.read(_cell(cell.strip(), unit, entry.marker)))
+                given = as_difference(entry.path, _cell(cell.strip(), unit, entry.marker), fluid)
+                column.append(entry.read(given))
+            except InputError as error:
+                raise _wrong(path, f"row {number}, {error.problems[0]}") from None
             except ValueError as error:
                 place = f"row {number}, {entry.path} = {shown(cell.strip())}"
                 raise _wrong(path, f"{place}: {error}") from None

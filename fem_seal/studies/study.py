@@ -14,6 +14,7 @@ from pydantic import ValidationError
 from fem_seal.case.case import Case, case_of, load_case
 from fem_seal.case.case_file import with_files
 from fem_seal.case.drawing_words import said_twice
+from fem_seal.case.gauge import as_difference
 from fem_seal.case.messages import problems
 from fem_seal.case.paths import entry_at, with_open_materials
 from fem_seal.case.words import problem
@@ -309,7 +310,9 @@ def _read_parameters(case: Case, given: Mapping[str, Any], folder: Path) -> tupl
             entry = entry_at(case, path)
         except InputError as error:
             raise InputError.at(f"parameters.{path}", error.message) from None
-        read.append(_placed(read_parameter(entry, value), folder))
+        # an absolute pressure is above that at the outlet, which may differ from design to design
+        fluid = None if any(one.startswith("fluid.") for one in given) else case.written.get("fluid")
+        read.append(_placed(read_parameter(entry, as_difference(entry.path, value, fluid)), folder))
     return tuple(read)
 
 

@@ -111,7 +111,9 @@ def contact_cautions(problem: SealProblem, loads: Sequence[LoadResult]) -> tuple
         With their mesh error.
     """
     # remarks that do not make the numbers doubtful
-    near = [one for one in temperature_cautions(problem) if one.level is Level.VALID]
+    near = [
+        one for one in (*temperature_cautions(problem), *_face_cautions(problem)) if one.level is Level.VALID
+    ]
     if problem.faces > 1:
         near.append(replace(caution("without_friction"), level=Level.VALID))
     own = (*_of_surface(problem), *load_cautions(problem, loads), *_coarse(loads[0]))
@@ -328,9 +330,15 @@ def _of_surface(problem: SealProblem) -> Iterator[Finding]:
         yield Finding("roughness", Level.DOUBTFUL, text, text, of_contact=False)
 
 
-def _faces(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
+def _face_cautions(problem: SealProblem) -> Iterator[Finding]:
     for name, body, text in problem.face_remarks:
-        yield caution(name, body=body, text=text)
+        found = caution(name, body=body, text=text)
+        # a land that is wider than the closure is calculated as it is
+        yield replace(found, level=Level.VALID) if name == "land_beyond_face" else found
+
+
+def _faces(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
+    yield from (one for one in _face_cautions(problem) if one.level is not Level.VALID)
 
 
 def _near_opening(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:

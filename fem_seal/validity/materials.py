@@ -60,11 +60,15 @@ def temperature_cautions(problem: SealProblem, *, bodies: bool = True) -> Iterat
 def _film(problem: SealProblem) -> Iterator[Finding]:
     """A fluid whose given temperature is not that of the faces, which a film of micrometres takes at once."""
     given = problem.fluid_temperature
-    if given is None or len(problem.temperatures) < 2:
+    if given is None:
         return
-    film = math.fsum(problem.temperatures.values()) / len(problem.temperatures)
-    if abs(given - film) > _NEAR:
-        found = caution("film_temperature", given=in_degrees(given), film=in_degrees(film))
+    if problem.temperatures:
+        film, name, near = math.fsum(problem.temperatures.values()) / len(problem.temperatures), "film", _NEAR
+    else:
+        # oil of 50 degC is usual in a valve whose metals are those of a table at 20 degC
+        film, name, near = ROOM_TEMPERATURE, "body", 2 * _NEAR
+    if abs(given - film) > near:
+        found = caution(f"{name}_temperature", given=in_degrees(given), film=in_degrees(film))
         yield found if abs(given - film) >= _FAR else replace(found, level=Level.VALID)
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from meshes.errors import GeometryError
+from meshes.errors import GeometryError, mm
 from meshes.geometry.curve import Curve
 from meshes.geometry.segment import Segment
 
@@ -65,9 +65,17 @@ class Outline:
             If there is no such segment, or they are not one chain.
         """
         at = self._of_face
-        if not at or at != list(range(at[0], at[-1] + 1)):
+        if not at:
+            raise GeometryError(f'{self.name} outline: no piece has the name "face"')
+        others = [self.segments[n] for n in range(at[0], at[-1]) if n not in at]
+        if others:
+            ends = [
+                f"({mm(s.start[0])}, {mm(s.start[1])}) to ({mm(s.end[0])}, {mm(s.end[1])})" for s in others
+            ]
+            more = f" and {len(ends) - 2} more" if len(ends) > 2 else ""
             raise GeometryError(
-                f'the outline of the {self.name} needs one unbroken chain of segments "{self.name}_face"'
+                f"{self.name} outline: {', '.join(ends[:2])}{more} in (r, z) lie between pieces of the face and are no "
+                'part of it; give them the name "face", as the flanks of a land, or "chamber", as what is between lands'
             )
         face = Curve(self.segments[at[0] : at[-1] + 1])
         # Counter-clockwise, the lower side of the closure runs outwards and the upper side of the seat inwards.

@@ -280,6 +280,7 @@ def test_units():
         ("NPS 2-1/2", 0.065),
         ("nps 3/4", 0.02),
         ("NPS 12", 0.3),
+        ("NPS 2.5", 0.065),
         ("25 mm", None),
         ("DN", None),
         ("DN 0", None),

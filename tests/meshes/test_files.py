@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -76,7 +77,7 @@ def rounded_seat(space, millimetres: float, digits: int, turn: float) -> float:
     def cut(values) -> list[float]:
         return [round(float(one) / millimetres, digits) for one in values]
 
-    for a, b in zip(corners[:-1], corners[1:], strict=True):
+    for a, b in pairwise(corners):
         space.add_line(cut(a), cut(b))
     space.add_arc(cut(centre), cut([radius])[0], *(round(float(angle), digits) for angle in angles))
     polygon = np.array([*corners, corners[0]])

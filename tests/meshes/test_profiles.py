@@ -291,3 +291,25 @@ def test_mesh_without_a_named_face_is_refused(mesh_file, tmp_path) -> None:
     (tmp_path / "lost.msh").write_text(text)
     with pytest.raises(GeometryError, match='needs a physical group of lines "seat_face"'):
         MeshedBody.read(tmp_path / "lost.msh", "seat")
+
+
+def test_flanks_between_faces_without_a_name_are_told_by_their_place() -> None:
+    """Two lands with a groove between them, of which only the crests and the bottom have names."""
+    crests = [(30.0, 0.0), (28.0, 0.0), (26.0, -1.0), (24.0, -1.0), (22.0, 0.0), (20.0, 0.0)]
+    names = ["face", "", "chamber", "", "face"]
+
+    def seat(names: list[str]) -> Profile:
+        corners = [*crests, (10.0, 0.0), (10.0, -20.0), (40.0, -20.0), (40.0, 0.0)]
+        ends = zip(corners, [*corners[1:], corners[0]], [*names, *[""] * 5], strict=True)
+        return Profile("seat", tuple(Segment(_mm(a), _mm(b), name) for a, b, name in ends))
+
+    with pytest.raises(GeometryError) as caught:
+        ContactGeometry.of(BALL.outline, seat(names).outline)
+    for said in ("(28 mm, 0 mm) to (26 mm, -1 mm)", "(24 mm, -1 mm) to (22 mm, 0 mm)", '"face"', '"chamber"'):
+        assert said in str(caught.value)
+    for name in ("face", "chamber"):
+        assert len(seat([one or name for one in names]).outline.face.segments) == 5
+
+
+def _mm(point: tuple[float, float]) -> tuple[float, float]:
+    return MM * point[0], MM * point[1]

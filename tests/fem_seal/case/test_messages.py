@@ -12,7 +12,9 @@ import fem_seal
 from fem_seal.case.case import Case
 from fem_seal.case.drawing_words import words_of
 from fem_seal.case.messages import choices, tables_of
+from fem_seal.case.new_case import template
 from fem_seal.errors import InputError
+from fem_seal.files import parse_toml
 
 CASE = {
     "closure": {"shape": "ball", "radius": "20 mm", "material": "316L"},
@@ -143,3 +145,32 @@ def test_a_key_above_all_tables() -> None:
 def test_a_fluid_by_another_name_is_told_which_one_is_meant(name: str, meant: str) -> None:
     with pytest.raises(InputError, match=f"do you mean {meant}\\?"):
         fem_seal.Case(**CASE, roughness={"Ra": "0.2 um", "process": "lapped"}, fluid={"name": name})
+
+
+@pytest.mark.parametrize(
+    ("table", "key", "value", "said"),
+    [
+        ("fluid", "temperature", "-300 degC", "below absolute zero"),
+        ("fluid", "temperature", "20", "has no unit"),
+        ("fluid", "temperature", "3 K", "the properties of water are known"),
+        ("fluid", "outlet_pressure", "1 barg", "absolute"),
+        ("fluid", "name", "watr", "do you mean water?"),
+        ("requirement", "standard", None, "belongs to a standard"),
+        ("requirement", "standard", "ISO 5209", "is not known"),
+        ("requirement", "class", "Z", "is no class"),
+        ("load", "fluid_pressure", "200 degC", 'unit "degC" does not fit'),
+        ("closure", "shape", "bal", "do you mean"),
+        ("closure", "diameter", "-40 mm", "out of range"),
+        ("seat", "land_width", "100 mm", "allowed is below"),
+        ("roughness", "Ra", "0.1", "has no unit"),
+        ("temperature", "uniform", "-300 degC", "below absolute zero"),
+    ],
+)
+def test_one_mistake_is_one_error(table: str, key: str, value: str | None, said: str) -> None:
+    given = parse_toml(template("ball-valve"))
+    entries = {**given.get(table, {}), key: value}
+    changed = {name: one for name, one in entries.items() if one is not None}
+    with pytest.raises(InputError) as caught:
+        Case(**{**given, table: changed})
+    (wrong,) = caught.value.problems
+    assert said in str(wrong)

@@ -152,6 +152,7 @@ def test_what_cannot_be_is_said_and_nothing_is_written(words, said: str, call, t
     [
         (["350 bar"], ["175 bar", "280 bar", "315 bar"]),
         (["20bar"], ["10 bar", "16 bar", "18 bar"]),
+        (["700 barg"], ["350 barg", "560 barg", "630 barg"]),
         (["350 bar", "--pressure", "30 bar"], "30 bar"),
     ],
 )
@@ -315,6 +316,63 @@ def test_a_flange_takes_a_torque_and_a_class_per_length() -> None:
     assert tables["requirement"] == {"standard": "EN 13555", "class": "L0.1"}
     with pytest.raises(InputError, match="--torque"):
         _with_options(template("flange"), "flange", {"bore": "20 mm"}, [])
+
+
+@pytest.mark.parametrize("fluid", ["water", "nitrogen", "diesel", "carbon dioxide"])
+@pytest.mark.parametrize("name", TEMPLATES)
+def test_another_fluid_has_its_temperature_and_a_requirement_that_there_is(name: str, fluid: str) -> None:
+    before = tomllib.loads(template(name))
+    text = _with_options(template(name), name, {"fluid": fluid}, [])
+    case, tables = read_text_case(text), tomllib.loads(text)
+    assert tables["fluid"]["name"] == fluid
+    assert before["fluid"]["name"] == fluid or case.fluid.temperature == pytest.approx(293.15)
+    of_gas = {"gasket": "1e-3 mbar l/s", "flange": None}
+    if name in of_gas and case.fluid.gas is None:
+        assert tables["requirement"] == {"leak_rate": "0.1 ml/min"}
+    else:
+        assert tables["requirement"] == before["requirement"]
+    # the comments speak of any fluid
+    assert not re.search(r"\b(oil|the gas|of gas)\b", re.sub(r'"[^"]*"', "", text))
+
+
+def test_what_is_given_beside_a_fluid_stays() -> None:
+    def tables(*entries: str, **given: str) -> dict:
+        return tomllib.loads(
+            _with_options(template("flange"), "flange", {"fluid": "water", **given}, [*entries])
+        )
+
+    assert tables(**{"leak-rate": "2 ml/min"})["requirement"] == {"leak_rate": "2 ml/min"}
+    assert tables("fluid.temperature=60 degC")["fluid"]["temperature"] == "60 degC"
+    hot = tomllib.loads(_with_options(template("check-valve"), "check-valve", {"pressure": "3 bar"}, []))
+    assert hot["fluid"]["temperature"] == "50 degC"
+
+
+@pytest.mark.parametrize(
+    ("written", "expected"),
+    [
+        ("FCI 70.2 V", ("FCI 70-2", "V")),
+        ("ANSI/FCI 70-2-2021 class V", ("FCI 70-2", "V")),
+        ("Class IV", None),
+        ("rate A", ("ISO 5208", "A")),
+        ("DIN EN 12266-1 A", ("EN 12266-1", "A")),
+        ("ISO 5208:2015 rate C", ("ISO 5208", "C")),
+        ("FCI 70.2", "names a standard and no class; FCI 70-2 has V"),
+        ("FCI 71-2 V", "is no class for a liquid"),
+    ],
+)
+def test_a_class_is_written_as_people_write_it(written, expected) -> None:
+    if isinstance(expected, tuple):
+        required = made("ball-valve", "25 mm", f"class={written}")["requirement"]
+        assert (required["standard"], required["class"]) == expected
+    else:
+        # class IV needs the flow through the open valve
+        with pytest.raises(InputError, match=expected or "rated_capacity"):
+            made("ball-valve", "25 mm", f"class={written}")
+
+
+def test_a_force_behind_force_is_asked_for(call) -> None:
+    code, _, err = call("-t", "needle", "--force", "300 N")
+    assert code == 2 and '--applied-force "300 N"' in err
 
 
 def test_a_class_is_found_by_its_name_alone() -> None:

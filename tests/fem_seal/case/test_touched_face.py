@@ -144,6 +144,30 @@ def test_it_makes_a_run_doubtful_and_stands_in_the_check(tmp_path, capsys) -> No
     assert 'warning: closure.shape = "cone": the bodies touch first at r = 1.32' in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(("width", "told"), [("10 mm", True), ("2 mm", False)])
+def test_a_land_wider_than_the_face_of_the_plug_is_told(width, told) -> None:
+    """A globe valve: the land of its seat and the cone of its plug, which is 6 mm long."""
+    angle = {"included_angle": "60 deg"}
+    plug = {"shape": "cone", **angle, "inner_diameter": "40 mm", "outer_diameter": "46 mm"}
+    land = {"shape": "conical-land", **angle, "land_diameter": "43 mm", "land_width": width}
+    found = list(face_remarks(case(plug, land)))
+    assert [name for name, _, _ in found] == ["land_beyond_face"] * told
+    if told:
+        assert "conical face of the closure" in found[0][2]
+        # it is calculated as it is: nothing is doubtful
+        result = fem_seal.run(case(plug, land, applied_force="100 N"))
+        reasons = " ".join(result.loads[0].validity.reasons)
+        assert "beyond the face" not in reasons and any("up to the edge" in one for one in result.warnings)
+
+
+def test_a_ball_on_a_wide_land_and_a_disc_on_a_narrow_one_are_not_told() -> None:
+    wide = {"shape": "conical-land", "angle": "45 deg", "land_radius": "14.14 mm", "land_width": "6 mm"}
+    assert not list(face_remarks(case(BALL_40, wide)))
+    ring = {"shape": "flat-land", "land_inner_diameter": "40 mm", "land_outer_diameter": "60 mm"}
+    for diameter, told in (("50 mm", 1), ("70 mm", 0)):
+        assert len(list(face_remarks(case({"shape": "disc", "diameter": diameter}, ring)))) == told
+
+
 def faceted(count: int, turned: float) -> dict:
     """A ball of 20 mm whose surface is written as short lines."""
     angles = [math.pi / 2 * (n + turned) / count for n in range(1, count)]

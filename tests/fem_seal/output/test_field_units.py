@@ -174,10 +174,29 @@ def test_what_has_no_difference_is_refused_with_its_remedy(fluid, text, remedy):
 
 
 def test_the_outlet_is_absolute():
-    wrong = refused(fluid={"name": "helium", "outlet_pressure": "1 barg"})
-    assert '"1.01325 bara"' in wrong["fluid.outlet_pressure"]
+    for text, remedy in (
+        ("1 barg", '"2.01325 bara"'),
+        ("-0.5 barg", '"0.51325 bara"'),
+        ("-2 barg", "no pressure below 0 bara"),
+        ("-1 bar", '"0.01325 bar"'),
+        ("-3 bar", 'vacuum is "0 bar"'),
+    ):
+        with pytest.raises(InputError) as caught:
+            case(fluid={"name": "helium", "outlet_pressure": text})
+        (wrong,) = caught.value.problems
+        assert wrong.key == "fluid.outlet_pressure" and wrong.value == f'"{text}"' and remedy in wrong.message
     # a liquid's difference is a gauge pressure where it flows into the open
     assert case(load={"fluid_pressure": "20 barg"}).load.fluid_pressure == (20e5,)
+
+
+def test_a_gauge_pressure_stays_as_it_is_written():
+    written = case(load={"fluid_pressure": "700 barg"})
+    assert written.written["load"]["fluid_pressure"] == "700 barg"
+    for text in ("2e7 barg", ["6 bar", "2e7 barg"]):
+        with pytest.raises(InputError) as caught:
+            case(load={"fluid_pressure": text})
+        (wrong,) = caught.value.problems
+        assert "barg" in wrong.value and '2e7 bar"' not in f"{wrong.value} {wrong.message}"
 
 
 @given(bar=st.floats(0.1, 1000.0), outlet=st.floats(0.0, 50.0))

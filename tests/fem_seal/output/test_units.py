@@ -21,6 +21,11 @@ from fem_seal.units import DIMENSIONS, parse_quantity
         ("1.9 µm", "length", 1.9e-6),  # micro sign
         ("1.9 μm", "length", 1.9e-6),  # Greek mu
         ("0.5in", "length", 0.0127),
+        ("1 1/2 in", "length", 0.0381),
+        ("1-1/2 inch", "length", 0.0381),
+        ('3/8"', "length", 0.009525),
+        ('2"', "length", 0.0508),
+        ("0 K", "temperature", 0.0),
         ("  20   mm ", "length", 0.02),
         ("1e3 1/m", "wavenumber", 1e3),
         ("3.1 1/um", "wavenumber", 3.1e6),

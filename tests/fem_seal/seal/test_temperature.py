@@ -444,6 +444,16 @@ def test_a_fluid_keeps_a_temperature_of_its_own_and_the_result_says_so(fluid, le
     assert all(fluid["temperature"] in one.text and "200 degC" in one.text for one in found)
 
 
+@pytest.mark.parametrize(
+    ("given", "level"), [("300 degC", Level.DOUBTFUL), ("90 degC", Level.VALID), ("50 degC", None)]
+)
+def test_a_hot_fluid_between_bodies_without_a_temperature_is_told(given, level) -> None:
+    cold = case(fluid={"name": "nitrogen", "temperature": given}, load={"fluid_pressure": "10 bar"})
+    found = [one for one in temperature_cautions(SealProblem.of(cold)) if one.kind == "film temperature"]
+    assert [one.level for one in found] == ([] if level is None else [level])
+    assert all(given in one.text and "20 degC" in one.text and "[temperature]" in one.text for one in found)
+
+
 def test_a_hot_case_takes_the_hot_numbers_of_the_library() -> None:
     cold, warm = hot(temperature="20 degC").seat.material, hot().seat.material
     assert cold is LIBRARY["316L"]

@@ -143,10 +143,33 @@ def test_expressions_refuse_everything_else(text):
         Expression(text)
 
 
+def test_a_share_above_one_is_told_to_be_a_percentage():
+    sampled = fem_seal.load_case(CASE).replace(requirement={"leak_rate": "1 ml/min"})
+    with pytest.raises(InputError, match=r"a share of at most 1, with 95; write 0\.95 for 95 %"):
+        Study(
+            sampled,
+            parameters={"load.fluid_pressure": ["5 bar", "6 bar"]},
+            constraints={"safe": "pass_probability >= 95"},
+        )
+
+
 def test_a_percentage_or_a_bare_quantity_is_told_how_to_be_written():
     for text in ("pass_probability >= 95 %", "leak_rate_m3_per_s < 2 ml/min"):
         with pytest.raises(ExpressionError, match=r'in quotes inside of it, "2 ml/min", and 0.95 for 95 %'):
             Constraint(text)
+
+
+def test_a_gauge_pressure_varies_as_it_does_in_a_case(tmp_path):
+    gas = fem_seal.load_case(CASE).replace(fluid={"name": "nitrogen"})
+    study = Study(gas, parameters={"load.fluid_pressure": ["20 barg", "25 bar"]})
+    assert study.parameters[0].levels == pytest.approx((20e5, 25e5))
+    (tmp_path / "designs.csv").write_text("load.fluid_pressure\n21.01325 bara\n30 barg\n")
+    listed = Study(gas, design={"kind": "list", "file": str(tmp_path / "designs.csv")})
+    assert listed.parameters[0].levels == pytest.approx((20e5, 30e5))
+    # which outlet, each design says
+    varied = {"load.fluid_pressure": ["20 bara"], "fluid.outlet_pressure": ["1 bar", "2 bar"]}
+    with pytest.raises(InputError, match=r"parameters.load.fluid_pressure = .*absolute pressure"):
+        Study(gas, parameters=varied)
 
 
 def test_undefined_is_nan_and_meets_nothing():
