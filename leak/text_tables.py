@@ -14,8 +14,9 @@ import numpy as np
 from leak.arrays import FloatArray
 from leak.errors import TableError
 
-# In the order in which they win if they read the same table; None stands for blanks.
-_SEPARATORS = (";", "\t", ",", None)
+# In the order in which they win if they read the same table; None stands for blanks. Between decimal commas stands a
+# comma with a blank.
+_SEPARATORS = (";", "\t", ",", ", ", None)
 # Between the names of columns, in the order in which they are tried: names may hold spaces, and commas in brackets.
 _BETWEEN_NAMES = (r";", r"\t", r",(?![^\[(]*[\])])", r"\s{2,}", r"(?<=[\])])\s+", r"\s+(?![\[(/])")
 # With which a line begins that is no row.
@@ -135,9 +136,14 @@ def cells_of(line: str, separator: str | None) -> list[str]:
     if '"' in line:
         blank = separator is None
         line = " ".join(line.split()) if blank else line
-        row = next(csv.reader([line], delimiter=separator or " ", skipinitialspace=True), [])
+        row = next(csv.reader([line], delimiter=(separator or " ")[0], skipinitialspace=True), [])
         return [cell.strip().strip('"') for cell in row]
     return line.split() if separator is None else [cell.strip() for cell in line.split(separator)]
+
+
+def _may_be_decimal(line: str, separator: str | None) -> bool:
+    """Whether a comma in a cell is a decimal one: between others it stands in quotes."""
+    return separator != "," or '"' in line
 
 
 def number_of(cell: str, *, commas: bool = False) -> float | None:
@@ -185,7 +191,7 @@ class _Layout:
             cells = cells[: self.columns]
         if len(cells) > self.columns or (len(cells) < self.columns and not begun):
             return None
-        row, commas = [math.nan] * self.columns, self.separator != ","
+        row, commas = [math.nan] * self.columns, _may_be_decimal(line, self.separator)
         for place in self.numeric:
             if place >= len(cells):
                 break
@@ -282,8 +288,11 @@ def _layouts(sample: Sequence[str]) -> list[_Layout]:
     """The likeliest layout for each separator."""
     found = []
     for separator in _SEPARATORS:
-        rows = [cells_of(line, separator) for line in sample if not line.startswith(COMMENTS)]
-        numbers = [[number_of(cell, commas=separator != ",") for cell in row] for row in rows]
+        numbers = [
+            [number_of(cell, commas=_may_be_decimal(line, separator)) for cell in cells_of(line, separator)]
+            for line in sample
+            if not line.startswith(COMMENTS)
+        ]
         counted = Counter(
             len(row) for row in numbers if any(one is not None and not math.isnan(one) for one in row)
         )

@@ -11,9 +11,10 @@ from typing import Any
 
 import numpy as np
 
+from leak.arrays import FloatArray
 from leak.errors import ScanError, TableError
 from leak.extras import needed
-from leak.files import own_tables
+from leak.surfaces.likely_units import LENGTH_UNITS, check_length, likely
 from leak.surfaces.scans import LineScan, Topography, height_map, line_scan
 from leak.text_tables import TextTable, decoded, only_table, read_tables
 
@@ -104,9 +105,8 @@ def _read_instrument_file(file: Path, unit: Unit | None, why_not_text: str) -> T
     except Exception as error:
         if "physical_sizes" in str(error):
             raise ScanError(f"{why_not_text}; as a matrix of heights it {_NO_SIZE}") from None
-        known = type(error).__name__ not in ("CannotDetectFileFormat", "UnknownFileFormat")
-        detail = f" ({' '.join(str(error).split())[:160]})" if known and str(error) else ""
-        raise ScanError(f"{why_not_text}, and SurfaceTopography cannot read it{detail}") from None
+        # what a reader says of itself, "list index out of range", helps nobody
+        raise ScanError(f"{why_not_text}, and SurfaceTopography cannot read it") from None
 
 
 def _converted(
@@ -119,10 +119,18 @@ def _converted(
     in_x, in_h = (
         agreed(column, size, one) for column, one in zip(("x", "height"), two_units(unit), strict=True)
     )
+    return likely(_in_metres(topography, in_x, in_h, name), (in_x, in_h))
+
+
+def _in_metres(topography: Any, in_x: float, in_h: float, name: str) -> Topography:
     tip = _tip_radius(topography.info)
     if topography.dim == 1 and not topography.is_uniform:
-        x, h = topography.positions_and_heights()
-        return line_scan(np.asarray(x) * in_x, np.asarray(h) * in_h, name=name, tip_radius=tip)
+        x, h = (
+            size * np.asarray(one)
+            for one, size in zip(topography.positions_and_heights(), (in_x, in_h), strict=True)
+        )
+        check_length(x, h, (in_x, in_h))
+        return line_scan(x, h, name=name, tip_radius=tip)
     if topography.physical_sizes is None:
         raise ScanError(_NO_SIZE)
     heights = np.ma.filled(np.ma.asarray(topography.heights(), dtype=float), np.nan) * in_h
@@ -143,13 +151,11 @@ def _tip_radius(info: Any) -> float | None:
     return radius if 0.0 < radius < 1.0 else None
 
 
-LENGTH_UNITS: dict[str, float] = own_tables("leak.surfaces", "length_units.toml")
-
-
 _UNIT = "|".join(sorted(map(re.escape, LENGTH_UNITS), key=len, reverse=True))
 # "x [mm]", "height (um)", "Lateral um", "x_m"
 _IN_HEADING = re.compile(rf"[\[(]\s*({_UNIT})\s*[\])]|(?:^|[\s_/,])({_UNIT})$", re.IGNORECASE)
 _ANGLE = re.compile(r"angle\b|.*[\[(]\s*(?:deg|°|rad)", re.IGNORECASE)
+_INDEX = re.compile(r"($|#|(index|idx|no|nr|n|i|point|pt|sample|row|id|count|number)\b)", re.IGNORECASE)
 _TIP = re.compile(rf"(?:stylus|tip)\b.*?radius\D*?(\d+(?:\.\d*)?)\s*({_UNIT})\b", re.IGNORECASE)
 # Characters of a line of an instrument's header that are looked into.
 _LONGEST_LINE = 1000
@@ -162,8 +168,9 @@ class NotColumnsError(ScanError):
 def read_text_scan(path: Path, unit: Unit | None = None) -> LineScan:
     """Line scan from a text file.
 
-    Two columns of numbers, position and height, see `leak.text_tables.read_tables`; a third column called "valid" with
-    0 for invalid points is honoured. Units are taken from the heading ("x [mm]", "Lateral um") or from `unit`.
+    Two columns of numbers, position and height, see `leak.text_tables.read_tables`. A column before them that counts
+    the points is passed over, and so is one that is the same everywhere; a last column called "valid" with 0 for
+    invalid points is honoured. Units are taken from the heading ("x [mm]", "Lateral um") or from `unit`.
 
     Parameters
     ----------
@@ -183,11 +190,12 @@ def read_text_scan(path: Path, unit: Unit | None = None) -> LineScan:
     except TableError as error:
         raise NotColumnsError(str(error)) from None
     table = tables[0]
-    columns = table.values.shape[1]
-    with_flag = columns == 3 and table.header[2:] and table.header[2].split()[0].lower() == "valid"
-    if columns != 2 and not with_flag:
+    places = _places(table)
+    if len(places) != 2:
+        columns = table.values.shape[1]
+        named = f" ({', '.join(table.header)})" if table.header else ""
         raise NotColumnsError(
-            f"line {table.lines[0]} holds {columns} column{'s' * (columns != 1)}: must hold two, x and height"
+            f"line {table.lines[0]} holds {columns} column{'s' * (columns != 1)}{named}: must hold two, x and height"
         )
     try:
         table = only_table(tables)
@@ -197,13 +205,45 @@ def read_text_scan(path: Path, unit: Unit | None = None) -> LineScan:
         raise ScanError(
             "has an angle in its first column: it is a roundness trace, no scan; give it as the trace of a form error"
         )
+    if table.header and _INDEX.match(table.header[places[0]]) and _counts(table.values[:, places[0]]):
+        raise ScanError(
+            "has numbers of points in place of x: it does not state how far apart the points are; give both columns"
+        )
     units = [
         agreed(name, _stated_unit(table, column), given)
-        for column, (name, given) in enumerate(zip(("x", "height"), two_units(unit), strict=True))
+        for column, name, given in zip(places, ("x", "height"), two_units(unit), strict=True)
     ]
-    valid = table.values[:, 2] != 0.0 if with_flag else np.ones(len(table.values), dtype=bool)
-    x, h = table.values[valid, 0] * units[0], table.values[valid, 1] * units[1]
-    return line_scan(x, h, name=path.name, tip_radius=_stated_tip_radius(table))
+    flag = _flag(table)
+    valid = np.ones(len(table.values), dtype=bool) if flag is None else table.values[:, flag] != 0.0
+    x, h = (size * table.values[valid, column] for column, size in zip(places, units, strict=True))
+    check_length(x, h, units)
+    return likely(line_scan(x, h, name=path.name, tip_radius=_stated_tip_radius(table)), units)
+
+
+def _places(table: TextTable) -> list[int]:
+    """Columns that are left of a table without the numbers of its points, a flag, and what is the same everywhere."""
+    values, flag = table.values, _flag(table)
+    left = [place for place in range(values.shape[1]) if place != flag]
+    counts = len(left) > 2 and _counts(values[:, left[0]])
+    # without names a column that counts is that of the points only if x comes behind it
+    if counts and (_INDEX.match(table.header[0]) if table.header else _runs_on(values[:, left[1]])):
+        left = left[1:]
+    return left if len(left) == 2 else [place for place in left if np.ptp(values[:, place]) > 0.0]
+
+
+def _flag(table: TextTable) -> int | None:
+    """The last of three or more columns, if it tells which points are valid."""
+    last = table.header[-1].split() if len(table.header) > 2 else []
+    return len(table.header) - 1 if last and last[0].lower() == "valid" else None
+
+
+def _counts(numbers: FloatArray) -> bool:
+    return len(numbers) > 1 and bool(np.all(np.diff(numbers) == 1.0))
+
+
+def _runs_on(x: FloatArray) -> bool:
+    steps = np.diff(x)
+    return bool(np.all(steps > 0.0) or np.all(steps < 0.0))
 
 
 def _stated_unit(table: TextTable, column: int) -> float | None:

@@ -10,7 +10,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import leak
-from leak.surfaces.scan_files import LENGTH_UNITS
+from leak.surfaces.likely_units import LENGTH_UNITS
 
 # What each file holds: points, length [m], rms height without tilt [m], with what it was compared.
 FILES = {
@@ -160,14 +160,16 @@ def test_importing_leak_does_not_import_surface_topography():
     ],
 )
 def test_units_in_the_heading(file, head, separator, units):
-    rows = [line.replace(" ", separator) for line in SCAN.splitlines()]
+    # no scan is tens of metres long
+    part = 1e-3 if units[0] == 1.0 else 1.0
+    rows = [separator.join(f"{part * float(one):g}" for one in line.split()) for line in SCAN.splitlines()]
     scan = leak.read_topography(file(head + "\n".join(rows)))
-    assert scan.spacing == pytest.approx(0.5 * units[0])
-    assert np.ptp(scan.heights) == pytest.approx(0.4 * units[1])
+    assert scan.spacing == pytest.approx(0.5 * part * units[0])
+    assert np.ptp(scan.heights) == pytest.approx(0.4 * part * units[1])
 
 
 def test_units_given(file):
-    for unit, sizes in (("um", (1e-6, 1e-6)), (("mm", "um"), (1e-3, 1e-6)), (["m", "nm"], (1.0, 1e-9))):
+    for unit, sizes in (("um", (1e-6, 1e-6)), (("mm", "um"), (1e-3, 1e-6)), (["cm", "nm"], (1e-2, 1e-9))):
         scan = leak.read_topography(file(SCAN), unit=unit)
         assert (scan.spacing, np.ptp(scan.heights)) == pytest.approx((0.5 * sizes[0], 0.4 * sizes[1]))
 
@@ -229,6 +231,94 @@ def test_bad_files_are_refused(file, content, message):
     with pytest.raises(leak.ScanError, match=message) as caught:
         leak.read_topography(file(content), unit="um")
     assert str(caught.value).startswith(str(file(content)))
+
+
+def _rows(line: str) -> str:
+    """The points of `SCAN` in another layout."""
+    points = [row.split() for row in SCAN.splitlines()]
+    return "\n".join(
+        line.format(n=n, x=x, z=z, cx=x.replace(".", ","), cz=z.replace(".", ","))
+        for n, (x, z) in enumerate(points)
+    )
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        "index,x [µm],z [µm]\n" + _rows("{n},{x},{z}"),
+        "Point No.;x [um];z [um]\n" + _rows("{n};{x};{z}"),
+        "#;x [um];z [um];valid\n" + _rows("{n};{x};{z};1"),
+        "x [um],y [um],z [um]\n" + _rows("{x},7.5,{z}"),
+        '"x [um]","z [um]"\n' + _rows('"{x}","{z}"'),
+        '"x [um]","z [um]"\n' + _rows('"{cx}","{cz}"'),
+        "x [um], z [um]\n" + _rows("{x}, {z}"),
+        "x [um], z [um]\n" + _rows("{cx}, {cz}"),
+        "x [um] z [um]\n" + _rows("{cx} {cz}"),
+    ],
+)
+def test_points_with_numbers_quotes_and_blanks_are_those_of_the_plain_file(file, content):
+    found, plain = (
+        leak.read_topography(file(content)),
+        leak.read_topography(file(SCAN, "plain.txt"), unit="um"),
+    )
+    assert found.spacing == pytest.approx(plain.spacing)
+    assert found.heights == pytest.approx(plain.heights)
+    # the numbers of the points are no x, and heights in whole units no numbers of points
+    bare = leak.read_topography(file(_rows("{n} {x} {z}"), "bare.txt"), unit="um")
+    assert bare.heights == pytest.approx(plain.heights)
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ("index;z [um]\n" + _rows("{n};{z}"), "numbers of points in place of x"),
+        (
+            "x [um];raw [um];waviness [um]\n" + _rows("{x};{z};{n}"),
+            r"3 columns \(x \[um\], raw \[um\], waviness",
+        ),
+    ],
+)
+def test_columns_that_are_no_scan_are_told(file, content, message):
+    with pytest.raises(leak.ScanError, match=message):
+        leak.read_topography(file(content))
+
+
+@pytest.mark.parametrize(
+    ("units", "factors", "meant"),
+    [
+        # a length of 800 um with heights of 2 um, in the units of the file and as it is read
+        (("mm", "m"), (1e-3, 1.0), "is the unit of height um"),
+        (("mm", "mm"), (1e-3, 1.0), "is the unit of height um"),
+        (("m", "m"), (1.0, 1.0), "is its unit um"),
+        (("m", "um"), (1.0, 1.0), "is the unit of x um"),
+        (("nm", "nm"), (1.0, 1.0), "is its unit um"),
+        (("um", "mm"), (1.0, 1.0), "is the unit of height um"),
+    ],
+)
+def test_a_scan_that_is_no_surface_is_asked_for_its_unit(file, units, factors, meant):
+    random = np.random.default_rng(3)
+    z = np.convolve(random.standard_normal(1620), np.ones(21) / 21, "valid")
+    x, (in_x, in_z) = 0.5 * np.arange(1600), factors
+    rows = "\n".join(f"{in_x * a:.9g};{in_z * b:.9g}" for a, b in zip(x, z, strict=True))
+    with pytest.raises(leak.ScanError, match=f"no measured surface; {meant}"):
+        leak.read_topography(file(f"x [{units[0]}];z [{units[1]}]\n{rows}"))
+    with pytest.raises(leak.ScanError, match=f"no measured surface; {meant}"):
+        leak.read_topography(file(rows, "bare.csv"), unit=units)
+    right = leak.read_topography(file(rows, "bare.csv"), unit=("mm" if in_x < 1 else "um", "um"))
+    assert right.length == pytest.approx(8e-4)
+
+
+def test_what_a_reader_says_of_itself_is_not_told(file, monkeypatch):
+    pytest.importorskip("SurfaceTopography")
+
+    def fails(*_):
+        raise IndexError("list index out of range")
+
+    monkeypatch.setattr("SurfaceTopography.IO.open_topography", fails)
+    with pytest.raises(leak.ScanError) as caught:
+        leak.read_topography(file(b"\x89PNG\r\n\x1a\n" + bytes(range(256)), "scan.png"), unit="um")
+    assert "SurfaceTopography cannot read it" in str(caught.value)
+    assert "index" not in str(caught.value)
 
 
 @pytest.mark.parametrize("suffix", [".xlsx", ".plu", ".hfm", ".csv", ".txt", ".npy", ".x3p", ".sur", ".dat"])
