@@ -279,10 +279,12 @@ _SYSTEMS: dict[str, dict[str, tuple[Unit, ...]]] = {
 _shown_in: ContextVar[System] = ContextVar("_shown_in", default="field")
 # Whether leak rates, of a gas, are shown as pressure times volume over time.
 _throughputs: ContextVar[bool] = ContextVar("_throughputs", default=False)
+# The unit of leak rates, where one is asked for.
+_of_flow: ContextVar[Unit | None] = ContextVar("_of_flow", default=None)
 
 
 @contextmanager
-def shown_in(system: System | None, throughputs: bool = False) -> Iterator[None]:
+def shown_in(system: System | None, throughputs: bool = False, of_flow: Unit | None = None) -> Iterator[None]:
     """Texts that are made meanwhile have their quantities in the units of a system.
 
     Parameters
@@ -291,6 +293,8 @@ def shown_in(system: System | None, throughputs: bool = False) -> Iterator[None]
         None leaves it as it is.
     throughputs : bool
         Leak rates as pressure times volume over time; see `fem_seal.case.case.Case.shown`.
+    of_flow : Unit, optional
+        The one of all leak rates, a volume over time.
 
     Examples
     --------
@@ -300,23 +304,33 @@ def shown_in(system: System | None, throughputs: bool = False) -> Iterator[None]
     >>> with shown_in("field", throughputs=True):
     ...     quantity("flow", 1e-6)
     '1.01 mbar l/s'
+    >>> with shown_in("field", of_flow=Unit("mm³/min", 1e-9 / 60)):
+    ...     leak_range_text((1e-15, 2e-9))
+    '6.0·10⁻⁵ to 120 mm³/min'
     """
-    before = _shown_in.set(system or _shown_in.get()), _throughputs.set(throughputs)
+    before = (
+        _shown_in.set(system or _shown_in.get()),
+        _throughputs.set(throughputs),
+        _of_flow.set(of_flow),
+    )
     try:
         yield
     finally:
-        _shown_in.reset(before[0])
-        _throughputs.reset(before[1])
+        for variable, token in zip((_shown_in, _throughputs, _of_flow), before, strict=True):
+            variable.reset(token)  # type: ignore[attr-defined]
 
 
-def show_in(system: System | None, throughputs: bool = False) -> None:
+def show_in(system: System | None, throughputs: bool = False, of_flow: Unit | None = None) -> None:
     """The same for all that follows, up to the end of the `shown_in` around it."""
     _shown_in.set(system or _shown_in.get())
     _throughputs.set(throughputs)
+    _of_flow.set(of_flow)
 
 
 def _units(kind: str) -> tuple[Unit, ...]:
-    known = _SYSTEMS[_shown_in.get()]
+    known, of_flow = _SYSTEMS[_shown_in.get()], _of_flow.get()
+    if kind == "flow" and of_flow is not None:
+        return (of_flow,)
     if kind == "flow" and _throughputs.get():
         return tuple(replace(one, size=one.size / STANDARD_PRESSURE) for one in known["throughput"])
     return known[kind]
@@ -351,8 +365,15 @@ def fixed_unit(name: str) -> Unit:
         One of "bar", "MPa", "GPa", "N", "kN/m", "N/mm", "N m", "mm", "um", "nm", "deg", "degC", "mPa s", "ml/min",
         "mm³/s", "mbar l/s"; "" for a plain number. The system of display has another one in its place.
     """
+    of_flow = _of_flow.get()
+    if name == _FIXED_FLOW and of_flow is not None:
+        return of_flow
     other = _TABLES["fixed_in"].get(_shown_in.get(), {}).get(name)
     return Unit(**other) if other else Unit(name, _TABLES["fixed"][name])
+
+
+# Of the leak rates in a table of the terminal.
+_FIXED_FLOW = "mm³/s"
 
 
 def unit_like(written: str, dimension: str, value: float, system: System) -> Unit | None:
@@ -384,6 +405,32 @@ def unit_like(written: str, dimension: str, value: float, system: System) -> Uni
         return None
     with shown_in(system):
         return unit_for(kinds[-1] if value >= _HARD else kinds[0], value)
+
+
+_AS_WRITTEN = re.compile(rf"\s*(?P<count>{NUMBER})\s*(?P<unit>[^\d\s].*?)\s*")
+
+
+def unit_as_written(text: object, value: float) -> Unit | None:
+    """The unit of a quantity as a case file writes it, for display.
+
+    Parameters
+    ----------
+    text : str
+        None and numbers have no unit.
+    value : float
+        What the text says [SI].
+
+    Examples
+    --------
+    >>> unit_as_written("3 mm^3/min", 5e-11)
+    Unit(name='mm³/min', size=1.66666666667e-11, zero=0.0)
+    """
+    found = _AS_WRITTEN.fullmatch(text) if isinstance(text, str) else None
+    if found is None or not value:
+        return None
+    name = re.sub(r"(?:\^|\*\*)?3\b", "³", found["unit"]).replace("*", " ").replace("ul", "µl")
+    # twelve digits: no rounding error makes 0.3 of it 0.30000000000000004
+    return Unit(name, float(f"{value / float(found['count']):.12g}"))
 
 
 def number(value: float | None, digits: int = 3) -> str:
@@ -441,6 +488,10 @@ def format_digits(value: float, digits: int) -> str:
     return number(rounded(value, digits) if digits < DIGITS and math.isfinite(value) else value, digits)
 
 
+# A number that is as near to its limit has no side that anybody could measure.
+_ALIKE = 1e-5
+
+
 def digits_beside(value: float, limit: float, digits: int) -> int:
     """Significant digits of a number beside its limit: as many as it is worth, more if they show on which side it is.
 
@@ -455,9 +506,13 @@ def digits_beside(value: float, limit: float, digits: int) -> int:
     --------
     >>> [digits_beside(7213.0, limit, 2) for limit in (6800.0, 7200.0, 7210.0)]
     [2, 3, 4]
+    >>> digits_beside(99.99999999, 100.0, 2)
+    2
     """
     if not math.isfinite(value):
         return digits
+    if abs(value - limit) < _ALIKE * abs(limit):
+        value = limit
     shown = ((more, rounded(value, more)) for more in range(digits, _MOST_DIGITS))
     sides = (more for more, one in shown if (one > limit, one < limit) == (value > limit, value < limit))
     return next(sides, _MOST_DIGITS)
@@ -658,7 +713,7 @@ def leak_range_text(
     beside: Collection[float] = (),
     volume: LeakVolume = LIQUID,
 ) -> str:
-    """A leak rate, or both ends of its interval, in one unit unless the ends are too far apart to be read in it.
+    """A leak rate, or both ends of its interval, in one unit.
 
     Parameters
     ----------
@@ -689,9 +744,7 @@ def leak_range_text(
         digits = min(digits, _RANGE_DIGITS)
     if high == math.inf:
         return f"at least {quantity_worth('flow', low, digits)}"
-    unit = flow_unit((low, high, *beside)) or flow_unit((low, high))
-    if unit is None:
-        return f"{quantity_worth('flow', low, digits)} to {quantity_worth('flow', high, digits)}"
+    unit = flow_unit((low, high, *beside)) or shared_flow_unit((low, high))
     return f"{range_text(*(_in_sentence(unit.of(one), digits) for one in (low, high)))} {unit.name}"
 
 
@@ -710,9 +763,9 @@ def flow_unit(leak_rates: Collection[float]) -> Unit | None:
     Unit or None
         None if they are too far apart for any.
     """
-    known = [one for one in leak_rates if 0 < one < math.inf]
-    if not known:
-        return None
+    known, of_flow = [one for one in leak_rates if 0 < one < math.inf], _of_flow.get()
+    if not known or of_flow is not None:
+        return of_flow
     smallest, largest = min(known), max(known)
     if smallest < _TOGETHER * largest:
         return None

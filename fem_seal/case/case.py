@@ -201,6 +201,12 @@ class Case(CaseTables):
         """The case with the lower flange on both faces of the gasket; None where both flanges are alike."""
         return self._lower_half
 
+    def written_at(self, key: str) -> object:
+        """What stands at a key of the case file, such as "requirement.leak_rate"; None where nothing does."""
+        table, name = key.split(".")
+        found = self._input.get(table)
+        return found.get(name) if isinstance(found, Mapping) else None
+
     @property
     def sampled(self) -> Uncertainty | None:
         """What is uncertain, of a lower flange of its own as well; None if nothing is."""

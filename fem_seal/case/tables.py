@@ -20,6 +20,7 @@ from fem_seal.case.fields import (
     RATES,
     Bubbles,
     Chamber,
+    Drops,
     LeakRate,
     NominalSizeEntry,
     NormalVolume,
@@ -41,7 +42,8 @@ from fem_seal.errors import InputError, Problem
 from fem_seal.former_names import say_once
 from fem_seal.loads import blow_off_of_sealed_area, contact_force, expected_force
 from fem_seal.materials import HardeningCurve, Material, effective_modulus
-from fem_seal.units import System
+from fem_seal.units import System, Unit, unit_as_written
+from leak.standards import DROP_VOLUME
 from meshes import ContactGeometry, Shape
 
 if TYPE_CHECKING:
@@ -373,15 +375,33 @@ class CaseTables(Table):
     _warm: dict[str, float] = PrivateAttr(default_factory=dict)
 
     @property
-    def shown(self) -> tuple[System | None, bool]:
+    def shown(self) -> tuple[System | None, bool, Unit | None]:
         """In which units its results are shown, and whether leak rates as pressure times volume: see `shown_in`.
 
-        So are those of a gas, unless what is required of it, or its target, is a volume.
+        So are those of a gas, unless what is required of it, or its target, is a volume. Leak rates have the unit in
+        which the case writes the limit, unless it asks for a system of units.
         """
         limit = self.load.target_leak_rate if self.requirement is None else self.requirement.leak_rate
         without = self.requirement is None and limit is None
         of_gas = self.fluid is not None and self.fluid.gas is not None
-        return self.report.units, of_gas and (without or isinstance(limit, Throughput))
+        throughputs = of_gas and (without or isinstance(limit, Throughput))
+        asked = limit if limit is not None else self.load.target_leak_rate
+        own = None if asked is None or self.report.units else self._unit_of(asked)
+        return self.report.units, throughputs, own if throughputs == isinstance(asked, Throughput) else None
+
+    def _unit_of(self, limit: float) -> Unit | None:
+        """The unit in which a limit is written; None where it has none, or is that of a gas in another state."""
+        if isinstance(limit, (Bubbles, Drops)):
+            counted, volume = (
+                ("bubbles", limit.volume) if isinstance(limit, Bubbles) else ("drops", DROP_VOLUME)
+            )
+            return Unit(f"{counted}/min", volume / 60.0)
+        written = self.written_at("requirement.leak_rate") or self.written_at("load.target_leak_rate")
+        return None if isinstance(limit, NormalVolume) else unit_as_written(written, limit)
+
+    def written_at(self, key: str) -> object:
+        """What stands at a key of the case file; None where nothing does, or where no file is known."""
+        return None
 
     @property
     def faces(self) -> int:

@@ -273,6 +273,7 @@ def show_loads(case: Case, loads: Sequence[AnyLoad], title: str = "") -> None:
     """
     from fem_seal.answers.leakage_class import volume_of
     from fem_seal.materials import ROOM_TEMPERATURE
+    from fem_seal.output.answers.verdict import allowed_in_words
     from fem_seal.output.report.brief import loads_in_brief
     from fem_seal.output.report.tables import marks_of
     from fem_seal.seal.load_result import MissingLoad
@@ -291,6 +292,7 @@ def show_loads(case: Case, loads: Sequence[AnyLoad], title: str = "") -> None:
     )
     notes = marks_of([load for load in loads if not isinstance(load, MissingLoad)])
     notes += [f"{left_out} more loads in leak.csv"] if left_out else []
+    notes += [allowed] if (allowed := allowed_in_words(loads)) else []
     state = volume_of(case).state
     if state:
         assert case.fluid is not None

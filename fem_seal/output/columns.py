@@ -191,7 +191,7 @@ def _per_length(load: LoadResult, value: float | None) -> float | None:
 
 def _line_load_for_target(load: LoadResult) -> float | None:
     force = load.contact_force_for_target
-    return None if force is None else force / (2.0 * math.pi * load.contact.model.initial_contact_radius)
+    return None if force is None else load.contact.model.line_load(force)
 
 
 def _of_bolt(name: str) -> Callable[[LoadResult], float | None]:

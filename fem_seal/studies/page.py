@@ -22,7 +22,7 @@ from fem_seal.studies import designs_table, plots
 from fem_seal.studies.designs import SENSITIVITY
 from fem_seal.studies.display import LOOKS, Display, share_text, short
 from fem_seal.studies.store import FILE, open_to_read
-from fem_seal.units import leak_range_text, leak_rate_text, shown_in
+from fem_seal.units import Unit, leak_range_text, leak_rate_text, shown_in
 from fem_seal.version import __version__
 from leak.extras import needed
 
@@ -64,7 +64,9 @@ def page(designs: designs_table.Designs, counts: dict[str, int], reasons: list[t
     from markupsafe import Markup
     from plotly.offline import get_plotlyjs
 
-    with shown_in(designs.about.get("units"), designs.about["seal"].get("throughputs", False)):
+    seal = designs.about["seal"]
+    of_flow = Unit(*seal["leak_rate_unit"]) if seal.get("leak_rate_unit") else None
+    with shown_in(designs.about.get("units"), seal.get("throughputs", False), of_flow):
         return template("study.html.j2").render(
             title=designs.about["title"] or "Study",
             headline=_headline(designs, counts),

@@ -216,6 +216,7 @@ def description(study: StudyPlan) -> dict[str, Any]:
             "nominal_size": nominal_size(case).size,
             "gas": getattr(case.fluid, "gas", None) is not None,
             "throughputs": case.shown[1],
+            "leak_rate_unit": None if case.shown[2] is None else [case.shown[2].name, case.shown[2].size],
             "fluid": case.fluid.name if case.fluid else None,
             # limits of classes depend on the design
             "limit_m3_per_s": None if required is None or required.standard else required.leak_rate,

@@ -105,7 +105,10 @@ def target_in_brief(result: SealSolution) -> str:
         return ""
     if own is None:
         found = TARGET.of(result.answers)
-        return phrase("brief.target", "none", why=found.remarks[0].text) if found and found.remarks else ""
+        why = (
+            found.remarks[0].text.removeprefix("load.target_leak_rate = ") if found and found.remarks else ""
+        )
+        return phrase("brief.target", "none", why=why) if why else ""
     force = max([own, *_other_forces(load).values()])
     doubt = "" if known is None or not known.doubts else "outside" if known.outside else "doubt"
     return phrase(
@@ -122,8 +125,8 @@ def target_in_brief(result: SealSolution) -> str:
 
 
 def _line_load(load: LoadResult, contact_force: float) -> float:
-    """Per length of the circle of first touch, along the axis [N/m]."""
-    return contact_force / (2 * math.pi * load.contact.model.initial_contact_radius)
+    """Per length of the circle of first touch, normal to the contact [N/m]."""
+    return load.contact.model.line_load(contact_force)
 
 
 def _other_forces(load: LoadResult) -> dict[Reading, float]:

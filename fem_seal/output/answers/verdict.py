@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from fem_seal.answers.judgement import JudgedLoad, VerdictForce
     from fem_seal.answers.solution import SealSolution
     from fem_seal.case.case import Case
-    from fem_seal.seal.load_result import LoadResult
+    from fem_seal.seal.load_result import AnyLoad, LoadResult
 
 
 # Factors beyond this are shown as "more than".
@@ -168,7 +168,7 @@ def _verdict(result: SealSolution, found: SealJudgement, *, brief: bool = False)
     # what is seen has no number beside which others stand
     compared = 0.0 if limit.visible else limit.leak_rate
     at_most = _amount(high, digits, compared) if high else none
-    own = limit.name == leakage_class.OF_LEAK_RATE
+    own, allowed = limit.name == leakage_class.OF_LEAK_RATE, _limit_text(limit, beside=beside)
     # the sentences that follow the long form name the fluid
     of = f" of {limit.test_fluid}" if brief and limit.test_fluid else ""
     return phrase(
@@ -176,10 +176,11 @@ def _verdict(result: SealSolution, found: SealJudgement, *, brief: bool = False)
         key,
         load=load,
         who="the limit" if own else limit.name,
+        compared=f"the allowed {allowed}" if own else f"the {allowed} of {limit.name}",
         low=f"{_amount(low, digits, compared)}{of}",
         high=f"{at_most}{of}",
         range=_range(low, high, digits, compared),
-        allowed=_limit_text(limit, beside=beside),
+        allowed=allowed,
         limit=f"required{_as_written(limit.leak_rate)}" if own else limit.name,
         factor=factor_text(judged.margin, digits),
         times_low=factor_text(over[0], digits),
@@ -233,8 +234,37 @@ def _as_written(leak_rate: float) -> str:
     if isinstance(leak_rate, NormalVolume):
         return f", {units.trimmed(units.rounded(millilitres_per_minute(leak_rate.normal), 4))} Nml/min"
     if isinstance(leak_rate, Bubbles):
-        return f", {units.trimmed(units.rounded(60.0 * leak_rate.count, 4))} bubbles/min"
+        return f", {units.trimmed(units.rounded(60.0 * leak_rate.count, 4))} bubbles/min of {_bubble(leak_rate.volume)}"
     return ""
+
+
+def allowed_in_words(loads: Sequence[AnyLoad]) -> str:
+    """What the loads are held against, in a clause: "allowed: 0.3 ml/min"; empty where nothing is required.
+
+    Parameters
+    ----------
+    loads : sequence of LoadResult or MissingLoad
+        Those without a judgement are passed over.
+    """
+    judged = [load for load in loads if getattr(load, "judgement", None) is not None]
+    found = [load.judgement.limit for load in judged]  # type: ignore[union-attr]
+    known = [one for one in found if one.visible or not math.isnan(one.leak_rate)]
+    if not known:
+        return ""
+    rates = [one.leak_rate for one in known]
+    if any(one.visible for one in known):
+        allowed = _limit_text(known[0])
+    elif len(set(rates)) == 1:
+        allowed = units.format_quantity("flow", rates[0], units.DIGITS)
+    else:
+        allowed = units.leak_range_text((min(rates), max(rates)))
+    names = [one.name for one in known if one.name != leakage_class.OF_LEAK_RATE]
+    of = f" of {known[0].test_fluid}" if known[0].test_fluid else ""
+    if isinstance(rates[0], Bubbles):
+        own = f" of {_bubble(rates[0].volume)}"
+    else:
+        own = "".join(f" ({name})" for name in dict.fromkeys(names)) or _as_written(rates[0])
+    return phrase("verdict.check", "beside", allowed=f"{allowed}{of}{own}")
 
 
 def _further_sentences(result: SealSolution, found: SealJudgement) -> Iterator[str]:

@@ -12,6 +12,7 @@ from fem_seal.files import told_of
 from fem_seal.output.case_words import law_word
 from fem_seal.output.pictures import style
 from fem_seal.output.pictures.colours import BLUE, GREEN, GREY, INK, ORANGE
+from fem_seal.output.prose import phrase
 from fem_seal.seal.load_names import LoadAxis, different, load_axis, load_name
 from fem_seal.units import Unit, format_quantity, quantity, unit_for
 
@@ -303,7 +304,9 @@ def contact_picture(result: SealSolution, load: LoadResult) -> style.Picture:
     style.label(above, "", "", f"contact pressure  [{pressure.name}]")
     style.label(below, "", f"x  [{length.name}]", f"gap  [{gap.name}]")
     name = load_name(load, result.loads)
-    return style.captioned(figure, "contact", "all", "flow" if flows else "", load=name, times=times)
+    how_much = "alike" if 0.95 < times < 1.05 else "heights" if times > 1.0 else "widths"
+    enlarged = phrase("captions.contact", how_much, times=times, less=1.0 / times)
+    return style.captioned(figure, "contact", "all", "flow" if flows else "", load=name, enlarged=enlarged)
 
 
 def _shown(loads: Sequence[LoadResult]) -> tuple[float, float]:

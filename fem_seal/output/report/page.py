@@ -18,6 +18,7 @@ from fem_seal.case.tables import curves
 from fem_seal.contact.laws import HardContact
 from fem_seal.files import told_of, write_text
 from fem_seal.output import case_words, shown_answers
+from fem_seal.output.answers import verdict
 from fem_seal.output.pictures.contact import contact_picture, profile_picture, size_picture
 from fem_seal.output.pictures.fields import imprint_picture, mesh_picture, stress_picture, temperature_picture
 from fem_seal.output.pictures.leak import leak_picture, memory_picture
@@ -200,12 +201,13 @@ def _of_case(result: SealSolution) -> dict[str, Any]:
 def _words(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes]) -> dict[str, Any]:
     load, (in_brief, left_out) = brief.decisive(result), brief.loads_in_brief(result.case, result.every_load)
     lines = brief.first_line, *brief.ANSWERS, brief.second_line
+    caption = phrase("brief.table", "some" if left_out else "all", left_out=left_out)
     return {
         "given": words.given_in_words(result),
         "first_lines": [told for line in lines if (told := line(result))],
         "three_numbers": brief.three_numbers(result),
         "loads_in_brief": in_brief,
-        "brief_caption": phrase("brief.table", "some" if left_out else "all", left_out=left_out),
+        "brief_caption": "; ".join(filter(None, [caption, verdict.allowed_in_words(result.loads)])),
         "assumed": [*words.held_in_words(result.case, load), *brief.remarks_in_brief(result)],
         "headline": words.headline(result),
         "facts": words.facts(result),

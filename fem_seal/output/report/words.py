@@ -204,9 +204,9 @@ def volume_notes(volume: LeakVolume, units: Sequence[str], *, unmeasured: bool) 
     """
     found = [phrase("readings.volume", "least", least=volume.least_name)] if unmeasured else []
     if volume.gas:
-        found += [
-            phrase("readings.volume", "column", unit=unit, state=volume.gas) for unit in dict.fromkeys(units)
-        ]
+        # pressure times volume, two words, has no state
+        volumes = [unit for unit in dict.fromkeys(units) if " " not in unit]
+        found += [phrase("readings.volume", "column", unit=unit, state=volume.gas) for unit in volumes]
     return found
 
 

@@ -12,6 +12,7 @@ from sample_results import case
 from fem_seal.case.fields import Bubbles, LeakRate, NormalVolume, Throughput
 from fem_seal.case.gauge import as_differences
 from fem_seal.errors import InputError
+from fem_seal.units import leak_range_text, shown_in, unit_for
 
 RATE = LeakRate("leak rate", "1e-30 m^3/s", "1e3 m^3/s")
 
@@ -208,3 +209,38 @@ def test_an_absolute_pressure_is_the_outlet_and_the_difference(bar, outlet):
     assert not wrong
     number, unit = tables["load"]["fluid_pressure"].split()
     assert unit == "Pa" and float(number) == pytest.approx(bar * 1e5, rel=1e-9, abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("text", "fluid", "name"),
+    [
+        ("1 mm^3/min", "water", "mm³/min"),
+        ("0.3 cm**3/h", "air", "cm³/h"),
+        ("3 drops/min", "water", "drops/min"),
+        ("5 bubbles/h", "air", "bubbles/min"),
+        ("1e-5 Pa m3/s", "helium", "Pa m³/s"),
+        ("2 mbar*l/s", "helium", "mbar l/s"),
+    ],
+)
+def test_leak_rates_have_the_unit_of_their_limit(text, fluid, name):
+    """However far apart they are, in one unit: that in which the user has written the limit."""
+    bubble = {"bubble_volume": "0.15 ml"} if "bubble" in text else {}
+    given = case(fluid={"name": fluid}, requirement={"leak_rate": text, **bubble})
+    count = float(text.split()[0]) / (60.0 if "bubbles" in text else 1.0)
+    with shown_in(*given.shown):
+        limit = given.requirement.leak_rate
+        assert leak_range_text(limit, 5).split(maxsplit=1) == [leak_range_text(limit, 5).split()[0], name]
+        assert unit_for("flow", 1.0).of(limit) == pytest.approx(count, rel=1e-11)
+        wide = leak_range_text((1e-7 * limit, 1e7 * limit))
+        assert wide.count(name) == 1 and wide.endswith(name)
+
+
+def test_a_normal_volume_and_a_system_of_units_keep_their_own():
+    normal = case(fluid={"name": "air"}, requirement={"leak_rate": "1 Nml/min"})
+    us = case(requirement={"leak_rate": "1 mm^3/min"}, report={"units": "US"})
+    assert normal.shown[2] is None and us.shown[2] is None
+    of_class = case(
+        load={"fluid_pressure": "5 bar", "target_leak_rate": "1 mm^3/min"},
+        requirement={"standard": "FCI 70-2", "class": "V"},
+    )
+    assert of_class.shown[2].name == "mm³/min"

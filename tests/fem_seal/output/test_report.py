@@ -477,9 +477,11 @@ def test_the_first_lines_say_the_force_for_the_target_and_how_sure_it_is():
         force_for_target=6e3, contact_force_for_target=5e3, target_validity=Validity(())
     )
     result = Mock(highest=load, case=single_case().replace({"load.target_leak_rate": "1 ml/min"}))
-    per_length = 5.0 / (2 * math.pi * load.contact.model.initial_contact_radius * 1e3) * 1e3
+    # one direction with the line load of the tables: normal to the seat's 45 deg
+    per_length = 5.0 / (2 * math.pi * load.contact.model.initial_contact_radius * math.sqrt(0.5))
+    assert load.line_load / load.contact_force == pytest.approx(1e3 * per_length / 5e3)
     told = target_in_brief(result)
-    assert f"of 6000 N, {per_length:.3g} N/mm in the contact, brings" in told and told.endswith(
+    assert f"of 6000 N, {per_length:.3g} N/mm normal to the contact, brings" in told and told.endswith(
         "1 ml/min at 20 bar"
     )
     crushed = Finding("yield stress", Level.OUTSIDE, "seat yields", "seat yields")
@@ -513,7 +515,7 @@ def test_the_first_lines_say_that_no_force_meets_the_target():
     result = run_loads(case(load={"fluid_pressure": "20 bar", "target_leak_rate": "1e3 m^3/s"}))
     assert result.highest.force_for_target is None
     told = next(one for one in result.warnings if one.startswith("load.target_leak_rate"))
-    assert target_in_brief(result) == f"No force for {told}"
+    assert target_in_brief(result) == f"Target leak rate {told.removeprefix('load.target_leak_rate = ')}"
 
 
 def test_the_interval_names_inputs_besides_the_finish():
