@@ -62,13 +62,14 @@ def _film(problem: SealProblem) -> Iterator[Finding]:
     given = problem.fluid_temperature
     if given is None:
         return
+    name, film, near = "film_temperature", ROOM_TEMPERATURE, _NEAR
     if problem.temperatures:
-        film, name, near = math.fsum(problem.temperatures.values()) / len(problem.temperatures), "film", _NEAR
+        film = math.fsum(problem.temperatures.values()) / len(problem.temperatures)
     else:
         # oil of 50 degC is usual in a valve whose metals are those of a table at 20 degC
-        film, name, near = ROOM_TEMPERATURE, "body", 2 * _NEAR
+        name, near = "body_temperature", 2 * _NEAR
     if abs(given - film) > near:
-        found = caution(f"{name}_temperature", given=in_degrees(given), film=in_degrees(film))
+        found = caution(name, given=in_degrees(given), film=in_degrees(film))
         yield found if abs(given - film) >= _FAR else replace(found, level=Level.VALID)
 
 
