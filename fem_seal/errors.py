@@ -207,6 +207,10 @@ class LimitLoadError(ConvergenceError):
         self.body = body
 
 
+class LongPathError(ConvergenceError):
+    """The load steps of bodies that yield become so short that their path does not come to an end."""
+
+
 class OpenSealError(SealError, ValueError):
     """The loads leave the seal open: there is no contact to solve.
 

@@ -24,7 +24,7 @@ from fem_seal.contact.plastic_step import (
     unloading_model,
 )
 from fem_seal.contact.solution import ContactSolution, body_fields, fields_at_rest
-from fem_seal.errors import ConvergenceError, LimitLoadError, OpenSealError
+from fem_seal.errors import ConvergenceError, LimitLoadError, LongPathError, OpenSealError
 from fem_seal.units import briefly
 
 
@@ -242,7 +242,8 @@ def load_path(
     ValueError
         If no body yields unless that is allowed, or a force is not positive and finite.
     ConvergenceError
-        If the smallest load step does not converge; `partial` holds the path as far as it goes.
+        If the smallest load step does not converge, or steps become so short that they are too many; `partial` holds
+        the path as far as it goes.
 
     Notes
     -----
@@ -410,6 +411,8 @@ _COLLAPSED = 10.0
 # A little more load brings bodies that yield through so many times as near to each other as elastic ones: beyond what a
 # contact in the fully plastic range does, or where so much of a body has yielded.
 _GIVES_WAY, _GIVES_WAY_WHOLE, _WHOLE = 20.0, 5.0, 0.9
+# Part of the steps of a whole way that its beginning may take.
+_AT_LEAST = 0.2
 # What keeps a step from being solved; a smaller one may be.
 _FAILURES = (ConvergenceError, OpenSealError, FloatingPointError, RuntimeError, np.linalg.LinAlgError)
 
@@ -450,11 +453,14 @@ class _Walk:
         begin = begin.relieved(here)
         share = begin.change(end, self.model.initial_contact_radius)
         usual = step = 1 / max(1, math.ceil(share * self.settings.steps * (1 - 1e-9)))
-        way, steps = 0.0, 0
+        way, steps, tried = 0.0, 0, 0
         earlier, taken = None, 1.0
         while way < 1:
             if (beyond := end.past_stop(here)) is not None:
                 return beyond, steps
+            if tried >= self.settings.most_steps * max(way, _AT_LEAST):
+                raise self._takes_too_many(begin.between(end, way), end, here, way, tried, step)
+            tried += 1
             if number is not None:
                 self.tell(PlaceOnPath(number, way, steps, step))
             aim = way + step if way + 1.5 * step < 1 else 1.0
@@ -548,15 +554,32 @@ class _Walk:
         """What is said of a load step that is as small as can be and not solved."""
         if self._gives_way(at, aim, here):
             return _yielded_through(at, here)
+        why = error if isinstance(error, ConvergenceError) else "what flows has no stiffness left"
         return ConvergenceError(
-            f"elastoplastic contact: the load step from {at} to {aim} does not converge: {error}. The body may be "
+            f"elastoplastic contact: the load step from {at} to {aim} does not converge: {why}. The body may be "
             "near its limit load: lower the load, give a stress_strain table that hardens, or take a thicker body; "
             "else refine [mesh] contact_size"
         )
 
+    def _takes_too_many(
+        self, at: PathLoad, end: PathLoad, here: Equilibrium, way: float, tried: int, step: float
+    ) -> ConvergenceError:
+        """What is said of a way whose load steps have become so short that it would never end."""
+        if self._gives_way(at, at.between(end, step), here):
+            return _yielded_through(at, here)
+        flows = ""
+        if (strain := here.plastic_strain) > 0:
+            body = max(here.states, key=lambda name: float(here.states[name].plastic.accumulated.max()))
+            flows = f"The {body} flows in one place there, to a plastic strain of {100 * strain:.2g} %. "
+        return LongPathError(
+            f"{briefly('force', at.force)} of {briefly('force', end.force)} are reached after {tried} load steps that "
+            f"were tried, {100 * way:.2g} % of the way; the next one could be no longer than {100 * step:.2g} % of it. "
+            f"{flows}Lower the load, round the edge that is pressed in more, or give a stress_strain table that hardens"
+        )
+
     def _gives_way(self, at: PathLoad, aim: PathLoad, here: Equilibrium) -> bool:
         """Whether bodies linearised as they flow come so much nearer in a step that they bear nothing more."""
-        if here.linear is None or here.contact is None:
+        if not here.states or here.linear is None or here.contact is None:
             return False
         elastic = unloading_model(self.model, self.bodies, here.states, at.further)
         try:

@@ -532,12 +532,16 @@ class PlasticSettings:
         Load steps from zero to a load; between two loads in proportion to the larger one.
     smallest_step : float
         Smallest load step, as a share of the larger load, before the path is given up.
+    most_steps : int
+        Load steps that may be tried on the way to a load before the path is given up, those not solved among them; on a
+        part of the way as large a part of them, but a fifth.
     """
 
     tolerance: float = 1e-9
     max_iterations: int = 20
     steps: int = 16
     smallest_step: float = 1e-4
+    most_steps: int = 128
 
 
 @dataclass(frozen=True)

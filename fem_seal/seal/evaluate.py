@@ -19,7 +19,7 @@ from fem_seal.contact.model import ContactModel
 from fem_seal.contact.newton import ContactProblem, solve_many
 from fem_seal.contact.sizing import MeshFit
 from fem_seal.contact.solution import ContactSolution
-from fem_seal.errors import ConvergenceError, LimitLoadError, LoadProblem, NoLoadLeftError
+from fem_seal.errors import ConvergenceError, LimitLoadError, LoadProblem, LongPathError, NoLoadLeftError
 from fem_seal.seal.cost import about, path_seconds
 from fem_seal.seal.leak_model import LeakModel
 from fem_seal.seal.load_result import LoadResult, SolvedSeal
@@ -343,11 +343,11 @@ def _evaluated(
     ) -> MeshFit:
         solver, seal_mesh = made
         solved = solve_loads(solver, clock.progress, known, leave=leave)
-        # what a body does not bear it does not bear on a finer mesh
+        # what a body does not bear it does not bear on a finer mesh, where steps are no longer either
         unconverged = [
             error
             for error in solved.failures.values()
-            if isinstance(error, ConvergenceError) and not isinstance(error, LimitLoadError)
+            if isinstance(error, ConvergenceError) and not isinstance(error, LimitLoadError | LongPathError)
         ]
         if unconverged and not (fit.refined or fit.size_given):
             # a load that does not converge is tried on a finer mesh once, before the others go on without it

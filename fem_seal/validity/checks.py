@@ -708,6 +708,7 @@ def _nearly_sealed(
         # with a lay the bound is as uncertain as the conductivity where direct results end
         most = _most_leak(load, surface, lay)
         bound = "with_lay" if lay > 1.0 else "bounded"
+        side = "close" if load.peak_pressure < sealing else "short"
         yield caution(
             "close_to_threshold",
             load,
@@ -715,9 +716,8 @@ def _nearly_sealed(
             leak_factor=Bounds(0.0, most),
             area=area,
             surface=surface,
-            near=sentence(
-                "close_to_threshold", "close" if load.peak_pressure < sealing else "short", surface=surface
-            ),
+            briefly=sentence("close_to_threshold", f"{side}_briefly"),
+            near=sentence("close_to_threshold", side, surface=surface),
             direct_end=_DIRECT_END,
             bound=sentence(
                 "close_to_threshold",

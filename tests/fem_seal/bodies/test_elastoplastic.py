@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
@@ -31,7 +32,7 @@ from fem_seal.contact.newton import solve
 from fem_seal.contact.other_loads import BodyLoads
 from fem_seal.contact.plastic_step import PathLoad, PlasticSettings
 from fem_seal.contact.solution import yielded_zone
-from fem_seal.errors import ConvergenceError, InputError
+from fem_seal.errors import ConvergenceError, InputError, LongPathError
 from fem_seal.materials import HardeningCurve, Material
 
 STRONG = replace(STEEL, hardening=HardeningCurve((0.0,), (50e9,)))
@@ -408,6 +409,29 @@ def test_steps_are_halved_before_giving_up() -> None:
     assert [contact.contact_force for contact in path.contacts] == [0.02 * force]
     assert "load step from" in str(path.stopped)
     assert path.unloaded.imprints == {}
+
+
+def test_a_way_that_takes_too_many_steps_ends_with_the_load_that_was_reached() -> None:
+    """Steps of a perfectly plastic edge shrank to 0.05 % of the way, and the path went on for ever."""
+    model, force = seal(LAW, 6e7, seat=PERFECT, refine=0.35, wider=2.0)
+    loads = [PathLoad(0.02 * force), PathLoad(force)]
+    never = PlasticSettings(steps=1, max_iterations=1, smallest_step=0.0, most_steps=30)
+    with pytest.raises(ConvergenceError) as caught:
+        load_path(model, LAW, loads, settings=never)
+    assert isinstance(caught.value.partial.stopped, LongPathError)
+    assert [contact.contact_force for contact in caught.value.partial.contacts] == [0.02 * force]
+    said = r"([\d.]+) N of 37.7 kN are reached after (\d+) load steps that were tried, (\d+) % of the way"
+    found = re.match(said, str(caught.value))
+    assert found is not None
+    reached, tried, way = map(float, found.groups())
+    assert reached == pytest.approx(0.02 * force + 0.01 * way * 0.98 * force, rel=0.03)
+    # as large a part of all steps as of the way
+    assert tried == pytest.approx(30 * max(0.2, 0.01 * way), abs=1)
+    # what takes as many as it may is not given up
+    (contact,) = load_path(
+        model, LAW, [PathLoad(force)], settings=PlasticSettings(steps=1, max_iterations=6), unload=False
+    ).contacts
+    assert contact.contact_force == pytest.approx(force)
 
 
 @pytest.mark.parametrize("force", [0.0, -1.0, math.nan])

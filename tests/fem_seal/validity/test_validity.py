@@ -45,6 +45,9 @@ def test_a_short_contact_that_leaks_above_the_sealing_pressure_is_not_called_sea
     assert said("sealed", short) == ""
     (found,) = judged("few channels", short)
     assert "above 0.42" in found.text and "so narrow that some are" in found.text
+    assert "above the percolation threshold" in found.reason and "close to" not in found.reason
+    (close,) = judged("few channels", load(peak=0.98 * SURFACE.sealing_pressure, leak_rate=1e-15))
+    assert "close to the percolation threshold" in close.reason
     assert found.leak_factor == (0.0, np.inf)
 
 
