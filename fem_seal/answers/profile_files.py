@@ -42,7 +42,6 @@ _LENGTHS = ("arc", "radius", "x", "y", "z")
 # Programs that know no units call the contact pressure so; a peak above this is one in Pa, not in MPa.
 _WITHOUT_UNITS, _IN_PASCAL = re.compile(r"cpress|cont_?pres|pres(\b|_)"), 1e5
 _LENGTH_UNIT = re.compile(r"length unit\W+(\w+)", re.IGNORECASE)
-_STEP = re.compile(r"\W*((?:step|frame|part|.*reported at .* for part)\s*[:=].*)", re.IGNORECASE)
 _LOAD = re.compile(r"(\d+(?:[.,]\d+)?)\s*_?(bar|kpa|mpa|psi|pa)(?![a-z])", re.IGNORECASE)
 # Distances between points and the seat's face, and of radii from those of the case, that are none.
 _ON_FACE, _SAME_RADIUS, _FAR = 0.1, 0.02, 0.05
@@ -104,21 +103,22 @@ def read_profiles(file: str | Path, contact: ContactGeometry) -> tuple[ImportedP
             raise TextTableError(
                 "contact pressure is zero in every row, or below 1 mPa: the bodies do not touch"
             )
-        return tuple(_placed(one, contact) for one in pressed)
+        left = len(steps) - len(pressed)
+        told = f"; {left} load step{'s' * (left > 1)} without contact pressure left out" if left else ""
+        return tuple(_placed(replace(one, remark=one.remark + told), contact) for one in pressed)
     except (TableError, TextTableError, QuantityError) as error:
         raise InputError.at("", str(error), file=file) from None
 
 
 @dataclass(frozen=True)
 class _Step:
-    """Points of one load step as the file has them, in SI; `name` tells it from others."""
+    """Points of one load step as the file has them, in SI."""
 
     places: dict[str, tuple[str, FloatArray]]
     pressure: FloatArray
     pressure_name: str
     fluid_pressure: float | None
-    name: str
-    remark: str = ""
+    remark: str
 
     def rows(self, kept: IntArray | BoolArray) -> _Step:
         places = {role: (name, values[kept]) for role, (name, values) in self.places.items()}
@@ -136,16 +136,15 @@ def _steps(table: TextTable) -> Iterator[_Step]:
             f'line {number} ("{line[:40]}") is no row like line {table.lines[0]}; mend or remove it'
         )
     roles = _roles(table)
-    named = [place for found in roles.values() for place in found]
-    given = table.header
-    table = without_extremes(_with_units(table, roles))
-    units = [name_and_unit(name)[1] for name, own in zip(table.header, given, strict=True) if name != own]
-    remark = f"; the file states no units, read in {' and '.join(dict.fromkeys(units))}" if units else ""
     numbers = [place for role in (*_LENGTHS, "pressure", "fluid_pressure") for place in roles.get(role, ())]
     lost = np.flatnonzero(~np.isfinite(table.values[:, numbers]).all(axis=1))
     if lost.size:
         line, row = table.lines[lost[0]], table.rows[lost[0]]
-        raise TextTableError(f'line {line} ("{row[:40]}"): must hold {len(named)} finite numbers')
+        raise TextTableError(f'line {line} ("{row[:40]}"): must hold {len(numbers)} finite numbers')
+    given = table.header
+    table = without_extremes(_with_units(table, roles))
+    units = [name_and_unit(name)[1] for name, own in zip(table.header, given, strict=True) if name != own]
+    remark = f"; the file states no units, read in {' and '.join(dict.fromkeys(units))}" if units else ""
     _check_angles(table, roles)
     places = {
         role: (given[roles[role][0]], column(table, roles[role][0], "length"))
@@ -156,16 +155,12 @@ def _steps(table: TextTable) -> Iterator[_Step]:
     if loads is not None and not (loads > 0).all():
         held = format_quantity("fluid pressure", float(loads.min()))
         raise TextTableError(f"fluid pressure must be positive, it holds {held}")
-    above = "; ".join(found[1] for _, line in table.above if (found := _STEP.match(line)))
     for place in roles["pressure"]:
         pressure = column(table, place, "pressure")
         _check_pressure(table, pressure)
-        for rows, key in _groups(table, roles, loads, next(iter(places.values()))[1]):
+        for rows in _groups(table, roles, loads, next(iter(places.values()))[1]):
             load = _load_in(table.header[place]) if loads is None else float(loads[rows[0]])
-            name = ", ".join(
-                filter(None, (above, key, table.header[place] if len(roles["pressure"]) > 1 else ""))
-            )
-            yield _Step(places, pressure, given[place], load, name, remark).rows(rows)
+            yield _Step(places, pressure, given[place], load, remark).rows(rows)
 
 
 def _roles(table: TextTable) -> dict[str, list[int]]:
@@ -249,18 +244,16 @@ def _load_in(name: str) -> float | None:
 
 def _groups(
     table: TextTable, roles: dict[str, list[int]], loads: FloatArray | None, x: FloatArray
-) -> Iterator[tuple[IntArray, str]]:
-    """Rows of each load step, with what tells it from others."""
+) -> list[IntArray]:
+    """Rows of each load step, in their order."""
     keys = [table.texts(place) for place in roles.get("step", ())]
     if loads is not None:
         keys.append([f"{load!r}" for load in loads.tolist()])
-    varying = [key for key in keys if len(set(key)) > 1]
-    told = list(zip(*varying, strict=True)) if varying else [()] * len(x)
-    found = list[tuple[IntArray, str]]()
+    told = list(zip(*keys, strict=True)) if keys else [()] * len(x)
+    found = list[IntArray]()
     for one in dict.fromkeys(told):
-        rows = np.array([n for n, own in enumerate(told) if own == one])
-        found += [(block, ", ".join(one)) for block in _begun_anew(x, rows)]
-    yield from sorted(found, key=lambda block: int(block[0][0]))
+        found += _begun_anew(x, np.array([n for n, own in enumerate(told) if own == one]))
+    return sorted(found, key=lambda rows: int(rows[0]))
 
 
 def _begun_anew(x: FloatArray, rows: IntArray) -> list[IntArray]:
@@ -519,4 +512,4 @@ def _merged(
 
 
 def _mm(length: float) -> str:
-    return written(length, ".3g mm").replace("-", "−")
+    return written(length, ".4g mm").replace("-", "−")

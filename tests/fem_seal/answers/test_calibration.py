@@ -232,6 +232,16 @@ def test_draws_go_through_their_file(tmp_path):
 # -------------------------------------------------------------------- readings
 
 
+@pytest.mark.parametrize("encoding", ["utf-16", "latin-1"])
+def test_readings_in_any_encoding(tmp_path, encoding):
+    path = tmp_path / "test.csv"
+    text = "% Prüfstand 7\nfluid_pressure [bar];leak_rate [µl/min];uncertainty\n5;1,2;5 %\n"
+    path.write_bytes(text.replace("\n", "\r\n").encode(encoding))
+    (found,) = read_measured(seal(), path)
+    assert (found.fluid_pressure, found.uncertainty, found.line) == pytest.approx((5e5, 0.05, 3))
+    assert found.leak_rate == pytest.approx(1.2e-9 / 60.0)
+
+
 def test_readings_in_any_unit(tmp_path):
     case = seal()
     path = table(tmp_path, "5; 1,2; 5; no", "10; 3 cm^3/h; ; yes", header=HEADER.replace(",", ";"))

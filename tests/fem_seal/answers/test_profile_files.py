@@ -119,27 +119,27 @@ P_OVER, Z_OVER = np.tile(P, 12) * (1.0 + 0.5 * np.cos(TURNED)), np.tile(Z, 12)
 CONTRADICTIONS = {
     "x is a radius": (
         written("x [mm],p [MPa]", R, P),
-        'highest at x = 14.1 mm, and zero at x = 0; .*"x \\[mm\\]" is the arc',
+        'highest at x = 14.14 mm, and zero at x = 0; .*"x \\[mm\\]" is the arc',
     ),
     "m read as mm": (
         written("x [m],p [MPa]", X, P),
-        "reaches .290 mm, the contact circle has a radius of 14.1 mm: is the unit right",
+        "reaches .290 mm, the contact circle has a radius of 14.14 mm: is the unit right",
     ),
     "mm read as um": (
         written("x [um],p [MPa]", 1e-3 * X, P),
-        "contact circle has a radius of 14.1 mm: is the unit right",
+        "contact circle has a radius of 14.14 mm: is the unit right",
     ),
     "another radius": (
         written("r [mm],p [MPa]", R - 5.0, P),
-        "highest at r = 9.14 mm, closure and seat of the case touch first at 14.1",
+        "highest at r = 9.14. mm, closure and seat of the case touch first at 14.1",
     ),
     "a radius beside the face": (
         written("x [mm],r [mm],p [MPa]", X, R + 90.0, P),
-        "the face of the seat from 7.07 mm to 22.6 mm",
+        "the face of the seat from 7.07. mm to 22.6. mm",
     ),
     "one wrong radius": (
         written("x [mm],r [mm],p [MPa]", X, ZERO + 10.0, P),
-        "from 10 mm to 10 mm, the seat at these x from 13.9 mm",
+        "from 10 mm to 10 mm, the seat at these x from 13.9",
     ),
     "x is no arc length beside r": (
         written("x [mm],r [mm],p [MPa]", 3.0 * X, R, P),
@@ -231,7 +231,10 @@ STEPS = {
     "beside each other": (written("x [mm],p at 20 bar [MPa],p at 40 bar [MPa]", X, P, 2 * P), (20, 40)),
     "beside each other without fluid pressure": (written("X,CPRESS step 1,CPRESS step 2", X, P, 2 * P), ()),
     "in tables of a report": (field_report("Step-1", P) + field_report("Step-2", 2 * P), ()),
-    "after one without contact": (field_report("Step-0", ZERO) + field_report("Step-1", P) + field_report("Step-2", 2 * P), ()),
+    "after one without contact": (
+        field_report("Step-0", ZERO) + field_report("Step-1", P) + field_report("Step-2", 2 * P),
+        (),
+    ),
 }
 
 
