@@ -146,8 +146,7 @@ def solve_profiles(
         As of `leak_of_profiles`.
     """
     clock, steps = Clock(progress or (lambda text: None)), OptionalSteps()
-    # the given contact is that of a round seal, whatever its bodies have been through
-    problem = replace(SealProblem.of(case), form=None)
+    problem = SealProblem.of(case)
     _simulate(problem, clock)
     with clock.step("leak", "flow conductivity and leak rates"):
         loads = [

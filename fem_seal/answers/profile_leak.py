@@ -11,7 +11,7 @@ import numpy as np
 
 from fem_seal.answers.profile_files import ImportedProfile
 from fem_seal.errors import InputError, Problem
-from fem_seal.profile import PressureProfile
+from fem_seal.profile import PressureProfile, joined
 from fem_seal.seal.leak_model import Conductivity, FlowModel, LeakModel
 from fem_seal.seal.load_result import GivenContact, GivenLoad
 from fem_seal.seal.problem import SealProblem
@@ -58,6 +58,12 @@ def leak_of_profiles(problem: SealProblem, profiles: Sequence[ImportedProfile]) 
             file=problem.file,
         )
     peaks = [float(profile.pressure.max()) for profile in profiles]
+    if problem.form is not None:
+        raise InputError.at(
+            "form",
+            "a given contact is that of a round seal; no form error, scratch or lay is added to it, remove the table",
+            file=problem.file,
+        )
     rough = LeakModel(surface, flow, partial(_conductivity, peaks))
     others = {}
     for theory in problem.other_theories:
@@ -121,13 +127,16 @@ def _ends(contact: ContactGeometry, profile: ImportedProfile) -> tuple[float | N
 
 
 def _profile(contact: ContactGeometry, profile: ImportedProfile) -> PressureProfile:
-    """The profile with weights of the trapezoidal rule; nothing is known of its gap."""
-    x, steps = profile.x, np.diff(profile.x, prepend=profile.x[0], append=profile.x[-1])
-    return PressureProfile(
-        x,
-        contact.radius(x) if profile.radius is None else profile.radius,
-        profile.pressure,
-        np.full(len(x), math.nan),
-        0.5 * (steps[1:] + steps[:-1]),
-        _ends(contact, profile),
-    )
+    """The profile with weights of the trapezoidal rule, its lands parted by chambers; nothing is known of its gap."""
+    x, ends = profile.x, _ends(contact, profile)
+    radius = contact.radius(x) if profile.radius is None else profile.radius
+    middles = x.searchsorted(contact.chambers)
+    parts = [rows for rows in np.split(np.arange(len(x)), middles) if len(rows) > 1]
+    lands = []
+    for number, rows in enumerate(parts):
+        own = x[rows]
+        steps = np.diff(own, prepend=own[0], append=own[-1])
+        outer = ends[0] if number == 0 else None, ends[1] if number == len(parts) - 1 else None
+        weight, gap = 0.5 * (steps[1:] + steps[:-1]), np.full(len(rows), math.nan)
+        lands.append(PressureProfile(own, radius[rows], profile.pressure[rows], gap, weight, outer))
+    return joined(lands)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Self, TypeVar
 import numpy as np
 
 from fem_seal.former_names import former_attribute
-from fem_seal.profile import PressureProfile, joined
+from fem_seal.profile import PressureProfile, joined, tightest
 from fem_seal.seal.both_faces import joined_validity, mean_leak, share_of
 from fem_seal.seal.bounds import AGREE, EXACT, Bounds
 from fem_seal.seal.findings import DIRECT_SCATTER, VALID, Finding, Level, Validity
@@ -590,26 +590,32 @@ class GivenContact:
 
     Parameters
     ----------
-    profile : PressureProfile
+    whole : PressureProfile
+        With its lands.
     """
 
-    profile: PressureProfile
+    whole: PressureProfile
     largest = None
 
     @property
     def profiles(self) -> tuple[PressureProfile, ...]:
-        """The only one."""
-        return (self.profile,)
+        """Of each land, from the axis outwards."""
+        return self.whole.lands
+
+    @property
+    def profile(self) -> PressureProfile:
+        """Of the land that is pressed hardest."""
+        return tightest(self.profiles)
 
     @property
     def pressure(self) -> NDArray[np.float64]:
         """Contact pressure [Pa]."""
-        return self.profile.pressure
+        return self.whole.pressure
 
     @property
     def line_load(self) -> float:
         """Int p dx [N/m]."""
-        return self.profile.moment(0)
+        return self.whole.moment(0)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

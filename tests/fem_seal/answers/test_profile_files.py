@@ -281,6 +281,13 @@ def test_the_verdict_is_that_of_each_steps_own_pressure(read) -> None:
     assert "is their contact pressure" in page
 
 
+def test_a_form_error_is_refused(read) -> None:
+    """A scratch would leak beside the given contact, unseen."""
+    tilted = SealProblem.of(case_of({**TABLES, "form": {"tilt": "0.01 deg"}}))
+    with pytest.raises(InputError, match="a given contact is that of a round seal"):
+        leak_of_profiles(tilted, read(SAME["arc length"]))
+
+
 @pytest.mark.slow
 def test_samples_keep_the_given_contact(read) -> None:
     """Each sample leaks as the same profile on the surface of that sample does."""

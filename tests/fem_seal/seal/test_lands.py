@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -13,10 +14,13 @@ from scipy.optimize import brentq
 import fem_seal
 import leak
 from fem_seal.answers.opening import blow_off_pressures
+from fem_seal.answers.profile_files import read_profiles
+from fem_seal.answers.profile_leak import leak_of_profiles
 from fem_seal.case.case import load_case
 from fem_seal.contact.model import ContactModel
 from fem_seal.errors import InputError
 from fem_seal.output.answers.lands import lands_in_words
+from fem_seal.output.tables import write_profile_csv
 from fem_seal.seal.evaluate import Evaluation, evaluate
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.problem import SealProblem
@@ -167,6 +171,21 @@ def test_a_land_that_does_not_touch_has_numbers(closing: str) -> None:
         (5e5, 0.0, load.leak.leak_rate),
         (0.0, 0.0, load.leak.leak_rate),
     )
+
+
+@pytest.mark.parametrize("chamber", [None, "0 bar"])
+@pytest.mark.parametrize("set_back", ["0 um", "50 um"])
+def test_given_lands_leak_as_those_that_were_solved(
+    chamber: str | None, set_back: str, tmp_path: Path
+) -> None:
+    """Read from profile.csv: between two lands is a chamber with its own pressure, no contact that goes on."""
+    load = {} if chamber is None else {"chamber_pressure": [chamber]}
+    problem = SealProblem.of(lands_case(INNER, OUTER | {"set_back": set_back}, **load))
+    solved = evaluate(problem).loads
+    file = write_profile_csv(SimpleNamespace(loads=solved), tmp_path / "profile.csv")
+    (given,) = leak_of_profiles(problem, read_profiles(file, problem.contact))
+    assert given.leak.leak_rate == pytest.approx(solved[0].leak.leak_rate, rel=1e-3)
+    assert np.array(given.leak.lands) == pytest.approx(np.array(solved[0].leak.lands), rel=1e-3, abs=1.0)
 
 
 @pytest.mark.slow
