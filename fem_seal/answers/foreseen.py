@@ -6,6 +6,8 @@ import math
 from collections.abc import Iterator
 from dataclasses import replace
 
+import numpy as np
+
 from fem_seal.answers.closed_forms import Derived, derive_problem
 from fem_seal.case.load_limits import MOST_TURNED, turning
 from fem_seal.case.material_library import CURVES, library_name
@@ -20,6 +22,8 @@ from fem_seal.validity.words import not_calculated, sentence
 # Largest von Mises stress under Hertz's line contact over its peak pressure, in plane strain (K. L. Johnson, Contact
 # Mechanics, 4.2 and 6.1; Poisson's ratio 0.3).
 _VON_MISES = 0.558
+# Plastic strain over a/R that stands for that of a contact in the fully plastic range, and steps to its flow stress.
+_TABOR, _ITERATIONS = 0.2, 20
 
 
 def foreseen(problem: SealProblem, derived: Derived | None = None) -> Iterator[str]:
@@ -61,8 +65,7 @@ def yielding(problem: SealProblem, derived: Derived) -> Iterator[str]:
     if not loads:
         return
     # a body that yields lets no more through to the other one
-    most = min((CONSTRAINT * curve.stress[-1] for curve in problem.curves), default=math.inf)
-    loads = [(min(pressure, most), force, f) for pressure, force, f in loads]
+    loads = [(min(pressure, borne(problem, f)), force, f) for pressure, force, f in loads]
     peak, _, line_load = loads[-1]
     said: dict[str, list[str]] = {}
     for name, material in problem.materials.items():
@@ -87,6 +90,27 @@ def yielding(problem: SealProblem, derived: Derived) -> Iterator[str]:
         said.setdefault(text, []).append(name)
     for text, names in said.items():
         yield f"{' and '.join(names)}: {text}"
+
+
+def borne(problem: SealProblem, line_load: float) -> float:
+    """Pressure that bodies with a stress-strain curve bear in the fully plastic range [Pa]; infinite without one.
+
+    The flow stress is that at a plastic strain of 0.2 a/R (Tabor, The Hardness of Metals, 1951).
+
+    Parameters
+    ----------
+    problem : SealProblem
+    line_load : float
+        f_N [N/m].
+    """
+    radius, most = problem.contact.relative_radius, math.inf
+    for curve in problem.curves:
+        stress = curve.stress[-1]
+        for _ in range(_ITERATIONS if math.isfinite(radius) else 0):
+            strain = _TABOR * plastic_half_width(line_load, stress) / radius
+            stress = 0.5 * (stress + float(curve.flow_stress(np.array(strain))))
+        most = min(most, CONSTRAINT * stress)
+    return most
 
 
 def _with_curve(problem: SealProblem, name: str, material: Material, limit: float, line_load: float) -> str:

@@ -10,12 +10,12 @@ from places import EXAMPLES
 from sample_results import ball, cone, smooth_case
 
 import fem_seal
-from fem_seal.answers.foreseen import foreseen, run_seconds
+from fem_seal.answers.foreseen import borne, foreseen, run_seconds
 from fem_seal.case.load_limits import MOST_TURNED, refused_loads, turning
 from fem_seal.cli.app import main
 from fem_seal.contact.solution import yielding_of
 from fem_seal.errors import InputError
-from fem_seal.loads import plastic_half_width
+from fem_seal.loads import line_load, plastic_half_width
 from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.problem import SealProblem
 
@@ -116,6 +116,26 @@ def test_the_stress_that_is_foreseen_is_that_of_the_run(share):
         # Hertz, and two digits
         assert excess == pytest.approx(share, rel=0.04, abs=0.05)
         assert ("outside the theory" in text) == (share > 1.5)
+
+
+def test_a_body_bears_the_flow_stress_of_its_strain():
+    perfect = {**SOFT, "stress_strain": {"plastic_strain": [0], "stress": ["100 MPa"]}}
+    assert borne(SealProblem.of(knife("1 kN", gasket=perfect)), 1e4) == pytest.approx(2.97 * 100e6)
+    hardening = SealProblem.of(knife("1 kN"))
+    # by hand: a = 3e-3 R at 2 2.97 a sigma = f, 0.2 a/R = 6e-4, sigma = 60 + 1.8 MPa
+    f = 5.94 * 3e-3 * 0.1e-3 * 61.8e6
+    assert borne(hardening, f) == pytest.approx(2.97 * 61.8e6, rel=1e-3)
+    assert borne(SealProblem.of(knife("1 kN", gasket="copper")), 1e4) == math.inf
+
+
+@pytest.mark.slow
+def test_what_a_body_that_yields_bears_is_the_peak_of_the_run():
+    """A ball of 10 mm in mild steel at 150 N/mm: the mean pressure of full plasticity is not quite reached."""
+    problem = SealProblem.of(fem_seal.load_case(EXAMPLES / "elastoplastic_seat.toml"))
+    first = evaluate(problem).solved.contacts[0]
+    f = line_load(first.contact_force, problem.initial_contact_radius, problem.contact.angle)
+    most = borne(problem, f)
+    assert 0.75 * most < first.profile.peak_pressure < 1.02 * most
 
 
 def test_hardness_stands_for_a_yield_stress_that_is_not_known():
