@@ -257,7 +257,7 @@ def test_sensitivities_follow_the_complete_run(session, run):
         found = beside.submit(with_sensitivities, run, told.append).result()
     assert len(set(told)) == 1 and len(told) >= len(found.sensitivities)
     said = complete_screen(design, found).sensitivities
-    assert any(one.startswith("halving the roughness heights cuts the leak by ") for one in said)
+    assert any("halving the roughness heights cuts the leak by " in one for one in said)
 
 
 @pytest.mark.parametrize(
