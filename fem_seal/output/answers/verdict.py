@@ -135,6 +135,8 @@ def _doubt(result: SealSolution, found: SealJudgement) -> str:
 
 # Heights over the usual ones above which the local exponent predicts the leak rate.
 _LOWEST_HEIGHT = 0.4
+# Reasons that compare an interval with the limit; those behind the first leave it inside.
+_BY_INTERVAL = (VerdictReason.LIMIT, VerdictReason.INTERVAL, VerdictReason.ACCURACY)
 # Reasons whose sentences have no leak rate.
 _WITHOUT_RATES = (VerdictReason.OPEN, VerdictReason.OUTSIDE, VerdictReason.UNKNOWN)
 
@@ -271,10 +273,7 @@ def _further_sentences(result: SealSolution, found: SealJudgement) -> Iterator[s
     volume = leakage_class.volume_of(result.case)
     if volume.state and found.worst.why not in _WITHOUT_RATES:
         yield phrase("verdict.sentences", "volume", state=_state(result.case, found.worst.limit))
-    limit, decided = (
-        found.worst.limit,
-        found.worst.why in (VerdictReason.LIMIT, VerdictReason.INTERVAL, VerdictReason.ACCURACY),
-    )
+    limit, decided = found.worst.limit, found.worst.why in _BY_INTERVAL
     if limit.bubble_volume is not None:
         yield phrase("verdict.sentences", "bubble", volume=_bubble(limit.bubble_volume))
     if limit.test_fluid and decided and not math.isinf(found.margin):
@@ -307,7 +306,7 @@ def would_pass(result: SealSolution, *, brief: bool = False) -> str:
         In one line.
     """
     found = result.judgement
-    undecided = (VerdictReason.INTERVAL, VerdictReason.ACCURACY)
+    undecided = _BY_INTERVAL[1:]
     if found is None or found.number is None or found.worst.why not in undecided:
         return ""
     heights = [_passing_height(result, number) for number in found.judged]
@@ -326,9 +325,10 @@ def _passing_height(result: SealSolution, number: int) -> float:
     """Rms height over the usual one up to which a load passes with measured profiles; zero where nobody knows."""
     profiles = result.error_shares[number].by_profiles if number < len(result.error_shares) else None
     load = result.loads[number]
-    if profiles is None or load.judgement is None or load.leak_interval is None:
+    judged = load.judgement
+    if profiles is None or judged is None or load.leak_interval is None or judged.why not in _BY_INTERVAL:
         return 0.0
-    return profiles.passing_height(load.judgement.margin * load.leak_interval.high)
+    return profiles.passing_height(judged.margin * load.leak_interval.high)
 
 
 def _other_theory(result: SealSolution, found: SealJudgement) -> Iterator[str]:

@@ -442,3 +442,18 @@ def test_a_thick_layer_on_a_small_steep_seat_says_so():
 def test_a_strain_far_beyond_small_ones_is_told_without_a_number():
     for strain, told in ((0.1234, "reaches 12.3 % at"), (400.0, "reaches more than 100 % at")):
         assert told in sentence("large_strain", name="needle", strain=strain, where="20 bar", limit=10.0)
+
+
+@pytest.mark.parametrize("process", ["turned", "ground", "reamed"])
+def test_a_lay_of_a_known_factor_makes_nothing_doubtful(process):
+    """Every turned, ground or reamed face was doubtful, its peak and its opening too."""
+    drawn = {"seat": {"Ra": "0.8 um", "process": process}, "closure": {"Ra": "0.05 um", "process": "lapped"}}
+    result = run_loads(case(roughness=drawn, load={"fluid_pressure": "5 bar", "applied_force": "1 kN"}))
+    (one,) = result.loads
+    lay = [found for found in one.validity.cautions if found.kind == "lay"]
+    assert [found.level for found in lay] == [Level.VALID]
+    assert one.leak_interval.high >= lay[0].leak_factor.high * one.leak.leak_rate
+    assert "lay" not in " ".join(one.validity.reasons)
+    assert one.validity.of_contact == VALID
+    # and it is told, once
+    assert sum("roughness has a lay" in text for text in result.warnings) == 1
