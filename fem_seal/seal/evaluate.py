@@ -31,6 +31,9 @@ from meshes import MeshingError, SealMesh
 T = TypeVar("T")
 Asked = TypeVar("Asked")
 
+# What a body does not bear it does not bear on a finer mesh, where load steps are no longer either.
+_ON_ANY_MESH = (LimitLoadError, LongPathError)
+
 # Entered while work is done for the design of that number, None for what is done for several at once.
 Turn: TypeAlias = Callable[[int | None], AbstractContextManager[None]]
 
@@ -343,11 +346,10 @@ def _evaluated(
     ) -> MeshFit:
         solver, seal_mesh = made
         solved = solve_loads(solver, clock.progress, known, leave=leave)
-        # what a body does not bear it does not bear on a finer mesh, where steps are no longer either
         unconverged = [
             error
             for error in solved.failures.values()
-            if isinstance(error, ConvergenceError) and not isinstance(error, LimitLoadError | LongPathError)
+            if isinstance(error, ConvergenceError) and not isinstance(error, _ON_ANY_MESH)
         ]
         if unconverged and not (fit.refined or fit.size_given):
             # a load that does not converge is tried on a finer mesh once, before the others go on without it
@@ -391,7 +393,7 @@ _ANEW = "{why}: another one with {how}, and from the first load on"
 def _in_vain(fit: MeshFit, contacts: Sequence[ContactSolution], error: ConvergenceError | None) -> bool:
     """Whether another mesh is wanted after the loads so far, so that the others are solved on that one alone."""
     if error is not None:
-        return not (fit.refined or fit.size_given or isinstance(error, LimitLoadError))
+        return not (fit.refined or fit.size_given or isinstance(error, _ON_ANY_MESH))
     return fit.after(contacts).sizing is not None
 
 
