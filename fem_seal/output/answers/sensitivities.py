@@ -39,13 +39,13 @@ def shown_sensitivities(found: Sequence[Sensitivity]) -> list[Sensitivity]:
 
 
 def strongest(found: Sequence[Sensitivity]) -> list[Sensitivity]:
-    """The strongest of those that are shown, the best of all materials among them.
+    """The strongest of those that are shown and do not fail elsewhere, the best of all materials among them.
 
     Parameters
     ----------
     found : sequence of Sensitivity
     """
-    shown = shown_sensitivities(found)
+    shown = [one for one in shown_sensitivities(found) if one.helps is not False]
     material = next((one for one in shown if one.material), None)
     return [one for one in shown if not one.material or one is material][:_TOLD]
 

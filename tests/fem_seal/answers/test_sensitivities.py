@@ -138,6 +138,15 @@ def test_effects_are_told_as_the_field_says_them(ratio, words):
     assert effect_in_words(replace(known["force"], ratio=ratio)) == words
 
 
+def test_a_change_that_fails_elsewhere_is_not_among_the_strongest():
+    halved = Sensitivity("rms_height", None, None, 0.5, (0.2, 0.2), (math.nan, math.nan), helps=False)
+    force = Sensitivity("force", 10.0, 11.0, 1.1, (0.8, 0.8), (math.nan, math.nan), helps=True)
+    assert strongest([halved, force]) == [force]
+    assert shown_sensitivities([halved, force]) == [halved, force]
+    assert effect_in_words(halved).startswith(effect_in_words(replace(halved, helps=None)))
+    assert effect_in_words(halved) != effect_in_words(replace(halved, helps=None))
+
+
 def test_another_material_stands_beside_the_case_s_own():
     result, _ = found()
     (one,) = (
