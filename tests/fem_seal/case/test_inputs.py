@@ -666,7 +666,7 @@ def test_absurd_numbers_in_tables_end_in_a_sentence(kind, call, tmp_path) -> Non
     [
         ("lay", b"\n5,", b"\n1e308,", "line 3 holds 1e+308, which is no number"),
         ("lay", b"\n5,", b"\n5e20,", "which is no length"),
-        ("scan", b"\n0.001,", b"\n0.001e200,", "no length of a scan; check its unit"),
+        ("scan", b"\n0.001,", b"\n0.001e200,", "which is no measured surface"),
         ("spectrum", b"e-29", b"e-307", "must be positive"),
     ],
 )
