@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import difflib
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+import re
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
 from operator import attrgetter
@@ -322,6 +323,29 @@ def column_named(name: object, columns: Iterable[str]) -> str:
         hint = f"do you mean {' or '.join(near)}? " if near else ""
         raise KeyError(f'there is no column "{name}"; {hint}.table.columns has all of them')
     return known[str(name)]
+
+
+def in_full(text: str, taken: Collection[str] = ()) -> str:
+    """A formula with the columns in it that stand there without their SI unit named in full.
+
+    Parameters
+    ----------
+    text : str
+        What stands in quotes stays.
+    taken : collection of str
+        Names that mean something else.
+
+    Examples
+    --------
+    >>> in_full('leak_rate / "1 ml/min" + peak_pressure_Pa')
+    'leak_rate_m3_per_s / "1 ml/min" + peak_pressure_Pa'
+    """
+    known = {split_unit(one)[0]: one for one in reversed(LEAK_COLUMNS)}
+    return _NAME.sub(lambda name: name[0] if name[0] in taken else known.get(name[0], name[0]), text)
+
+
+# Words that are no part of a path such as seat.angle, and no function; quotes as a whole.
+_NAME = re.compile(r"""\"[^"]*\"|'[^']*'|(?<![\w.])[A-Za-z_]\w*(?![\w.(])""")
 
 
 def own_theory(loads: Sequence[LoadResult]) -> set[str]:

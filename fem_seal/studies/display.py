@@ -15,7 +15,7 @@ from fem_seal.arrays import FloatArray
 from fem_seal.files import own_tables
 from fem_seal.output.columns import COLUMNS
 from fem_seal.seal.findings import Level
-from fem_seal.studies.designs_table import SHARES, Designs
+from fem_seal.studies.designs_table import LEAK_RATE, SHARES, Designs
 from fem_seal.units import Unit, kind_of, number, shared_flow_unit, unit_for
 
 if TYPE_CHECKING:
@@ -77,6 +77,21 @@ class Display:
             return [_word(value) for value in column.tolist()]
         numbers = self.shown(name, column.to_numpy(dtype=float))
         return [value if math.isfinite(value) else None for value in numbers.tolist()]
+
+    def placed(self, rows: pd.Index, name: str) -> list[Any]:
+        """The same to be drawn: zeros stand below all other numbers of a logarithmic axis."""
+        if not self.logarithmic(name):
+            return self.values(rows, name)
+        whole = self.numbers(name).to_numpy(dtype=float)
+        column = dict(zip(self.numbers(name).index, self.shown(name, lifted(whole)).tolist(), strict=True))
+        return [column[row] if math.isfinite(column[row]) else None for row in rows]
+
+    @property
+    def sealed(self) -> int:
+        """How many designs have no leak rate above zero where others have."""
+        if LEAK_RATE not in self.designs.done or not self.logarithmic(LEAK_RATE):
+            return 0
+        return int((self.designs.done[LEAK_RATE] == 0).sum())
 
     def texts(self, rows: pd.Index, name: str) -> list[str]:
         """A column of some designs as it is written."""
@@ -259,9 +274,26 @@ def share_text(share: float) -> str:
 
 
 def spans_a_decade(values: FloatArray) -> bool:
-    """Whether all numbers are positive and the largest is ten times the smallest or more."""
+    """Whether no number is negative and the largest is ten times the smallest above zero or more."""
     finite = values[np.isfinite(values)]
-    return bool(finite.size and finite.min() > 0 and finite.max() > 10 * finite.min())
+    above = finite[finite > 0]
+    return bool(above.size and finite.min() >= 0 and above.max() > 10 * above.min())
+
+
+# So much below the smallest number a zero stands on a logarithmic axis.
+_BELOW = 10**-0.5
+
+
+def lifted(values: FloatArray) -> FloatArray:
+    """Numbers on a logarithmic axis, where a zero, such as the leak rate of a sealed design, has no place of its own.
+
+    Examples
+    --------
+    >>> lifted(np.array([0.0, 1.0, 20.0])).round(2).tolist()
+    [0.32, 1.0, 20.0]
+    """
+    above = values[np.isfinite(values) & (values > 0)]
+    return np.where(values == 0, _BELOW * above.min(), values) if above.size else values
 
 
 def _by_factors(parameter: dict[str, Any]) -> bool:

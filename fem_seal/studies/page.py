@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -22,7 +22,7 @@ from fem_seal.studies import designs_table, plots
 from fem_seal.studies.designs import SENSITIVITY
 from fem_seal.studies.display import LOOKS, Display, share_text, short
 from fem_seal.studies.store import FILE, open_to_read
-from fem_seal.units import Unit, leak_range_text, leak_rate_text, shown_in
+from fem_seal.units import Unit, format_quantity, leak_range_text, leak_rate_text, shown_in
 from fem_seal.version import __version__
 from leak.extras import needed
 
@@ -105,7 +105,10 @@ _WITHOUT_SHARES = ("search", "morris")
 
 @dataclass(frozen=True)
 class Section:
-    """A heading with what stands below it; a broad figure is scrolled where the screen is narrow."""
+    """A heading with what stands below it; a broad figure is scrolled where the screen is narrow.
+
+    Rows from `first` on are folded under a summary.
+    """
 
     heading: str
     note: str = ""
@@ -113,6 +116,8 @@ class Section:
     columns: tuple[str, ...] = ()
     rows: tuple[tuple[str, ...], ...] = ()
     broad: bool = False
+    first: int | None = None
+    summary: str = ""
 
 
 def sections(designs: designs_table.Designs) -> Iterator[Section]:
@@ -136,9 +141,11 @@ def sections(designs: designs_table.Designs) -> Iterator[Section]:
     words, table, part = _words(), plots.drawn(designs.done), ""
     if len(designs.done) > plots.MOST_POINTS:
         part = f"{words.part(len(designs.done), len(table))} "
+    part += words.sealed(display.sealed)
     missing = len(table) - len(plots.complete(table, designs.telling_outputs))
     parallel = words.parallel(part, missing)
-    yield from _plotted("Pareto front", words.pareto(), plots.pareto_plot(display))
+    sealed = f" {words.sealed(display.sealed)}".rstrip()
+    yield from _plotted("Pareto front", f"{words.pareto()}{sealed}", plots.pareto_plot(display))
     yield from _plotted("Search", words.search(designs), plots.search_plot(display))
     line = share_text(designs.confidence) if designs_table.PASSES in designs.done else ""
     yield from _plotted("Map", words.crosses(designs, line), plots.map_plot(display))
@@ -199,7 +206,7 @@ def _table_of(heading: str, note: str, numbers: list[int], columns: dict[str, li
 
 
 # Designs in the table of how likely each passes.
-_MOST_ROWS = 500
+_MOST_ROWS, _FEW_ROWS = 500, 10
 
 
 def _passing(display: Display) -> Iterator[Section]:
@@ -210,7 +217,11 @@ def _passing(display: Display) -> Iterator[Section]:
     likely = designs.done[designs_table.PASSES].sort_values(ascending=False, kind="stable")
     numbers = likely.index[:_MOST_ROWS].tolist()
     note = _words().passing(passing_words(display), len(likely), len(numbers))
-    yield _table_of("Designs that pass", note, numbers, display.told(numbers))
+    passing = int((likely >= designs.confidence).sum())
+    table = _table_of("Designs that pass", note, numbers, display.told(numbers))
+    # without one that passes the likeliest
+    first = min(passing or _FEW_ROWS, len(numbers))
+    yield replace(table, first=first, summary=_words().others(len(numbers) - first))
 
 
 def passing_words(display: Display) -> str:
@@ -219,7 +230,7 @@ def passing_words(display: Display) -> str:
     if designs_table.PASSES not in designs.done or designs.done.empty:
         return ""
     likely, limit = designs.done[designs_table.PASSES], designs.limit
-    allowed = f" less than {leak_rate_text(limit)}" if limit else ""
+    allowed = f" less than {format_quantity('flow', limit)}" if limit else ""
     count, unknown = int((likely >= designs.confidence).sum()), int(likely.isna().sum())
     outside = int((likely.isna() & designs.outside).sum()) == unknown
     best, row = share_text(float(likely.max())), likely.nlargest(1).index

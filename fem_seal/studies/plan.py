@@ -16,7 +16,7 @@ from fem_seal.case.fields import shown
 from fem_seal.case.paths import Value
 from fem_seal.case.words import problem
 from fem_seal.errors import InputError
-from fem_seal.output.columns import COLUMNS, LEAK_COLUMNS
+from fem_seal.output.columns import COLUMNS, LEAK_COLUMNS, in_full
 from fem_seal.sampling import LogNormal, Normal
 from fem_seal.seal.readings import FURTHER, OWN, force_column, leak_rate_column
 from fem_seal.studies.designs import SENSITIVITY
@@ -145,11 +145,12 @@ def read_goals(study: StudyPlan, read: StudyTables) -> dict[str, Expression]:
     for key, given, large in wanted:
         # of seals that show the readings of a leak test the inputs as given are none
         tested = settings is not None and settings.posterior is not None
-        text = re.sub(rf"\b{_LEAK_RATE}\b", _MEDIAN, given) if tested else given
+        text = in_full(given, [*study.names, *study.derived])
+        text = re.sub(rf"\b{_LEAK_RATE}\b", _MEDIAN, text) if tested else text
         formula = _formula(Expression, key, text, study.derived, study)
-        if text in goals:
+        if formula.text in goals:
             raise InputError.at(key, "is a goal already; remove one of them", shown(text))
-        goals[text] = Expression(f"-({text})") if large else formula
+        goals[formula.text] = Expression(f"-({formula.text})") if large else formula
     return goals
 
 
@@ -207,7 +208,7 @@ def _check_responses(study: StudyPlan, responses: Sequence[str]) -> None:
 def _formula(kind: type[F], key: str, text: str, derived: Iterable[str], study: StudyPlan) -> F:
     """A formula over parameters, columns of leak.csv and derived columns."""
     try:
-        formula = kind(text)
+        formula = kind(in_full(text, [*study.names, *derived]))
     except ExpressionError as error:
         raise InputError.at(key, str(error), shown(text)) from None
     known = [*study.names, *LEAK_COLUMNS, *derived]

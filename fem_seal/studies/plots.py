@@ -10,6 +10,7 @@ from io import BytesIO
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from fem_seal.arrays import BoolArray, FloatArray
 from fem_seal.files import own_tables
@@ -24,7 +25,7 @@ from fem_seal.studies.designs_table import (
     other_leak_rates,
     pareto_front,
 )
-from fem_seal.studies.display import BLUE, FEW, GREY, LOOKS, RED, Display, short, spans_a_decade
+from fem_seal.studies.display import BLUE, FEW, GREY, LOOKS, RED, Display, lifted, short, spans_a_decade
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -57,8 +58,8 @@ def _trace(look: str, **data: Any) -> dict[str, Any]:
 def _points(display: Display, rows: pd.Index, x: str, y: str, names: Iterable[str]) -> dict[str, Any]:
     """Data of a trace with a point for each design, which shows columns when pointed at."""
     return {
-        "x": display.values(rows, x),
-        "y": display.values(rows, y),
+        "x": display.placed(rows, x),
+        "y": display.placed(rows, y),
         "text": display.hover(rows, list(names)),
     }
 
@@ -97,6 +98,8 @@ def response_plot(display: Display) -> Figure | None:
     if not len(rows) or not outputs:
         return None
     across, up, groups = designs.parameters[0], _preferred(outputs), _groups(designs, rows)
+    # numbers as they are: what is drawn of a sealed design is a place, no leak rate
+    told = [*designs.parameters, *outputs[:FEW]]
 
     def menu(side: str, names: list[str], **place: Any) -> dict[str, Any]:
         buttons = [
@@ -104,7 +107,7 @@ def response_plot(display: Display) -> Figure | None:
                 "label": display.label(name),
                 "method": "update",
                 "args": [
-                    {side: [display.values(group, name) for _, group, _ in groups]},
+                    {side: [display.placed(group, name) for _, group, _ in groups]},
                     {f"{side}axis.{key}": value for key, value in display.axis(name).items()}
                     | ({"shapes": _lines(display, y=name)} if side == "y" else {}),
                 ],
@@ -114,11 +117,10 @@ def response_plot(display: Display) -> Figure | None:
         return {"buttons": buttons, "y": 1.2, **place}
 
     traces = [
-        _trace(look, **_points(display, group, across, up, designs.parameters), name=name)
-        for name, group, look in groups
+        _trace(look, **_points(display, group, across, up, told), name=name) for name, group, look in groups
     ]
     return _figure(
-        [{**one, "type": "scattergl", "hoverinfo": "text+y"} for one in traces],
+        [{**one, "type": "scattergl", "hoverinfo": "text"} for one in traces],
         "responses",
         xaxis=display.axis(across),
         yaxis=display.axis(up),
@@ -143,12 +145,12 @@ def map_plot(display: Display) -> Figure | None:
         return None
     values = display.shown(output, table)
     logarithmic = spans_a_decade(values)
-    shown = np.log10(values) if logarithmic else values
+    shown = np.log10(lifted(values)) if logarithmic else values
     bar: dict[str, Any] = {"title": {"text": display.label(output), "side": "right"}}
     steps: dict[str, float] = {}
     if logarithmic:
         ticks = np.linspace(np.nanmin(shown), np.nanmax(shown), 9)
-        bar |= {"tickvals": ticks.tolist(), "ticktext": [short(10**tick, 3) for tick in ticks]}
+        bar |= {"tickvals": ticks.tolist(), "ticktext": _ticks(10**ticks, values)}
         steps = {"start": float(ticks[1]), "end": float(ticks[-2]), "size": float(ticks[1] - ticks[0])}
     contour = _trace(
         "map",
@@ -220,9 +222,15 @@ def _words_axis(label: str, words: list[str], values: list[int]) -> dict[str, An
     }
 
 
+def _ticks(numbers: ArrayLike, values: ArrayLike) -> list[str]:
+    """Texts of ticks: the lowest is zero where that is the smallest value."""
+    texts = [short(one, 3) for one in np.asarray(numbers, dtype=float).tolist()]
+    return ["0", *texts[1:]] if np.nanmin(np.asarray(values, dtype=float)) == 0 else texts
+
+
 def _dimension(display: Display, rows: pd.Index, name: str) -> dict[str, Any]:
     """One axis of parallel coordinates: words, or numbers or their logarithms with a few ticks."""
-    shown = display.values(rows, name)
+    shown = display.placed(rows, name)
     if isinstance(shown[0], str):
         # the description of a study lists the first words of very many only
         words = list(dict.fromkeys([*display.levels(name), *shown]))
@@ -240,7 +248,7 @@ def _dimension(display: Display, rows: pd.Index, name: str) -> dict[str, Any]:
         "label": display.label(name),
         "values": values.tolist(),
         "tickvals": ticks.tolist(),
-        "ticktext": [short(one, 3) for one in numbers],
+        "ticktext": _ticks(numbers, display.values(rows, name)),
     }
 
 
@@ -313,7 +321,7 @@ def search_plot(display: Display) -> Figure | None:
                 look,
                 type="scatter",
                 x=rows.tolist(),
-                y=display.values(rows, name),
+                y=display.placed(rows, name),
                 name=legend,
                 legendgroup=legend,
                 text=display.hover(rows, [*names, *designs.parameters]),
@@ -322,7 +330,8 @@ def search_plot(display: Display) -> Figure | None:
             for legend, rows, look in _groups(designs, drawn(designs.done).index)
         ]
         best = designs.goals[name].reindex(designs.done.index).cummin().ffill().dropna()
-        so_far = display.shown(name, designs.sign(name) * best).tolist()
+        so_far = display.shown(name, designs.sign(name) * best)
+        so_far = (lifted(so_far) if display.logarithmic(name) else so_far).tolist()
         traces.append(_trace("best_so_far", x=best.index.tolist(), y=so_far))
         for trace in traces:
             figure.add_trace({**trace, "showlegend": place == 1}, row=place, col=1)
@@ -339,7 +348,7 @@ def distribution_plot(display: Display) -> Figure | None:
     done = display.designs.done
     if LEAK_RATE not in done or done[LEAK_RATE].dropna().empty:
         return None
-    leak_rate = np.sort(display.shown(LEAK_RATE, done[LEAK_RATE].dropna()))
+    leak_rate = np.sort(display.placed(done[LEAK_RATE].dropna().index, LEAK_RATE))
     step = max(1, len(leak_rate) // 1000)
 
     def below(values: FloatArray) -> dict[str, Any]:
@@ -433,7 +442,7 @@ def _picture(designs: Designs) -> str:
         axes.grid(True)
         for which, colour in ((~counted, GREY), (counted, BLUE)):
             if which.any():
-                axes.scatter(display.values(rows[which], x), display.values(rows[which], y), s=14, c=colour)
+                axes.scatter(display.placed(rows[which], x), display.placed(rows[which], y), s=14, c=colour)
         axes.set(xlabel=display.label(x), ylabel=display.label(y))
         for name, scale in ((x, axes.set_xscale), (y, axes.set_yscale)):
             if display.logarithmic(name):

@@ -21,6 +21,7 @@ from fem_seal.case.words import problem
 from fem_seal.errors import InputError
 from fem_seal.files import read_toml
 from fem_seal.former_names import in_present_entries, in_present_words
+from fem_seal.output.columns import in_full
 from fem_seal.studies import designs, plan
 from fem_seal.studies.progress import Progress
 from fem_seal.studies.tables import Parameter, StudyTables, read_parameter
@@ -109,10 +110,11 @@ class Study(plan.StudyPlan):
         self.optimise = read.optimise
         self._read_points(with_open_materials(case, list(read.parameters)), read, folder)
         self.files = contents_of_files(self.case, self.parameters)
-        self.derived = plan.read_formulas(self, read.derived, read.responses)
+        responses = list(map(in_full, read.responses))
+        self.derived = plan.read_formulas(self, read.derived, responses)
         self.constraints = plan.read_constraints(self, read.constraints)
         self.goals = plan.read_goals(self, read)
-        self.responses, self.beside = plan.needed_columns(self, read.responses)
+        self.responses, self.beside = plan.needed_columns(self, responses)
         plan.check_kept(self)
         plan.check_designs(self)
 

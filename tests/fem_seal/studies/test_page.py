@@ -607,3 +607,44 @@ def test_a_best_design_at_the_edge_of_a_range_is_told(capsys):
     inside = likely_designs([0.5, 0.5, 0.9, 0.9, 0.5, 0.5], goals={"pass_probability": "-(pass_probability)"})
     assert inside.at_edge == ["load.applied_force"]
     assert likely_designs([0.5] * 6, goals={LEAK_RATE: LEAK_RATE, "seat.angle": "seat.angle"}).at_edge == []
+
+
+def test_a_sealed_design_leaves_the_axes_logarithmic_and_stands_below_all_others():
+    rates = [0.0, 1e-3 * ML, 1e-2 * ML, 5.0 * ML]
+    columns = {"load.applied_force": [200.0, 150.0, 100.0, 0.0], LEAK_RATE: rates}
+    designs = made([parameter("load.applied_force", "N", columns["load.applied_force"])], columns)
+    display = Display(designs)
+    assert display.logarithmic(LEAK_RATE) and display.sealed == 1
+    figure = plots.response_plot(display)
+    (points,) = figure.data
+    assert figure.layout.yaxis.type == "log" and len(points.y) == 4
+    assert 0 < points.y[0] < min(points.y[1:])
+    # what is told of it is what it leaks
+    assert points.text[0].endswith("]: 0") and points.hoverinfo == "text"
+    (axis,) = [one for one in plots.parallel_plot(display).data[0].dimensions if "leak" in one.label]
+    assert axis.ticktext[0] == "0" and np.isfinite(axis.values).all()
+    assert np.isfinite(plots.distribution_plot(display).data[1].x).all()
+    assert plots.distribution_plot(display).layout.xaxis.type == "log"
+    assert "One sealed design stands at the lower end" in headings(designs)["Responses over parameters"].note
+    # zeros alone, or beside numbers that fill no decade, ask for no such axis
+    flat = made([ANGLE], {"seat.angle": ANGLE["levels"], LEAK_RATE: [0.0, ML, 2.0 * ML]})
+    assert not Display(flat).logarithmic(LEAK_RATE) and Display(flat).sealed == 0
+
+
+def test_the_map_of_a_study_with_a_sealed_design_has_no_hole():
+    designs = likely_designs([0.5] * 6)
+    designs.table.loc[0, LEAK_RATE] = 0.0
+    map_of = plots.map_plot(Display(designs)).data[0]
+    assert np.isfinite(np.array(map_of.z, dtype=float)).all() and map_of.colorbar.ticktext[0] == "0"
+
+
+@pytest.mark.parametrize(("shares", "first"), [([0.96, 0.99, 0.2, 0.5, 0.1, 0.3], 2), ([0.5] * 6, 6)])
+def test_designs_that_pass_come_first_and_the_others_are_folded(shares, first):
+    designs = likely_designs(shares)
+    section = next(sections(designs))
+    assert section.first == first and len(section.rows) == 6
+    text = page(designs, {"done": 6, "failed": 0, "open": 0}, [])
+    folded = re.findall(r"<details><summary>(.*?)</summary>(.*?)</details>", text, flags=re.DOTALL)
+    assert len(folded) == (first < 6)
+    for summary, table in folded:
+        assert summary == "4 more designs pass less often" and table.count("<tr>") == 5

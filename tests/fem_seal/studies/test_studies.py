@@ -316,7 +316,7 @@ def test_a_part_of_a_library_material_can_be_varied():
         ({"run": {"keep_fields": "best"}}, ["run.keep_fields", "goal"]),
         ({"design": {"kind": "list"}}, ["not with design.kind"]),
         ({"design": {"knd": "grid"}}, ["design.knd", "kind"]),
-        ({"responses": ["leak_rate"]}, ["responses", "leak_rate_m3_per_s"]),
+        ({"responses": ["leek_rate"]}, ["responses", "leak_rate_m3_per_s"]),
         ({"responses": ["fwhm_m", "fwhm_m"]}, ["responses", "twice"]),
         (
             {"changes": {**COARSE, "leak.plasticity": False}, "responses": ["leak_rate_low_m3_per_s"]},
@@ -1032,3 +1032,22 @@ def test_every_key_of_a_study_file_is_documented():
         for table in tables_of(field):
             for inner in table.model_fields:
                 assert f"`{inner}`" in text, f"{key}.{inner}"
+
+
+def test_formulas_know_columns_without_their_unit_as_results_do():
+    study = small(
+        responses=["leak_rate", "peak_pressure_Pa"],
+        derived={"share": "leak_rate / leak_rate_elastic", "twice": "2 * share"},
+        constraints={"gentle": 'peak_pressure < "1 GPa"'},
+        report={"goals": {"leak_rate": "min", "share": "max"}},
+    )
+    assert {"leak_rate_m3_per_s", "peak_pressure_Pa", "leak_rate_elastic_m3_per_s"} <= set(study.responses)
+    assert study.derived["share"].text == "leak_rate_m3_per_s / leak_rate_elastic_m3_per_s"
+    assert study.constraints["gentle"].text == 'peak_pressure_Pa < "1 GPa"'
+    assert list(study.goals) == ["leak_rate_m3_per_s", "share"]
+    # the same quantity is compared in its unit
+    with pytest.raises(InputError, match="compares a quantity in Pa with a quantity in N"):
+        small(constraints={"gentle": 'peak_pressure < "1 N"'})
+    # a derived column of that name is meant where there is one
+    own = small(derived={"margin_of_mine": "leak_rate * 2", "leak_rate": "3 * margin_of_mine"})
+    assert own.derived["leak_rate"].text == "3 * margin_of_mine"
