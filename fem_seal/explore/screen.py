@@ -265,7 +265,7 @@ def _judged(solution: SealSolution, *, complete: bool) -> dict[str, Any]:
     word = worst_verdict(solution)
     return {
         # service loads that pass decide nothing while the tests are not there
-        "verdict": "" if follow and word == Verdict.PASS else str(word),
+        "verdict": "" if follow and word in (Verdict.PASS, Verdict.PASS_UNLESS) else str(word),
         "told": (*service, *verdict_sentences(solution)),
         "facts": tuple(verdict_facts(solution)),
     }
