@@ -62,8 +62,10 @@ def check_length(x: FloatArray, h: FloatArray, units: Sequence[float]) -> None:
     """
     length = float(np.ptp(x))
     if _LONGEST < length < math.inf and len(h) > 1:
-        slope = float(np.sqrt(np.mean(np.diff(h) ** 2))) * (len(h) - 1) / length
-        _check(length, float(np.ptp(h)), slope, units)
+        height = float(np.ptp(h))
+        # the square of an absurd height is no number
+        slope = height * float(np.sqrt(np.mean((np.diff(h) / (height or 1.0)) ** 2))) * (len(h) - 1) / length
+        _check(length, height, slope, units)
 
 
 def _check(length: float, height: float, slope: float, units: Sequence[float]) -> None:
