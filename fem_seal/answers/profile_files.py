@@ -41,6 +41,7 @@ _ROLES = {
 _LENGTHS = ("arc", "radius", "x", "y", "z")
 # Programs that know no units call the contact pressure so; a peak above this is one in Pa, not in MPa.
 _WITHOUT_UNITS, _IN_PASCAL = re.compile(r"cpress|cont_?pres|pres(\b|_)"), 1e5
+_POINTS = re.compile(r"points?[:_]0")
 _LENGTH_UNIT = re.compile(r"length unit\W+(\w+)", re.IGNORECASE)
 _LOAD = re.compile(r"(\d+(?:[.,]\d+)?)\s*_?(bar|kpa|mpa|psi|pa)(?![a-z])", re.IGNORECASE)
 # Distances between points and the seat's face, and of radii from those of the case, that are none.
@@ -144,7 +145,8 @@ def _steps(table: TextTable) -> Iterator[_Step]:
     given = table.header
     table = without_extremes(_with_units(table, roles))
     units = [name_and_unit(name)[1] for name, own in zip(table.header, given, strict=True) if name != own]
-    remark = f"; the file states no units, read in {' and '.join(dict.fromkeys(units))}" if units else ""
+    assumed = table.header[roles["pressure"][0]] != given[roles["pressure"][0]]
+    remark = f"; the file states no units, read in {' and '.join(dict.fromkeys(units))}" if assumed else ""
     _check_angles(table, roles)
     places = {
         role: (given[roles[role][0]], column(table, roles[role][0], "length"))
@@ -198,9 +200,9 @@ def _with_units(table: TextTable, roles: dict[str, list[int]]) -> TextTable:
     told = next((found[1] for _, line in table.above if (found := _LENGTH_UNIT.search(line))), None)
     pressures = roles["pressure"]
     bare = [place for place in (*lengths, *pressures) if not name_and_unit(header[place])[1]]
-    consistent = len(bare) == len(lengths) + len(pressures) and all(
-        _WITHOUT_UNITS.match(name_and_unit(header[place])[0]) for place in pressures
-    )
+    words = [name_and_unit(name)[0] for name in header]
+    unknown = any(map(_POINTS.match, words)) or all(_WITHOUT_UNITS.match(words[place]) for place in pressures)
+    consistent = unknown and len(bare) == len(lengths) + len(pressures)
     if consistent:
         in_pascal = float(np.nanmax(np.abs(table.values[:, pressures]))) > _IN_PASCAL
         told = told or ("m" if in_pascal else "mm")
@@ -351,8 +353,8 @@ def _of_points(
     largest = max(float(np.ptp(values)) for _, values in found)
     moving = [one for one in found if np.ptp(one[1]) > 1e-6 * largest]
     names = " and ".join(f'"{name}"' for name, _ in found)
-    if len(moving) == 1:
-        name, x = moving[0]
+    if len(moving) < 2:
+        name, x = (moving or found)[0]
         if "arc" in step.places or x.min() < 0.0 or not _fits(x, contact):
             arc_name, x = step.places.get("arc", (name, x))
             x, told = _from_touch(

@@ -85,6 +85,15 @@ SAME = {
     "COORD without units": written("Node,COORD.COOR1,COORD.COOR2,CPRESS", np.arange(61), R, Z, P),
     "COORD in SI without units": written("Node,COOR1,COOR2,CPRESS", np.arange(61), R / 1e3, Z / 1e3, P * 1e6),
     "arc length and points": written("arc_length [mm],Points:0 [mm],Points:1 [mm],p [MPa]", X + 0.3, R, Z, P),
+    "ParaView without units": written(
+        '"p","Points:0","Points:1","arc_length"', P * 1e6, R / 1e3, Z / 1e3, (X + 0.3) / 1e3
+    ),
+    "ParaView, all at one radius": written(
+        '"CPRESS","Points:0","Points:1","arc_length"', P, 0 * R + R0, 0 * Z, X + 0.3
+    ),
+    "COMSOL": written(
+        "% Length unit:        mm\n% x                       y (MPa)", X, P, separator="        "
+    ),
     "in no order": written("x [mm],p [MPa]", X[MIXED], P[MIXED]),
     "points twice": written("x [mm],p [MPa]", np.repeat(X, 2), np.repeat(P, 2) * np.tile([0.99, 1.01], 61)),
     "decimal commas": written("x [mm];p [MPa]", X, P, separator=";").replace(".", ","),
