@@ -129,7 +129,13 @@ class Judgement:
 
     @classmethod
     def of(
-        cls, limit: Limit, ends: tuple[float, float], validity: Validity = VALID, *, sampled: bool = True
+        cls,
+        limit: Limit,
+        ends: tuple[float, float],
+        validity: Validity = VALID,
+        *,
+        sampled: bool = True,
+        calculated: Bounds | None = None,
     ) -> Judgement:
         """The judgement of a leak rate.
 
@@ -143,6 +149,8 @@ class Judgement:
             Of the leak rate, with the factors that are in the interval.
         sampled : bool
             Whether the interval holds what the inputs leave open.
+        calculated : Bounds, optional
+            The interval without what the calculation may be off by; else what the factors have widened [m^3/s].
         """
         if any(map(math.isnan, (*ends, limit.leak_rate))):
             return cls(Verdict.INCONCLUSIVE, math.nan, VerdictReason.UNKNOWN, limit)
@@ -150,7 +158,10 @@ class Judgement:
         if math.isinf(ends[0]):
             return cls(Verdict.FAIL, 0.0, VerdictReason.OPEN, limit, tested)
         verdict, why = _decided(limit, ends, tested)
-        margin, calculated = _margin(limit, tested.high), tested.ratio_to(validity.leak_factor)
+        margin = _margin(limit, tested.high)
+        calculated = (
+            tested.ratio_to(validity.leak_factor) if calculated is None else calculated.widened(limit.ratio)
+        )
         if (validity.outside or not sampled) and calculated.low > ORDERS_OF_MAGNITUDE * limit.most:
             reason = validity.reasons[0] if validity.outside else ""
             return cls(Verdict.FAIL, margin, VerdictReason.FAR, limit, tested, reason)

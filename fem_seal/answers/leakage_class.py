@@ -210,9 +210,10 @@ def next_class(case: Case, load: LoadResult) -> NextClass | None:
     if not missed or math.isinf(high):
         return None
     closest = max(missed, key=lambda one: one.leak_rate)
-    _, most = load.leak_validity.leak_factor
+    assert load.calculated_ends is not None  # of a leak rate
+    less = load.calculated_ends.high / load.leak_interval.high
     return NextClass(
-        closest.standard, closest.name, high / closest.leak_rate, high / most <= closest.leak_rate
+        closest.standard, closest.name, high / closest.leak_rate, less * high <= closest.leak_rate
     )
 
 

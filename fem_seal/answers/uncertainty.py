@@ -118,6 +118,8 @@ class LeakInterval:
     error_scores : ndarray, shape (loads, samples), or None
         The theory's own error in standard deviations, of samples that a leak test has left; None where each sample has
         evenly spread ones.
+    rougher : float
+        See `LoadResult.rougher`, at the upper end.
     """
 
     inputs: tuple[str, ...]
@@ -132,6 +134,7 @@ class LeakInterval:
     in_test: LeakInterval | None = field(default=None, repr=False)
     values: Mapping[str, FloatArray] = field(default_factory=dict, repr=False)
     error_scores: FloatArray | None = field(default=None, repr=False)
+    rougher: float = 1.0
 
     @property
     def samples(self) -> int:
@@ -190,6 +193,7 @@ class LeakInterval:
             sampled=self.ends(number),
             sampled_in_test=tested,
             leak_rate_p50=float(self.median[number]),
+            rougher=self.rougher,
             tested=self.error_scores is not None,
         )
 
@@ -249,7 +253,7 @@ def leak_interval(
         raise InputError(*wrong)
     told = progress or (lambda text: None)
     if any(one.case.roughness is not None and one.case.roughness.finishes for one in result.faces):
-        return _interval_of_finish(result, settings, told)
+        return _interval_by_leaking(result, settings, told)
     return _interval(SampledSeal.of(result, settings), settings, told)
 
 
@@ -261,29 +265,81 @@ _ERROR_OF_WIDE = 0.4
 _ERROR_OF_BENT, _LEAST_LOG = 0.2, 6.0
 # Samples of a finish whose usual surface is sealed at a load, all calculated.
 _OF_SEALED = 64
+# Samples whose heights say how rough the roughest are.
+_OF_HEIGHTS = 64
 # Share of the runs that must converge.
 _FEWEST_KNOWN = 0.7
 # Loads that are sampled where there are more.
 _LOADS = 5
 
 
+def _interval_by_leaking(
+    result: SolvedSeal, settings: Uncertainty, progress: Callable[[str], None]
+) -> LeakInterval:
+    """The interval of a finish, of loads that leak and of others each by themselves: none depends on the others."""
+    nominal = SampledSeal(result, (), np.empty((1, 0)))
+    usual = np.array(nominal.of_case).reshape(nominal.kinds, -1)
+    leaks = np.all((usual > 0) & np.isfinite(usual), axis=0)
+    leaking, others = (np.flatnonzero(one).tolist() for one in (leaks, ~leaks))
+    parts = []
+    if leaking:
+        part = result.with_loads([result.loads[n] for n in leaking])
+        parts.append((leaking, _interval_of_finish(part, settings, progress, leaking)))
+    if others:
+        # what is sealed has no ratios
+        few = settings.model_copy(update={"samples": min(settings.samples, _OF_SEALED)})
+        part = result.with_loads([result.loads[n] for n in others])
+        study = replace(SampledSeal.of(part, few), numbers=others)
+        parts.append((others, _interval(study, few, progress)))
+    return parts[0][1] if len(parts) == 1 else _joined(*parts)
+
+
+def _joined(one: tuple[list[int], LeakInterval], other: tuple[list[int], LeakInterval]) -> LeakInterval:
+    """Intervals of the same inputs at some loads and at all others; fewer samples are repeated."""
+    (first, own), (second, others) = one, other
+    order = np.argsort([*first, *second])
+
+    def rows(some: FloatArray, rest: FloatArray) -> FloatArray:
+        repeated = rest[:, np.arange(some.shape[1]) % rest.shape[1]]
+        return np.concatenate([some, repeated])[order]
+
+    errors = [found.error for found in (own, others) if found.error is not None]
+    errors_of_theory = [*own.own_error, *others.own_error]
+    scores = (own.error_scores, others.error_scores)
+    return replace(
+        own,
+        runs=own.runs + others.runs,
+        leak_rate=rows(own.leak_rate, others.leak_rate),
+        shares=np.concatenate([own.shares, others.shares])[order],
+        error=max(errors, default=None),
+        others={reading: rows(rates, others.others[reading]) for reading, rates in own.others.items()},
+        own_error=[errors_of_theory[n] for n in order],
+        in_test=None
+        if own.in_test is None or others.in_test is None
+        else _joined((first, own.in_test), (second, others.in_test)),
+        error_scores=None if scores[0] is None or scores[1] is None else rows(scores[0], scores[1]),
+    )
+
+
 def _interval_of_finish(
-    result: SolvedSeal, settings: Uncertainty, progress: Callable[[str], None], *, whole_paths: bool = False
+    result: SolvedSeal,
+    settings: Uncertainty,
+    progress: Callable[[str], None],
+    numbers: Sequence[int],
+    *,
+    whole_paths: bool = False,
 ) -> LeakInterval:
     """The interval of a finish, a factor of ten or more, for the price of few runs.
 
     Ratios of leak rates to those of the case itself at few loads: a quadratic polynomial of their logarithms gives the
-    samples, and the other loads follow over the line load.
+    samples, and the other loads follow over the line load. All loads leak; `numbers` are theirs in the problem.
     """
     chosen = _representative(result.loads)
     part = result.with_loads([result.loads[n] for n in chosen])
     study = SampledSeal.of(part, settings)
-    study = replace(study, lenient=True, whole_paths=study.whole_paths or whole_paths, numbers=chosen)
+    whole_paths = study.whole_paths or whole_paths
+    study = replace(study, lenient=True, whole_paths=whole_paths, numbers=[numbers[n] for n in chosen])
     usual, viscosity = np.array(study.of_case), study.viscosity[:, None]
-    if not np.all((usual > 0) & np.isfinite(usual)):
-        # what is sealed has no ratios
-        few = settings.model_copy(update={"samples": min(settings.samples, _OF_SEALED)})
-        return _interval(SampledSeal.of(result, few), few, progress)
     terms = (study.scores.shape[1] + 1) * (study.scores.shape[1] + 2) // 2
     goal = min(math.ceil(_RUNS_PER_TERM * terms) + 1, len(study.uniform), _MOST_RUNS)
     runs, rates, surface, error = 0, np.empty((0, usual.size)), None, None
@@ -310,7 +366,7 @@ def _interval_of_finish(
         checked, truth = (one[~np.isnan(truth).any(axis=1)] for one in (checked, truth))
         error = float(np.abs(ratios[checked] / truth - 1).max(initial=0.0))
         if _linear_fails(study, checked, truth * usual, error, _allowed(ratios, *_OF_LINEAR)):
-            return _interval_of_finish(result, settings, progress, whole_paths=True)
+            return _interval_of_finish(result, settings, progress, numbers, whole_paths=True)
         ratios[checked], ratios[known] = truth, rates[known]
         runs += _CHECKS
     ratios = ratios / viscosity
@@ -366,7 +422,7 @@ def _interval_of_samples(
     names = tuple(one.name for one in study.inputs)
     errors = [load.flow_error for load in loads]
     values = {one.name: one.shown(study.values[one.name])[chosen] for one in study.inputs}
-    scores = None
+    rougher, scores = study.rougher(0.5 + 0.5 * settings.confidence), None
 
     if settings.posterior is not None:
         # first-order shares are those of independent inputs
@@ -377,7 +433,7 @@ def _interval_of_samples(
     def interval(own: FloatArray, *others: FloatArray) -> LeakInterval:
         read = dict(zip(study.others, others, strict=True))
         about = names, settings.confidence, settings.seed, runs, own, shares, error, read, errors
-        return LeakInterval(*about, values=values, error_scores=scores)
+        return LeakInterval(*about, values=values, error_scores=scores, rougher=rougher)
 
     own, *tested = (
         interval(*rates[first : first + study.readings]) for first in range(0, study.kinds, study.readings)
@@ -787,6 +843,29 @@ class SampledSeal:
         return {one.yielding: made(one) for one in (surface, *map(surface.reading, self.others))}
 
     def _made(self, sample: int, factors: dict[str, float]) -> _Known:
+        surface = self._surface(sample, factors)
+        law = self._law(surface)
+        own = law is not self.result.problem.law and not isinstance(law, ScaledLaw)
+        return _Known(surface, law if own else None)
+
+    def rougher(self, share: float) -> float:
+        """Quantile of what the gaps of samples let through over those of the case, by h^3/eta [-].
+
+        Parameters
+        ----------
+        share : float
+            Of the samples that let less through.
+        """
+        if self.result.lower_half is not None:
+            return max(one.rougher(share) for one in self.faces)
+        assert self.result.surface is not None
+        few, usual = range(min(len(self.uniform), _OF_HEIGHTS)), self.result.surface.spectrum.rms_height
+        heights = np.array(
+            [self._surface(n, self._values_of(UncertainInput, n)).spectrum.rms_height for n in few]
+        )
+        return float(np.quantile((heights / usual) ** 3 / self.viscosity[: len(few)], share))
+
+    def _surface(self, sample: int, factors: dict[str, float]) -> RoughContact:
         assert self.result.surface is not None
         means = {
             one.name: one.spectrum(self.values[one.name][sample])
@@ -800,10 +879,7 @@ class SampledSeal:
                 mean = means[one.key] if one.key in means else roughness.parts[one.key].build()
                 means[one.key] = one.spectrum(mean, float(self.values[one.name][sample, 0]))
         shares = self._values_of(UncertainFinish, sample)
-        surface = changed_surface(self.result.case, self.result.surface, factors, means, shares)
-        law = self._law(surface)
-        own = law is not self.result.problem.law and not isinstance(law, ScaledLaw)
-        return _Known(surface, law if own else None)
+        return changed_surface(self.result.case, self.result.surface, factors, means, shares)
 
     def _moves(self, sample: _Sample) -> bool:
         """Whether the law of a sample or its bodies are not those of the case; a given contact stays what it is."""

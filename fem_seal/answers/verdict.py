@@ -66,7 +66,8 @@ def judgements(case: Case, load: LoadResult, *, sampled: bool = True) -> list[Ju
     else:
         against = () if target is None else (limit_of_rate(target),)
     ends = load.leak_interval or (math.nan, math.nan)
-    return [Judgement.of(limit, ends, load.leak_validity, sampled=sampled) for limit in against]
+    known, own = load.leak_validity, load.calculated_ends
+    return [Judgement.of(limit, ends, known, sampled=sampled, calculated=own) for limit in against]
 
 
 def with_judgements(

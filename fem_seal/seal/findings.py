@@ -41,7 +41,8 @@ class Finding:
     reason : str
         A clause with the number behind it, about one load that need not be named.
     text : str
-        The whole sentence: which load, where, what to do.
+        The whole sentence: which load, where, what to do; empty of what is too little to be told, but is in the
+        interval.
     leak_factor : Bounds, optional
         What really leaks over the calculated leak rate, at least and at most, where that is known: 0 and infinity
         where it may be orders of magnitude.
@@ -93,13 +94,13 @@ class Validity:
 
     @classmethod
     def of(cls, cautions: Iterable[Finding]) -> Validity:
-        """The verdict of some cautions.
+        """The verdict of some cautions, but those that say nothing.
 
         Parameters
         ----------
         cautions : iterable of Finding
         """
-        return cls(worst_first(cautions))
+        return cls(worst_first(one for one in cautions if one.text or one.leak_factor.apart))
 
     @property
     def level(self) -> Level:
@@ -123,8 +124,8 @@ class Validity:
 
     @property
     def leak_error(self) -> float:
-        """The largest known relative error of the leak rate; zero where none is known."""
-        return max((one.leak_error for one in self.cautions), default=0.0)
+        """The largest relative error of the leak rate that is told; zero where none is."""
+        return max((one.leak_error for one in self.cautions if one.text), default=0.0)
 
     @property
     def leak_factor(self) -> Bounds:
@@ -170,14 +171,14 @@ class Validity:
         """Whether the theory does not hold, so that nothing may be claimed from the numbers."""
         return self.level is Level.OUTSIDE
 
-    def without(self, kind: str) -> Validity:
-        """The verdict without the cautions of one kind.
+    def without(self, *kinds: str) -> Validity:
+        """The verdict without the cautions of some kinds.
 
         Parameters
         ----------
-        kind : str
+        *kinds : str
         """
-        return Validity(tuple(one for one in self.cautions if one.kind != kind))
+        return Validity(tuple(one for one in self.cautions if one.kind not in kinds))
 
 
 VALID = Validity()
@@ -187,6 +188,8 @@ YIELD_STRESS = "yield stress"
 """Kind of the caution about a body that is solved as elastic above its yield stress."""
 DIRECT_SCATTER = "direct scatter"
 """Kind of the caution that says how uncertain a simulated conductivity is, of which the interval is made."""
+NEARLY_SEALED, SEALED = "nearly sealed", "sealed"
+"""Kinds of cautions about the percolation threshold, of which the leak rate itself has a bound and not a factor."""
 ORDERS_OF_MAGNITUDE = 1e3
 """What "orders of magnitude" are taken for where something is to be decided: three."""
 _NOT_JUDGED = "checks of what the theory allows failed"

@@ -13,6 +13,7 @@ import numpy as np
 import leak
 from fem_seal.seal.lazy import ByReading, variant
 from leak import Reading
+from leak.numerics.roots import root_between
 
 if TYPE_CHECKING:
     from fem_seal.arrays import FloatArray
@@ -33,6 +34,12 @@ if TYPE_CHECKING:
     from leak.flow.leak_rate import Permeant
 
 
+# A/A0 where direct simulations of the flow end, and up to the percolation threshold how much further it may be open.
+DIRECT_END = 0.39
+# Rms heights between two rough faces that just touch: of a million summits one is higher.
+_APART = 5.0
+# Density of a liquid of which none is known [kg/m^3].
+_DENSITY = 1000.0
 # Decades between the highest pressure and the end of a table.
 MARGIN = 0.3
 
@@ -91,6 +98,8 @@ class FlowModel:
         [Pa]; empty where it does in all of them.
     faces : int
         Equal contacts through which it flows side by side.
+    bore_radius : float
+        Of what the fluid has to pass beside the contact [m]; infinite where nothing is narrower than that.
     """
 
     fluid: str
@@ -106,6 +115,7 @@ class FlowModel:
     pressure_law: PressureLaw | None = None
     chambers: tuple[float | None, ...] = ()
     faces: int = 1
+    bore_radius: float = field(default=math.inf, compare=False)
 
     def effective_viscosity(self, fluid_pressure: float) -> float | None:
         """Of a liquid: the viscosity of one that does not thicken and leaks as much [Pa s]; None for a gas.
@@ -118,6 +128,45 @@ class FlowModel:
         if self.gas is not None:
             return None
         return self.viscosity * leak.effective_viscosity_ratio(self.pressure_law, fluid_pressure)
+
+    def through_open_bore(self, fluid_pressure: float, contact_radius: float) -> float:
+        """What an open bore lets through, or the open circle of the contact where that is narrower [m^3/s].
+
+        Parameters
+        ----------
+        fluid_pressure : float
+            Pressure difference [Pa].
+        contact_radius : float
+            [m]
+        """
+        from leak.flow.unsealed import gas_through_bore, liquid_through_bore
+        from leak.standards import STANDARD_PRESSURE
+
+        radius = min(self.bore_radius, contact_radius)
+        if self.gas is None:
+            return liquid_through_bore(radius, fluid_pressure, self.density or _DENSITY)
+        high = self.outlet_pressure + fluid_pressure
+        flow = gas_through_bore(radius, self.gas, high, self.outlet_pressure)
+        return flow / self.gas.density(STANDARD_PRESSURE)
+
+    def through_gap(self, x: FloatArray, radius: FloatArray, gap: FloatArray, fluid_pressure: float) -> float:
+        """What flows through all equal gaps like this one, with nothing in them [m^3/s].
+
+        Parameters
+        ----------
+        x, radius, gap : ndarray, shape (n,)
+            Along the flow, distance from the axis and gap [m].
+        fluid_pressure : float
+            Pressure difference [Pa].
+        """
+        from leak.flow.unsealed import gap_resistance, gas_through_gap
+
+        resistance = gap_resistance(x, radius, gap) / self.faces
+        viscosity = self.effective_viscosity(fluid_pressure)
+        if self.gas is None or viscosity is not None:
+            return fluid_pressure / (resistance * (viscosity or self.viscosity))
+        high = self.outlet_pressure + fluid_pressure
+        return gas_through_gap(resistance, float(gap.min()), self.gas, high, self.outlet_pressure)
 
     @property
     def in_test(self) -> FlowModel:
@@ -590,6 +639,58 @@ class LeakModel(ByReading):
         limited = profile.pressed_up_to(most)
         tables = self.flow.in_lands(self.table, self.surface, limited)
         return self.flow.leak_by(tables, limited, fluid_pressure)
+
+    def leak_without_load(self, profile: PressureProfile, fluid_pressure: float) -> float:
+        """What the gap of one of the contacts lets through if its rough faces just touched [m^3/s].
+
+        Without the asperities in it, so that it depends on no theory of them; infinite where no gap is known.
+
+        Parameters
+        ----------
+        profile : PressureProfile
+        fluid_pressure : float
+            Pressure difference [Pa].
+        """
+        if self.flow is None:
+            return math.inf
+        apart, known = _APART * self.surface.spectrum.rms_height, []
+        for one in profile.lands:
+            gap = one.gap - one.gap.min() + apart
+            if np.isfinite(gap).all():
+                known.append(self.flow.through_gap(one.x, one.radius, gap, fluid_pressure))
+        return min(known, default=math.inf)
+
+    def leak_before_sealing(self, profile: PressureProfile, fluid_pressure: float) -> float:
+        """Leak of one of the contacts if no place were pressed harder than direct simulations reach [m^3/s].
+
+        A harder pressed place leaks no more, so that close to the percolation threshold it is an upper bound. How far
+        beyond the threshold something may be open is taken to be as much as is left from there to the threshold.
+
+        Parameters
+        ----------
+        profile : PressureProfile
+        fluid_pressure : float
+            Pressure difference [Pa].
+        """
+        if self.flow is None or self.table is None:
+            return 0.0
+        peak, surface = max(one.peak_pressure for one in profile.lands), self.surface
+        tables = self.flow.in_lands(self.table, surface, profile)
+        sealing = max(one.liquid.sealing_pressure for one in tables)
+        beyond = float(surface.contact_area(peak)) - float(surface.contact_area(min(peak, sealing)))
+        share = 1.0 - beyond / (surface.percolation_threshold - DIRECT_END)
+        if not share > 0.0:
+            return 0.0
+        low = math.log(1e-6 * peak)
+
+        def beyond_simulations(log_pressure: float) -> float:
+            return float(surface.contact_area(math.exp(log_pressure))) - DIRECT_END
+
+        if beyond_simulations(math.log(peak)) <= 0.0:
+            return 0.0
+        limit = math.exp(root_between(beyond_simulations, low, math.log(peak)))
+        found = self.leak_pressed_up_to(limit, profile, fluid_pressure)
+        return 0.0 if found is None else share * found.leak_rate
 
     def at(self, fluid_pressure: float) -> ProfileLeak | None:
         """Flow at a pressure difference [Pa]; None without a fluid."""

@@ -15,7 +15,7 @@ from fem_seal.former_names import former_attribute
 from fem_seal.profile import PressureProfile, joined, tightest
 from fem_seal.seal.both_faces import joined_validity, mean_leak, share_of
 from fem_seal.seal.bounds import AGREE, EXACT, Bounds
-from fem_seal.seal.findings import DIRECT_SCATTER, VALID, Finding, Level, Validity
+from fem_seal.seal.findings import DIRECT_SCATTER, NEARLY_SEALED, SEALED, VALID, Finding, Level, Validity
 from fem_seal.seal.lazy import ByReading, variant
 from fem_seal.seal.leak_model import Conductivity, FlowModel, LeakModel
 from fem_seal.units import DIGITS, digits_within, format_quantity, leak_range_text, quantity_worth, share_text
@@ -424,20 +424,73 @@ class LoadResult(ByReading):
     def _simulated_ends(self) -> tuple[Self, ...]:
         return () if self.rough is None else tuple(replace(self, rough=end) for end in self.rough.ends)
 
-    @property
-    def leak_interval(self) -> Bounds | None:
-        """Ends of the leak rate, wherever they are told or judged [m^3/s]; None without a leak rate.
+    @cached_property
+    def rougher(self) -> float:
+        """What the gaps of the roughest samples let through over that of the surface as given, by h^3/eta [-]."""
+        return 1.0
 
-        They hold all readings of yielding asperities or what a simulation leaves open, the samples of uncertain
-        inputs, the preload of bolts, and what the calculation may be off by (`leak_validity`).
-        """
+    @property
+    def most_leak(self) -> float:
+        """What physics lets through: the open bore, and the rough gap of a round seal without load [m^3/s]."""
+        bore, gap = self.unsealed
+        return min(bore, self.rougher * gap)
+
+    @cached_property
+    def unsealed(self) -> tuple[float, float]:
+        """What flows through the open bore, and through the rough gap without load [m^3/s]; infinite if not known."""
+        if self.of_faces is not None:
+            upper, lower = (one.unsealed for one in self.of_faces)
+            return 0.5 * (upper[0] + lower[0]), 0.5 * (upper[1] + lower[1])
+        flow = None if self.rough is None else self.rough.flow
+        if self.rough is None or flow is None:
+            return math.inf, math.inf
+        radius = min(float(one.radius.min()) for one in self.profiles)
+        bore = flow.through_open_bore(self.fluid_pressure, radius)
+        # what a form error leaves open is no rough gap
+        round_seal = self.formed is None
+        return bore, self.rough.leak_without_load(self.whole, self.fluid_pressure) if round_seal else math.inf
+
+    @cached_property
+    def leak_before_sealing(self) -> float:
+        """What leaks at most where the percolation threshold decides [m^3/s]; zero where it does not."""
+        if self.of_faces is not None:
+            return 0.5 * sum(one.leak_before_sealing for one in self.of_faces)
+        if self.rough is None or self.rough.ends or self.formed is not None:
+            return 0.0
+        return self.rough.leak_before_sealing(self.whole, self.fluid_pressure)
+
+    @property
+    def calculated_ends(self) -> Bounds | None:
+        """`leak_interval` without what the calculation may be off by [m^3/s]."""
         if self.leak is None:
             return None
         known = [self.leak.leak_rate, *(self.leak_range or ()), *(self.sampled or ())]
         if self.tested and self.sampled is not None:
             known = [*self.sampled]
-        known += self.at_preload_ends or ()
-        return Bounds.of(known).widened(self.leak_validity.leak_factor)
+        return Bounds.of([*known, *(self.at_preload_ends or ())])
+
+    @property
+    def leak_interval(self) -> Bounds | None:
+        """Ends of the leak rate, wherever they are told or judged [m^3/s]; None without a leak rate.
+
+        They hold all readings of yielding asperities or what a simulation leaves open, the samples of uncertain
+        inputs, the preload of bolts, and what the calculation may be off by (`leak_validity`), but no more than
+        physics lets through (`most_leak`).
+        """
+        ends, doubts = self.calculated_ends, self.leak_validity
+        if self.leak is None or ends is None:
+            return None
+        # the threshold is that of the surface as given: rougher samples are further from it, and leak no more by it
+        near = [one.leak_factor.high for one in doubts.cautions if one.kind in (NEARLY_SEALED, SEALED)]
+        by_threshold = self.leak_before_sealing if near else 0.0
+        if near and not by_threshold and self.leak.leak_rate > 0.0:
+            by_threshold = math.prod(near) * self.leak.leak_rate
+        most = doubts.without(NEARLY_SEALED, SEALED).leak_factor.high
+        found = Bounds(ends.low * doubts.leak_factor.low, max(ends.high, self.rougher * by_threshold) * most)
+        if not found.apart or math.isinf(self.leak.leak_rate):
+            return found
+        limit = max(self.most_leak, self.leak.leak_rate)
+        return Bounds(min(found.low, limit), min(found.high, limit))
 
     @property
     def has_interval(self) -> bool:
@@ -458,6 +511,7 @@ class LoadResult(ByReading):
             ends = Bounds.of(one * other.leak_rate / own.leak_rate for one in ends)
         return found.with_values(
             at_preload_ends=ends,
+            rougher=self.rougher,
             sampled=self.sampled_in_test,
             leak_rate_p50=None,
             tested=self.tested,

@@ -533,6 +533,7 @@ def flow_of(case: CaseTables) -> FlowModel | None:
         pressure_law=fluid.pressure_law if fluid.gas is None else None,
         chambers=case.chambers,
         faces=case.faces,
+        bore_radius=getattr(case.closure if case.gasket else case.seat, "bore_radius", None) or math.inf,
     )
 
 

@@ -6,9 +6,12 @@ so that a study gives the same table in whatever order and on however many worke
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
-from typing import Any
+from functools import partial
+from typing import Any, TypeVar
 
 # the time limit is that of designs, not of loading what some of them need
 import scipy.interpolate  # noqa: F401
@@ -18,7 +21,7 @@ from fem_seal.answers.answer import Answer, Inquiry, Wanted, answered
 from fem_seal.answers.bolts import BOLTS
 from fem_seal.answers.chain import solve
 from fem_seal.answers.findings import FINDINGS
-from fem_seal.answers.judgement import JudgedLoad, Verdict
+from fem_seal.answers.judgement import JudgedLoad, PassProbability, Verdict
 from fem_seal.answers.opening import OPENING
 from fem_seal.answers.pass_probability import PASS_PROBABILITY, pass_probabilities
 from fem_seal.answers.target import TARGET
@@ -26,9 +29,10 @@ from fem_seal.answers.uncertainty import UNCERTAINTY
 from fem_seal.answers.variants import THEORIES
 from fem_seal.answers.verdict import VERDICT, VERDICT_FORCE, judged
 from fem_seal.case.case import Case
+from fem_seal.errors import SealError, error_text
 from fem_seal.output.columns import COLUMNS
 from fem_seal.seal.evaluate import SILENT, Batch, Evaluation, evaluate_many
-from fem_seal.seal.findings import Validity
+from fem_seal.seal.findings import NOT_JUDGED, Finding, Level, Validity
 from fem_seal.seal.heating import warmed
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.problem import SealProblem
@@ -36,12 +40,19 @@ from fem_seal.seal.readings import FURTHER, leak_rate_column
 from fem_seal.seal.sources import EXACT, Shared, Source, family_or_own_table
 from fem_seal.studies.cost import FORCE_FOR_VERDICT, INTERVAL, PASSING, is_of_bolts, is_target
 from fem_seal.validity.checks import validity_of
+from leak import LeakError
 from leak.theory.plasticity import READINGS
+from meshes import GeometryError, MeshingError
 
 # A margin counts up to here: a sealed design, whose margin is infinite, can be compared with others.
 LARGEST_MARGIN = 1e6
 _BOTH_READINGS = {"margin", *PASSING, *(leak_rate_column(one) for one in FURTHER)}
 _THEORIES = set(map(leak_rate_column, READINGS))
+# What keeps one response from being calculated; the others of its design have nothing to do with it.
+_FAILURES = (SealError, LeakError, GeometryError, MeshingError, ArithmeticError)
+Load = TypeVar("Load", bound=LoadResult)
+Value = TypeVar("Value")
+Other = TypeVar("Other")
 _FOR_VERDICT = (
     *(ACCURACY, OPENING, TARGET, BOLTS, FINDINGS, UNCERTAINTY, PASS_PROBABILITY, VERDICT_FORCE, VERDICT),
 )
@@ -124,7 +135,7 @@ def evaluate_designs(
     leaks = passing or any(column.startswith(("leak_rate", "lift_off", "margin")) for column in columns)
     if leaks:
         for step in _leaks(other=both):
-            batch.each(loads, lambda number: step(loads[number]))  # noqa: B023
+            batch.each(loads, lambda number: _if_any(lambda: step(loads[number]), None))  # noqa: B023
     told = batch.each(
         loads,
         lambda n: _checked(solved[n], loads[n], cases[n], columns, leaks=leaks, interpolated=interpolate),
@@ -169,17 +180,39 @@ def _checked(
     sampled = case.sampled is not None and not INTERVAL.isdisjoint(columns)
     passing = not PASSING.isdisjoint(columns)
     usual_only = leaks and not (sampled or passing)
-    load = load.with_values(
-        validity=validity_of(found, load, by_table=leaks and interpolated, usual_only=usual_only)
-    )
+    judged_by = partial(validity_of, found, load, by_table=leaks and interpolated)
+    load = load.with_values(validity=_if_any(partial(judged_by, usual_only=usual_only), NOT_JUDGED))
     known = True
     if sampled:
         ask, seal = Inquiry(found.solver, SILENT), found.seal(case).with_loads([load])
         (load,) = answered(seal, ask, [UNCERTAINTY]).loads
         known = UNCERTAINTY.of(ask.answers) is not None
-    judgement = judged(case, load, sampled=known) if "margin" in columns else None
-    likely = pass_probabilities(found.seal(case).with_loads([load])) if passing else [None]
-    return JudgedLoad.of(load, judgement=judgement, passing=likely[0])
+        if not known:
+            load = load.with_values(validity=_if_any(partial(judged_by, usual_only=True), NOT_JUDGED))
+    judgement = _if_any(partial(judged, case, load, sampled=known), None) if "margin" in columns else None
+    likely: PassProbability | None = None
+    if passing:
+        try:
+            (likely,) = pass_probabilities(found.seal(case).with_loads([load]))
+        except _FAILURES as error:
+            if PASSING.issuperset(columns):
+                raise
+            load = _without("pass_probability", error, load)
+    return JudgedLoad.of(load, judgement=judgement, passing=likely)
+
+
+def _without(column: str, error: Exception, load: Load) -> Load:
+    """A load of which one column could not be calculated."""
+    told = f"{column} could not be calculated: {error_text(error)}"
+    cautions = (*load.validity.cautions, Finding("not calculated", Level.DOUBTFUL, told, told))
+    return load.with_values(validity=Validity.of(cautions))
+
+
+def _if_any(calculate: Callable[[], Value], otherwise: Other) -> Value | Other:
+    """What `calculate` gives or, where that cannot be calculated, `otherwise`."""
+    with suppress(*_FAILURES):
+        return calculate()
+    return otherwise
 
 
 def _validity(load: LoadResult, columns: Sequence[str]) -> Validity:
@@ -204,7 +237,16 @@ def _leaks(*, other: bool) -> Iterator[Callable[[LoadResult], object]]:
 
 
 def _result(load: JudgedLoad, columns: Sequence[str]) -> DesignResult:
-    found = {column: COLUMNS[column].number(load) for column in columns}
+    found, failed = dict[str, float](), list[Exception]()
+    for column in columns:
+        try:
+            found[column] = COLUMNS[column].number(load)
+        except _FAILURES as error:
+            found[column] = math.nan
+            failed.append(error)
+            load = _without(column, error, load)
+    if failed and all(map(math.isnan, found.values())):
+        raise failed[0]
     if "margin" in found:
         found["margin"] = min(found["margin"], LARGEST_MARGIN)
     return DesignResult(found, _validity(load, columns), load.verdict)

@@ -16,6 +16,7 @@ from fem_seal.materials import HARDNESS_OVER_YIELD_STRESS, creep_remarks
 from fem_seal.seal.both_faces import joined_validity
 from fem_seal.seal.bounds import EXACT, Bounds
 from fem_seal.seal.findings import ORDERS_OF_MAGNITUDE, Finding, Level, Validity
+from fem_seal.seal.leak_model import DIRECT_END
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.load_result import DiscretisationError, GivenLoad, LoadResult
 from fem_seal.seal.problem import SealProblem
@@ -31,12 +32,11 @@ from fem_seal.units import (
     share_text,
     written,
 )
-from fem_seal.validity.fluid import fluid_cautions, molecule_cautions
+from fem_seal.validity.fluid import fluid_cautions, molecule_cautions, opening_factor
 from fem_seal.validity.form import form_cautions
 from fem_seal.validity.materials import temperature_cautions
-from fem_seal.validity.words import caution, of_bodies, sentence
+from fem_seal.validity.words import caution, fading, of_bodies, sentence
 from leak import ConductivityTable
-from leak.numerics.roots import root_between
 
 if TYPE_CHECKING:
     from fem_seal.seal.direct import DirectTable
@@ -61,9 +61,12 @@ _LARGEST_ERROR_OF_PATH = 1e-2
 # The theory's own A/A0 beyond which its flow conductivity differs from direct numerical results by more than 30 %,
 # and the factors by which it does at some areas; the direct area is 0.19 there (docs/verification/verification.md).
 _FEW_CHANNELS = 0.15
+# ... and below which it is taken to be right; in between the factor fades in.
+_NOT_FEW = 0.1
 _FACTORS = ((_FEW_CHANNELS, 1.3), (0.2, 1.7), (0.25, 2.3), (0.31, 3.3))
-# ... where the direct results end; from there to the percolation threshold the conductivity falls to zero.
-_DIRECT_END = 0.39
+# A/A0 beyond the percolation threshold at which nothing may leak for certain; the doubt fades in from where direct
+# results end, so slowly that a thousandth of the force moves no end by 2 %.
+_CLOSED = 0.55
 # With a lay it differs by up to these factors at some A/A0, where the fluid crosses the lay, and by one at all where it
 # flows along it: direct results for elastic asperities, correlation lengths up to 5 times longer one way, A/A0 up to
 # 0.16. For a lay 10 times longer the factors rise by 10/5 to this power.
@@ -117,7 +120,7 @@ def contact_cautions(problem: SealProblem, loads: Sequence[LoadResult]) -> tuple
     if problem.faces > 1:
         near.append(replace(caution("without_friction"), level=Level.VALID))
     own = (*_of_surface(problem), *load_cautions(problem, loads), *_coarse(loads[0]))
-    return (*own, *of_bodies(problem, near))
+    return (*(one for one in own if one.text), *of_bodies(problem, near))
 
 
 def load_cautions(
@@ -287,7 +290,7 @@ def target_cautions(problem: SealProblem, answers: Sequence[LoadResult]) -> Iter
     named = dict.fromkeys(
         f"{briefly('force', one.applied_force)} at {written(one.fluid_pressure, '.4g bar')}" for one in ends
     )
-    for one in _at_target(problem, answers):
+    for one in filter(lambda one: one.text, _at_target(problem, answers)):
         text = f"at the force for the target leak rate, {' to '.join(named)}: {one.text}"
         yield replace(one, text=text)
 
@@ -669,6 +672,7 @@ def _sealed(
             limit=fixed_quantity("MPa", sealing),
             first=first,
         )
+        yield from _few_channels(load, loads, surface)
 
 
 def _nearly_sealed(
@@ -681,78 +685,77 @@ def _nearly_sealed(
     if problem.flow is not None and problem.flow.simulated is not None:
         yield from _simulated(problem.flow.simulated.table(surface), load, loads)
         return
-    most = surface.most_contact_area(load.peak_pressure)
-    if surface.peklenik == 1.0 and most <= _FEW_CHANNELS:
+    yield from _few_channels(load, loads, surface)
+    if surface.most_contact_area(load.peak_pressure) <= DIRECT_END:
         return
     area = float(surface.contact_area(load.peak_pressure))
-    factor = _between(_FACTORS, area) if area > _FEW_CHANNELS else 1.0
-    lay = _lay_factor(area, surface.peklenik)
-    lay = max(lay, factor) if lay > _LAY_REPORTED else 1.0
-    if lay > 1.0 and area <= _DIRECT_END:
+    if area <= DIRECT_END:
+        return
+    leak, closed = load.leak, (area - DIRECT_END) / (_CLOSED - DIRECT_END)
+    least, most = ORDERS_OF_MAGNITUDE ** -min(closed, 1.0), math.inf
+    if load.formed is not None:
+        # what a form error adds has no bound
+        most = 1.0 / least
+    elif leak is not None and leak.leak_rate > 0.0 and load.leak_before_sealing > 0.0:
+        most = max(load.leak_before_sealing / leak.leak_rate, 1.0)
+    off = Validity.of(_few_channels(load, loads, surface)).leak_factor.high
+    bound = "with_lay" if off > 1.0 and surface.peklenik != 1.0 else "bounded"
+    known = load.formed is None and off * most < ORDERS_OF_MAGNITUDE
+    side = "close" if load.peak_pressure < sealing else "short"
+    yield caution(
+        "close_to_threshold",
+        load,
+        loads,
+        leak_factor=Bounds(least, most),
+        found=False,
+        area=area,
+        surface=surface,
+        briefly=sentence("close_to_threshold", f"{side}_briefly"),
+        near=sentence("close_to_threshold", side, surface=surface),
+        direct_end=DIRECT_END,
+        bound=sentence("close_to_threshold", bound if known else "unbounded", times=number(off * most, 2)),
+    )
+
+
+def _few_channels(load: LoadResult, loads: Sequence[LoadResult], surface: RoughContact) -> Iterator[Finding]:
+    """How far the conductivity is from direct simulation where few channels are left or the roughness has a lay."""
+    paper = surface.theory == "paper"
+    # the error of the corrected theory includes that of few channels
+    if surface.peklenik == 1.0 and (not paper or surface.most_contact_area(load.peak_pressure) <= _NOT_FEW):
+        return
+    area = float(surface.contact_area(load.peak_pressure))
+    faded = min(max((area - _NOT_FEW) / (_FEW_CHANNELS - _NOT_FEW), 0.0), 1.0)
+    if not paper:
+        faded *= min(abs(math.log2(surface.peklenik)), 1.0)
+    few, lay = _between(_FACTORS, area) ** faded, _lay_factor(area, surface.peklenik)
+    factor, of_lay, near = max(few, lay), lay > _LAY_REPORTED, area > DIRECT_END
+    if of_lay or not paper:
         long = max(surface.peklenik, 1.0 / surface.peklenik) > _LAY_LONGEST
         ends = [name for name, unknown in (("area", area > _LAY_KNOWN), ("length", long)) if unknown]
         known = [sentence("lay", one, known=_LAY_KNOWN, longest=_LAY_LONGEST) for one in ends]
-        beyond = sentence("lay", "beyond", known=" and ".join(known)) if known else ""
         yield caution(
             "lay",
             load,
             loads,
-            leak_factor=Bounds.factor_bounds(lay),
-            found=not beyond,
-            lay=lay,
+            leak_factor=fading(Bounds.factor_bounds(factor), math.log(lay) / math.log(_LAY_REPORTED)),
+            told=of_lay and not near,
+            found=not known,
+            lay=factor,
             area=area,
             surface=surface,
-            beyond=beyond,
+            beyond=sentence("lay", "beyond", known=" and ".join(known)) if known else "",
         )
-    elif area > _DIRECT_END:
-        # with a lay the bound is as uncertain as the conductivity where direct results end
-        most = _most_leak(load, surface, lay)
-        bound = "with_lay" if lay > 1.0 else "bounded"
-        side = "close" if load.peak_pressure < sealing else "short"
-        yield caution(
-            "close_to_threshold",
-            load,
-            loads,
-            leak_factor=Bounds(0.0, most),
-            area=area,
-            surface=surface,
-            briefly=sentence("close_to_threshold", f"{side}_briefly"),
-            near=sentence("close_to_threshold", side, surface=surface),
-            direct_end=_DIRECT_END,
-            bound=sentence(
-                "close_to_threshold",
-                bound if most < ORDERS_OF_MAGNITUDE else "unbounded",
-                times=number(most, 2),
-            ),
-        )
-    elif area > _FEW_CHANNELS and surface.theory == "paper":
-        # the error of the corrected theory includes this
+    else:
         yield caution(
             "few_channels",
             load,
             loads,
             leak_factor=Bounds.factor_bounds(factor),
+            told=area > _FEW_CHANNELS and not near,
             area=area,
             factor=factor,
             few_channels=_FEW_CHANNELS,
         )
-
-
-def _most_leak(load: LoadResult, surface: RoughContact, lay: float) -> float:
-    """Upper bound of the leak rate, over the calculated one: with the pressure limited to where direct results end.
-
-    A harder pressed place leaks no more. Infinite where it is not known: for a seal that is not round.
-    """
-    leak = load.leak
-    if load.rough is None or load.formed is not None or leak is None or not leak.leak_rate > 0.0:
-        return math.inf
-    profile = load.tightest
-    ends = math.log(1e-3 * profile.peak_pressure), math.log(profile.peak_pressure)
-    limit = math.exp(root_between(lambda p: float(surface.contact_area(math.exp(p))) - _DIRECT_END, *ends))
-    found = load.rough.leak_pressed_up_to(limit, load.whole, load.fluid_pressure)
-    assert found is not None  # the load itself has one
-    off = 1.0 if surface.theory == "corrected" else _FACTORS[-1][1]
-    return max(off, lay) * found.leak_rate / leak.leak_rate
 
 
 def _simulated(table: DirectTable, load: LoadResult, loads: Sequence[LoadResult]) -> Iterator[Finding]:
@@ -815,15 +818,22 @@ def _long_waves(surface: RoughContact, loads: Sequence[LoadResult]) -> Iterator[
     std, spectrum = load.std, surface.spectrum
     above = float(spectrum.height_variance_above(1 / std)) / spectrum.rms_height**2
     share = 1.0 - above
-    if share <= _LONG_WAVES:
-        return
     factors, more = EXACT, ""
     if surface.theory == "corrected":
         factors = Bounds(1.0 / (1.0 + _LESS_OF_LONG * share), 1.0 + _MORE_OF_LONG * share)
         more = sentence("long_waves", "more", factors=factors)
-    yield caution(
-        "long_waves", load, loads, leak_factor=factors, share=share_text(share), std=_um(std, load), more=more
-    )
+    told, factors = share > _LONG_WAVES, fading(factors, share / _LONG_WAVES)
+    if told or factors.apart:
+        yield caution(
+            "long_waves",
+            load,
+            loads,
+            leak_factor=factors,
+            told=told,
+            share=share_text(share),
+            std=_um(std, load),
+            more=more,
+        )
 
 
 def _fluid_opens(problem: SealProblem, flow: FlowModel, loads: Sequence[LoadResult]) -> Iterator[Finding]:
@@ -832,18 +842,18 @@ def _fluid_opens(problem: SealProblem, flow: FlowModel, loads: Sequence[LoadResu
     elif problem.loads.closing != "penetration":
         load = max(loads, key=_fluid_over_contact)
         share = _fluid_over_contact(load)
-        times = 1.0 + 1.7 * share if share < _FLUID_LIFTS else math.inf
-        most = sentence("fluid_opens", "several" if math.isinf(times) else "about", times=times)
-        if share > FLUID_OPENS:
-            yield caution(
-                "fluid_opens",
-                load,
-                loads,
-                outside=share > _FLUID_LIFTS,
-                leak_factor=Bounds(1.0, times),
-                share=share,
-                most="" if load.whole.parts else most,
-            )
+        times = opening_factor(share)
+        most = sentence("fluid_opens", "about" if share < _FLUID_LIFTS else "several", times=times)
+        yield caution(
+            "fluid_opens",
+            load,
+            loads,
+            outside=share > _FLUID_LIFTS,
+            leak_factor=fading(Bounds(1.0, times), share / FLUID_OPENS),
+            told=share > FLUID_OPENS,
+            share=share,
+            most="" if load.whole.parts else most,
+        )
 
 
 def _fluid_over_contact(load: LoadResult) -> float:

@@ -10,12 +10,12 @@ import numpy as np
 
 from fem_seal.profile import PressureProfile
 from fem_seal.seal.bounds import Bounds
-from fem_seal.seal.findings import Finding
+from fem_seal.seal.findings import ORDERS_OF_MAGNITUDE, Finding
 from fem_seal.seal.leak_model import FlowModel, as_first_loaded
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.units import rounded, share_text, written
-from fem_seal.validity.words import caution, sentence
+from fem_seal.validity.words import caution, fading, sentence
 
 if TYPE_CHECKING:
     from leak import Gas, GasInertia, LeakResult
@@ -38,8 +38,25 @@ _TURBULENT, _REDUCED = 2000.0, 1.0
 _PRESSURE_SHARE = 0.1
 # Density of a liquid for which none is given [kg/m^3].
 _DENSITY = 1000.0
+# Sizes of a molecule from which on a gap is that of a fluid without molecules; at one of them the seal may be tight.
+_FEW = 4.0
 # Contact pressure below which the gap counts as open [Pa].
 _NO_PRESSURE = 1e-200
+
+
+def opening_factor(share: float) -> float:
+    """How many times as much leaks at most because the fluid opens the gap [-].
+
+    1 + 1.7 p_f/p0 up to a half, and from there ever more up to infinity at one: not below what a liquid between the
+    surfaces does that is taken off the load of the asperities, place by place (`leak.coupled_leak_flow`).
+
+    Parameters
+    ----------
+    share : float
+        Fluid pressure over peak contact pressure [-].
+    """
+    beyond = max(2.0 * share - 1.0, 0.0)
+    return math.inf if beyond >= 1.0 else 1.0 + 1.7 * share / (1.0 - beyond) ** 2
 
 
 def fluid_cautions(flow: FlowModel, loads: Sequence[LoadResult]) -> Iterator[Finding]:
@@ -66,11 +83,20 @@ def molecule_cautions(flow: FlowModel, loads: Sequence[LoadResult]) -> Iterator[
     from leak.fluids.library import molecular_size
 
     size = molecular_size(flow.fluid)
-    narrow = [load for load in loads if load.critical_separation and load.critical_separation < size]
+    narrow = [load for load in loads if load.critical_separation and load.critical_separation < _FEW * size]
     if narrow:
         load = min(narrow, key=lambda load: load.critical_separation or 0.0)
+        gap = load.critical_separation or 0.0
+        tight = min(math.log(_FEW * size / gap) / math.log(_FEW), 1.0)
         yield caution(
-            "molecules", load, loads, leak_factor=Bounds(0.0, 1.0), gap=load.critical_separation, size=size
+            "molecules",
+            load,
+            loads,
+            leak_factor=Bounds(ORDERS_OF_MAGNITUDE**-tight, 1.0),
+            found=False,
+            told=gap < size,
+            gap=gap,
+            size=size,
         )
 
 
@@ -87,23 +113,23 @@ def _thickening(flow: FlowModel, loads: Sequence[LoadResult]) -> Iterator[Findin
         known = written(law.highest_pressure, ".4g bar")
         yield caution("thickening_extrapolated", load, loads, known=known, flow=flow, ratio=ratio)
     share = law.uncertainty * abs(math.log(effective_viscosity_ratio(law, pressure)))
-    if share > _UNCERTAIN:
-        yield caution(
-            "thickening_uncertain",
-            load,
-            loads,
-            leak_factor=Bounds.factor_bounds(1.0 + share),
-            share=share_text(share),
-            flow=flow,
-            known=share_text(law.uncertainty),
-        )
+    yield caution(
+        "thickening_uncertain",
+        load,
+        loads,
+        leak_factor=fading(Bounds.factor_bounds(1.0 + share), share / _UNCERTAIN),
+        told=share > _UNCERTAIN,
+        share=share_text(share),
+        flow=flow,
+        known=share_text(law.uncertainty),
+    )
 
 
 def _unknown_thickening(flow: FlowModel, load: LoadResult, loads: Sequence[LoadResult]) -> Iterator[Finding]:
     from leak import Barus, Roelands, effective_viscosity_ratio
 
     pressure = load.fluid_pressure
-    if pressure <= _THICKENS:
+    if not pressure > 0.0:
         return
     little, much = Barus(_LEAST), Roelands(_MOST, max(flow.viscosity, _THIN))
     most, least = (1.0 / effective_viscosity_ratio(law, pressure) for law in (little, much))
@@ -112,8 +138,9 @@ def _unknown_thickening(flow: FlowModel, load: LoadResult, loads: Sequence[LoadR
         "thickening_unknown",
         load,
         loads,
-        leak_factor=Bounds(least, most),
+        leak_factor=fading(Bounds(least, most), pressure / _THICKENS),
         found=False,
+        told=pressure > _THICKENS,
         pressure=written(pressure, ".4g bar"),
         share=share,
         flow=flow,
@@ -137,11 +164,12 @@ def _dense_gas(flow: FlowModel, loads: Sequence[LoadResult]) -> Iterator[Finding
     elif gas.real is None and highest > (liquid := condensation_pressure(gas)):
         at, known = (written(one, ".4g bar") for one in (highest, liquid))
         yield caution("condensed", outside=True, gas=gas, at=at, known=known)
-    elif gas.real is None and highest > gas.dilute_pressure:
-        yield from _not_ideal(flow, gas, highest)
+        yield from _not_ideal(flow, gas, liquid, told=False)
+    elif gas.real is None and highest > 0.5 * gas.dilute_pressure:
+        yield from _not_ideal(flow, gas, highest, told=highest > gas.dilute_pressure)
 
 
-def _not_ideal(flow: FlowModel, gas: Gas, highest: float) -> Iterator[Finding]:
+def _not_ideal(flow: FlowModel, gas: Gas, highest: float, *, told: bool) -> Iterator[Finding]:
     from leak import real_gas_flow_ratio
     from leak.fluids.library import coolprop_name, estimated_real_gas
 
@@ -154,8 +182,9 @@ def _not_ideal(flow: FlowModel, gas: Gas, highest: float) -> Iterator[Finding]:
         there = sentence("not_ideal_gas", "there", leaks=leaks, **factors)
     yield caution(
         "not_ideal_gas",
-        leak_factor=Bounds(min(ratio, 1.0), max(ratio, 1.0)),
+        leak_factor=fading(Bounds(min(ratio, 1.0), max(ratio, 1.0)), highest / gas.dilute_pressure),
         found=False,
+        told=told,
         gas=gas,
         at=written(highest, ".4g bar"),
         dilute=written(gas.dilute_pressure, ".4g bar"),
@@ -174,7 +203,8 @@ def _inertia(flow: FlowModel, loads: Sequence[LoadResult]) -> Iterator[Finding]:
         found = fastest(flow, loads, readings, end=end)
         if found is not None:
             yield found
-            return
+            if found.text:
+                return
 
 
 def _fastest_gas(
@@ -191,14 +221,17 @@ def _fastest_gas(
     (numbers, reduced), load = max(found, key=lambda one: (one[0][0].acceleration, one[0][1]))
     worst_reynolds = max(one[0][0].reynolds for one in found)
     outside = numbers.acceleration > _CHOKED or worst_reynolds > _TURBULENT
-    if not outside and numbers.acceleration <= _ACCELERATED and reduced <= _REDUCED:
+    over = max(numbers.acceleration / _ACCELERATED, reduced / _REDUCED, worst_reynolds / _TURBULENT)
+    told = over > 1.0
+    if end and not told:
         return None
     least = min(1.0 - numbers.acceleration, 1.0 / (1.0 + _PRESSURE_SHARE * reduced))
     return caution(
         "gas_inertia_of_end" if end else "gas_inertia",
         outside=outside and not end,
-        leak_factor=Bounds(1.0 if end else least, 1.0),
+        leak_factor=fading(Bounds(1.0 if end else max(least, 0.0), 1.0), over),
         found=False,
+        told=told,
         place=_where(load, loads, end=end),
         fast=f"Mach number {_two(numbers.mach)} and Reynolds number {_two(numbers.reynolds)}",
         share=share_text(numbers.acceleration),
@@ -221,13 +254,16 @@ def _fastest_liquid(
     # a turbulent flow before any other
     worst = max(found, key=lambda one: (one[0] > _TURBULENT, one[1]), default=(0.0, 0.0, None))
     reynolds, reduced, load = worst
-    if load is None or (reduced <= _REDUCED and reynolds <= _TURBULENT):
+    over = max(reduced / _REDUCED, reynolds / _TURBULENT)
+    told = over > 1.0
+    if load is None or (end and not told):
         return None
     return caution(
         "liquid_inertia_of_end" if end else "liquid_inertia",
         outside=reynolds > _TURBULENT and not end,
-        leak_factor=Bounds(1.0 if end else 1.0 / (1.0 + _PRESSURE_SHARE * reduced), 1.0),
+        leak_factor=fading(Bounds(1.0 if end else 1.0 / (1.0 + _PRESSURE_SHARE * reduced), 1.0), over),
         found=False,
+        told=told,
         place=_where(load, loads, end=end),
         fluid=flow.fluid,
         reynolds=_two(reynolds),

@@ -14,7 +14,8 @@ from fem_seal.seal.findings import Finding, Level
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.problem import SealProblem
 from fem_seal.units import fixed_beside, fixed_quantity, format_beside, share_text
-from fem_seal.validity.words import caution
+from fem_seal.validity.fluid import opening_factor
+from fem_seal.validity.words import caution, fading
 
 # Wave number times standard deviation of the contact up to which the long-wave equation is within 0.3 % of the mean
 # line load, and beyond which it is void; see docs/theory/form.md.
@@ -89,8 +90,18 @@ def _fluid_opens(problem: SealProblem, loads: Sequence[LoadResult], formed: _For
 
     load, around = max(formed, key=share)
     worst = share((load, around))
-    if problem.flow is not None and worst > _FLUID_OPENS and around.least_over_mean >= _OPEN:
-        yield caution("fluid_opens_in_part", load, loads, leak_factor=Bounds(1.0, math.inf), worst=worst)
+    if problem.flow is not None and around.least_over_mean >= _OPEN:
+        # beside what it opens at the mean line load
+        more = opening_factor(worst) / opening_factor(min(load.fluid_pressure / load.peak_pressure, worst))
+        yield caution(
+            "fluid_opens_in_part",
+            load,
+            loads,
+            leak_factor=fading(Bounds(1.0, math.inf if math.isnan(more) else more), worst / _FLUID_OPENS),
+            found=False,
+            told=worst > _FLUID_OPENS,
+            worst=worst,
+        )
 
 
 def _crest(problem: SealProblem, loads: Sequence[LoadResult], formed: _Formed) -> Iterator[Finding]:

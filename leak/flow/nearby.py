@@ -150,7 +150,10 @@ class NearbyTables:
         abscissa = self._abscissa(x)
         known = _smooth(liquid.at_log_pressure(x + log_sealing), self.surface)
         change = ours.gap - theirs.gap
-        y = known + MonotoneCurve(places, change, cubic_spline_slopes(places, change)).value(abscissa)
+        slopes = cubic_spline_slopes(places, change)
+        # far below the lowest place both follow their laws at low pressure: what a spline ends with would go astray
+        slopes[0] = self.surface.u0 / _length(self.surface) - surface.u0 / _length(surface)
+        y = known + MonotoneCurve(places, change, slopes).value(abscissa)
         u = _length(surface) * np.logaddexp(0.0, y)
         found = ConductivityTable(np.exp(x) * sealing, u, sealing, np.inf, self.method, LoadMemory(surface))
         if not isinstance(self._known, GasConductivityTable):

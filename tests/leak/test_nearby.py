@@ -197,3 +197,14 @@ def test_a_known_table_that_ends_early_serves_up_to_its_end(reading, of_gas):
         assert table.at_log_pressure(np.log(p)) == pytest.approx(whole.at_log_pressure(np.log(p)), rel=3e-4)
         used = near._stand_in if reading == "capped" else near
         assert ("_unlimited" in vars(used)) is above
+
+
+@pytest.mark.parametrize("share", [0.9, 0.3])
+def test_far_below_its_lowest_place_a_nearby_table_keeps_the_law_at_low_pressure(share):
+    """With the slope at which a spline ended gaps were 10 % off, and of some samples the narrower the less pressed."""
+    known = RoughContact(PowerSpectrum.self_affine(**SHAPE), effective_modulus=115e9)
+    other = RoughContact(PowerSpectrum.self_affine(**{**SHAPE, "q_high": 1e7}), effective_modulus=115e9)
+    table = NearbyTables(known).table(other, share * other.sealing_pressure)
+    p = other.sealing_pressure * np.array([1e-30, 1e-12, 1e-8, 1e-6])
+    own = other.conductivity_table(1e-10 * other.sealing_pressure, other.sealing_pressure)
+    assert table.effective_separation(p) == pytest.approx(own.effective_separation(p), rel=1e-3)

@@ -15,11 +15,12 @@ from places import EXAMPLES
 import fem_seal
 from fem_seal import InputError, Study
 from fem_seal.cli.app import main
-from fem_seal.seal.findings import VALID, Level
-from fem_seal.studies import store
+from fem_seal.seal.findings import Level
+from fem_seal.studies import responses, store
 from fem_seal.studies.optimise import _told
 from fem_seal.studies.responses import evaluate_design
 from fem_seal.studies.session import run_study
+from leak import LeakError
 
 CASE = EXAMPLES / "ball_cone.toml"
 # A spring of 5 kN leaks least by crushing the seat: von Mises stress 2.3 times its yield stress.
@@ -155,7 +156,7 @@ def test_strength_counts_although_bodies_are_shared():
         for one in ("15 MPa", "1 GPa")
     )
     assert weak.values == strong.values
-    assert weak.validity.outside and strong.validity == VALID
+    assert weak.validity.outside and strong.validity.level is Level.VALID
 
 
 def test_designs_of_before_are_shown_without_a_verdict(calculated, tmp_path):
@@ -187,3 +188,20 @@ def test_the_page_says_why_designs_are_doubtful(tmp_path):
     assert "2 designs are doubtful (design 0: " in page
     first = result.table["validity_reasons"][0].split("; ")[0].rstrip(".")
     assert escape(first, quote=False)[:40] in page
+
+
+def test_a_response_that_fails_costs_no_other_of_its_design(monkeypatch):
+    """Where some samples had no conductivity (waves = nan), the design had failed, its peak pressure with it."""
+
+    def fails(seal):
+        raise LeakError("waves = nan: must be positive [-]")
+
+    one = fem_seal.load_case(CASE).replace(
+        load={"fluid_pressure": "20 bar"}, requirement={"leak_rate": "1 ml/min"}
+    )
+    monkeypatch.setattr(responses, "pass_probabilities", fails)
+    found = evaluate_design(one, ["peak_pressure_Pa", "pass_probability"])
+    assert found.values["peak_pressure_Pa"] > 1e6 and math.isnan(found.values["pass_probability"])
+    assert any("pass_probability could not be calculated: waves" in why for why in found.validity.reasons)
+    with pytest.raises(LeakError):
+        evaluate_design(one, ["pass_probability"])

@@ -166,7 +166,7 @@ def test_fluid_pressure_that_is_not_coupled(share, level):
     found = Validity.of(judged("fluid opens", pressed))
     assert found.level is level and found.of_contact == VALID
     # a factor that is known is in the interval, and no doubt
-    assert (found.leak_factor.high > 1.0) is (share > 0.1)
+    assert found.leak_factor.high > 1.0 and bool(found.cautions[0].text) is (share > 0.1)
     coupled = case(load={"fluid_pressure": "20 bar", "closing": "penetration"})
     assert level_of(judged("fluid opens", pressed, of=coupled)) is Level.VALID
 
@@ -207,7 +207,7 @@ def test_every_load_has_its_own_validity(soft_result):
 
 
 def test_the_paper_s_loads_are_valid():
-    assert [load.validity for load in rough_result().loads] == [VALID] * 3
+    assert [load.validity.reasons for load in rough_result().loads] == [()] * 3
 
 
 def test_a_check_that_fails_costs_no_result_and_is_no_clean_bill(monkeypatch):
@@ -226,7 +226,7 @@ def test_a_coarse_mesh_makes_all_loads_doubtful(soft_result):
     result, coarse = rough_result(), DiscretisationError(0.01, 0.0, 0.0, None)
     found = load_validity(result.problem, result.loads[0].with_values(mesh_error=coarse))
     assert found.level is Level.DOUBTFUL and found.reasons == ("estimated discretisation error 1 %",)
-    assert found.without("mesh") == VALID
+    assert found.without("mesh").level is Level.VALID
 
 
 @pytest.mark.slow
@@ -235,7 +235,7 @@ def test_a_force_for_the_target_that_is_outside_the_theory_says_nothing_of_its_l
     result = fem_seal.run(soft_seat(load={"fluid_pressure": "2 bar", "target_leak_rate": "0.02 mm^3/s"}))
     (found,) = result.loads
     assert found.target_validity.outside
-    assert found.validity == VALID
+    assert found.validity.level is Level.VALID
     assert any("at the force for the target leak rate" in one for one in result.warnings)
     contact = LoadResult(found.fluid_pressure, 0.0, found.contact, found.rough)
     assert not warnings.target_validity(result.problem, contact).outside
@@ -394,13 +394,19 @@ def test_next_to_the_percolation_threshold_no_more_leaks_than_where_direct_resul
     (load,) = result.loads
     rough = replace(load.rough, make=lambda flow, surface: flow.table_around(surface, [math.log10(peak)]))
     given = GivenLoad(2e6, 0.0, GivenContact(profile), rough)
-    (found,) = (one for one in profile_validity(result.problem, given).cautions if one.kind == "few channels")
-    assert "orders of magnitude" in found.reason and found.leak_factor.low == 0.0
+    validity = profile_validity(result.problem, given)
+    (found,) = (one for one in validity.cautions if one.kind == "nearly sealed")
+    # from A/A0 = 0.39 to 0.55 it fades in that nothing may leak
+    area = float(result.surface.contact_area(peak))
+    assert "orders of magnitude" in found.reason
+    assert found.leak_factor.low == pytest.approx(1e-3 ** ((area - 0.39) / 0.16), rel=1e-6)
     # the bound holds what the theory is off by there
     limit = float(np.interp(0.39, result.surface.contact_area(p := np.linspace(0.8, 1.0, 200) * peak), p))
     pressed = replace(profile, pressure=np.minimum(profile.pressure, limit))
     more = rough.leak(pressed, 2e6).leak_rate / given.leak.leak_rate
-    assert found.leak_factor.high == pytest.approx(3.3 * more, rel=1e-2) and more > 1.0
+    assert found.leak_factor.high == pytest.approx(more, rel=1e-2) and more > 1.0
+    assert validity.without("nearly sealed", "fluid opens").leak_factor.high == pytest.approx(3.3, rel=1e-2)
+    assert given.with_values(validity=validity).leak_interval.high > 3.3 * rough.leak(pressed, 2e6).leak_rate
 
 
 def test_the_bound_next_to_the_threshold_falls_with_the_load():

@@ -1,0 +1,82 @@
+"""The interval of the leak rate follows the load without a step: a factor fades in before its warning begins."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from judged_loads import SURFACE, load
+from sample_results import case
+
+from fem_seal.seal.findings import Validity
+from fem_seal.seal.problem import SealProblem
+from fem_seal.validity.checks import load_cautions
+from fem_seal.validity.fluid import opening_factor
+
+CORRECTED = replace(SURFACE, theory="corrected", yielding="")
+PROBLEM = SealProblem.of(case())
+# A thousandth of an input moves no factor by more than this.
+STEP = 0.02
+
+
+def factors(surface, loads):
+    """ln of both factors of each load."""
+    problem = replace(PROBLEM, surface=surface)
+    return np.array([np.log(Validity.of(load_cautions(problem, [one])).leak_factor) for one in loads])
+
+
+def largest_step(values, found):
+    """Largest change of a factor where an input moves by a thousandth."""
+    return np.abs(np.diff(found, axis=0) / np.diff(np.log(values))[:, None]).max() * 1e-3
+
+
+@pytest.mark.parametrize(
+    ("surface", "shares"),
+    [
+        # short of sealing, where a bound that the three points of these loads do not have takes the place of a factor
+        (SURFACE, (0.05, 0.9)),
+        (CORRECTED, (0.05, 0.9)),
+        (replace(CORRECTED, peklenik=0.3), (0.05, 0.9)),
+    ],
+    ids=["paper", "corrected", "lay"],
+)
+def test_over_the_contact_pressure(surface, shares):
+    share = np.geomspace(*shares, 240)
+    loads = [load(peak=one * SURFACE.sealing_pressure, fluid_pressure=1e5) for one in share]
+    found = factors(surface, loads)
+    assert np.ptp(found) > 0.01 or surface is CORRECTED
+    assert largest_step(share, found) < STEP
+
+
+def test_over_the_fluid_pressure():
+    pressure = np.geomspace(0.01, 0.9, 240) * 50e6
+    found = factors(SURFACE, [load(fluid_pressure=one) for one in pressure])
+    assert largest_step(pressure, found) < STEP
+    # the largest of a warning and of none are neighbours
+    assert opening_factor(0.1 + 1e-9) == pytest.approx(opening_factor(0.1 - 1e-9), rel=1e-6)
+
+
+def test_over_the_width_of_the_contact():
+    std = np.geomspace(0.2, 30.0, 240) / SURFACE.spectrum.median_wavenumber
+    found = factors(CORRECTED, [load(std=one) for one in std])
+    assert found[0, 1] > np.log(1.5) and found[-1, 1] < np.log(1.1)
+    assert largest_step(std, found) < STEP
+
+
+def test_over_the_size_of_the_gap():
+    gap = np.geomspace(0.1e-9, 3e-9, 240)
+    found = factors(SURFACE, [load(critical_separation=one) for one in gap])
+    # tight where a molecule does not pass, a fluid as any other some molecules wider
+    assert found[0, 0] == pytest.approx(np.log(1e-3), abs=0.1) and found[-1, 0] > np.log(0.99)
+    assert largest_step(gap, found) < STEP
+
+
+@pytest.mark.parametrize("share", [0.1, 0.3, 0.6, 0.8, 0.9])
+def test_the_fluid_opens_no_more_than_is_said(share):
+    """Against the liquid between the surfaces that is taken off the load of the asperities, place by place."""
+    import leak
+
+    x = np.linspace(-6, 6, 241) * 0.139e-3
+    p = 50e6 * np.exp(-0.5 * (x / 0.139e-3) ** 2)
+    sigma = SURFACE.conductivity_table(1e3, 1e9).at(1e-3)
+    opened = leak.coupled_leak_flow(x, p, sigma, share * 50e6, 0.014).leak_rate
+    assert opened < 1.1 * opening_factor(share) * leak.leak_flow(x, p, sigma, share * 50e6, 0.014).leak_rate
