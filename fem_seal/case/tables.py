@@ -397,7 +397,9 @@ class CaseTables(Table):
             )
             return Unit(f"{counted}/min", volume / 60.0)
         written = self.written_at("requirement.leak_rate") or self.written_at("load.target_leak_rate")
-        return None if isinstance(limit, NormalVolume) else unit_as_written(written, limit)
+        unit = None if isinstance(limit, NormalVolume) else unit_as_written(written, limit)
+        # numbers of Python stand there in m^3/s
+        return None if unit is None or unit.size == 1.0 else unit
 
     def written_at(self, key: str) -> object:
         """What stands at a key of the case file; None where nothing does, or where no file is known."""
