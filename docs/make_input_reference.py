@@ -359,11 +359,11 @@ A body of the library is elastic unless its case asks for more:
 material = { name = "316L", stress_strain = "library" }
 ```
 
-makes it yield by the curve below, true stress over true plastic strain at 20 °C; at any other temperature the curve
-stays the same. The curves are those of ASME BPVC, Section VIII, Division 3, KM-620, which follow from the 0.2 % proof
-stress, the tensile strength and the kind of metal; where both are least values, so is the curve. They begin at the
-0.2 % proof stress and end where a tensile specimen necks. Of a metal without a curve no tensile strength was found in a
-source.
+makes it yield by the curve below, true stress over true plastic strain at 20 °C. At any other temperature the curve
+stays the same; a remark says so from 25 K on, and the load is "doubtful" from 100 K on. The curves are those of ASME
+BPVC, Section VIII, Division 3, KM-620, which follow from the 0.2 % proof stress, the tensile strength and the kind of
+metal; where both are least values, so is the curve. They begin at the 0.2 % proof stress and end where a tensile
+specimen necks. Of a metal without a curve no tensile strength was found in a source.
 """
 
 

@@ -473,6 +473,8 @@ class HardeningOverTemperature:
     temperature : tuple of float
         Increasing [K].
     curve : tuple of HardeningCurve
+    nearest : bool, optional
+        Whether the curve at an end stands for what is not known beyond it, see `OverTemperature`.
 
     Raises
     ------
@@ -489,6 +491,7 @@ class HardeningOverTemperature:
 
     temperature: tuple[float, ...]
     curve: tuple[HardeningCurve, ...]
+    nearest: bool = False
 
     def __post_init__(self) -> None:
         # which says what is wrong with the temperatures
@@ -497,7 +500,13 @@ class HardeningOverTemperature:
     @cached_property
     def _number(self) -> OverTemperature:
         """The number of the curve over temperature, which knows its range and how far it is from one to the next."""
-        return OverTemperature("stress_strain", self.temperature, tuple(map(float, range(len(self.curve)))))
+        return OverTemperature(
+            "stress_strain", self.temperature, tuple(map(float, range(len(self.curve)))), self.nearest
+        )
+
+    def beyond(self, temperature: float) -> float:
+        """How far a temperature lies outside the table [K]; zero inside."""
+        return self._number.beyond(temperature)
 
     def at(self, temperature: float) -> HardeningCurve:
         """The curve at a temperature [K]; InputError outside the range of the table."""

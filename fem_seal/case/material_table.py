@@ -203,7 +203,7 @@ def _hardening(
         At a temperature [K]; None for that of the material as it stands.
     """
     if given == "library":
-        return library_curve(name).hardening
+        return HardeningOverTemperature((ROOM_TEMPERATURE,), (library_curve(name).hardening,), nearest=True)
     tables = (given,) if isinstance(given, StressStrain) else given or ()
     tests = [test for table in tables for test in table.tests]
     if given is None:

@@ -53,8 +53,13 @@ def temperature_cautions(problem: SealProblem, *, bodies: bool = True) -> Iterat
             at = max(_reached(problem, key, temperature), key=table.beyond)
             if table.nearest and table.beyond(at) > _NEAR:
                 yield _beyond(name, material, key, at)
-        if plain and abs(temperature - ROOM_TEMPERATURE) > _NEAR:
+        away = abs(temperature - ROOM_TEMPERATURE)
+        if plain and away > _NEAR:
             yield _plain(name, material, plain, temperature)
+        curves = material.hardening_over_temperature
+        if bodies and curves is not None and curves.nearest and curves.beyond(temperature) > _NEAR:
+            found = caution("library_curve", name=name, material=material.name, at=in_degrees(temperature))
+            yield found if away >= _FAR else replace(found, level=Level.VALID)
 
 
 def _film(problem: SealProblem) -> Iterator[Finding]:

@@ -26,7 +26,9 @@ from fem_seal.case.material_library import (
 from fem_seal.cli import app as cli
 from fem_seal.output.library import fluid_cells, fluid_rows, material_cells, material_rows
 from fem_seal.seal.findings import Level
+from fem_seal.seal.problem import SealProblem
 from fem_seal.units import parse_quantity
+from fem_seal.validity.materials import temperature_cautions
 from leak import FLUIDS, GASES
 
 TASK = SHARED / "cases" / "tasks" / "hydrogen_77_K.toml"
@@ -249,6 +251,23 @@ def test_a_curve_of_the_library_is_that_of_the_standard_between_its_strengths(na
     assert listed is None or stress[0] == pytest.approx(
         listed / 1e6, rel=0.1 if name == "steel 1.4122" else 1e-12
     )
+
+
+@pytest.mark.parametrize(("celsius", "level"), [(30, None), (77, Level.VALID), (200, Level.DOUBTFUL)])
+def test_a_curve_of_the_library_is_that_of_room_temperature_and_says_so(celsius, level):
+    def told(curve):
+        seal = smooth_case(
+            closure=ball("316L"),
+            seat=cone({"name": "316L", "stress_strain": curve}),
+            load={"fluid_pressure": "20 bar"},
+            temperature={"closure": f"{celsius} degC", "seat": f"{celsius} degC"},
+        )
+        return [one for one in temperature_cautions(SealProblem.of(seal)) if "curve" in one.reason]
+
+    assert [one.level for one in told("library")] == ([] if level is None else [level])
+    assert all(f"used for {celsius} degC" in one.text for one in told("library"))
+    # a curve of the case is the user's own
+    assert told({"plastic_strain": [0, 0.1], "stress": ["250 MPa", "350 MPa"]}) == []
 
 
 def test_the_curve_of_the_library_is_asked_for_and_a_name_alone_stays_elastic():
