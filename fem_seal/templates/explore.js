@@ -143,6 +143,19 @@ function named(_) {
             const button = event.target.closest("#compare button");
             if (button) { window.dash_clientside.set_props("pressed", {data: {...JSON.parse(button.id), at: Date.now()}}); }
         });
+        // A button that is made anew between press and release gets no click from the browser: its successor is clicked.
+        let held;
+        const press = one => { held = one && one.closest("button[id]"); };
+        const release = one => {
+            const now = one && one.closest("button[id]");
+            if (held && !held.isConnected && now && now.id === held.id) { now.click(); }
+            held = undefined;
+        };
+        document.addEventListener("pointerdown", event => press(event.target));
+        document.addEventListener("pointerup", event => release(event.target));
+        document.addEventListener("pointercancel", () => { held = undefined; });
+        document.addEventListener("keydown", event => { if (event.key === " " && !event.repeat) { press(event.target); } });
+        document.addEventListener("keyup", event => { if (event.key === " ") { release(document.activeElement); } });
         document.addEventListener("focusin", event => {
             const home = event.target.closest("[id]");
             last = home && {element: event.target, home: home.id, place: [...home.querySelectorAll("*")].indexOf(event.target)};

@@ -412,6 +412,30 @@ def test_no_click_is_lost_when_pinned_designs_are_drawn_anew(browser):
     waited(browser, "return document.querySelector('input[id*=fluid_pressure]').value === '20 bar'")
 
 
+def test_a_button_that_is_made_anew_while_it_is_held_is_pressed(browser):
+    """The browser clicks neither the old one nor the new one."""
+    from selenium.webdriver.common.action_chains import ActionChains
+
+    browser.find_element("id", "pin").click()
+    waited(browser, f"return {_PINNED} === 1")
+    for dark, release in ((True, lambda by: by.release()), (False, lambda by: by.key_up(" "))):
+        remove = "document.querySelector('#compare button[id*=remove]')"
+        browser.execute_script(f"window.held = {remove}")
+        hold = ActionChains(browser)
+        if dark:
+            hold.click_and_hold(browser.find_element("css selector", "#compare button[id*=remove]")).perform()
+        else:
+            focus(browser, "#compare button[id*=remove]")
+            hold.key_down(" ").perform()
+        browser.execute_script("window.dash_clientside.set_props('dark', {data: arguments[0]})", dark)
+        waited(browser, f"return !window.held.isConnected && {remove} && 1")
+        release(ActionChains(browser)).perform()
+        waited(browser, f"return {_PINNED} === 0")
+        if dark:
+            browser.find_element("id", "pin").click()
+            waited(browser, f"return {_PINNED} === 1")
+
+
 def test_a_case_file_is_that_of_the_sliders_before_they_are_answered(browser, folder):
     """It was that of the design asked for last."""
     browser.execute_script("window.onItsWay = {number: 1e9, since: Date.now() + 1e9, answered: 0}")
