@@ -413,18 +413,16 @@ def _choose(app: Dash, answers: Answers) -> None:
         done, said = _done(), ""
         design = checked(Asked, present, "present").design
         session = _session(answers, design)
-        who, value = next(iter(done), (None, None))
+        who = next((one for one, _ in done), None)
         if isinstance(who, dict) and who.get("kind") in ("choice", "shape"):
             try:
                 case = session.case(design)
-                shown = {one.key: one.value for several in choices_of(case).values() for one in several}
-                asks = (
-                    (str(one.get("key")), str(value or "")) for one, value in done if isinstance(one, dict)
-                )
-                key, value = next((ask for ask in asks if shown.get(ask[0]) != ask[1]), ("", ""))
-                if not key:
+                asks = _asks(case, done)
+                if not asks:
                     raise PreventUpdate
-                session = answers.opened(changed(case, key, value))
+                for key, value in asks:
+                    case = changed(case, key, value)
+                session = answers.opened(case)
                 design = session.design({})
             except SealError as error:
                 said = str(error)
@@ -437,6 +435,27 @@ def _choose(app: Dash, answers: Answers) -> None:
             design = checked(Design, back, "back")
             session = _session(answers, design)
         return *_shown_controls(session, design, said), {}
+
+
+def _asks(case: Case, done: Sequence[tuple[Any, Any]]) -> list[tuple[str, str]]:
+    """Keys and values of all that is chosen otherwise than in a case; what was done last comes last.
+
+    A browser that asks again before it has an answer takes no notice of that, and tells only what was done since.
+    """
+    shown = {one.key: one.value for several in choices_of(case).values() for one in several}
+    try:
+        there = [(one["id"], one.get("value")) for several in ctx.inputs_list[:2] for one in several]
+        asks = [
+            (str(one["key"]), str(value or ""))
+            for one, value in [*there, *reversed(done)]
+            if _is_choice(one) or value
+        ]
+    except (AttributeError, KeyError, TypeError):
+        refuse("inputs")
+    # a later one of the same key takes the place of the first
+    last = {key: value for key, value in asks if shown.get(key) != value}
+    newest = [str(one["key"]) for one, _ in reversed(done) if isinstance(one, dict)]
+    return sorted(last.items(), key=lambda ask: newest.index(ask[0]) if ask[0] in newest else -1)
 
 
 def _shown_controls(
