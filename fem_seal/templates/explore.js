@@ -139,19 +139,9 @@ function named(_) {
     if (!window.naming) {
         window.naming = new MutationObserver(name);
         window.naming.observe(document.body, {childList: true, subtree: true});
-        let down, counted = false;
-        const press = button => {
-            if (counted || !button) { return; }
-            window.dash_clientside.set_props("pressed", {data: {...JSON.parse(button.id), at: Date.now()}});
-        };
-        document.addEventListener("click", event => press(event.target.closest("#compare button")));
-        // of a button that is made anew between down and up there is no click: what counts is the one in its place
-        document.addEventListener("pointerdown", event => { down = event.target.closest("#compare button"); });
-        document.addEventListener("pointerup", event => {
-            if (!down || down.isConnected) { return; }
-            press(document.elementsFromPoint(event.clientX, event.clientY).find(one => one.id === down.id));
-            counted = true;
-            setTimeout(() => { counted = false; });
+        document.addEventListener("click", event => {
+            const button = event.target.closest("#compare button");
+            if (button) { window.dash_clientside.set_props("pressed", {data: {...JSON.parse(button.id), at: Date.now()}}); }
         });
         // A button that is made anew between press and release gets no click from the browser: its successor is clicked.
         let held;

@@ -504,25 +504,6 @@ def test_a_material_is_found_by_typing_and_chosen_by_keyboard(browser):
     waited(browser, f"return {material} === arguments[0]", first)
 
 
-def test_a_button_counts_that_is_made_anew_while_it_is_pressed(browser):
-    """The pointer goes down on a button and up on the one in its place: of neither there is a click."""
-    from selenium.webdriver.common.action_chains import ActionChains
-
-    browser.find_element("id", "pin").click()
-    waited(browser, f"return {_PINNED} === 1")
-    enter(browser, "fluid_pressure", "24 bar")
-    numbers(browser, pressure="24 bar")
-    button = browser.find_element("css selector", "#compare button[id*=remove]")
-    browser.execute_script(
-        "window.before = arguments[0]; arguments[0].scrollIntoView({block: 'center'})", button
-    )
-    ActionChains(browser).click_and_hold(button).perform()
-    browser.execute_script("window.dash_clientside.set_props('dark', {data: true})")
-    waited(browser, f"return !window.before.isConnected && {_PINNED} === 1")
-    ActionChains(browser).release().perform()
-    waited(browser, f"return {_PINNED} === 0")
-
-
 def test_of_two_choices_at_once_both_are_taken(browser):
     """Dash takes no notice of the answer to the first when it asks for the second."""
     material = "(document.querySelector(\"button[id*='seat.material']\") || {}).innerText"
