@@ -139,10 +139,22 @@ class FlowModel:
         contact_radius : float
             [m]
         """
+        return self.without_friction(math.pi * min(self.bore_radius, contact_radius) ** 2, fluid_pressure)
+
+    def without_friction(self, area: float, fluid_pressure: float) -> float:
+        """What an opening lets through without friction, a gas at most choked [m^3/s].
+
+        Parameters
+        ----------
+        area : float
+            Where it is narrowest [m^2].
+        fluid_pressure : float
+            Pressure difference [Pa].
+        """
         from leak.flow.unsealed import gas_through_bore, liquid_through_bore
         from leak.standards import STANDARD_PRESSURE
 
-        radius = min(self.bore_radius, contact_radius)
+        radius = math.sqrt(area / math.pi)
         if self.gas is None:
             return liquid_through_bore(radius, fluid_pressure, self.density or _DENSITY)
         high = self.outlet_pressure + fluid_pressure
@@ -643,7 +655,8 @@ class LeakModel(ByReading):
     def leak_without_load(self, profile: PressureProfile, fluid_pressure: float) -> float:
         """What the gap of one of the contacts lets through if its rough faces just touched [m^3/s].
 
-        Without the asperities in it, so that it depends on no theory of them; infinite where no gap is known.
+        Without the asperities in it, so that it depends on no theory of them, and no more than its narrowest place lets
+        through without friction, a gas choked; infinite where no gap is known.
 
         Parameters
         ----------
@@ -657,7 +670,9 @@ class LeakModel(ByReading):
         for one in profile.lands:
             gap = one.gap - one.gap.min() + apart
             if np.isfinite(gap).all():
+                narrowest = 2.0 * math.pi * self.flow.faces * float((one.radius * gap).min())
                 known.append(self.flow.through_gap(one.x, one.radius, gap, fluid_pressure))
+                known.append(self.flow.without_friction(narrowest, fluid_pressure))
         return min(known, default=math.inf)
 
     def leak_before_sealing(self, profile: PressureProfile, fluid_pressure: float) -> float:

@@ -42,6 +42,23 @@ def test_a_gas_flows_through_the_same_gap_by_its_own_laws():
     assert found == pytest.approx(liquid * 100500.0 / 101325.0, rel=2e-3)
 
 
+def test_a_gas_chokes_in_the_gap_before_friction_limits_it():
+    """Helium behind 200 bar: the speed of sound at the narrowest ring, by the closed form of a monatomic gas."""
+    load = single_result().loads[0]
+    gas, high = leak.gas("helium"), 200e5
+    thin = replace(load.rough.flow, gas=gas, viscosity=1e-3 * gas.viscosity, outlet_pressure=1e5)
+    found = replace(load.rough, flow=thin).leak_without_load(load.whole, high - 1e5)
+    (land,) = load.whole.lands
+    apart = land.gap - land.gap.min() + 5.0 * load.rough.surface.spectrum.rms_height
+    area = 2.0 * math.pi * float((land.radius * apart).min())
+    choked = 0.7262 * area * high * math.sqrt(gas.specific_gas_constant * gas.temperature) / 101325.0
+    assert found == pytest.approx(choked, rel=1e-3)
+    # without pressure to speak of, friction limits it
+    slow = replace(thin, viscosity=gas.viscosity)
+    by_friction = slow.through_gap(land.x, land.radius, apart, 10.0)
+    assert replace(load.rough, flow=slow).leak_without_load(load.whole, 10.0) == by_friction
+
+
 def test_rougher_samples_let_more_through():
     load = single_result().loads[0]
     rougher = load.with_values(rougher=3.0)
