@@ -93,24 +93,29 @@ def _target_reasons(result: SealSolution, load: LoadResult) -> Iterator[str]:
 
 
 def target_in_brief(result: SealSolution) -> str:
-    """The force for the target leak rate at the highest fluid pressure, or why there is none; empty without a target.
+    """The force for the target leak rate at the load that needs most, or why there is none; empty without a target.
 
     Parameters
     ----------
     result : SealSolution
     """
-    load, target = result.highest, result.case.load.target_leak_rate
-    own, contact, known = load.force_for_target, load.contact_force_for_target, load.target_validity
-    if target is None or load.preload_for_target is not None:
+    target = result.case.load.target_leak_rate
+    if target is None or result.highest.preload_for_target is not None:
         return ""
-    if own is None:
+    known = [
+        (_most_force(load), n) for n, load in enumerate(result.loads) if load.force_for_target is not None
+    ]
+    if not known:
         found = TARGET.of(result.answers)
         why = (
             found.remarks[0].text.removeprefix("load.target_leak_rate = ") if found and found.remarks else ""
         )
         return phrase("brief.target", "none", why=why) if why else ""
-    force = max([own, *_other_forces(load).values()])
-    doubt = "" if known is None or not known.doubts else "outside" if known.outside else "doubt"
+    # a fluid that closes the seal leaves most to the spring at its lowest pressure
+    force, number = max(known)
+    load = result.loads[number]
+    contact, validity = load.contact_force_for_target, load.target_validity
+    doubt = "" if validity is None or not validity.doubts else "outside" if validity.outside else "doubt"
     return phrase(
         "brief.target",
         "alone" if force <= 0.0 else "force" if contact is None else "line",
@@ -118,10 +123,16 @@ def target_in_brief(result: SealSolution) -> str:
         target=target_text(result, target),
         force=_target_force(load, force),
         # another reading moves the force of the contact by as much as that of the spring
-        line_load=_line_load(load, (contact or 0.0) + force - own),
+        line_load=_line_load(load, (contact or 0.0) + force - (load.force_for_target or 0.0)),
         load=load,
-        reason=known.reasons[0] if doubt and known else "",
+        reason=validity.reasons[0] if doubt and validity else "",
     )
+
+
+def _most_force(load: LoadResult) -> float:
+    """Force for the target in the reading of yielding asperities that needs most [N]."""
+    assert load.force_for_target is not None  # one is found
+    return max([load.force_for_target, *_other_forces(load).values()])
 
 
 def _line_load(load: LoadResult, contact_force: float) -> float:

@@ -476,7 +476,9 @@ def test_the_first_lines_say_the_force_for_the_target_and_how_sure_it_is():
     load = single_result().highest.with_values(
         force_for_target=6e3, contact_force_for_target=5e3, target_validity=Validity(())
     )
-    result = Mock(highest=load, case=single_case().replace({"load.target_leak_rate": "1 ml/min"}))
+    result = Mock(
+        highest=load, loads=[load], case=single_case().replace({"load.target_leak_rate": "1 ml/min"})
+    )
     # one direction with the line load of the tables: normal to the seat's 45 deg
     per_length = 5.0 / (2 * math.pi * load.contact.model.initial_contact_radius * math.sqrt(0.5))
     assert load.line_load / load.contact_force == pytest.approx(1e3 * per_length / 5e3)
@@ -485,8 +487,21 @@ def test_the_first_lines_say_the_force_for_the_target_and_how_sure_it_is():
         "1 ml/min at 20 bar"
     )
     crushed = Finding("yield stress", Level.OUTSIDE, "seat yields", "seat yields")
-    result.highest = load.with_values(target_validity=Validity((crushed,)))
+    result.loads = [load.with_values(target_validity=Validity((crushed,)))]
     assert target_in_brief(result).endswith("(outside the theory: seat yields)")
+
+
+def test_the_force_for_the_target_is_that_of_the_load_that_needs_most():
+    """A fluid behind the closure presses it on its seat, and the spring has to do most at the lowest pressure."""
+    chosen = single_case().replace({"load.target_leak_rate": "1 ml/min"})
+    high = single_result().highest.with_values(
+        force_for_target=300.0, contact_force_for_target=5e3, target_validity=Validity(())
+    )
+    low = replace(high, fluid_pressure=0.1 * high.fluid_pressure).with_values(
+        force_for_target=1.2e3, contact_force_for_target=5e3, target_validity=Validity(())
+    )
+    told = target_in_brief(Mock(highest=high, loads=[low, high], case=chosen))
+    assert "of 1200 N" in told and told.endswith("at 2 bar")
 
 
 def test_a_load_that_coins_is_sent_to_the_land_and_not_to_a_curve():
