@@ -74,12 +74,15 @@ def yielding(problem: SealProblem, derived: Derived) -> Iterator[str]:
         above = [force for pressure, force, _ in loads if _VON_MISES * pressure > limit]
         if material.hardening is not None or not (limit and above):
             continue
+        below = [force for _, force, _ in loads if force < min(above)]
         excess, hardness = _VON_MISES * peak / limit, material.hardness
         crushed = hardness is not None and peak > hardness
         text = sentence(
             "foreseen",
             material=material.name,
             first=briefly("force", min(above)),
+            # only the forces of the case are looked at: where between two of them it begins is not known
+            not_yet=sentence("foreseen", "not_yet", force=briefly("force", max(below))) if below else "",
             excess=f"{excess:.2g}",
             limit=fixed_quantity("MPa", limit, 3),
             which=sentence("foreseen", "known" if known else "hard"),

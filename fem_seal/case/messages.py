@@ -254,7 +254,8 @@ def _plain_word(key: str) -> str:
 
 def _either(words: Iterable[str]) -> str:
     listed = [*dict.fromkeys(words)]
-    if len(listed) > _PLACES:
+    # the last of one more is as short as "1 others"
+    if len(listed) > _PLACES + 1:
         listed = [*listed[:_PLACES], f"{len(listed) - _PLACES} others"]
     return " or ".join(filter(None, [", ".join(listed[:-1]), listed[-1]]))
 

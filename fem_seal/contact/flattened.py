@@ -84,7 +84,8 @@ def solve_flattened(
         except np.linalg.LinAlgError:
             return None
         missing, gained = contact_force - float(n_z @ force), n_z @ of_change
-        step_d = min(float((missing - gained @ by_gap) / (gained @ by_approach)), stop - d)
+        with np.errstate(divide="ignore", invalid="ignore"):  # where nothing carries, no step is finite
+            step_d = min(float((missing - gained @ by_gap) / (gained @ by_approach)), stop - d)
         change = by_gap + step_d * by_approach
         v, d = v + np.where(change > 0, np.log1p(np.maximum(change, 0.0)), change), d + step_d
         if not np.all(np.isfinite(v)):

@@ -118,6 +118,13 @@ def test_the_stress_that_is_foreseen_is_that_of_the_run(share):
         assert ("outside the theory" in text) == (share > 1.5)
 
 
+def test_where_between_two_loads_a_body_begins_to_yield_is_not_claimed():
+    """Of loads that are far apart the smallest that yields is no threshold: both sides of it are told."""
+    loads = {"fluid_pressure": "1 Pa", "applied_force": ["1 N", "100 N", "200 kN"]}
+    (text,) = foreseen(SealProblem.of(seal("1 GPa").replace(load=loads)))
+    assert "under a contact force of 200 kN, and not yet under 100 N:" in text
+
+
 def test_a_body_bears_the_flow_stress_of_its_strain():
     perfect = {**SOFT, "stress_strain": {"plastic_strain": [0], "stress": ["100 MPa"]}}
     assert borne(SealProblem.of(knife("1 kN", gasket=perfect)), 1e4) == pytest.approx(2.97 * 100e6)

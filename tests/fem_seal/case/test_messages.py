@@ -174,3 +174,12 @@ def test_one_mistake_is_one_error(table: str, key: str, value: str | None, said:
         Case(**{**given, table: changed})
     (wrong,) = caught.value.problems
     assert said in str(wrong)
+
+
+def test_the_last_of_four_places_is_named() -> None:
+    """ "or 1 others" is as long as the name itself."""
+    closure = {"shape": "cone", "angle": "45 deg", "diameter": "3 mm", "material": "steel"}
+    seat = {"shape": "cone", "angle": "45 deg", "material": "steel"}
+    with pytest.raises(fem_seal.InputError, match=r'or shape = "disc"; known') as caught:
+        Case(closure=closure, seat=seat, load={"fluid_pressure": "1 bar"})
+    assert "others" not in str(caught.value)

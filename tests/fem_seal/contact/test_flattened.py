@@ -12,6 +12,7 @@ import fem_seal
 import leak
 import meshes
 from fem_seal.contact import newton
+from fem_seal.contact.flattened import solve_flattened
 from fem_seal.contact.model import condense
 from fem_seal.contact.newton import solve
 from fem_seal.contact.sizing import element_sizes
@@ -94,3 +95,12 @@ def test_a_start_from_another_load_changes_nothing() -> None:
     near = solve(found.model, law_of(0.02e-6), contact_force=1.9e4)
     again = solve(found.model, law_of(0.02e-6), contact_force=2e4, start=near)
     np.testing.assert_allclose(again.pressure, found.pressure, rtol=1e-7, atol=1e-7 * found.pressure.max())
+
+
+def test_a_start_without_pressure_ends_without_a_warning(recwarn: pytest.WarningsRecorder) -> None:
+    law = law_of(0.1e-6)
+    sizing = element_sizes(law, [1e4], CONTACT, MODULUS)
+    model = condense(meshes.build_contact(CONTACT, sizing), {"closure": STEEL, "seat": STEEL})
+    nothing, apart = np.full(len(model.line.x), -800.0), np.zeros(len(model.line.x))
+    assert solve_flattened(model, law, 1e3, apart, (nothing, 0.0), 0.0, 1e-9) is None
+    assert not recwarn.list
