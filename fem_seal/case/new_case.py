@@ -155,6 +155,42 @@ def with_entries(text: str, entries: Mapping[str, str]) -> str:
     return "\n".join(lines) + ("\n" if text.endswith("\n") else "")
 
 
+_FINISH = re.compile(r"^\[roughness\][^\n]*\n(.*?)(?=^\[|\Z)", re.MULTILINE | re.DOTALL)
+
+
+def with_own_finish(text: str, entries: Mapping[str, str]) -> tuple[str, dict[str, str]]:
+    r"""A case and what changes in it, with a table for the finish of each face where one of them gets its own.
+
+    Parameters
+    ----------
+    text : str
+    entries : mapping
+        See `with_entries`.
+
+    Examples
+    --------
+    >>> text, entries = with_own_finish('[roughness]\nRa = "0.1 um"\n', {"roughness.seat.Ra": "0.4 um"})
+    >>> print(with_entries(text, entries))
+    [roughness.seat]
+    Ra = "0.4 um"
+    <BLANKLINE>
+    [roughness.closure]
+    Ra = "0.1 um"
+    <BLANKLINE>
+    """
+    block, own = _FINISH.search(text), dict(entries)
+    faces = ("roughness.gasket" if "\n[gasket]" in text else "roughness.seat", "roughness.closure")
+    if block is None or not any(path.rpartition(".")[0] in faces for path in entries):
+        return text, own
+    for path in [one for one in entries if one.rpartition(".")[0] == "roughness"]:
+        value = own.pop(path)
+        for face in faces:
+            own.setdefault(f"{face}.{path.rpartition('.')[2]}", value)
+    tables = "\n\n".join(f"[{face}]\n{block[1].rstrip()}" for face in faces)
+    before, after = text[: block.start()], text[block.end() :]
+    return before + tables + ("\n\n" if after else "\n") + after, own
+
+
 # What grows with a valve: its lengths, and the force with the area that the fluid pressure acts on.
 _LENGTHS = re.compile(r"(closure|seat|gasket)\.\w*(diameter|radius|width|height|recess)|leak\.nominal_size")
 _FORCE = "load.applied_force"

@@ -173,6 +173,7 @@ def _with_options(text: str, name: str, given: Mapping[str, str], entries: list[
     if "included-angle" in given and "diameter" not in given:
         text = new_case.for_angle(text, given["included-angle"])
     before = {path: value for _, path, value in new_case.asked(text)}
+    text, changes = new_case.with_own_finish(text, changes)
     text = new_case.with_entries(text, changes)
     if given.get("fluid") not in (None, before.get("fluid.name")):
         kept = {*changes, *(("requirement.standard", "requirement.class") if "class" in given else ())}

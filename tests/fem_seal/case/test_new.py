@@ -370,6 +370,22 @@ def test_a_class_is_written_as_people_write_it(written, expected) -> None:
             made("ball-valve", "25 mm", f"class={written}")
 
 
+def test_a_face_gets_a_finish_of_its_own() -> None:
+    """Where a template has one finish for both faces, the other face keeps it."""
+    seen = 0
+    for name in TEMPLATES:
+        face = "gasket" if "\n[gasket]" in template(name) else "seat"
+        options = [f'roughness.{face}.Ra="0.4 um"', f"roughness.{face}.process=turned"]
+        text = _with_options(template(name), name, {"ra": "0.2 um"}, options)
+        read_text_case(text)
+        found = tomllib.loads(text)["roughness"]
+        assert found[face]["Ra"] == "0.4 um" and found[face]["process"] == "turned"
+        if "\n[roughness]" in template(name):
+            seen += 1
+            assert found["closure"]["Ra"] == "0.2 um" and set(found) == {face, "closure"}
+    assert seen > 3
+
+
 def test_a_force_behind_force_is_asked_for(call) -> None:
     code, _, err = call("-t", "needle", "--force", "300 N")
     assert code == 2 and '--applied-force "300 N"' in err
