@@ -83,7 +83,8 @@ def yielding(problem: SealProblem, derived: Derived) -> Iterator[str]:
             first=briefly("force", min(above)),
             # only the forces of the case are looked at: where between two of them it begins is not known
             not_yet=sentence("foreseen", "not_yet", force=briefly("force", max(below))) if below else "",
-            excess=f"{excess:.2g}",
+            # two digits, or as many as say that it is above one
+            excess=f"{excess:.2g}" if excess >= 1.05 else f"{max(excess, 1.01):.2f}",
             limit=fixed_quantity("MPa", limit, 3),
             which=sentence("foreseen", "known" if known else "hard"),
             crushed=sentence("foreseen", "crushed", peak=peak, hardness=hardness) if crushed else "",

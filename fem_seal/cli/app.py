@@ -447,6 +447,7 @@ def _remarks(case: Case) -> list[str]:
     from fem_seal.materials import creep_remarks
     from fem_seal.seal.problem import SealProblem
     from fem_seal.validity.materials import temperature_cautions
+    from fem_seal.validity.words import of_bodies
 
     remarks = []
     if case.roughness is None:
@@ -461,7 +462,7 @@ def _remarks(case: Case) -> list[str]:
     problem = SealProblem.of(case)
     remarks.extend(text for _, _, text in problem.face_remarks)
     remarks.extend(creep_remarks(problem.materials))
-    remarks.extend(one.text for one in temperature_cautions(problem))
+    remarks.extend(one.text for one in of_bodies(problem, temperature_cautions(problem)))
     if case.load.target_leak_rate is not None:
         from fem_seal.answers.target import target_remarks
 

@@ -289,7 +289,9 @@ def temperature_rows(
     calculated = problem.heating is not None
     for name, temperature in problem.temperatures.items():
         yield (
-            f"{name} at the contact" if calculated else f"temperature of the {name}",
+            f"{name} at the contact"
+            if calculated
+            else f"temperature of the {told_of(name, faces=case.faces)}",
             in_degrees(temperature),
         )
     yield "dimensions hold at", in_degrees(case.temperature.reference)
@@ -305,7 +307,10 @@ def temperature_rows(
         conductance = case.temperature.contact_conductance
         yield "contact conducts", "perfectly" if conductance is None else f"{trimmed(conductance)} W/(m² K)"
         return
-    yield "closure grows more than seat", f"{number(1e6 * problem.expansion, 4)}·10⁻⁶"
+    yield (
+        told_of("closure grows more than seat", faces=case.faces),
+        f"{number(1e6 * problem.expansion, 4)}·10⁻⁶",
+    )
     if problem.supports.wall == "fixed":
         yield "wall of the seat moves inwards", format_quantity("length", problem.interference)
 

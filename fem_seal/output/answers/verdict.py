@@ -275,7 +275,7 @@ def _further_sentences(result: SealSolution, found: SealJudgement) -> Iterator[s
         yield phrase("verdict.sentences", "volume", state=_state(result.case, found.worst.limit))
     limit, decided = found.worst.limit, found.worst.why in _BY_INTERVAL
     if limit.bubble_volume is not None:
-        yield phrase("verdict.sentences", "bubble", volume=_bubble(limit.bubble_volume))
+        yield phrase("verdict.sentences", "bubble", **_bubbles(limit))
     if limit.test_fluid and decided and not math.isinf(found.margin):
         yield phrase(
             "verdict.sentences", "converted", fluid=limit.test_fluid, ratio=tuple(sorted(limit.ratio))
@@ -344,6 +344,15 @@ def _other_theory(result: SealSolution, found: SealJudgement) -> Iterator[str]:
             rate=units.leak_range_text(judged.ends, 2, beside=(judged.limit.leak_rate,)),
             load=load_name(result.loads[place], result.loads),
         )
+
+
+def _bubbles(limit: Limit) -> dict[str, str]:
+    """Volume of one bubble, and how many of them a limit allows; none of these where no leakage may be visible."""
+    volume = limit.bubble_volume
+    if not volume or limit.visible or math.isnan(limit.leak_rate):
+        return {"volume": _bubble(volume or 0.0), "most": ""}
+    count = units.trimmed(units.rounded(60.0 * limit.leak_rate / volume, 3))
+    return {"volume": _bubble(volume), "most": phrase("verdict.check", "bubbles", count=count)}
 
 
 def _bubble(volume: float) -> str:
@@ -582,7 +591,7 @@ def requirement_lines(case: Case) -> list[str]:
                 phrase("verdict.check", "size", size=leakage_class.class_size(case, per_length=per_length)[1])
             )
         if limit.bubble_volume is not None:
-            lines.append(phrase("verdict.check", "bubble", volume=_bubble(limit.bubble_volume)))
+            lines.append(phrase("verdict.check", "bubble", **_bubbles(limit)))
         if limit.test_fluid:
             ratio = tuple(sorted(limit.ratio))
             lines.append(

@@ -16,8 +16,11 @@ from fem_seal.cli.app import main
 from fem_seal.contact.solution import yielding_of
 from fem_seal.errors import InputError
 from fem_seal.loads import line_load, plastic_half_width
+from fem_seal.output.case_words import temperature_rows
 from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.problem import SealProblem
+from fem_seal.validity.materials import temperature_cautions
+from fem_seal.validity.words import of_bodies
 
 SOFT = {
     "name": "copper Cu-ETP R220",
@@ -42,6 +45,32 @@ def knife(force, edge_radius="0.1 mm", gasket=SOFT):
         interface={"law": "smooth"},
         load={"fluid_pressure": "1.01325 bar", "applied_force": force, "pressure_side": "outer"},
     )
+
+
+def test_a_hot_gasket_is_named_by_its_own_words_and_keys():
+    case = fem_seal.load_case(EXAMPLES / "copper_ring.toml").replace(
+        {"gasket.material": SOFT["name"], "temperature.uniform": "140 degC"}
+    )
+    rows = dict(temperature_rows(case, SealProblem.of(case)))
+    assert {"temperature of the flange", "temperature of the gasket", "flange grows more than gasket"} <= {
+        *rows
+    }
+    problem = SealProblem.of(case)
+    told = [one.text for one in of_bodies(problem, temperature_cautions(problem))]
+    assert any(one.startswith("gasket.material.hardness: ") for one in told)
+    assert not any("seat" in one for one in told)
+
+
+def test_a_stress_just_above_yield_is_more_than_once_the_yield_stress():
+    # Hertz' stress over its own value, which the first case says with two digits
+    (text,) = foreseen(SealProblem.of(seal("0.1 GPa")))
+    highest = 0.1 * float(text.split("up to ")[1].split(" times")[0])
+    found = [
+        float(text.split("up to ")[1].split(" times")[0])
+        for share in (0.90, 0.95, 0.96, 0.97, 0.98, 0.99, 1.0, 1.01)
+        for text in foreseen(SealProblem.of(seal(f"{share * highest} GPa")))
+    ]
+    assert len(found) > 2 and min(found) > 1.0
 
 
 def seal(yield_stress, force="1 kN", **material):

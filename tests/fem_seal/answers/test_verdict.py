@@ -238,9 +238,23 @@ def test_a_bubble_has_the_volume_of_its_standard_or_of_the_requirement():
     assert limit(standard="ISO 5208", **{"class": "B"}).bubble_volume is None
     own = {"leak_rate": "5 bubbles/min", "bubble_volume": "0.15 ml"}
     assert limit(**own).bubble_volume == pytest.approx(0.15e-6)
-    assert "one bubble is 0.15 ml" in requirement_lines(case(fluid={"name": "air"}, requirement=own))
+    counted = "one bubble is 0.15 ml, 5 bubbles/min are allowed"
+    assert counted in requirement_lines(case(fluid={"name": "air"}, requirement=own))
+    # none that is seen: no count
     told = requirement_lines(case(fluid={"name": "air"}, requirement=iso_a))
     assert "one bubble is 0.065 ml" in told
+
+
+@pytest.mark.parametrize(("volume", "told"), [(None, "0.3"), ("0.6 ml", "0.6")])
+def test_a_relief_valve_is_held_against_so_many_bubbles(volume, told):
+    # API 527 up to 1000 psi, orifices above 0.307 in^2: 20 bubbles/min, whatever their volume
+    own = {} if volume is None else {"bubble_volume": volume}
+    valve = case(
+        fluid={"name": "air"},
+        load={"fluid_pressure": "54 bar", "set_pressure": "60 bar", "pressure_side": "inner"},
+        requirement={"standard": "API 527", **own},
+    )
+    assert f"one bubble is {told} ml, 20 bubbles/min are allowed" in requirement_lines(valve)
 
 
 def test_the_limit_of_class_v_follows_the_pressure_of_each_load():
