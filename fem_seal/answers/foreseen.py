@@ -24,6 +24,8 @@ from fem_seal.validity.words import not_calculated, sentence
 _VON_MISES = 0.558
 # Plastic strain over a/R that stands for that of a contact in the fully plastic range, and steps to its flow stress.
 _TABOR, _ITERATIONS = 0.2, 20
+# What samples, and the search for the force of a target, take over the path of the loads: measured on copper rings.
+_SAMPLED, _TARGET = 2.0, 2.0
 
 
 def foreseen(problem: SealProblem, derived: Derived | None = None) -> Iterator[str]:
@@ -41,15 +43,21 @@ def foreseen(problem: SealProblem, derived: Derived | None = None) -> Iterator[s
     )
 
 
-def run_seconds(problem: SealProblem) -> float | None:
-    """Estimated time of a run of bodies that yield [s]; None where none does.
+def run_seconds(problem: SealProblem, *, sampled: bool = False, target: bool = False) -> float | None:
+    """Estimated processor time of a run of bodies that yield [s]; None where none does.
 
     Parameters
     ----------
     problem : SealProblem
+    sampled : bool
+        With samples of uncertain inputs or of a drawing's finish.
+    target : bool
+        With the force for a target leak rate.
     """
     kept = problem.loads.without(problem.loads.refused)
-    return _seconds(replace(problem, loads=kept)) if problem.curves and kept.points else None
+    if not (problem.curves and kept.points):
+        return None
+    return (1.0 + _SAMPLED * sampled + _TARGET * target) * _seconds(replace(problem, loads=kept))
 
 
 def yielding(problem: SealProblem, derived: Derived) -> Iterator[str]:
