@@ -690,20 +690,28 @@ class LeakModel(ByReading):
         if self.flow is None or self.table is None:
             return 0.0
         peak, surface = max(one.peak_pressure for one in profile.lands), self.surface
-        tables = self.flow.in_lands(self.table, surface, profile)
-        sealing = max(one.liquid.sealing_pressure for one in tables)
-        beyond = float(surface.contact_area(peak)) - float(surface.contact_area(min(peak, sealing)))
+        tables = [one.liquid for one in self.flow.in_lands(self.table, surface, profile)]
+        low, high = math.log(1e-6 * peak), math.log(peak)
+
+        def beyond_sealing(log_pressure: float) -> float:
+            # of an acting pressure, as the tables are
+            asked = np.array(log_pressure)
+            return min(float(one.asked(asked)) - math.log(one.sealing_pressure) for one in tables)
+
+        beyond = 0.0
+        if beyond_sealing(high) > 0.0:
+            sealing = math.exp(root_between(beyond_sealing, low, high))
+            beyond = float(surface.contact_area(peak)) - float(surface.contact_area(sealing))
         share = 1.0 - beyond / (surface.percolation_threshold - DIRECT_END)
         if not share > 0.0:
             return 0.0
-        low = math.log(1e-6 * peak)
 
         def beyond_simulations(log_pressure: float) -> float:
             return float(surface.contact_area(math.exp(log_pressure))) - DIRECT_END
 
-        if beyond_simulations(math.log(peak)) <= 0.0:
+        if beyond_simulations(high) <= 0.0:
             return 0.0
-        limit = math.exp(root_between(beyond_simulations, low, math.log(peak)))
+        limit = math.exp(root_between(beyond_simulations, low, high))
         found = self.leak_pressed_up_to(limit, profile, fluid_pressure)
         return 0.0 if found is None else share * found.leak_rate
 

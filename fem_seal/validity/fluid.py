@@ -83,18 +83,19 @@ def molecule_cautions(flow: FlowModel, loads: Sequence[LoadResult]) -> Iterator[
     from leak.fluids.library import molecular_size
 
     size = molecular_size(flow.fluid)
-    narrow = [load for load in loads if load.critical_separation and load.critical_separation < _FEW * size]
+    gaps = [(load.critical_separation, load) for load in loads if load.critical_separation is not None]
+    # no path at all is no matter of molecules, unless a short contact leaks nevertheless
+    narrow = [(gap, load) for gap, load in gaps if gap < _FEW * size and (gap > 0.0 or _leaks(load))]
     if narrow:
-        load = min(narrow, key=lambda load: load.critical_separation or 0.0)
-        gap = load.critical_separation or 0.0
-        tight = min(math.log(_FEW * size / gap) / math.log(_FEW), 1.0)
+        gap, load = min(narrow, key=lambda one: one[0])
+        tight = 1.0 if gap <= size else math.log(_FEW * size / gap) / math.log(_FEW)
         yield caution(
             "molecules",
             load,
             loads,
             leak_factor=Bounds(ORDERS_OF_MAGNITUDE**-tight, 1.0),
             found=False,
-            told=gap < size,
+            told=0.0 < gap < size,
             gap=gap,
             size=size,
         )
@@ -293,6 +294,11 @@ def _of_liquid(flow: FlowModel, load: LoadResult) -> tuple[float, float] | None:
 def _leak_known(load: LoadResult) -> bool:
     """Whether the leak is already calculated; a check alone does not calculate it."""
     return not vars(load).keys().isdisjoint({"leak", "leak_round", "around"})
+
+
+def _leaks(load: LoadResult) -> bool:
+    """Whether a leak that is already calculated is more than none."""
+    return _leak_known(load) and load.leak is not None and load.leak.leak_rate > 0.0
 
 
 def _where_most_leaks(load: LoadResult) -> tuple[PressureProfile, LeakResult] | None:

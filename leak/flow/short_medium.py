@@ -167,9 +167,9 @@ class _Piece:
 
         @cache
         def found(log_n: float) -> ShortMedium:
-            with np.errstate(divide="ignore"):
-                gap = self.opened(log_n).at_log_pressure(self.asked)
-                shares = _shares(1.0 / (gap * gap * gap))
+            opened = self.opened(log_n)
+            gap = opened.at_log_pressure(self.asked)
+            shares = _shares(gap, self.asked - math.log(opened.sealing_pressure))
             weight = self.length * shares
             # the width that resists is that of a box where resistance is even
             waves = max(float(weight.sum() ** 2 / (weight @ shares)) / wave, _FEWEST)
@@ -351,7 +351,20 @@ def _contact_area(surface: RoughContact, log_pressure: FloatArray) -> FloatArray
     return np.exp(np.interp(log_pressure, few, np.log(surface.corrected_contact_area(np.exp(few)))))
 
 
-def _shares(resistance: FloatArray) -> FloatArray:
-    """In units of the largest; ones and zeros where some of it is infinite."""
-    sealed = np.isinf(resistance)
-    return sealed.astype(float) if sealed.any() else resistance / resistance.max()
+def _shares(gap: FloatArray, beyond: FloatArray) -> FloatArray:
+    """Resistances in units of the largest; where some are infinite, how much of each point's length is sealed.
+
+    A point counts in part where the sealed length ends next to it: that length grows with the load without steps.
+
+    Parameters
+    ----------
+    gap, beyond : ndarray, shape (n,)
+        Gap [m], and ln of pressure over sealing pressure.
+    """
+    if gap.all():
+        resistance = 1.0 / (gap * gap * gap)
+        return resistance / resistance.max()
+    with np.errstate(divide="ignore", invalid="ignore"):
+        sealed = np.clip(0.5 + np.nan_to_num(beyond / np.abs(np.gradient(beyond))), 0.0, 1.0)
+    # next to its sealing pressure the gap rounds to zero
+    return sealed if sealed.any() else (gap == 0.0).astype(float)

@@ -131,6 +131,15 @@ def test_a_place_that_is_sealed_may_be_as_narrow_as_a_point(peak):
     assert 1.0 < opened / table.effective_separation(half) < 20.0
 
 
+def test_a_sealed_length_grows_without_steps():
+    """One point after the other was sealed: each took its whole length at once, and the leak rate fell by 3 to 8 %."""
+    one = surface()
+    table, (x, shape) = one.conductivity_table(1e3, 4e10), bell(4e-5, 1.0)
+    peaks = 1.4 * one.sealing_pressure * np.geomspace(1.0, 1.01, 41)
+    opens = [in_contact(one, table, x, peak * shape).sealing_pressure for peak in peaks]
+    assert np.abs(np.diff(np.log(opens))).max() < 1.5 * np.log(peaks[1] / peaks[0])
+
+
 def test_the_paper_s_theory_knows_no_ends():
     paper = replace(surface(), theory="paper", yielding="")
     table = paper.conductivity_table(1e3, 4e9)

@@ -5,11 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from judged_loads import SURFACE, load
+from places import EXAMPLES
 from sample_results import case
 
+import fem_seal
+from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.findings import Validity
 from fem_seal.seal.problem import SealProblem
-from fem_seal.validity.checks import load_cautions
+from fem_seal.seal.sources import Shared
+from fem_seal.validity.checks import load_cautions, validity_of
 from fem_seal.validity.fluid import opening_factor
 
 CORRECTED = replace(SURFACE, theory="corrected", yielding="")
@@ -68,6 +72,32 @@ def test_over_the_size_of_the_gap():
     # tight where a molecule does not pass, a fluid as any other some molecules wider
     assert found[0, 0] == pytest.approx(np.log(1e-3), abs=0.1) and found[-1, 0] > np.log(0.99)
     assert largest_step(gap, found) < STEP
+
+
+def test_no_path_is_the_narrowest_gap():
+    """What leaks nevertheless, as a short contact does, has the factor of a gap in which no molecule passes."""
+    narrow, none, sealed = (
+        load(critical_separation=gap, leak_rate=rate)
+        for gap, rate in ((1e-24, 1e-12), (0.0, 1e-12), (0.0, 0.0))
+    )
+    found = factors(SURFACE, [narrow, none, sealed])
+    assert found[1] == pytest.approx(found[0], abs=1e-9)
+    assert found[0, 0] == pytest.approx(np.log(1e-3), abs=1e-9) and found[2, 0] > np.log(0.99)
+
+
+def test_the_upper_end_goes_through_sealing():
+    """Between metals that yield: the contact pressure was compared with a sealing pressure of the acting one."""
+    given = fem_seal.load_case(EXAMPLES / "diesel_1800_bar.toml").replace({"load.fluid_pressure": "1800 bar"})
+    ends = []
+    for height in ("0.1214 um", "0.121 um"):
+        of = given.replace({"roughness.spectrum.rms_height": height})
+        seal = evaluate(SealProblem.of(of), Shared())
+        found = seal.loads[0]
+        leaks = found.leak.leak_rate > 0.0
+        ends.append((leaks, found.with_values(validity=validity_of(seal, found)).leak_interval.high))
+    (leaking, before), (sealed, after) = ends
+    assert leaking and not sealed
+    assert after == pytest.approx(before, rel=0.05) and 0.0 < after < 1e-13
 
 
 @pytest.mark.parametrize("share", [0.1, 0.3, 0.6, 0.8, 0.9])
