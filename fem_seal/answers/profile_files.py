@@ -232,7 +232,7 @@ def _check_pressure(table: TextTable, pressure: FloatArray) -> None:
         row = int(np.argmin(inside))
         raise TextTableError(
             f"contact pressure must lie between 0 and 1 TPa (compression is positive); line {table.lines[row]} has "
-            f"{format_quantity('contact pressure', float(pressure[row]))}"
+            f"{format_quantity('contact pressure', float(pressure[row]))}: is the unit right?"
         )
 
 

@@ -15,12 +15,16 @@ from fem_seal.profile import PressureProfile, joined
 from fem_seal.seal.leak_model import Conductivity, FlowModel, LeakModel
 from fem_seal.seal.load_result import GivenContact, GivenLoad
 from fem_seal.seal.problem import SealProblem
+from fem_seal.units import format_quantity
 from fem_seal.validity.checks import profile_validity
 from leak import RoughContact
 from meshes import ContactGeometry
 
 # Radii of a profile that this program wrote are those of its seat up to the digits of the file.
 _SAME_RADIUS = 1e-7
+# Peak contact pressure over fluid pressure below which a profile is refused: units are wrong by 1e-3 or 1e-6 and seals
+# press several times harder than their fluid.
+_FAR_TOO_WEAK = 1e-2
 
 
 def leak_of_profiles(problem: SealProblem, profiles: Sequence[ImportedProfile]) -> list[GivenLoad]:
@@ -70,9 +74,11 @@ def leak_of_profiles(problem: SealProblem, profiles: Sequence[ImportedProfile]) 
         other = problem.in_theory(theory)
         assert other.surface is not None  # there is one
         others[theory] = replace(rough, surface=other.surface, flow=other.flow)
+    fluid_pressures = _fluid_pressures(problem, profiles)
+    _refuse_far_too_weak(problem, peaks, fluid_pressures)
     return [
         _given_load(problem, rough, others, profile, fluid_pressure)
-        for profile, loads in zip(profiles, _fluid_pressures(problem, profiles), strict=True)
+        for profile, loads in zip(profiles, fluid_pressures, strict=True)
         for fluid_pressure in loads
     ]
 
@@ -93,6 +99,22 @@ def _fluid_pressures(problem: SealProblem, profiles: Sequence[ImportedProfile]) 
             file=problem.file,
         )
     return [[one.fluid_pressure] for one in profiles if one.fluid_pressure]
+
+
+def _refuse_far_too_weak(
+    problem: SealProblem, peaks: Sequence[float], fluid_pressures: Sequence[Sequence[float]]
+) -> None:
+    """Refuse contacts none of which comes near its fluid pressure: pascals for megapascals."""
+    if all(peak < _FAR_TOO_WEAK * min(loads) for peak, loads in zip(peaks, fluid_pressures, strict=True)):
+        peak = max(peaks)
+        loads = fluid_pressures[peaks.index(peak)]
+        raise InputError.at(
+            "load.fluid_pressure",
+            f"the contact pressure of the profile reaches {format_quantity('contact pressure', peak, 3)}, the fluid "
+            f"pressure is {format_quantity('fluid pressure', min(loads))} and would lift the seal open: is the unit of "
+            "the contact pressure right?",
+            file=problem.file,
+        )
 
 
 def _given_load(

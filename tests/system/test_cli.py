@@ -296,7 +296,7 @@ GOOD_ROWS = [f"{x},{10 - x * x}" for x in (-3, -2, -1, 0, 1, 2, 3)]
         (["x_mm,p_MPa", *GOOD_ROWS, "4,five"], "line 9"),
         (["x_mm,p_MPa", *GOOD_ROWS[:3]], "at least 5 rows"),
         (["x_mm,p_MPa", *(f"{n},0" for n in range(6))], "do not touch"),
-        (["x_mm,p_MPa", *(f"{n},1e9" for n in range(6))], "between 0 and 1 TPa"),
+        (["x_mm,p_MPa", *(f"{n},1e9" for n in range(6))], "line 2 has 1·10⁶ GPa: is the unit right?"),
         (["a_mm,b_MPa,c_mm", *(f"{n},1,2" for n in range(6))], "has no column contact_pressure"),
         (["x_mm,p_MPa,r_mm", *(f"{n},1,{n - 2}" for n in range(6))], "radius must be positive; −2"),
     ],

@@ -178,6 +178,17 @@ def test_contradictions_are_told(name: str, read) -> None:
         read(text)
 
 
+@pytest.mark.parametrize(("unit", "said"), [("Pa", "right"), ("GPa", None)])
+def test_pressures_far_below_that_of_the_fluid_ask_for_the_unit(unit: str, said: str | None, read) -> None:
+    profiles = read(written(f"x [mm],p [{unit}]", X, P if said else 1e-3 * P))
+    if said:
+        with pytest.raises(InputError, match="lift the seal open: is the unit of the contact pressure right"):
+            leak_of_profiles(problem(), profiles)
+    else:
+        (load,) = leak_of_profiles(problem(), profiles)
+        assert np.isfinite(load.leak.leak_rate)
+
+
 def test_points_on_both_sides_of_zero_are_no_radii(read) -> None:
     """A field export along X, in the order of its nodes, with texts beside it and no units."""
     lines = [

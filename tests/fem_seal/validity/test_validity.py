@@ -233,7 +233,7 @@ def test_every_fluid_of_the_library_has_a_molecular_size():
 def test_fluid_pressure_opens_the_gap():
     assert said("fluid opens", load(fluid_pressure=0.09 * 50e6)) == ""
     words = said("fluid opens", load(), load(fluid_pressure=0.2 * 50e6))
-    assert "0.2 of the peak" in words
+    assert "0.2 times the peak" in words
     assert "1.3 times" in words
     local = case(leak={"fluid_in_gap": "local"})
     assert said("fluid opens", load(fluid_pressure=0.2 * 50e6), of=local) == ""
