@@ -206,13 +206,16 @@ class _Piece:
         """
         _, own = self.medium()
         most, without_peaks = self.resistance(own), own
+        _, least = self.cut_off(-1).medium()
         for number in range(len(_CUTS)):
             cut = self.cut_off(number)
+            # no peak left out is the closest medium, in which the less of the peak there is, the less resists
+            if cut.resistance(least) <= most:
+                break
             _, log_n = cut.medium()
             left = cut.resistance(log_n)
-            if left <= most:
-                break
-            most, without_peaks = left, log_n
+            if left > most:
+                most, without_peaks = left, log_n
         if without_peaks == own or most == math.inf:
             return without_peaks
         return root_of_rising(

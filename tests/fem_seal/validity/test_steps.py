@@ -100,6 +100,16 @@ def test_the_upper_end_goes_through_sealing():
     assert after == pytest.approx(before, rel=0.05) and 0.0 < after < 1e-13
 
 
+def test_edges_that_a_contact_is_cut_off_at():
+    """Deeper cuts were left out as soon as the first one resisted less than the whole."""
+    given = fem_seal.load_case(EXAMPLES / "poppet_on_land.toml").replace({"load.fluid_pressure": "100 bar"})
+    found = []
+    for height in ("0.0757 um", "0.0758 um"):
+        problem = SealProblem.of(given.replace({"roughness.spectrum.rms_height": height}))
+        found.append(evaluate(problem, Shared()).loads[0].leak.leak_rate)
+    assert 0.0 < np.log(found[1] / found[0]) < STEP
+
+
 @pytest.mark.parametrize("share", [0.1, 0.3, 0.6, 0.8, 0.9])
 def test_the_fluid_opens_no_more_than_is_said(share):
     """Against the liquid between the surfaces that is taken off the load of the asperities, place by place."""
