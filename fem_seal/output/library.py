@@ -239,6 +239,7 @@ def material_lines(row: dict[str, Any]) -> Iterator[tuple[str, str]]:
     yield from over_temperature_lines(row)
     if row["stress_strain"]:
         yield "stress-strain curve", curve_line(row["stress_strain"])
+        yield "source of the curve", row["stress_strain"]["source"]
     if row["creeps"]:
         yield "creep", CREEPS
     yield "condition", row["condition"]
@@ -253,9 +254,10 @@ def curve_line(curve: dict[str, Any]) -> str:
     curve : dict
         "stress_strain" of `material_row`.
     """
+    unit = fixed_unit("MPa")
     strain = ", ".join(f"{100 * one:.3g}" for one in curve["plastic_strain"])
-    stress = ", ".join(f"{one / 1e6:.4g}" for one in curve["stress_Pa"])
-    return f"{stress} MPa at plastic strains of {strain} % (true); {curve['source']}"
+    stress = ", ".join(f"{unit.of(one):.4g}" for one in curve["stress_Pa"])
+    return f"{stress} {unit.name} at plastic strains of {strain} % (true)"
 
 
 def over_temperature_lines(row: dict[str, Any]) -> Iterator[tuple[str, str]]:

@@ -286,11 +286,11 @@ def test_what_is_calculated_lies_inside_the_interval_of_its_samples():
     """Scans that are too short for their longest waves have most samples above: the number itself still counts."""
     result = rough_result()
     low, high = result.loads[0].leak_range
-    sampled = interval(np.full((2, 5), high), np.full((2, 5), 9.0))
+    sampled = interval(np.full((2, 5), high), np.full((2, 5), 1.1 * high))
     loads = tuple(sampled.of_load(load, number) for number, load in enumerate(result.loads[:2]))
     above = replace(result.answered(uncertainty=sampled), loads=loads)
     off = 1 + result.discretisation_error.leak_rate
-    assert above.leak_ranges[0] == pytest.approx((low / off, 9.0 * off), rel=1e-12)
+    assert above.leak_ranges[0] == pytest.approx((low / off, 1.1 * high * off), rel=1e-12)
     rows = leak_rows(above)
     assert all(row[LOW] <= row[DEFAULT] <= row[HIGH] for row in rows)
     assert result.leak_ranges == tuple(load.leak_interval for load in result.loads)
@@ -355,7 +355,7 @@ def test_the_class_of_a_load_is_that_of_the_interval_beside_it():
         ((2e-9, 2.001e-9), "0.12 ml/min"),
         ((0.0, 2e-9), "0 to 0.12 ml/min"),
         ((0.0, 0.0), "none, sealed"),
-        ((2e-13, 2e-9), "12 nl/min to 0.12 ml/min"),
+        ((2e-13, 2e-9), "1.2·10⁻⁵ to 0.12 ml/min"),
         ((2e-9, math.inf), "at least 0.12 ml/min"),
     ],
 )

@@ -38,6 +38,7 @@ from fem_seal.seal import load_solver
 from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.load_names import different, load_axis, load_name
 from fem_seal.seal.problem import SealProblem
+from fem_seal.units import leak_range_text
 
 YIELD = 200e6
 CASE = """
@@ -259,7 +260,9 @@ def test_a_load_that_comes_back_has_a_number(proof: SealResult) -> None:
 
 
 def test_the_headline_says_what_leaks_after_the_highest_load(proof: SealResult, result: SealResult) -> None:
-    before, highest, after = (f"{load.leak.leak_rate * 6e7:#.3g}" for load in proof.loads if load.leak)
+    before, _, after = (f"{load.leak.leak_rate * 6e7:#.3g}" for load in proof.loads if load.leak)
+    # at 0.056 of the peak the fluid may open the gap, by 1 % more leakage
+    highest = leak_range_text(proof.loads[1].leak_interval).removesuffix(" ml/min")
     assert before != after
     beside = "By the corrected theory 21 to 24 ml/min leaks at 300 bar"
     assert words.headline(proof) == (
