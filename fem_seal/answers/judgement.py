@@ -165,7 +165,7 @@ class Judgement:
         if (validity.outside or not sampled) and calculated.low > ORDERS_OF_MAGNITUDE * limit.most:
             reason = validity.reasons[0] if validity.outside else ""
             return cls(Verdict.FAIL, margin, VerdictReason.FAR, limit, tested, reason)
-        if validity.outside:
+        if validity.outside and not (verdict is Verdict.FAIL and validity.leaks_more):
             # of what may not be claimed to be sealed there is no margin
             margin = math.nan if math.isinf(margin) else margin
             return cls(

@@ -171,6 +171,12 @@ class Validity:
         """Whether the theory does not hold, so that nothing may be claimed from the numbers."""
         return self.level is Level.OUTSIDE
 
+    @property
+    def leaks_more(self) -> bool:
+        """Whether all that is outside the theory lets more leak than calculated: what fails without it fails."""
+        outside = [one.leak_factor for one in self.cautions if one.level is Level.OUTSIDE]
+        return bool(outside) and all(factor.low >= 1.0 < factor.high for factor in outside)
+
     def without(self, *kinds: str) -> Validity:
         """The verdict without the cautions of some kinds.
 

@@ -106,6 +106,24 @@ def test_upper_end_within_is_pass_lower_end_above_fail_all_else_inconclusive(end
         assert outside.margin == margin
 
 
+@pytest.mark.parametrize(
+    ("factor", "ends", "verdict"),
+    [
+        # the fluid opens the gap: what leaks too much without it does so with it, what keeps the limit may not
+        ((1.0, 9.0), (2.1, 40.0), Verdict.FAIL),
+        ((1.0, 9.0), (0.1, 1.9), Verdict.INCONCLUSIVE),
+        ((1.0, 9.0), (1.9, 40.0), Verdict.INCONCLUSIVE),
+        ((0.5, 9.0), (2.1, 40.0), Verdict.INCONCLUSIVE),
+        ((1.0, 1.0), (2.1, 40.0), Verdict.INCONCLUSIVE),
+    ],
+)
+def test_a_theory_that_lets_too_little_leak_leaves_a_fail_a_fail(factor, ends, verdict):
+    beyond = Validity.of([Finding("fluid opens", Level.OUTSIDE, "opens", "...", Bounds(*factor))])
+    assert Judgement.of(Limit("leak rate", 2.0), ends, beyond).verdict is verdict
+    with_other = Validity.of([*beyond.cautions, *OUTSIDE.cautions])
+    assert Judgement.of(Limit("leak rate", 2.0), ends, with_other).verdict is Verdict.INCONCLUSIVE
+
+
 @given(
     ends=st.tuples(st.floats(1e-12, 1e-6), st.floats(1.0, 100.0)).map(lambda one: (one[0], one[0] * one[1])),
     limit=st.floats(1e-12, 1e-6),
