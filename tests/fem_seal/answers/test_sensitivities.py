@@ -9,7 +9,7 @@ from types import SimpleNamespace
 
 import pytest
 from places import EXAMPLES
-from sample_results import case, cone, rough_result, run_loads, smooth_result
+from sample_results import case, cone, judged_anew, rough_result, run_loads, smooth_result
 
 import fem_seal
 from fem_seal.answers.chain import solve
@@ -24,6 +24,7 @@ from fem_seal.output.answers.sensitivities import (
     strongest,
 )
 from fem_seal.output.files import summary
+from fem_seal.output.report.brief import second_line
 from leak import Reading
 
 LOAD = {"fluid_pressure": "20 bar"}
@@ -260,6 +261,17 @@ def test_what_helps_helps_at_every_load_and_inside_the_theory():
     # pressed so hard that the seat yields as a whole
     force = Sensitivity("force", 0.0, 1.0, 300.0, (0.2, 0.2), (math.nan, math.nan))
     assert not _ChangedSeal(result, (0, 2)).helps(force)
+
+
+@pytest.mark.parametrize(("over", "enough"), [(3.0, True), (30.0, False)])
+def test_what_helps_and_is_not_enough_is_told_so(over, enough):
+    """A leak that is three times the limit passes with a fifth of it, one of thirty times does not."""
+    lever = Sensitivity("rms_height", None, None, 0.5, (0.2, 0.3), (math.nan, math.nan), helps=True)
+    result = rough_result()
+    limit = max(load.leak.leak_rate for load in result.loads) / over
+    asked = result.case.replace({"requirement.leak_rate": f"{limit} m^3/s"})
+    said = second_line(judged_anew(replace(result, case=asked)).answered(sensitivities=(lever,)))
+    assert "helps most" in said and ("not enough" in said) is not enough
 
 
 def test_flanges_and_a_gasket_that_fits_them_are_turned_together():
