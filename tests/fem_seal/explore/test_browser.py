@@ -69,6 +69,8 @@ def page(folder):
     """The process of the page and its address."""
     pytest.importorskip("dash", reason="the live page needs the extra [explore]")
     command = [sys.executable, "-m", "fem_seal", "explore", "ball.toml", "--port", "0", "--no-browser"]
+    # tests that a shell runs in the background take no notice of Ctrl-C, and what they start would not either
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     page = subprocess.Popen(
         command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env={**os.environ}
     )
