@@ -175,7 +175,7 @@ class Validity:
     def leaks_more(self) -> bool:
         """Whether all that is outside the theory lets more leak than calculated: what fails without it fails."""
         outside = [one.leak_factor for one in self.cautions if one.level is Level.OUTSIDE]
-        return bool(outside) and all(factor.low >= 1.0 < factor.high for factor in outside)
+        return bool(outside) and all(low >= 1.0 < high for low, high in outside)
 
     def without(self, *kinds: str) -> Validity:
         """The verdict without the cautions of some kinds.

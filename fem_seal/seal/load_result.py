@@ -487,7 +487,8 @@ class LoadResult(ByReading):
             by_threshold = math.prod(near) * self.leak.leak_rate
         most = doubts.without(NEARLY_SEALED, SEALED).leak_factor.high
         found = Bounds(ends.low * doubts.leak_factor.low, max(ends.high, self.rougher * by_threshold) * most)
-        if not found.apart or math.isinf(self.leak.leak_rate):
+        # faces that are lifted off, as at the least preload, have no gap that bounds what passes
+        if not found.apart or math.isinf(ends.high):
             return found
         limit = max(self.most_leak, self.leak.leak_rate)
         return Bounds(min(found.low, limit), min(found.high, limit))

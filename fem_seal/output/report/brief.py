@@ -126,7 +126,9 @@ def _helps(result: SealSolution, load: JudgedLoad) -> str:
     # times the limit, at least, with the lever
     left = 0.0 if load.judgement is None else load.judgement.times_over * max(found.ratio)
     alone = ", which alone is not enough" if left > 1.0 else ""
-    return phrase("brief.second", "helps", what=in_words(result.case, found), at=_at(result, load), alone=alone)
+    return phrase(
+        "brief.second", "helps", what=in_words(result.case, found), at=_at(result, load), alone=alone
+    )
 
 
 def _at(result: SealSolution, load: JudgedLoad) -> str:

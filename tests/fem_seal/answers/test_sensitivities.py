@@ -414,7 +414,7 @@ def test_a_sensitivity_is_the_ratio_of_two_complete_runs(name):
     quick, changes = RUNS[name]
     result = run_loads(fem_seal.load_case(EXAMPLES / f"{name}.toml").replace(quick))
     number = result.loads.index(result.highest)
-    changed = _ChangedSeal(result, number)
+    changed = _ChangedSeal(result, (number,))
     known = {one.key: one for one in changed.changes() if one.material in ("", "316L")}
     for key, change in changes.items():
         found = changed.sensitivity(known[key])
