@@ -142,6 +142,11 @@ def through(gas, rms_height, load, **fluid):
 VACUUM = {"outlet_pressure": "0 Pa"}
 
 
+# At most the gas chokes in the gap without load, as sqrt(gamma/M) (2/(gamma + 1))^((gamma + 1)/(2 gamma - 2)) with
+# gamma = 1.4 of air and 5/3 of helium.
+CHOKED = math.sqrt(4.0026 / 28.97) * 0.6847 / 0.7262
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("rms_height", "load", "fluid", "ratio"),
@@ -151,10 +156,10 @@ VACUUM = {"outlet_pressure": "0 Pa"}
             "0.1 um",
             {"fluid_pressure": "0.1 mbar", "applied_force": "1 kN"},
             VACUUM,
-            math.sqrt(4.0026 / 28.97),
+            (math.sqrt(4.0026 / 28.97),) * 2,
         ),
         # wide gaps at a high pressure: the viscosities, 19.6 over 18.2 uPa s
-        ("40 um", {"fluid_pressure": "100 bar", "applied_force": "1 kN"}, {}, 19.6 / 18.2),
+        ("40 um", {"fluid_pressure": "100 bar", "applied_force": "1 kN"}, {}, (19.6 / 18.2, CHOKED)),
     ],
     ids=["molecular", "viscous"],
 )
@@ -162,7 +167,7 @@ def test_air_over_helium_has_its_limits(rms_height, load, fluid, ratio):
     result = through("helium", rms_height, load, **fluid)
     name, found = ratios_of(result.case.fluid, result.highest.fluid_pressure, result.highest)
     assert name == "air"
-    assert found == pytest.approx((ratio, ratio), rel=0.01)
+    assert found == pytest.approx(ratio, rel=0.01)
     # before anything is calculated it may be anything between and beyond
     least, most = fluid_of_test(result.case.fluid, 1e5)[1]
     assert least < 0.31 and most > 1.07
