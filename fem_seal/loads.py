@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Literal
-
-from fem_seal.former_names import formerly, say_once
+from typing import Literal
 
 PressureSide = Literal["outer", "inner"]
 Closing = Literal["sealed-area", "penetration"]
@@ -27,7 +25,6 @@ def initial_contact_radius(ball_radius: float, angle: float) -> float:
     return ball_radius * math.sin(angle)
 
 
-@formerly(axial_force="applied_force")
 def contact_force(
     sealing_radius: float,
     fluid_pressure: float,
@@ -60,7 +57,6 @@ def contact_force(
     return applied_force + (sealed_area if pressure_side == "outer" else -sealed_area) * fluid_pressure
 
 
-@formerly(axial_force="applied_force")
 def blow_off_of_sealed_area(
     sealing_radius: float, applied_force: float, pressure_side: PressureSide = "inner"
 ) -> float:
@@ -80,7 +76,6 @@ def blow_off_of_sealed_area(
     return applied_force / (math.pi * sealing_radius**2) if lifts else math.inf
 
 
-@formerly(axial_force="applied_force")
 def expected_force(
     sealing_radius: float,
     fluid_pressure: float,
@@ -108,7 +103,6 @@ def expected_force(
     return max(force, least * (abs(applied_force) + math.pi * sealing_radius**2 * fluid_pressure))
 
 
-@formerly(closing_force="contact_force")
 def line_load(contact_force: float, sealing_radius: float, angle: float) -> float:
     """Force per circumference normal to the contact, f_N = F_N / (2 pi r0 cos(theta)) [N/m].
 
@@ -155,10 +149,3 @@ def plastic_half_width(line_load: float, flow_stress: float) -> float:
         [Pa]
     """
     return line_load / (2 * CONSTRAINT * flow_stress)
-
-
-def __getattr__(name: str) -> Any:
-    if name != "closing_force":
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    say_once("fem_seal.loads.closing_force", "fem_seal.loads.contact_force")
-    return contact_force

@@ -18,7 +18,6 @@ from fem_seal.answers.solution import SealSolution
 from fem_seal.arrays import FloatArray
 from fem_seal.case.case import CaseSource, case_of
 from fem_seal.errors import InputError
-from fem_seal.former_names import formerly
 from fem_seal.processes import given_back
 from fem_seal.seal.problem import SealProblem
 from fem_seal.units import shown_in
@@ -34,8 +33,8 @@ if TYPE_CHECKING:
     from fem_seal.seal.direct_seal import SealRow
 
 
-# What completion does not offer: steps of the calculation and former names.
-_INTERNAL = {"answered", "every_load", "levers", "missing", "said_of_missing", "with_loads"}
+# What completion does not offer: steps of the calculation.
+_INTERNAL = {"answered", "every_load", "missing", "said_of_missing", "with_loads"}
 
 
 class SealResult(SealSolution):
@@ -269,7 +268,6 @@ class SealResult(SealSolution):
             view(Path(folder), None if png is None else Path(png), load)
 
 
-@formerly(levers="sensitivities")
 def run(
     case: CaseSource,
     progress: Callable[[str], None] | None = None,

@@ -14,7 +14,6 @@ from fem_seal.arrays import FloatArray
 from fem_seal.case.case import Case, CaseSource, case_of
 from fem_seal.contact.laws import HardContact, InterfaceLaw
 from fem_seal.errors import InputError
-from fem_seal.former_names import former_attribute
 from fem_seal.loads import LARGEST_TURNING, TURNED, blow_off_of_sealed_area, contact_force, line_load
 from fem_seal.seal.load_result import SolvedSeal
 from fem_seal.seal.problem import SealFlow, SealProblem, exponential_law
@@ -55,7 +54,6 @@ class DerivedLoad:
 
     fluid_pressure: float
     contact_force: float
-    closing_force = former_attribute("closing_force", "contact_force")
     line_load: float
     hertz: leak.HertzLine | None
     gaussian: leak.GaussianLine | None
@@ -90,7 +88,6 @@ class Derived:
     """
 
     initial_contact_radius: float
-    touch_radius = former_attribute("touch_radius", "initial_contact_radius")
     effective_modulus: float
     relative_radius: float
     hardness: float | None

@@ -15,7 +15,6 @@ from fem_seal.case.case import Case, CaseSource, case_of
 from fem_seal.case.tables import curves
 from fem_seal.case.words import problem
 from fem_seal.errors import InputError
-from fem_seal.former_names import former_attribute, formerly
 from fem_seal.seal.findings import Level, Validity
 from fem_seal.seal.load_solver import Progress
 from fem_seal.units import briefly, format_quantity
@@ -66,7 +65,6 @@ class LeakMap:
     is_gas: bool
     fluid_pressure: FloatArray
     applied_force: FloatArray
-    axial_force = former_attribute("axial_force", "applied_force")
     leak_rate: FloatArray
     leak_rate_low: FloatArray
     leak_rate_high: FloatArray
@@ -133,7 +131,6 @@ class LeakMap:
         )
 
 
-@formerly(axial_force="applied_force")
 def leak_map(
     case: CaseSource,
     fluid_pressure: Sequence[float] | None = None,

@@ -18,7 +18,6 @@ from fem_seal.answers.standard_tests import SET_PRESSURE, STANDARD_TESTS
 from fem_seal.answers.uncertainty import UNCERTAINTY
 from fem_seal.answers.variants import INTERFACE_VARIANTS, THEORIES, THEORY_VARIANTS
 from fem_seal.answers.verdict import VERDICT
-from fem_seal.former_names import former_attribute
 from fem_seal.seal.load_result import DiscretisationError, SolvedSeal, highest_load, strongest_load
 
 
@@ -47,7 +46,6 @@ class SealSolution(SolvedSeal):
     standard_tests = STANDARD_TESTS
     set_pressure = SET_PRESSURE
     sensitivities = SENSITIVITIES
-    levers = former_attribute("levers", "sensitivities")
 
     def answered(self, **answers: object) -> Self:
         """The same with other answers, by their names."""

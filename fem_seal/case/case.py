@@ -29,7 +29,6 @@ from fem_seal.case.tightening import closed_by
 from fem_seal.case.words import problem
 from fem_seal.errors import InputError, LoadProblem, NoLoadLeftError, Problem
 from fem_seal.files import read_toml, told_of
-from fem_seal.former_names import in_present_entries
 from fem_seal.materials import ROOM_TEMPERATURE
 from fem_seal.units import DIMENSIONS
 from meshes import GeometryError
@@ -86,8 +85,7 @@ class Case(CaseTables):
     _lower_half: Case | None = PrivateAttr(default=None)
 
     def __init__(self, /, **tables: Any) -> None:
-        present = in_present_entries(tables)
-        self._read_alone(_tables_with_units(present, of_gasket=present.get("gasket") is not None))
+        self._read_alone(_tables_with_units(tables, of_gasket=tables.get("gasket") is not None))
 
     def _read_alone(self, tables: dict[str, Any]) -> None:
         self._read(tables, None)
@@ -266,7 +264,7 @@ class Case(CaseTables):
         >>> case.replace({"closure.radius": 0.025, "load.fluid_pressure": ["1 bar", 5e5]}).load.fluid_pressure
         (100000.0, 500000.0)
         """
-        changed = _changed(self._with(changes or {}), in_present_entries(copy.deepcopy(tables)))
+        changed = _changed(self._with(changes or {}), copy.deepcopy(tables))
         new = {name: table for name, table in changed.items() if table is not self._input.get(name)}
         of_gasket = changed.get("gasket") is not None
         return self._checked({**changed, **_tables_with_units(new, of_gasket=of_gasket)})
@@ -288,7 +286,6 @@ class Case(CaseTables):
 
     def _with(self, changes: Mapping[str, Any]) -> dict[str, Any]:
         """The tables as they were given, with entries changed at dotted keys."""
-        changes = in_present_entries(changes)
         kept = {key: value for key, value in changes.items() if value is not None}
         twice = said_twice(list(kept))
         if twice:
@@ -367,7 +364,7 @@ def load_case(source: str | os.PathLike[str] | Mapping[str, Any]) -> Case:
 def _as_written(tables: Mapping[str, Any]) -> Case:
     """A case of the tables of a file, where a quantity without a unit is an error."""
     case = Case.__new__(Case)
-    case._read_alone(in_present_entries(tables))
+    case._read_alone(dict(tables))
     return case
 
 

@@ -17,9 +17,8 @@ from pydantic_core import ErrorDetails
 from fem_seal.case.drawing_words import words_of
 from fem_seal.case.fields import Table, key_of, shown
 from fem_seal.case.material_table import CURVE_FORMS, MaterialTable
-from fem_seal.case.words import sentence
+from fem_seal.case.words import gone_entry, sentence
 from fem_seal.errors import Problem
-from fem_seal.former_names import ENTRIES
 from fem_seal.materials import Material
 
 # What a table with several forms looks like, by the key that tells them apart.
@@ -110,7 +109,8 @@ def _problem(details: ErrorDetails, case: type[BaseModel]) -> Problem:
             key, _choice(word, str(ctx["expected_tags"]).replace("'", "").split(", ")), shown(word)
         )
     if kind == "literal_error" and table is not None:
-        return Problem(key, _choice(value, choices(table, name)), shown(value))
+        remedy = gone_entry(f"{key} = {shown(value)}") or _choice(value, choices(table, name))
+        return Problem(key, remedy, shown(value))
     if kind == "value_error":
         return Problem(key, str(ctx["error"]), None if isinstance(value, Mapping) else shown(value))
     if kind in ("model_type", "model_attributes_type", "dict_type"):
@@ -197,9 +197,8 @@ class _UnknownKey:
 
     @property
     def message(self) -> str:
-        present = ENTRIES.get(".".join(self.path))
-        if present is not None:
-            return f"is the former name of {present}, which stands there as well; remove one of them"
+        if remedy := gone_entry(".".join(self.path)):
+            return remedy
         known = _keys(self.table) if self.table else []
         return f"unknown key; {self._hint(known)}known keys here are {', '.join(known)}"
 

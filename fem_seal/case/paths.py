@@ -14,6 +14,7 @@ from fem_seal.case.drawing_words import same_entry, words_of
 from fem_seal.case.fields import Number, Quantity, Table, shown, values_of
 from fem_seal.case.material_table import MaterialTable, inheriting, library_table
 from fem_seal.case.messages import tables_of
+from fem_seal.case.words import gone_entry
 from fem_seal.errors import InputError
 from fem_seal.materials import Material
 from fem_seal.units import DIMENSIONS, Unit, fixed_unit, kind_of, unit_for
@@ -119,7 +120,8 @@ def entry_at(case: Case, path: str) -> Entry:
         ends_alike = [one for one in known if one.split(".")[-1] == last]
         hints = list(dict.fromkeys([*ends_alike[:2], *near]))[:3]
         listed = f"do you mean {' or '.join(hints)}? " if hints else ""
-        raise InputError.at(path, f"is no entry of the case; {listed}known are {', '.join(known)}")
+        unknown = f"is no entry of the case; {listed}known are {', '.join(known)}"
+        raise InputError.at(path, gone_entry(path) or unknown)
     # a design has one load
     return Entry(path, next(values_of(fields[last]), None), truth=fields[last].annotation is bool)
 

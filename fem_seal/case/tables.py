@@ -39,7 +39,6 @@ from fem_seal.case.roughness import LengthUnits, Roughness
 from fem_seal.case.temperature import Temperature
 from fem_seal.case.words import problem
 from fem_seal.errors import InputError, Problem
-from fem_seal.former_names import say_once
 from fem_seal.loads import blow_off_of_sealed_area, contact_force, expected_force
 from fem_seal.materials import HardeningCurve, Material, effective_modulus
 from fem_seal.units import System, Unit, unit_as_written
@@ -104,12 +103,6 @@ class Load(Table):
         """The same with the force of a spring that holds the set pressure on a circle [m]."""
         assert self.set_pressure is not None
         return self.model_copy(update={"applied_force": contact_force(sealing_radius, self.set_pressure)})
-
-    @property
-    def axial_force(self) -> float | tuple[float, ...]:
-        """Former name of `applied_force`."""
-        say_once("Load.axial_force", "applied_force")
-        return self.applied_force
 
     @property
     def points(self) -> tuple[tuple[float, float], ...]:

@@ -30,3 +30,15 @@ def load_problem(name: str, kind: str = "open", /, **values: object) -> LoadProb
 def wrong(name: str, /, **values: object) -> ValueError:
     """What the validation of a table says of it, in the words of that name."""
     return ValueError(sentence(name, **values))
+
+
+def gone_entry(entry: str) -> str | None:
+    """What to write instead of a key, or of a value of a key, that earlier versions had; None if none had it.
+
+    Parameters
+    ----------
+    entry : str
+        "load.axial_force", 'interface.law = "persson"'.
+    """
+    remedy: str | None = own_tables("problems.toml")["gone"].get(entry)
+    return remedy

@@ -22,7 +22,6 @@ from fem_seal.cli.new import ForceTakesNoValue, new
 from fem_seal.cli.study import app as study_app
 from fem_seal.cli.table import table
 from fem_seal.errors import ConvergenceError, InputError, NoLoadLeftError, SealError, unexpected
-from fem_seal.former_names import said_to, say_once
 from fem_seal.output.folders import folder_lock, replaced_together, unfinished
 from fem_seal.units import shown_in
 from fem_seal.version import __version__
@@ -130,16 +129,12 @@ def run(
     output: Annotated[Path | None, terminal.output_option("[output] folder of the case, CASE.out")] = None,
     variants: Annotated[bool, terminal.option("run", "variants")] = False,
     sensitivities: Annotated[bool | None, terminal.option("run", "sensitivities")] = None,
-    levers: Annotated[bool | None, terminal.option("run", "levers")] = None,
     details: terminal.Details = False,
     quiet: terminal.Quiet = False,
     json: terminal.Json = False,
     debug: terminal.Debug = False,
 ) -> None:
     """Solve all loads of a case and write tables, VTK files, mesh and report to the output folder."""
-    if levers is not None:
-        say_once("--levers", "--sensitivities")
-        sensitivities = levers if sensitivities is None else sensitivities
     case = terminal.case_of_command(case_file)
     if variants:
         case = case.replace({"leak.variants": True})
@@ -492,7 +487,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
     try:
-        with said_to(lambda text: terminal.warn([text])), shown_in(None):
+        with shown_in(None):
             app(args=words, prog_name="fem-seal")
         sys.stdout.flush()
     except SystemExit as leave:

@@ -12,7 +12,6 @@ from typer.core import TyperCommand
 from fem_seal.case.words import problem
 from fem_seal.cli.terminal import Debug, complain, option, output_option, prompt, say
 from fem_seal.errors import InputError, NoLoadLeftError
-from fem_seal.former_names import say_once
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -45,7 +44,6 @@ def new(
     applied_force: Annotated[str | None, option("new", "applied_force")] = None,
     set_pressure: Annotated[str | None, option("new", "set_pressure")] = None,
     torque: Annotated[str | None, option("new", "torque")] = None,
-    axial_force: Annotated[str | None, option("new", "axial_force")] = None,
     leak_rate: Annotated[str | None, option("new", "leak_rate")] = None,
     leakage_class: Annotated[str | None, option("new", "class", classes=CLASSES)] = None,
     entries: Annotated[list[str] | None, option("new", "set")] = None,
@@ -55,9 +53,6 @@ def new(
     """Write a commented case that runs; it asks a few questions, or none with --template."""
     from fem_seal.case import new_case
 
-    if axial_force is not None:
-        say_once("--axial-force", "--applied-force")
-        applied_force = applied_force or axial_force
     asks = name is None
     if asks and not _can_ask():
         raise InputError(problem("new_template_missing", names=NAMES))

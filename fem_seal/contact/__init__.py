@@ -17,8 +17,5 @@ Examples
 
 from lazy_loader import attach_stub
 
-from fem_seal.former_names import under_former_names
-
 # a name is loaded with its first use, so that a program loads only what it calls
-_present, __dir__, __all__ = attach_stub(__name__, __file__)
-__getattr__ = under_former_names(__name__, _present)
+__getattr__, __dir__, __all__ = attach_stub(__name__, __file__)

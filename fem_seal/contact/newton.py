@@ -19,7 +19,6 @@ from fem_seal.contact.model import ContactModel
 from fem_seal.contact.other_loads import NO_LOADS, BodyLoads
 from fem_seal.contact.solution import DEFAULT_SETTINGS, ContactSettings, ContactSolution
 from fem_seal.errors import ConvergenceError
-from fem_seal.former_names import formerly
 from fem_seal.processes import single_threaded
 
 # Smallest decay length of a law in units of f_N/(pi E*), and of a length in units of the lengths it comes from.
@@ -33,7 +32,6 @@ _LEAST, _MOST, _SPARED, _SQUARED = 1e-8, 1e-4, 1e-3, 1e-3
 _SOFT = 1e-3
 
 
-@formerly(axial_force="contact_force")
 def solve(
     model: ContactModel,
     law: Law,

@@ -18,7 +18,6 @@ from fem_seal.contact.newton import solve
 from fem_seal.contact.other_loads import NO_LOADS, BodyLoads
 from fem_seal.contact.solution import DEFAULT_SETTINGS, ContactSettings, ContactSolution
 from fem_seal.errors import ConvergenceError, OpenSealError
-from fem_seal.former_names import formerly
 from fem_seal.loads import PressureSide, expected_force
 from fem_seal.profile import PressureProfile
 from leak.numerics.roots import root_between
@@ -346,7 +345,6 @@ def dry_unknowns(
 _SHARES = (0.5, 0.1, 1e-2, 1e-3, 1e-4)
 
 
-@formerly(closing_force="applied_force")
 def solve_penetration(
     seal: CoupledContact, *, applied_force: float, fluid_pressure: float, start: ContactSolution | None = None
 ) -> ContactSolution:
@@ -475,7 +473,6 @@ _NARROWEST_HARD = 1e-2
 _CLOSE = 1e-6
 
 
-@formerly(closing_force="applied_force")
 def blow_off_pressure(seal: CoupledContact, *, applied_force: float) -> float:
     """Fluid pressure at which the fluid lifts the closure off [Pa]; infinite if it does not lift it.
 

@@ -15,7 +15,6 @@ from fem_seal.bodies.elasticity import without_free_strain
 from fem_seal.bodies.fields import BodyField, ElastoplasticField, body_field
 from fem_seal.contact.model import ContactModel
 from fem_seal.contact.other_loads import NO_LOADS, BodyLoads
-from fem_seal.former_names import former_attribute
 from fem_seal.materials import Material
 from fem_seal.profile import PressureProfile, joined, remembered, tightest
 from fem_seal.units import quantity
@@ -178,9 +177,6 @@ class ContactSolution:
         slope = line.slope(self.gap - line.initial_gap)
         weight = line.arc_weight * self.pressure
         return float(2 * np.sqrt(weight @ slope**2 / weight.sum()))
-
-    axial_force = former_attribute("axial_force", "contact_force")
-    closing_force = former_attribute("closing_force", "applied_force")
 
     @property
     def pressing_force(self) -> float:

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Self, TypeVar
 
 import numpy as np
 
-from fem_seal.former_names import former_attribute
 from fem_seal.profile import PressureProfile, joined, tightest
 from fem_seal.seal.both_faces import joined_validity, mean_leak, share_of
 from fem_seal.seal.bounds import AGREE, EXACT, Bounds
@@ -319,8 +318,6 @@ class LoadResult(ByReading):
     def contact_force(self) -> float:
         """Force F_N that the solid contact carries [N]."""
         return self.contact.contact_force
-
-    axial_force = former_attribute("axial_force", "contact_force")
 
     @property
     def stop_force(self) -> float | None:

@@ -18,7 +18,6 @@ from fem_seal.case.gauge import as_difference
 from fem_seal.case.paths import Entry, Value, entry_at, with_open_materials
 from fem_seal.errors import InputError
 from fem_seal.files import UnreadableFileError, read_text
-from fem_seal.former_names import in_present_words
 from fem_seal.sampling import LogNormal, Normal
 from fem_seal.studies.tables import MOST_POINTS, Design, Parameter
 
@@ -158,7 +157,7 @@ def _heading(cell: str, path: Path) -> tuple[str, str]:
         separated = re.search(r"[;\t]", cell)
         advice = "; separate the columns by commas" if separated else ", such as seat.angle [deg]"
         raise _wrong(path, f"has a heading {shown(cell)} that is no path{advice}")
-    return in_present_words(match[1]), (match[2] or "").strip()
+    return match[1], (match[2] or "").strip()
 
 
 def _entry(case: Case, name: str, path: Path) -> Entry:

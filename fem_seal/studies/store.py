@@ -25,7 +25,6 @@ from fem_seal.answers.judgement import Verdict
 from fem_seal.case.words import problem, sentence
 from fem_seal.errors import InputError, OutputError
 from fem_seal.files import UnreadableFileError, check_file, parse_json
-from fem_seal.former_names import VERDICTS, in_present_words
 from fem_seal.output.columns import COLUMNS
 from fem_seal.seal.findings import Level
 from fem_seal.studies.designs import SENSITIVITY
@@ -113,11 +112,9 @@ class Store:
         self.outputs = outputs
         status = path.stat()
         self._file = (status.st_dev, status.st_ino)
-        # files of before a column was renamed have it under its former name
         types = _columns(connection)
-        self._stored = {in_present_words(name, aloud=False): name for name in types}
         # SQLite knows numbers and texts only
-        self._truths = tuple(types[self._stored[name]] == TRUTH for name in inputs)
+        self._truths = tuple(types[name] == TRUTH for name in inputs)
 
     @property
     def about(self) -> dict[str, Any]:
@@ -194,8 +191,7 @@ class Store:
                 bool(value) if truth else value
                 for value, truth in zip(values[:split], self._truths, strict=True)
             )
-            outputs, verdict = tuple(values[split:]), VERDICTS.get(verdict, verdict)
-            found[key] = Row(key, inputs, outputs, reason, seconds, level, why, verdict)
+            found[key] = Row(key, inputs, tuple(values[split:]), reason, seconds, level, why, verdict)
         return found
 
     def write(self, rows: Sequence[Row]) -> None:
@@ -251,16 +247,14 @@ class Store:
         table = pd.read_sql_query(query, self._connection)
         outputs = list(self.outputs)
         table[outputs] = table[outputs].astype(float)
-        if "verdict" in table:
-            table["verdict"] = table["verdict"].replace(VERDICTS)
         for name, truth in zip(self.inputs, self._truths, strict=True):
             if truth:
                 table[name] = table[name].astype(bool)
         return table.set_index("number")
 
     def _query_columns(self, *first: str) -> str:
-        """Columns of a query: the first ones, then parameters and outputs by their present names."""
-        named = (f"{quoted(self._stored[one])} AS {quoted(one)}" for one in (*self.inputs, *self.outputs))
+        """Columns of a query: the first ones, then parameters and outputs."""
+        named = map(quoted, (*self.inputs, *self.outputs))
         return ", ".join([*first, *named])
 
     def close(self) -> None:
@@ -328,10 +322,6 @@ def _lay_out(connection: sqlite3.Connection, inputs: Mapping[str, str], outputs:
         for name in TOLD:
             if name not in there_already:
                 connection.execute(f"ALTER TABLE point ADD COLUMN {name} TEXT")
-        for name in there_already:
-            present = in_present_words(name)
-            if present != name:
-                connection.execute(f"ALTER TABLE point RENAME COLUMN {quoted(name)} TO {quoted(present)}")
 
 
 def open_to_read(path: Path) -> Store:
@@ -425,7 +415,7 @@ def _check_contents(connection: sqlite3.Connection, path: Path) -> _Columns:
     try:
         kinds = _columns(connection)
         about = read_about(connection)
-        columns = in_present_words(tuple(kinds), aloud=False)
+        columns = tuple(kinds)
         check_about(about, columns)
         inputs = len(about["inputs"])
         check_rows(connection, kinds, inputs)
@@ -527,7 +517,7 @@ class StoredError(ValueError):
 
 
 def read_about(connection: sqlite3.Connection) -> dict[str, Any]:
-    """What a file says of its study, in present names.
+    """What a file says of its study.
 
     Raises
     ------
@@ -536,7 +526,7 @@ def read_about(connection: sqlite3.Connection) -> dict[str, Any]:
     """
     try:
         rows = connection.execute("SELECT name, text FROM about").fetchall()
-        about = {str(name): in_present_words(parse_json(text), aloud=False) for name, text in rows}
+        about = {str(name): parse_json(text) for name, text in rows}
     except (sqlite3.Error, TypeError, ValueError) as error:
         raise StoredError(f"what it says of the study cannot be read: {error}") from None
     return about
@@ -606,7 +596,7 @@ def _wrong(there: Collection[str], kinds: Mapping[str, str], inputs: int) -> Ite
     yield "typeof(key) = 'text'"
     yield f"(status = '{DONE}' AND reason IS NULL) OR (status = '{FAILED}' AND typeof(reason) = 'text')"
     yield f"{_number('seconds')} AND seconds >= 0"
-    for name, words in (("validity", [*Level]), ("verdict", [*Verdict, *VERDICTS])):
+    for name, words in (("validity", [*Level]), ("verdict", [*Verdict])):
         if name in there:
             listed = ", ".join(f"'{word}'" for word in words)
             yield f"{name} IS NULL OR {name} IN ({listed})"

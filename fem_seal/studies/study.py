@@ -20,7 +20,6 @@ from fem_seal.case.paths import entry_at, with_open_materials
 from fem_seal.case.words import problem
 from fem_seal.errors import InputError
 from fem_seal.files import read_toml
-from fem_seal.former_names import in_present_entries, in_present_words
 from fem_seal.output.columns import in_full
 from fem_seal.studies import designs, plan
 from fem_seal.studies.progress import Progress
@@ -95,7 +94,6 @@ class Study(plan.StudyPlan):
         name = (
             base if isinstance(base, str) else str(base.file or "") if isinstance(base, Case) else str(base)
         )
-        tables = _in_present_words(tables)
         read = _read_tables({**tables, "base": name})
         self.file = file
         case = base if isinstance(base, Case) else load_case(folder / base)
@@ -236,18 +234,6 @@ def _read_tables(tables: dict[str, Any]) -> StudyTables:
         return StudyTables(**{name: _as_tuple(value) for name, value in given.items()})
     except ValidationError as error:
         raise InputError(*problems(error, StudyTables)) from None
-
-
-def _in_present_words(tables: Mapping[str, Any]) -> dict[str, Any]:
-    """The tables of a study without former names of entries and columns."""
-    found = dict(tables)
-    for name in ("changes", "parameters"):
-        if isinstance(found.get(name), Mapping):
-            found[name] = in_present_entries(found[name])
-    for name in ("responses", "derived", "constraints", "report", "optimise"):
-        if name in found:
-            found[name] = in_present_words(found[name])
-    return found
 
 
 def _as_tuple(value: Any) -> Any:

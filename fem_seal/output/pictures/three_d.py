@@ -24,12 +24,11 @@ from numpy.typing import NDArray
 from fem_seal.arrays import FloatArray
 from fem_seal.errors import DrawingError, InputError
 from fem_seal.files import own_tables, write_bytes
-from fem_seal.former_names import former_column
 from fem_seal.output.pictures.fields import QUARTERS
 from fem_seal.output.pictures.style import Picture, captioned
 from fem_seal.output.vtk import write_around, write_contact, write_contact_line
 from fem_seal.seal.load_names import load_name
-from fem_seal.units import format_quantity, quantity, split_unit, unit_for
+from fem_seal.units import format_quantity, quantity, unit_for
 from meshes.own_process import OwnProcessError, run_in_subprocess
 
 if TYPE_CHECKING:
@@ -331,7 +330,7 @@ def _draw(plotter: Any, files: LoadFiles, scale: bool) -> None:
     leak = _leak_paths(plotter, surface, size)
     if scale:
         pressure, force = (
-            float(_array(grid.field_data, name)[0]) for name in ("fluid_pressure_Pa", "contact_force_N")
+            float(grid.field_data[name][0]) for name in ("fluid_pressure_Pa", "contact_force_N")
         )
         text = f"{format_quantity('fluid pressure', pressure)}, contact force {quantity('force', force)}"
         text += "" if times == 1.0 else f", contact drawn {times:.2g} times as wide"
@@ -381,7 +380,7 @@ def _section(grid: Any, body: int) -> Any:
     """The section of one body in the grid of all, as triangles at angle 0, displaced by the load."""
     import pyvista
 
-    place = np.array(grid.points + _array(grid.point_data, "displacement_m"))[:, [0, 2, 1]]
+    place = np.array(grid.points + grid.point_data["displacement_m"])[:, [0, 2, 1]]
     place[:, 0] = np.maximum(place[:, 0], 0.0)
     triangles = grid.cells.reshape(-1, 7)[:, 1:][grid["body"] == body][:, QUARTERS].reshape(-1, 3)
     return pyvista.PolyData(place, faces=np.insert(triangles, 0, 3, axis=1))
@@ -405,13 +404,6 @@ def _swept(section: Any, turn: tuple[float, float]) -> tuple[Any, Any, Any]:
     return normals, cut, edges.merge(corners)
 
 
-def _array(data: Any, name: str) -> FloatArray:
-    """An array of a file by its name; in older folders it has a former name or no unit at its end."""
-    names = (name, former_column(name))
-    tried = (*names, *(split_unit(one)[0] for one in names))
-    return np.asarray(data[next((one for one in tried if one in data), name)])
-
-
 def _pressure(files: LoadFiles, size: float, faces: int = 1) -> tuple[Any, float]:
     """The seat's face with its contact pressure, over the drawn part of the turn, a little raised, and drawn wider."""
     import pyvista
@@ -422,14 +414,15 @@ def _pressure(files: LoadFiles, size: float, faces: int = 1) -> tuple[Any, float
     if files.around is None:
         first, last = _SEAT
         angles = np.radians(np.linspace(first, last, round((last - first) / _STEP) + 1))
-        pressure = np.tile(_array(line.point_data, "contact_pressure_Pa")[upper], (len(angles), 1))
+        pressure = np.tile(np.asarray(line.point_data["contact_pressure_Pa"])[upper], (len(angles), 1))
         whole = line.field_data.get("leak_rate_m3_per_s")
         leak = None if whole is None else np.full(len(angles), whole[0] / math.tau)
     else:
         around = pyvista.read(files.around)
         shape = -1, len(section)
         angle, pressure = (
-            _array(around.point_data, name).reshape(shape) for name in ("angle_rad", "contact_pressure_Pa")
+            np.asarray(around.point_data[name]).reshape(shape)
+            for name in ("angle_rad", "contact_pressure_Pa")
         )
         kept = angle[:, 0] <= math.radians(_SEAT[1]) * (1 + 1e-6)
         angles, pressure = angle[kept, 0], pressure[kept]

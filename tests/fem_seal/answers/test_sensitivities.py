@@ -14,7 +14,6 @@ from sample_results import case, cone, judged_anew, rough_result, run_loads, smo
 import fem_seal
 from fem_seal.answers.chain import solve
 from fem_seal.answers.sensitivities import Sensitivity, _ChangedSeal, _round_step, sensitivities
-from fem_seal.former_names import FormerNameWarning
 from fem_seal.output.answers.sensitivities import (
     effect_in_words,
     in_words,
@@ -311,14 +310,6 @@ def test_dimensions_are_told_in_the_words_of_the_case():
     width = replace(one, key="seat.land_width", before=1e-3, after=0.95e-3)
     assert step_in_words(drawn, width) == "50 µm smaller seat land width"
     assert step_in_words(case(), replace(one, key="form")) == "halving the deviations from roundness"
-
-
-def test_former_names_still_work(monkeypatch):
-    monkeypatch.setattr("fem_seal.former_names._said", set())
-    with pytest.warns(FormerNameWarning, match="sensitivities"):
-        result = fem_seal.run(case(load=LOAD), levers=False)
-    with pytest.warns(FormerNameWarning, match="sensitivities"):
-        assert result.levers == result.sensitivities == ()
 
 
 def test_a_step_that_seals_is_no_exponent():

@@ -350,6 +350,8 @@ def test_message_names_file_key_value_and_what_is_allowed(case_file):
             {"start": "0 bar", "stop": "2 bar", "num": 3, "spacing": "log"},
             'start, "0 bar", out of range',
         ),
+        ("load.axial_force", "1 kN", "write applied_force"),
+        ("interface.law", "persson", 'write "spectrum"'),
         ("load.applied_force", "100 MN", "effective modulus: no contact on these faces carries it"),
         ("load.fluid_pressure", 5, "no unit"),
         ("load.fluid_pressure", None, "is missing"),
