@@ -92,7 +92,7 @@ class Answer(Generic[T]):
     otherwise : object
         The answer where it does not apply or fails.
     applies : callable
-        Whether it is asked of a solved seal; always unless given.
+        Whether it is asked of a solved seal that has what it needs; always unless given.
     of_load : callable
         Gives a load, of a number, with what the answer knows of it; the same load unless given.
     doing : str
@@ -102,6 +102,12 @@ class Answer(Generic[T]):
     of_face : bool
         Whether each of two different flange faces is asked by itself, before the whole seal: `LoadResult.beside`
         joins what is known of its loads, and the answer that is kept is that of the upper one.
+    needs : tuple of str
+        Attributes of the solved seal, such as "case.form", none of which may be None or False where it applies.
+    request : str
+        Field of what is wanted beside the case; empty of an answer that follows from the case alone.
+    needs_unrequested : tuple of str
+        As `needs`, where that field is None.
     """
 
     name: str
@@ -113,17 +119,31 @@ class Answer(Generic[T]):
     doing: str = ""
     clock: str = ""
     of_face: bool = False
+    needs: tuple[str, ...] = ()
+    request: str = ""
+    needs_unrequested: tuple[str, ...] = ()
+
+    def is_asked_of(self, seal: SolvedSeal, wanted: Wanted) -> bool:
+        """Whether it applies to a solved seal.
+
+        Parameters
+        ----------
+        seal : SolvedSeal
+        wanted : Wanted
+        """
+        requested = getattr(wanted, self.request) if self.request else None
+        needs = self.needs if requested else (*self.needs, *self.needs_unrequested)
+        has_all = requested is not False and all(_has(seal, attribute) for attribute in needs)
+        return has_all and self.applies(seal, wanted)
 
     def found(self, seal: SolvedSeal, ask: Inquiry) -> T:
-        """The answer; a failure becomes a warning.
+        """The answer to a seal of which it is asked; a failure becomes a warning.
 
         Parameters
         ----------
         seal : SolvedSeal
         ask : Inquiry
         """
-        if not self.applies(seal, ask.wanted):
-            return self.otherwise
         with ask.clock.step(self.clock or self.name, self.doing) if self.doing else nullcontext():
             return ask.steps.compute(self.what, partial(self.compute, seal, ask), self.otherwise)
 
@@ -162,7 +182,19 @@ def answered(seal: Seal, ask: Inquiry, answers: Sequence[Answer[Any]]) -> Seal:
             answered(upper, ask, of_face), answered(lower, ask.of_lower_half(lower), of_face)
         )
         answers = [one for one in answers if not one.of_face]
-    for one in answers:
-        ask.answers[one.name] = found = one.found(seal, ask)
-        seal = seal.with_loads([one.of_load(load, n, found) for n, load in enumerate(seal.loads)])
+    for answer in answers:
+        if not answer.is_asked_of(seal, ask.wanted):
+            ask.answers[answer.name] = answer.otherwise
+            continue
+        ask.answers[answer.name] = found = answer.found(seal, ask)
+        seal = seal.with_loads([answer.of_load(load, n, found) for n, load in enumerate(seal.loads)])
     return seal
+
+
+def _has(seal: SolvedSeal, attribute: str) -> bool:
+    value: Any = seal
+    for name in attribute.split("."):
+        value = getattr(value, name)
+        if value is None or value is False:
+            return False
+    return True

@@ -123,7 +123,7 @@ BOLTS = Answer[BoltAnswers | None](
     "force of the bolts",
     _compute,
     None,
-    lambda seal, wanted: seal.problem.bolts is not None,
-    _of_load,
+    of_load=_of_load,
     doing="bolts",
+    needs=("problem.bolts",),
 )

@@ -107,5 +107,5 @@ def _of_both_faces(seal: SolvedSeal) -> Compression:
 
 
 COMPRESSION = Answer[Compression | None](
-    "compression", "compression of the gasket", _compute, None, lambda seal, wanted: seal.problem.faces > 1
+    "compression", "compression of the gasket", _compute, None, needs=("case.gasket",)
 )

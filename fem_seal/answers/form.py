@@ -421,6 +421,6 @@ FORM = Answer[FormAnswers | None](
     "answers about the form error",
     _compute,
     None,
-    lambda seal, wanted: seal.case.form is not None,
     doing="what the form error means",
+    needs=("case.form",),
 )

@@ -293,6 +293,6 @@ PARTICLES = Answer[tuple[ParticleAnswers, ...]](
     "answers about particles in the fluid",
     _compute,
     (),
-    lambda seal, wanted: seal.case.fluid is not None and seal.case.fluid.particles is not None,
     doing="what particles in the fluid do to the leak",
+    needs=("case.fluid.particles",),
 )

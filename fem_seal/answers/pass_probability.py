@@ -350,11 +350,8 @@ PASS_PROBABILITY = Answer[Sequence[PassProbability | None]](
     lambda seal, ask: pass_probabilities(seal, ask.clock.progress),
     (),
     # the preload of bolts is not among what is sampled
-    lambda seal, wanted: (
-        seal.case.requirement is not None
-        and seal.problem.leaks
-        and (seal.case.bolts is None or seal.case.bolts.torque_scatter == 0.0)
-    ),
+    lambda seal, wanted: seal.case.bolts is None or seal.case.bolts.torque_scatter == 0.0,
     lambda load, number, found: JudgedLoad.of(load, passing=found[number]) if found else load,
     "samples that keep the requirement",
+    needs=("case.requirement", "problem.leaks"),
 )

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any
 
-from fem_seal.answers.answer import Answer, Inquiry, Wanted
+from fem_seal.answers.answer import Answer, Inquiry
 from fem_seal.answers.uncertainty import changed_surface, stiffer_bodies
 from fem_seal.answers.verdict import VERDICT
 from fem_seal.case.case import Case
@@ -580,19 +580,16 @@ def _compute(seal: SolvedSeal, ask: Inquiry) -> tuple[Sensitivity, ...]:
     return sensitivities(seal, judged.number, ask.clock.progress, judged.judged)
 
 
-def _applies(seal: SolvedSeal, wanted: Wanted) -> bool:
-    # of a path of loads they take as long as some twenty paths: only if they are asked for
-    unasked = seal.case.requirement is not None and not seal.problem.follows_path
-    return unasked if wanted.sensitivities is None else wanted.sensitivities
-
-
 SENSITIVITIES = Answer[tuple[Sensitivity, ...]](
     "sensitivities",
     "sensitivities of the leak rate",
     _compute,
     (),
-    _applies,
+    # of a path of loads they take as long as some twenty paths: only if they are asked for
+    lambda seal, wanted: bool(wanted.sensitivities) or not seal.problem.follows_path,
     doing=_DOING,
     # among the times of summary.json
     clock="levers",
+    request="sensitivities",
+    needs_unrequested=("case.requirement",),
 )

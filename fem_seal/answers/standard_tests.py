@@ -207,6 +207,7 @@ STANDARD_TESTS = Answer[tuple[TestedLoad, ...]](
     (),
     lambda seal, wanted: seal.case.requirement is not None and seal.case.requirement.test == "standard",
     doing="tests of the standard",
+    needs=("case.requirement",),
 )
 
 
@@ -233,6 +234,6 @@ SET_PRESSURE = Answer[SetPressure | None](
     "leak rate up to the set pressure",
     _up_to_opening,
     None,
-    lambda seal, wanted: seal.case.set_pressure is not None and seal.problem.leaks,
     doing="leak rate up to the set pressure",
+    needs=("case.set_pressure", "problem.leaks"),
 )

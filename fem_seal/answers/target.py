@@ -326,8 +326,8 @@ TARGET = Answer[TargetForces | None](
     "force for the target leak rate",
     _compute,
     None,
-    lambda seal, wanted: seal.problem.loads.target_leak_rate is not None and seal.problem.leaks,
-    _of_load,
+    of_load=_of_load,
+    needs=("problem.loads.target_leak_rate", "problem.leaks"),
 )
 
 

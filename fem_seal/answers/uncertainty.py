@@ -1176,10 +1176,8 @@ UNCERTAINTY = Answer[LeakInterval | None](
     lambda seal, ask: leak_interval(seal, progress=ask.clock.progress),
     None,
     # each sample repeats a path of loads: minutes for an interval of which nothing would be claimed
-    lambda seal, wanted: (
-        seal.case.sampled is not None
-        and not (curves(seal.case) and all(load.validity.outside for load in seal.loads))
-    ),
+    lambda seal, wanted: not (curves(seal.case) and all(load.validity.outside for load in seal.loads)),
     lambda load, number, found: load if found is None else found.of_load(load, number),
     "leak rates of uncertain inputs",
+    needs=("case.sampled",),
 )

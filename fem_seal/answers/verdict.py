@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial, reduce
 
 from fem_seal.answers.accuracy import discretisation_error, on_coarser_mesh
-from fem_seal.answers.answer import Answer, Inquiry, Wanted
+from fem_seal.answers.answer import Answer, Inquiry
 from fem_seal.answers.judgement import (
     JudgedLoad,
     Judgement,
@@ -218,8 +218,8 @@ VERDICT = Answer[Judgements](
     "verdict on the requirement",
     _compute,
     Judgements(),
-    lambda seal, wanted: seal.case.requirement is not None,
-    lambda load, n, found: load.with_values(judgement=found.of_loads[n]) if found.of_loads else load,
+    of_load=lambda load, n, found: load.with_values(judgement=found.of_loads[n]) if found.of_loads else load,
+    needs=("case.requirement",),
 )
 
 
@@ -551,17 +551,14 @@ def _alone(seal: SolvedSeal, progress: Progress, fluid_pressure: float, applied_
     return leak_interval(alone.with_loads([load]), progress=progress).of_load(load, 0)
 
 
-def _applies(seal: SolvedSeal, wanted: Wanted) -> bool:
-    asked = wanted.verdict_force is not False and seal.case.load.target_leak_rate is not None
-    # with bolts the force is none that somebody applies
-    return asked and seal.case.bolts is None and seal.problem.leaks
-
-
 VERDICT_FORCE = Answer[Sequence[VerdictForce]](
     "verdict_force",
     "force with which the verdict passes",
     _forces,
     (),
-    _applies,
+    # with bolts the force is none that somebody applies
+    lambda seal, wanted: seal.case.bolts is None,
     lambda load, number, found: load.with_values(verdict_force=found[number]) if found else load,
+    needs=("case.load.target_leak_rate", "problem.leaks"),
+    request="verdict_force",
 )

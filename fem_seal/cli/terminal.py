@@ -411,7 +411,7 @@ def show_answers(result: SealSolution) -> None:
     from fem_seal.output import shown_answers
     from fem_seal.output.report.words import remembered
 
-    groups = (remembered(result), *(one.lines(result) for one in shown_answers.SHOWN))
+    groups = (remembered(result), *(shown.lines(result) for shown in shown_answers.shown_of(result)))
     for line in chain.from_iterable(groups):
         tell(told_of(line, faces=result.case.faces))
 

@@ -61,7 +61,7 @@ def write(result: SealSolution, folder: Path) -> tuple[str, ...]:
         If a file cannot be written.
     """
     folder, steps = Path(folder), OptionalSteps()
-    tables = {name: table for shown in shown_answers.SHOWN for name, table in shown.tables.items()}
+    tables = [name for shown in shown_answers.SHOWN for name in shown.tables]
     with replaced_together(folder, tables=tables) as draft:
         write_leak_csv(result, draft / "leak.csv")
         write_profile_csv(result, draft / "profile.csv")
@@ -71,7 +71,10 @@ def write(result: SealSolution, folder: Path) -> tuple[str, ...]:
                 continue  # has neither mesh nor fields
             with steps.attempt(name, but=OSError):
                 write_one(result, draft)
-        for name, table in {"contacts.csv": contact_rows, "imprint.csv": imprint_rows, **tables}.items():
+        own = {
+            name: table for shown in shown_answers.shown_of(result) for name, table in shown.tables.items()
+        }
+        for name, table in {"contacts.csv": contact_rows, "imprint.csv": imprint_rows, **own}.items():
             with steps.attempt(name, but=OSError):
                 columns, rows = table(result)
                 if rows:
@@ -150,7 +153,7 @@ def summary(result: SealSolution) -> dict[str, Any]:
             "changes": [by_reading(asdict(change)) for change in result.far_field],
             "says": far_field_sentence(result),
         },
-        **{key: value for shown in shown_answers.SHOWN for key, value in shown.summary(result).items()},
+        **{key: value for shown in shown_answers.SHOWN for key, value in shown.summary_of(result).items()},
         "warnings": list(result.warnings),
         "wall_times_s": dict(result.timings),
         "sources": [asdict(source) for source in sources(result)],

@@ -74,26 +74,45 @@ class Shown:
 
     Parameters
     ----------
+    answers : tuple of str
+        Names of those that it shows: where each is empty or None it is asked for nothing. Always asked unless given.
     summary : callable
         Keys of summary.json with their values.
+    absent : mapping
+        What stands under these keys where it is asked for nothing; a key that is not here is left out then.
     tables : mapping
         Names of CSV files, and functions for their headings and rows.
     section : callable
         The answer's own section of the report, or None.
-    words : callable
-        Values for other places of the template of the report, by name.
+    words : mapping
+        Names in the template of the report and functions for their values, None where it is asked for nothing.
     pictures : callable
         Its pictures, as far as the result has them.
     lines : callable
         Lines on the terminal.
     """
 
+    answers: tuple[str, ...] = ()
     summary: Callable[[SealSolution], dict[str, Any]] = lambda result: {}
+    absent: Mapping[str, Any] = field(default_factory=dict)
     tables: Mapping[str, Callable[[SealSolution], CsvTable]] = field(default_factory=dict)
     section: Callable[[SealSolution], Section | None] = lambda result: None
-    words: Callable[[SealSolution], dict[str, Any]] = lambda result: {}
+    words: Mapping[str, Callable[[SealSolution], Any]] = field(default_factory=dict)
     pictures: Callable[[SealSolution], Iterable[Picture | None]] = lambda result: ()
     lines: Callable[[SealSolution], Sequence[str]] = lambda result: ()
+
+    def has_something(self, result: SealSolution) -> bool:
+        """Whether a result has one of its answers."""
+        return not self.answers or any(result.answers.get(name) for name in self.answers)
+
+    def summary_of(self, result: SealSolution) -> Mapping[str, Any]:
+        """Keys of summary.json with their values, or what stands there without an answer."""
+        return self.summary(result) if self.has_something(result) else self.absent
+
+    def words_of(self, result: SealSolution) -> dict[str, Any]:
+        """Values for the template of the report by name."""
+        has = self.has_something(result)
+        return {name: value(result) if has else None for name, value in self.words.items()}
 
 
 # Field of a dataclass with the values of further readings -> name of the value in the file.
@@ -125,6 +144,10 @@ class ReadableTable:
 
     headings: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
+
+    def __len__(self) -> int:
+        """Number of rows."""
+        return len(self.rows)
 
 
 def worded_table(

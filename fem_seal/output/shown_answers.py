@@ -1,5 +1,6 @@
 """Contributions of all answers to files, report and terminal."""
 
+from fem_seal.answers.solution import SealSolution
 from fem_seal.output.answers import (
     bolts,
     compression,
@@ -33,4 +34,14 @@ _ANSWERS = (
     standard_tests,
     sensitivities,
 )
-SHOWN: tuple[Shown, ...] = tuple(one.SHOWN for one in _ANSWERS)
+SHOWN: tuple[Shown, ...] = tuple(page.SHOWN for page in _ANSWERS)
+
+
+def shown_of(result: SealSolution) -> list[Shown]:
+    """Of the answers that a result has.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    return [shown for shown in SHOWN if shown.has_something(result)]

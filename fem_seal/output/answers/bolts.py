@@ -95,7 +95,8 @@ def _section(result: SealSolution) -> Section | None:
 
 
 SHOWN = Shown(
-    summary=lambda result: {} if result.bolts is None else {"bolts": _numbers(result)},
+    ("bolts",),
+    summary=lambda result: {"bolts": _numbers(result)},
     section=_section,
     lines=bolts_in_words,
 )

@@ -87,7 +87,9 @@ def _numbers(found: Compression | None) -> dict[str, object] | None:
 
 
 SHOWN = Shown(
+    ("compression",),
     summary=lambda result: {"compression": _numbers(COMPRESSION.of(result.answers))},
+    absent={"compression": None},
     tables={"compression.csv": _rows},
     section=_section,
     pictures=lambda result: (compression_picture(result),),

@@ -153,10 +153,9 @@ def measurement_table(result: SealSolution) -> ReadableTable:
 
 
 SHOWN = Shown(
+    ("error_shares",),
     summary=lambda result: {"error_shares": [asdict(one) for one in result.error_shares]},
-    words=lambda result: {
-        "error_sentence": error_sentence(result),
-        "measurements": measurement_table(result),
-    },
+    absent={"error_shares": []},
+    words={"error_sentence": error_sentence, "measurements": measurement_table},
     lines=lambda result: [f"  {one}" for one in [error_sentence(result)] if one],
 )

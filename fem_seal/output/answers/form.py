@@ -303,7 +303,9 @@ def _angles_of(load: LoadResult) -> list[tuple[float | str, ...]]:
 
 
 SHOWN = Shown(
+    ("form",),
     summary=lambda result: {"form": None if result.form is None else by_reading(asdict(result.form))},
+    absent={"form": None},
     tables={"around.csv": around_rows},
     section=_section,
     lines=form_in_words,

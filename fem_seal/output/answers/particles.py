@@ -156,7 +156,9 @@ def _section(result: SealSolution) -> Section | None:
 
 
 SHOWN = Shown(
+    ("particles",),
     summary=lambda result: {"particles": [asdict(answers) for answers in result.particles]},
+    absent={"particles": []},
     tables={
         "particles.csv": lambda result: (
             PARTICLE_COLUMNS,

@@ -227,14 +227,16 @@ def sensitivity_note(result: SealSolution) -> str:
 
 
 SHOWN = Shown(
+    ("sensitivities",),
     # under the key that result files have had from the beginning
     summary=lambda result: {
         "levers": [asdict(one) | {"says": in_words(result.case, one)} for one in result.sensitivities]
     },
-    words=lambda result: {
-        "sensitivities": sensitivity_table(result),
-        "strongest_sensitivities": sensitivity_lines(result),
-        "sensitivity_note": sensitivity_note(result),
+    absent={"levers": []},
+    words={
+        "sensitivities": sensitivity_table,
+        "strongest_sensitivities": sensitivity_lines,
+        "sensitivity_note": sensitivity_note,
     },
     lines=sensitivity_lines,
 )

@@ -175,7 +175,9 @@ def _section(result: SealSolution) -> Section | None:
 
 
 SHOWN = Shown(
+    ("standard_tests", "set_pressure"),
     summary=_summary,
+    absent=dict.fromkeys(("standard_tests", "standard_verdict", "set_pressure")),
     tables={
         "standard_tests.csv": lambda result: (
             STANDARD_TEST_COLUMNS,

@@ -181,4 +181,4 @@ def _finite(value: float | None) -> float | None:
     return value if value is not None and math.isfinite(value) else None
 
 
-SHOWN = Shown(words=lambda result: {"valve": valve_table(result)})
+SHOWN = Shown(words={"valve": valve_table})

@@ -116,8 +116,10 @@ def interval_numbers(result: SealSolution, interval: LeakInterval) -> dict[str, 
 
 
 SHOWN = Shown(
+    ("uncertainty",),
     summary=lambda result: {
         "uncertainty": None if result.uncertainty is None else interval_numbers(result, result.uncertainty)
     },
-    words=lambda result: {"interval": interval_table(result), "interval_note": interval_note(result)},
+    absent={"uncertainty": None},
+    words={"interval": interval_table, "interval_note": interval_note},
 )

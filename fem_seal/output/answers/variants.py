@@ -125,9 +125,5 @@ SHOWN = Shown(
         "theory_variants": [dict(zip(VARIANT_COLUMNS, row, strict=True)) for row in variant_rows(result)],
     },
     tables={"variants.csv": lambda result: (VARIANT_COLUMNS, variant_rows(result))},
-    words=lambda result: {
-        "variants": variant_table(result),
-        "theory": theory_table(result),
-        "theory_note": theory_note(result),
-    },
+    words={"variants": variant_table, "theory": theory_table, "theory_note": theory_note},
 )

@@ -649,11 +649,11 @@ SHOWN = Shown(
         ]
         or None,
     },
-    words=lambda result: {
-        "verdict": worst_verdict(result),
-        "verdict_says": verdict_sentences(result),
-        "verdict_facts": verdict_facts(result),
-        "next_class": next_class_of(result),
+    words={
+        "verdict": worst_verdict,
+        "verdict_says": verdict_sentences,
+        "verdict_facts": verdict_facts,
+        "next_class": next_class_of,
     },
     lines=verdict_lines,
 )

@@ -133,7 +133,7 @@ def _drawn(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes]) -
         yield stress_picture(result, max(result.loads, key=lambda load: load.max_von_mises))
         yield temperature_picture(result, top)
         yield imprint_picture(result)
-    for shown in shown_answers.SHOWN:
+    for shown in shown_answers.shown_of(result):
         yield from shown.pictures(result)
 
 
@@ -219,6 +219,6 @@ def _words(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes]) -
         "comparison_note": tables.comparison_note(result),
         "comparison": tables.comparison_table(result, sizes),
         "yielding": tables.yielding_table(result),
-        "sections": list(filter(None, (shown.section(result) for shown in shown_answers.SHOWN))),
-        **{name: value for shown in shown_answers.SHOWN for name, value in shown.words(result).items()},
+        "sections": list(filter(None, (shown.section(result) for shown in shown_answers.shown_of(result)))),
+        **{name: value for shown in shown_answers.SHOWN for name, value in shown.words_of(result).items()},
     }

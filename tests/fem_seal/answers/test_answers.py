@@ -38,7 +38,7 @@ INDENTATION = Answer(
     "share of the hardness",
     _compute,
     (),
-    lambda seal, wanted: seal.problem.asperities_yield,
+    needs=("problem.asperities_yield",),
     doing="how near the asperities are to an indentation",
 )
 
@@ -76,6 +76,7 @@ def _section(result):
 
 
 SHOWN = Shown(
+    ("indentation",),
     summary=lambda result: {"indentation": _rows(result)},
     tables={"indentation.csv": lambda result: (("fluid_pressure_Pa", "share_of_hardness"), _rows(result))},
     section=_section,
