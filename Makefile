@@ -12,7 +12,7 @@ PIP = $(VENV)/bin/python -m pip install --quiet --disable-pip-version-check
 
 PYTEST = OPENBLAS_NUM_THREADS=1 $(VENV)/bin/python -m pytest -n auto --dist loadfile --durations=10
 
-.PHONY: run test test-all test-processors lint check wheel docs pages html try benchmarks system clean
+.PHONY: run test test-all test-processors lint house check wheel docs pages html try benchmarks system clean
 
 run: $(VENV)/.program
 	@$(VENV)/bin/fem-seal run examples/ball_cone.toml
@@ -42,6 +42,10 @@ lint: $(VENV)/.tools
 	@$(VENV)/bin/ruff format --check .
 	@$(VENV)/bin/mypy
 	@$(VENV)/bin/lint-imports
+
+# How much code there is and how many files know each option, none above benchmarks/ceilings.toml.
+house: $(VENV)/.tools
+	@$(VENV)/bin/python benchmarks/house.py --check
 
 check: lint test
 

@@ -2,11 +2,21 @@
 
 import ast
 import re
+import sys
+import tomllib
+from dataclasses import fields
 
 import pytest
 from places import ROOT
 
 from fem_seal.files import own_tables
+from fem_seal.seal.load_result import LoadResult
+from fem_seal.seal.problem import SealProblem
+
+sys.path.insert(0, str(ROOT / "benchmarks"))
+
+import house
+from lines_of_code import rooms
 
 PACKAGE = ROOT / "fem_seal"
 # Rooms that solve for the contact, and so may know that today's seals have one line.
@@ -49,3 +59,111 @@ def test_every_check_has_its_words_and_all_words_have_a_check(file, functions):
     # f"trace_{what}" asks for all that begin so
     beginnings = tuple(re.findall(r'f"(\w+_)\{', code))
     assert [one for one in words if f'"{one}"' not in code and not one.startswith(beginnings)] == []
+
+
+# Every calculation goes through these two: a field more is an option more that all of the program has to know.
+FIELDS = {
+    LoadResult: {
+        "applied_force",
+        "at_preload_ends",
+        "blow_off_pressure",
+        "by_theory",
+        "contact",
+        "contact_force_for_target",
+        "effective_radius",
+        "fluid_pressure",
+        "force_for_target",
+        "formed",
+        "leak_rate_p50",
+        "mesh_error",
+        "of_faces",
+        "opening",
+        "preload_for_target",
+        "rough",
+        "sampled",
+        "sampled_in_test",
+        "target_validity",
+        "tested",
+        "validity",
+    },
+    SealProblem: {
+        "asperities_yield",
+        "beside_path",
+        "bolts",
+        "contact",
+        "contact_size",
+        "cutoff",
+        "expansion",
+        "face_remarks",
+        "faces",
+        "file",
+        "flow",
+        "fluid_temperature",
+        "form",
+        "given_law",
+        "hardness",
+        "heating",
+        "interface",
+        "interference",
+        "larger_housing",
+        "loads",
+        "lower_half",
+        "materials",
+        "of_finish",
+        "remarks",
+        "stop",
+        "stress_known",
+        "supports",
+        "surface",
+        "temperatures",
+        "usual_only",
+    },
+}
+
+
+@pytest.mark.parametrize("kind", FIELDS, ids=lambda kind: kind.__name__)
+def test_a_feature_is_a_scenario_or_an_answer_and_no_field(kind):
+    assert {field.name for field in fields(kind)} <= FIELDS[kind], "make it a scenario or an answer instead"
+
+
+def test_the_program_has_no_more_code_than_its_ceiling():
+    code = sum(lines["code"] for lines in rooms(ROOT).values())
+    ceiling = tomllib.loads(house.CEILINGS.read_text(encoding="utf-8"))["code_lines"]
+    assert code <= ceiling, f"{house.RAISED}: {code - ceiling} lines above the ceiling in {house.CEILINGS}"
+
+
+SOURCE = """
+from leak.theory import persson
+import re as theory_of_texts
+
+WIDE, NARROW = 2.0, 1.0
+NAMES = ("a", "b")
+
+class Load:
+    \"\"\"A load in both theories.\"\"\"
+
+    force: float
+    _own: int = 0
+    TURNS = 3
+
+    @cached_property
+    def leak(self):
+        return self.by_theory["leak.theory"]
+
+    @lru_cache(maxsize=3)
+    def _hidden(self): ...
+"""
+
+
+def test_what_is_counted_of_the_house():
+    names = house.names_in(SOURCE)
+    # neither where something is imported from nor what is said of it
+    assert {name for name in names if "theor" in name} == {"by_theory", '"leak.theory"'}
+    assert house.members("Load", {"load.py": SOURCE}) == (("force", "_own"), ("force", "TURNS", "leak"))
+    assert (house.module_numbers(SOURCE), house.caches(SOURCE)) == (1, 2)
+
+
+def test_a_name_that_is_gone_does_not_pass_for_less_knowledge():
+    axis = house.Axis((r"by_theory", r"other_theory"), r"theor(y|ies)")
+    known = house.files_that_know(axis, {"load.py": SOURCE, "force.py": "force = 1.0  # by no theory"})
+    assert known == house.Known(("load.py",), 2, ("other_theory",))

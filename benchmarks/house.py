@@ -1,0 +1,339 @@
+"""How much of the program an option touches: `python benchmarks/house.py [FOLDER of a checkout] [--check]`.
+
+Prints each figure beside its ceiling, which stands in `ceilings.toml`; `--check` ends with 1 where one is above it.
+
+- **Entered files**: of `fem_seal`, `leak` and `meshes`, those of which a run of `examples/ball_cone.toml` calls a
+  function. What runs while modules are imported (bodies of modules and classes, decorators) does not count, nor do
+  nameless functions and comprehensions, nor processes that the run starts.
+- **Members and fields** of the two objects that all calculations go through: public ones, as they stand in the class.
+- **Files that know an axis**: those of `fem_seal` and `leak` in whose code one of its `NAMES` stands: a class,
+  function, attribute, argument or key, each with the other names of the same thing. Docstrings, comments, sentences and
+  the paths of imports do not count; "with prose" counts them, too, by one pattern for all of a file's text. A name that
+  matches nothing any more makes `--check` fail: it is to be replaced by the new name of the thing, or goes with the
+  thing, so that a renaming alone lowers no figure.
+- **Numbers**: assignments of a module in whose value a number stands. **Caches**: functions and properties that keep
+  what they return, and `Kept` stores.
+- **Code lines**: see `lines_of_code.py`.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+import subprocess
+import sys
+import tempfile
+import tomllib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from types import CodeType, FrameType
+from typing import Any
+
+from lines_of_code import PACKAGES, rooms
+
+HERE = Path(__file__).parent
+CEILINGS = HERE / "ceilings.toml"
+CASE = "examples/ball_cone.toml"
+RAISED = "raising a ceiling needs a line in CHANGELOG.md that says by how much and for what"
+
+
+@dataclass(frozen=True)
+class Axis:
+    """What can be otherwise in a calculation, by the names that it has in the code.
+
+    Parameters
+    ----------
+    names : tuple of str
+        Regular expressions, each found in at least one name or key; keys begin and end with a quotation mark.
+    prose : str
+        Regular expression of what is written about it.
+    """
+
+    names: tuple[str, ...]
+    prose: str
+
+
+AXES = {
+    # the two theories of the rough contact, and what only one of them has: its error, several readings, C_pl at a
+    # pressure that acts
+    "theory": Axis(
+        (
+            r"(?i)theor(y|ies)",
+            r"paper",
+            r"(?i)corrected",
+            r"flow_error|^FlowError$",
+            r"own_error",
+            r"READINGS",
+            r"stand_in",
+            r"acting_pressure",
+            r"equivalent_pressure",
+            r"separation_width",
+        ),
+        r"theory|theories",
+    ),
+    # what becomes of asperities that yield
+    "reading": Axis(
+        (r"(?<!th)(?<!Th)(?i:reading)", r"(?i)\W?capped", r"(?i)conserved", r"^VON_MISES$"),
+        r"\b[Rr]eadings?\b|\bReading",
+    ),
+    # the two flanges of a gasket
+    "face": Axis(
+        (
+            r"lower_half",
+            r"told_of",
+            r"of_faces?$",
+            r"each_face",
+            r"both_faces?$",
+            r"by_face",
+            r"with_faces",
+            r"(lower|upper)_flange",
+            r"upper_share",
+            r"_faces_as",
+            r"of_all_faces",
+        ),
+        r"lower_half|of_faces|each_face|told_of|lower flange",
+    ),
+    # loads that the seal has carried before
+    "memory": Axis(
+        (
+            r"(?i)(?<!from_)memory$",
+            r"remember",
+            r"(?i)earlier",
+            r"first_load",
+            r"after_largest",
+            r"log_largest",
+            r"_LARGEST$",
+            r"unload(ing)?$",
+        ),
+        r"memory|earlier",
+    ),
+    # a seal that is not round
+    "around": Axis(
+        (r"(?i)around", r"(?i)circumference", r"formed\b", r"FormError", r"(?i)\bform\b", r"(?i)harmonic"),
+        r"around",
+    ),
+}
+
+
+def code_files(root: Path, packages: tuple[str, ...] = PACKAGES) -> dict[str, str]:
+    """Text of each Python file, by its path from the root."""
+    return {
+        str(path.relative_to(root)): path.read_text(encoding="utf-8")
+        for package in packages
+        for path in sorted((root / package).rglob("*.py"))
+    }
+
+
+def names_in(text: str) -> set[str]:
+    """Names in the code of a file, with its keys in quotation marks: texts of one word, as `leak.theory`."""
+    tree = ast.parse(text)
+    statements = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
+    return {
+        name
+        for node in ast.walk(tree)
+        for name in _names(node)
+        if not (isinstance(node, ast.Constant) and id(node) in statements)
+    }
+
+
+def _names(node: ast.AST) -> Iterator[str]:
+    match node:
+        case ast.Name(id=name) | ast.Attribute(attr=name) | ast.arg(arg=name) | ast.alias(name=name):
+            yield name.rpartition(".")[2]
+        case ast.FunctionDef(name=name) | ast.ClassDef(name=name) | ast.keyword(arg=str(name)):
+            yield name
+        case ast.Constant(value=str(text)) if re.fullmatch(r"[\w.\-]+", text):
+            yield f'"{text}"'
+
+
+@dataclass(frozen=True)
+class Known:
+    """Files that know an axis.
+
+    Parameters
+    ----------
+    files : tuple of str
+        By their names and keys.
+    with_prose : int
+        By what is written in them, docstrings and comments as well.
+    unmatched : tuple of str
+        Expressions that nothing matches.
+    """
+
+    files: tuple[str, ...]
+    with_prose: int
+    unmatched: tuple[str, ...]
+
+
+def files_that_know(axis: Axis, files: Mapping[str, str]) -> Known:
+    """Files that know an axis, of those whose text is given."""
+    names = {path: names_in(text) for path, text in files.items()}
+    all_names = set().union(*names.values())
+    matched = {
+        expression: {name for name in all_names if re.search(expression, name)} for expression in axis.names
+    }
+    of_axis = set().union(*matched.values())
+    return Known(
+        tuple(path for path, own in names.items() if own & of_axis),
+        sum(re.search(axis.prose, text) is not None for text in files.values()),
+        tuple(expression for expression, names_of_it in matched.items() if not names_of_it),
+    )
+
+
+def members(name: str, files: Mapping[str, str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Fields of a dataclass, and all its public members, as they stand in its body."""
+    for text in files.values():
+        for node in ast.walk(ast.parse(text)):
+            if isinstance(node, ast.ClassDef) and node.name == name:
+                return _members(node)
+    raise LookupError(f"there is no class {name}")
+
+
+def _members(body: ast.ClassDef) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    fields = [
+        node.target.id
+        for node in body.body
+        if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name)
+    ]
+    others = {
+        name
+        for node in body.body
+        for name in (
+            [node.name]
+            if isinstance(node, ast.FunctionDef)
+            else [target.id for target in node.targets if isinstance(target, ast.Name)]
+            if isinstance(node, ast.Assign)
+            else []
+        )
+    }
+    public = [name for name in (*fields, *sorted(others)) if not name.startswith("_")]
+    return tuple(fields), tuple(public)
+
+
+def module_numbers(text: str) -> int:
+    """Assignments of a module in whose value a number stands."""
+    return sum(
+        any(_is_number(node) for node in ast.walk(statement.value))
+        for statement in ast.parse(text).body
+        if isinstance(statement, ast.Assign | ast.AnnAssign) and statement.value is not None
+    )
+
+
+def _is_number(node: ast.AST) -> bool:
+    return isinstance(node, ast.Constant) and type(node.value) in (int, float)
+
+
+def caches(text: str) -> int:
+    """Functions and properties that keep what they return, and stores of a given size."""
+    tree = ast.parse(text)
+    decorators = [
+        ast.unparse(decorator).partition("(")[0].split(".")[-1]
+        for node in ast.walk(tree)
+        if isinstance(node, ast.FunctionDef)
+        for decorator in node.decorator_list
+    ]
+    calls = [
+        node.func.id
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "Kept"
+    ]
+    kinds = ("cache", "cached_property", "lru_cache", "variant")
+    return sum(decorator in kinds for decorator in decorators) + len(calls)
+
+
+def entered_files(root: Path) -> tuple[str, ...]:
+    """Files of the packages of which a run of the example calls a function, in a process of its own."""
+    with tempfile.TemporaryDirectory() as folder:
+        run = [sys.executable, __file__, str(root), "--run-into", folder]
+        found = subprocess.run(run, capture_output=True, text=True)
+        if found.returncode != 0:
+            raise RuntimeError(found.stderr[-2000:])
+        return tuple((Path(folder) / "entered.txt").read_text(encoding="utf-8").split())
+
+
+def _run_into(root: Path, folder: Path) -> None:
+    """Run the example in this process, and write the files that it enters."""
+    sys.path.insert(0, str(root))
+    packages = tuple(f"{root / package}/" for package in PACKAGES)
+    called: dict[CodeType, bool] = {}
+
+    def watch(frame: FrameType, event: str, _: Any) -> None:
+        code = frame.f_code
+        if event == "call" and not called.get(code) and code.co_filename.startswith(packages):
+            called[code] = _is_named_function(code) and not _is_importing(frame)
+
+    from fem_seal.__main__ import main as command_line
+
+    sys.argv = ["fem-seal", "run", str(root / CASE), "--output", str(folder / "out")]
+    sys.setprofile(watch)
+    try:
+        code = command_line()
+    finally:
+        sys.setprofile(None)
+    files = sorted(
+        {str(Path(code.co_filename).relative_to(root)) for code, counts in called.items() if counts}
+    )
+    (folder / "entered.txt").write_text("\n".join(files), encoding="utf-8")
+    sys.exit(code)
+
+
+def _is_named_function(code: CodeType) -> bool:
+    # the bodies of modules and classes have no local variables of this kind
+    return bool(code.co_flags & 1) and not code.co_name.startswith("<")
+
+
+def _is_importing(frame: FrameType | None) -> bool:
+    while frame is not None:
+        if frame.f_code.co_name == "<module>" and frame.f_globals["__name__"] != "__main__":
+            return True
+        frame = frame.f_back
+    return False
+
+
+def figures(root: Path) -> tuple[dict[str, int], list[str]]:
+    """Each figure by its name in `ceilings.toml`, and what else stands in the table or is wrong with the patterns."""
+    every = code_files(root)
+    two = {path: text for path, text in every.items() if not path.startswith("meshes")}
+    measured = {
+        "code_lines": sum(lines["code"] for lines in rooms(root).values()),
+        "entered_files": len(entered_files(root)),
+        "members_of_LoadResult": len(members("LoadResult", every)[1]),
+        "fields_of_SealProblem": len(members("SealProblem", every)[0]),
+    }
+    unmatched = []
+    for name, axis in AXES.items():
+        known = files_that_know(axis, two)
+        measured[f"files_that_know_{name}"] = len(known.files)
+        measured[f"files_that_know_{name}_with_prose"] = known.with_prose
+        unmatched += [f"{name}: nothing matches {expression!r}" for expression in known.unmatched]
+    measured["module_numbers"] = sum(map(module_numbers, every.values()))
+    measured["caches"] = sum(map(caches, every.values()))
+    return measured, unmatched
+
+
+def main() -> None:
+    """Print the table, and fail with `--check` where a figure is above its ceiling."""
+    given = [word for word in sys.argv[1:] if not word.startswith("--")]
+    root = Path(given[0]).resolve() if given else HERE.parent
+    if "--run-into" in sys.argv:
+        _run_into(root, Path(given[1]))
+    ceilings = tomllib.loads(CEILINGS.read_text(encoding="utf-8"))
+    measured, unmatched = figures(root)
+    above = []
+    for name, number in measured.items():
+        ceiling = ceilings.get(name)
+        print(
+            f"{name.replace('_', ' '):42}{number:8,}"
+            + ("" if ceiling is None else f"   at most {ceiling:7,}")
+        )
+        if ceiling is not None and number > ceiling:
+            above.append(
+                f"{name} = {number}: above its ceiling {ceiling} in benchmarks/{CEILINGS.name}; {RAISED}"
+            )
+    if "--check" in sys.argv and (above or unmatched):
+        sys.exit("\n".join([*above, *unmatched]))
+
+
+if __name__ == "__main__":
+    main()
