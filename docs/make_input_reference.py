@@ -568,7 +568,6 @@ def _other_columns() -> Iterator[str]:
         "imprint": "The permanent imprint of each face after unloading, where a body has yielded.",
         "around": "Line load, pressure and leak around the axis, for one load below the other, where the case has a "
         "`[form]`.",
-        "variants": "One row per reading of the theory and load, with `leak.variants`.",
         "standard_tests": 'One row per test of the standard, with `requirement.test = "standard"`.',
         "set_pressure": "One row per share of the set pressure, for relief valves: "
         "[relief valve](../howto/relief_valve.md).",

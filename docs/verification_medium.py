@@ -255,7 +255,7 @@ GOALS = {
 }
 TEXT_THRESHOLD = (
     "Conductivity of the theory over the direct one, between direct contact areas: Bruggeman's effective medium, "
-    'the default, and `conductivity = "threshold-law"`, which goes over into 12 eta sigma = 0.80 ubar^3 (1 - '
+    'the default, and the method "threshold-law" of `leak`, which goes over into 12 eta sigma = 0.80 ubar^3 (1 - '
     "A/(0.42 A0))^2.85 with a corrected contact area between A/A0 = 0.15 and 0.25. Surfaces are named by Hurst "
     "exponent and by their waves per side at roll-off and cutoff (* Peklenik number 1 of "
     "`anisotropic_direct.csv`; the others are those of `docs/direct_elastic_campaign.py`, on grids of four to "
@@ -267,8 +267,8 @@ TEXT_THRESHOLD = (
     "up to 3 near the threshold, and the closed law on both sides of them; at 32 (set B, and Hurst exponent 0.7, "
     "4 to 128) the effective medium is below them by 2 to 3, the unsafe side, and the closed law within 1.6. At "
     "100, as real surfaces have it, the closed law is above the effective medium by 3, and there are no direct "
-    "results. With three surfaces of more than 16 it is a further reading, not the default; the difference of both, in "
-    "the variants of a run, shows the uncertainty of a leak rate in this range."
+    "results. With three surfaces of more than 16 it is a further reading, not the default; the difference of both "
+    "shows the uncertainty of a leak rate in this range."
 )
 
 # -------------------------------------------------------------------- with a lay

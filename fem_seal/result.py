@@ -67,8 +67,6 @@ class SealResult(SealSolution):
         Line load and compression of a gasket along its loads, and its springback; None for a valve seat.
     interface_variants : tuple of Comparison
         Elastic and plastic p(u), for `law = "spectrum"` with a hardness; else empty.
-    theory_variants : tuple of TheoryVariant
-        Leak rates with every reading of the theory, if asked for.
     uncertainty : LeakInterval or None
         Leak rates with an interval, if the case has a table [uncertainty].
     judgement : SealJudgement or None

@@ -27,7 +27,7 @@ from fem_seal.answers.solution import SealSolution
 from fem_seal.answers.standard_tests import SET_PRESSURE, STANDARD_TESTS
 from fem_seal.answers.target import TARGET
 from fem_seal.answers.uncertainty import UNCERTAINTY
-from fem_seal.answers.variants import INTERFACE_VARIANTS, THEORIES, THEORY_VARIANTS
+from fem_seal.answers.variants import INTERFACE_VARIANTS, THEORIES
 from fem_seal.answers.verdict import VERDICT, VERDICT_FORCE
 from fem_seal.case.case import Case
 from fem_seal.contact.solution import move_together
@@ -55,7 +55,6 @@ ANSWERS: tuple[Answer[Any], ...] = (
     THEORIES,
     INTERFACE_VARIANTS,
     FINDINGS,
-    THEORY_VARIANTS,
     UNCERTAINTY,
     ERROR_SHARES,
     PASS_PROBABILITY,

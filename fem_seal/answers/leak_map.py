@@ -240,7 +240,7 @@ def _with_loads(case: Case, points: Sequence[tuple[float, float]]) -> Case:
     }
     # the forces of a table are those that are applied, whatever gives them
     others = dict.fromkeys(one for one in ("requirement", "bolts") if getattr(case, one) is not None)
-    return case.replace({"leak.variants": False}, load=grid, **others)
+    return case.replace(load=grid, **others)
 
 
 def _of_solution(

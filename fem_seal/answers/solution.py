@@ -16,7 +16,7 @@ from fem_seal.answers.particles import PARTICLES
 from fem_seal.answers.sensitivities import SENSITIVITIES
 from fem_seal.answers.standard_tests import SET_PRESSURE, STANDARD_TESTS
 from fem_seal.answers.uncertainty import UNCERTAINTY
-from fem_seal.answers.variants import INTERFACE_VARIANTS, THEORIES, THEORY_VARIANTS
+from fem_seal.answers.variants import INTERFACE_VARIANTS, THEORIES
 from fem_seal.answers.verdict import VERDICT
 from fem_seal.seal.load_result import DiscretisationError, SolvedSeal, highest_load, strongest_load
 
@@ -40,7 +40,6 @@ class SealSolution(SolvedSeal):
     particles = PARTICLES
     interface_variants = INTERFACE_VARIANTS
     theories = THEORIES
-    theory_variants = THEORY_VARIANTS
     uncertainty = UNCERTAINTY
     error_shares = ERROR_SHARES
     standard_tests = STANDARD_TESTS

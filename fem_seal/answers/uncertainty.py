@@ -786,7 +786,7 @@ class SampledSeal:
         assert result.case.roughness is not None  # of the checks
         values = tuple((one.name, *self.values[one.name][number].tolist()) for one in self.calculated)
         roughness = result.surface, result.case.roughness.model_dump_json(), result.problem.interface
-        return *roughness, flow.gas is not None, flow.conductivity, self._within, values
+        return *roughness, flow.gas is not None, self._within, values
 
     def _values_of(self, kind: type[UncertainInput | UncertainFinish], sample: int) -> dict[str, float]:
         """Values of the inputs of one kind."""
@@ -809,7 +809,7 @@ class SampledSeal:
         self, known: _Known, flow: FlowModel, surface: RoughContact, log_peaks: Sequence[float]
     ) -> Conductivity:
         """Conductivity from the table of the case; up to some levels it is that of the sample in all seals."""
-        highest, sealing = 10.0 ** np.array(log_peaks), flow.sealing_pressure(surface)
+        highest, sealing = 10.0 ** np.array(log_peaks), surface.sealing_pressure
         if flow.fluid_in_gap == "local":  # which opens what would be sealed without it
             highest = np.minimum(highest, _NEARLY_SEALED * sealing)
         low, high = self._within
@@ -835,10 +835,10 @@ class SampledSeal:
         surface, flow = self.result.surface, self.result.problem.flow
         assert surface is not None and flow is not None  # of the checks
         # the case has its tables already
-        of_gas, method, within = flow.gas is not None, flow.conductivity, self._within
+        of_gas, within = flow.gas is not None, self._within
 
         def made(one: RoughContact) -> NearbyTables:
-            return _kept.get((one, of_gas, method, within), lambda: NearbyTables(one, of_gas, method, within))
+            return _kept.get((one, of_gas, within), lambda: NearbyTables(one, of_gas, within=within))
 
         return {one.yielding: made(one) for one in (surface, *map(surface.reading, self.others))}
 

@@ -1,29 +1,25 @@
-"""The same loads by another theory, with another interface law, and with every reading of the theory."""
+"""The same loads by another theory, and with another interface law."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Literal
-
-import numpy as np
 
 from fem_seal.answers.accuracy import Comparison
 from fem_seal.answers.answer import Answer, Inquiry
 from fem_seal.contact.newton import solve_many
 from fem_seal.seal.leak_model import LeakModel
-from fem_seal.seal.load_result import LoadResult, SolvedSeal, highest_load, leak_rates, strongest_load
+from fem_seal.seal.load_result import LoadResult, SolvedSeal, highest_load, strongest_load
 from fem_seal.seal.load_solver import (
     LoadSolver,
     linearised_again,
-    path_again,
     solve_load,
     solve_loads,
     solved_again,
 )
 from fem_seal.seal.problem import SealProblem
 from fem_seal.units import format_quantity
-from leak import Reading, RoughContact
+from leak import Reading
 
 # Loads by theory, in the order of the result; None where a theory has no contact.
 ByTheory = Mapping[str, Sequence[LoadResult | None]]
@@ -128,114 +124,8 @@ THEORIES = Answer[Theories](
 )
 
 
-# Share of the contact area at which channels close: two-dimensional percolation, and the textbook value.
-_THRESHOLDS = (0.42, 0.5)
-_Conductivity = Literal["bruggeman", "critical-junction", "threshold-law"]
-_Width = Literal["effective", "plain"] | None
-
-
-@dataclass(frozen=True)
-class TheoryVariant:
-    """One reading of the theory and the leak rates that it gives.
-
-    Parameters
-    ----------
-    plastic : bool or None
-        p(u) of the plastically smoothed (True) or of the elastic surface; None if the case gives the law itself.
-    conductivity : {"bruggeman", "critical-junction", "threshold-law"}
-    separation_width : {"effective", "plain"} or None
-        Width of the Gaussians in P(u); None for the critical junction, which needs no P(u).
-    percolation_threshold : float
-    leak_rate : tuple of float
-        At each load [m^3/s].
-    used : bool
-        Whether it is the one that the case asks for.
-    """
-
-    plastic: bool | None
-    conductivity: str
-    separation_width: str | None
-    percolation_threshold: float
-    leak_rate: tuple[float, ...]
-    used: bool
-
-    @property
-    def interface_law(self) -> str:
-        """The law in a word."""
-        return "given" if self.plastic is None else "plastic" if self.plastic else "elastic"
-
-
-def theory_variants(result: SolvedSeal) -> tuple[TheoryVariant, ...]:
-    """Leak rates of all loads with every reading of the theory: p(u), P(u), percolation threshold, channels.
-
-    Parameters
-    ----------
-    result : SolvedSeal
-
-    Returns
-    -------
-    tuple of TheoryVariant
-        Empty if nothing leaks for want of roughness or fluid.
-    """
-    if result.lower_half is not None:
-        return tuple(
-            replace(one, leak_rate=tuple(np.mean([one.leak_rate, below.leak_rate], axis=0).tolist()))
-            for one, below in zip(*map(theory_variants, result.faces), strict=True)
-        )
-    problem = result.problem
-    surface, flow = problem.surface, problem.flow
-    if surface is None or flow is None:
-        return ()
-    plastic_laws: tuple[bool | None, ...] = (False,) if surface.hardness is None else (False, True)
-    laws = plastic_laws if problem.interface.law == "spectrum" else (None,)
-    variants: list[TheoryVariant] = []
-    for plastic in laws:
-        loads: Sequence[LoadResult] = result.loads
-        own_law = plastic is None or plastic == problem.interface.plastic
-        if plastic is not None and not own_law:
-            loads = _loads_with_law(result, _with_law(problem, plastic))
-        for conductivity, width, threshold in _ways(surface):
-            read = replace(flow, conductivity=conductivity)
-            rough = replace(
-                surface,
-                percolation_threshold=threshold,
-                separation_width=surface.separation_width if width is None else width,
-            )
-            (rates,) = leak_rates(rough, [read], loads)
-            own_flow = conductivity == flow.conductivity and width != "plain"
-            used = own_law and own_flow and threshold == surface.percolation_threshold
-            variants.append(TheoryVariant(plastic, conductivity, width, threshold, rates, used))
-    return tuple(variants)
-
-
-def _ways(surface: RoughContact) -> list[tuple[_Conductivity, _Width, float]]:
-    """How the flow through a rough contact may be read: conductivity, width in P(u) and percolation threshold."""
-    ways: list[tuple[_Conductivity, _Width]] = [("bruggeman", "effective"), ("bruggeman", "plain")]
-    if surface.peklenik == 1.0:  # the others know no direction
-        ways += [("threshold-law", "effective"), ("critical-junction", None)]
-    thresholds = sorted({*_THRESHOLDS, surface.percolation_threshold})
-    return [(*way, threshold) for way in ways for threshold in thresholds]
-
-
 def _with_law(problem: SealProblem, plastic: bool) -> SealProblem:
     return replace(problem, interface=problem.interface.model_copy(update={"plastic": plastic}))
-
-
-def _loads_with_law(result: SolvedSeal, problem: SealProblem) -> Sequence[LoadResult]:
-    """The loads of a result with another interface law."""
-    if problem.follows_path:
-        contacts = path_again(LoadSolver(problem, result.model))
-    else:
-        contacts = solved_again(result.contact, result.model, problem.law, result.earlier)
-    return [
-        LoadResult(*load.point, contact, formed=problem.around(contact))
-        for load, contact in zip(result.loads, contacts, strict=True)
-    ]
-
-
-def ratio_to_case(leak_rate: float, of_case: float) -> float:
-    """Leak rate over that of the case; NaN where the case is sealed."""
-    return leak_rate / of_case if of_case > 0 else float("nan")
 
 
 def interface_variants(solver: LoadSolver, loads: Sequence[LoadResult]) -> tuple[Comparison, ...]:
@@ -274,13 +164,4 @@ INTERFACE_VARIANTS = Answer[tuple[Comparison, ...]](
     doing="comparing elastic and plastic interface law",
     clock="variants",
     of_face=True,
-)
-THEORY_VARIANTS = Answer[tuple[TheoryVariant, ...]](
-    "theory_variants",
-    "leak rates with every reading of the theory",
-    lambda seal, ask: theory_variants(seal),
-    (),
-    lambda seal, wanted: seal.case.leak.variants,
-    doing="leak rates with every reading of the theory",
-    clock="theory",
 )

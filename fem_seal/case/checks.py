@@ -62,11 +62,6 @@ def contradictions(case: CaseTables) -> list[Problem]:
 def _flow(case: CaseTables) -> Iterator[Problem]:
     if case.leak.fluid_in_gap == "local" and case.fluid is not None and case.fluid.gas is not None:
         yield problem("local_gas")
-    reading = case.leak.conductivity
-    undirected = reading in ("critical-junction", "threshold-law")
-    if undirected and case.roughness is not None and case.roughness.directed:
-        what = "a single junction" if reading == "critical-junction" else "the closed law of the threshold"
-        yield problem("lay_in_junctions", what=what, reading=reading)
 
 
 def _direct(case: CaseTables) -> Iterator[Problem]:
@@ -298,17 +293,11 @@ def _of_paper(case: CaseTables) -> Iterator[Problem]:
     """What only the paper's theory has."""
     if case.leak.theory == "paper":
         return
-    remove = "remove it"
     if case.interface.plastic:
-        yield problem("of_paper", key="interface.plastic", instead=remove, value="true")
+        yield problem("of_paper", key="interface.plastic", value="true")
     if case.leak.percolation_threshold != Leak().percolation_threshold:
         threshold = f"{case.leak.percolation_threshold:g}"
-        yield problem("of_paper", key="leak.percolation_threshold", instead=remove, value=threshold)
-    if case.leak.conductivity in ("critical-junction", "threshold-law"):
-        given = shown(case.leak.conductivity)
-        yield problem("of_paper", key="leak.conductivity", instead='use "bruggeman"', value=given)
-    if case.leak.variants:
-        yield problem("of_paper", key="leak.variants", instead=remove, value="true")
+        yield problem("of_paper", key="leak.percolation_threshold", value=threshold)
 
 
 def _hardness(case: CaseTables) -> Iterator[Problem]:

@@ -138,10 +138,9 @@ class Leak(Table):
     theory: Literal["paper", "corrected"] = "corrected"
     plasticity: bool = True
     percolation_threshold: Annotated[float, Number(0.05, 0.95)] = 0.42
-    conductivity: Literal["bruggeman", "critical-junction", "threshold-law", "direct"] = "bruggeman"
+    conductivity: Literal["bruggeman", "direct"] = "bruggeman"
     fluid_in_gap: Literal["uncoupled", "local"] = "uncoupled"
     nominal_size: Annotated[float, NominalSizeEntry("length", "1 mm", "5 m")] | None = None
-    variants: bool = False
 
 
 class Mesh(Table):

@@ -127,7 +127,6 @@ def explore(
 def run(
     case_file: terminal.CaseFile,
     output: Annotated[Path | None, terminal.output_option("[output] folder of the case, CASE.out")] = None,
-    variants: Annotated[bool, terminal.option("run", "variants")] = False,
     sensitivities: Annotated[bool | None, terminal.option("run", "sensitivities")] = None,
     details: terminal.Details = False,
     quiet: terminal.Quiet = False,
@@ -136,8 +135,6 @@ def run(
 ) -> None:
     """Solve all loads of a case and write tables, VTK files, mesh and report to the output folder."""
     case = terminal.case_of_command(case_file)
-    if variants:
-        case = case.replace({"leak.variants": True})
     folder = _results_folder(output, case)
     from fem_seal import result as seal_result
     from fem_seal.output import files

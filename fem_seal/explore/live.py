@@ -72,20 +72,18 @@ class OwnTable:
     surface : RoughContact
     low, high : int
         Decimal logarithms of the pressures [Pa].
-    method : str
     gas : bool
     """
 
     surface: RoughContact
     low: int
     high: int
-    method: str
     gas: bool
 
     def made(self) -> Conductivity:
         """The table."""
         low, high = 10.0**self.low, 10.0**self.high
-        return theory_table(self.surface, low, high, None, self.method, of_gas=self.gas)
+        return theory_table(self.surface, low, high, None, of_gas=self.gas)
 
 
 TableName: TypeAlias = FamilyTable | OwnTable
@@ -122,7 +120,7 @@ def conductivity(
         names = family_tables(flow, surface)
     else:
         low, high = math.floor(log_peak - _DECADES), math.ceil(log_peak + MARGIN)
-        names = (OwnTable(surface, low, high, flow.conductivity, flow.gas is not None),)
+        names = (OwnTable(surface, low, high, flow.gas is not None),)
     found = {name: known(name) for name in names}
     tables = [table for table in found.values() if table is not None]
     if missing := [name for name in found if found[name] is None]:

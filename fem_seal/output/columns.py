@@ -408,8 +408,8 @@ MEANINGS["around"] = MEANINGS["around"] | {
     f"leak_rate_{one}_m3_per_s_per_rad": f"the same with {WORDS[one].taken}; empty where none yields"
     for one in FURTHER
 }
-TEXT_COLUMNS, PROFILE_COLUMNS, IMPRINT_COLUMNS, AROUND_COLUMNS, VARIANT_COLUMNS, PARTICLE_COLUMNS = (
-    tuple(MEANINGS[table]) for table in ("words", "profile", "imprint", "around", "variants", "particles")
+TEXT_COLUMNS, PROFILE_COLUMNS, IMPRINT_COLUMNS, AROUND_COLUMNS, PARTICLE_COLUMNS = (
+    tuple(MEANINGS[table]) for table in ("words", "profile", "imprint", "around", "particles")
 )
 # the same loads: by the name of a test, and by the share of the set pressure
 MEANINGS["set_pressure"] |= {

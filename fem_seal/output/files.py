@@ -101,7 +101,7 @@ _FILES: dict[str, Callable[[SealSolution, Path], object]] = {
 
 
 # Raised when a key of summary.json changes its meaning or goes away; new keys do not count.
-FORMAT_VERSION = 1
+FORMAT_VERSION = 2
 
 
 def summary(result: SealSolution) -> dict[str, Any]:
@@ -131,7 +131,7 @@ def summary(result: SealSolution) -> dict[str, Any]:
         load that leaks), ``theories`` (result of the other theory, and why it differs), ``interface_variants``,
         ``uncertainty`` (null unless asked for), ``error_shares`` (shares of the width of the interval of each load,
         and the factor that a measurement is expected to leave),
-        ``theory_variants`` (rows of variants.csv), ``warnings``, ``wall_times_s``, ``sources``.
+        ``warnings``, ``wall_times_s``, ``sources``.
     """
     case = result.case
     return {

@@ -68,14 +68,14 @@ def family_table(
     if flow.simulated is not None:
         return None
     if tables is None:
-        return _table_from(surface, flow.conductivity, flow.gas is not None)
+        return _table_from(surface, flow.gas is not None)
     return _between(surface, tuple(tables))
 
 
 @lru_cache(maxsize=64)
-def _table_from(surface: RoughContact, method: str, of_gas: bool) -> Conductivity:
+def _table_from(surface: RoughContact, of_gas: bool) -> Conductivity:
     """The table of one surface, which the loads of a grid share."""
-    return _between(surface, tuple(map(_made, _names(_member(surface)[0], method, of_gas))))
+    return _between(surface, tuple(map(_made, _names(_member(surface)[0], of_gas))))
 
 
 def _between(surface: RoughContact, tables: tuple[Conductivity, ...]) -> Conductivity:
@@ -93,7 +93,7 @@ def family_tables(flow: FlowModel, surface: RoughContact) -> tuple[FamilyTable, 
     flow, surface
         See `family_table`.
     """
-    return _names(_member(surface)[0], flow.conductivity, flow.gas is not None)
+    return _names(_member(surface)[0], flow.gas is not None)
 
 
 def _acting(member: RoughContact, log_ratio: float, log_pressure: FloatArray) -> FloatArray:
@@ -101,12 +101,12 @@ def _acting(member: RoughContact, log_ratio: float, log_pressure: FloatArray) ->
     return member.log_acting_pressure(log_pressure - log_ratio) + log_ratio
 
 
-def _names(member: RoughContact, method: str, of_gas: bool) -> tuple[FamilyTable, ...]:
+def _names(member: RoughContact, of_gas: bool) -> tuple[FamilyTable, ...]:
     """Of the member's own table, or of the four of the lattice between which it lies."""
     if member.stand_in is not None or member.hardness is None:
-        return (FamilyTable(member.stand_in or member, method, of_gas),)
+        return (FamilyTable(member.stand_in or member, of_gas),)
     first = _on_lattice(member)[0]
-    return tuple(FamilyTable(member.elastic, method, of_gas, place) for place in range(first, first + 4))
+    return tuple(FamilyTable(member.elastic, of_gas, place) for place in range(first, first + 4))
 
 
 def _on_lattice(member: RoughContact) -> tuple[int, float]:
@@ -124,14 +124,12 @@ class FamilyTable:
     Parameters
     ----------
     surface : RoughContact
-    method : str
     of_gas : bool
     place : int or None
         Of the lattice; None for elastic asperities.
     """
 
     surface: RoughContact
-    method: str
     of_gas: bool
     place: int | None = None
 
@@ -146,8 +144,8 @@ def _made(name: FamilyTable) -> Conductivity:
     surface, num = name.surface, None
     if name.place is not None:
         surface, num = replace(surface, hardness=_MODULUS * math.exp(_SPACING * name.place)), _NODES
-    sealing = surface.sealing_pressure_by(name.method)
-    return theory_table(surface, _RANGE * sealing, sealing, num, name.method, of_gas=name.of_gas)
+    sealing = surface.sealing_pressure
+    return theory_table(surface, _RANGE * sealing, sealing, num, of_gas=name.of_gas)
 
 
 @lru_cache(maxsize=64)

@@ -80,15 +80,12 @@ class FlowModel:
         None for a liquid.
     outlet_pressure : float
         Of a gas: absolute pressure on the low side [Pa].
-    conductivity : {"bruggeman", "critical-junction", "threshold-law", "direct"}
-        Effective medium of all channels, the narrowest junction alone, the closed law near the threshold, or direct
-        simulation.
     fluid_in_gap : {"uncoupled", "local"}
         Whether the pressure of a liquid is taken off the load of the asperities, place by place.
     pressure_side : {"outer", "inner"}
         Side of the high pressure.
-    direct : DirectSettings or None
-        Of the simulation, with conductivity "direct".
+    simulated : DirectSettings or None
+        How the conductivity is simulated; None where it is the theory's effective medium.
     end : {-1, 0, 1}
         Of the interval that a simulation gives.
     pressure_law : PressureLaw or None
@@ -107,10 +104,9 @@ class FlowModel:
     density: float | None = None
     gas: Gas | None = None
     outlet_pressure: float = 0.0
-    conductivity: Literal["bruggeman", "critical-junction", "threshold-law", "direct"] = "bruggeman"
     fluid_in_gap: Literal["uncoupled", "local"] = "uncoupled"
     pressure_side: PressureSide = "outer"
-    direct: DirectSettings | None = None
+    simulated: DirectSettings | None = None
     end: int = 0
     pressure_law: PressureLaw | None = None
     chambers: tuple[float | None, ...] = ()
@@ -189,28 +185,12 @@ class FlowModel:
         return replace(self, fluid=tested.name, gas=tested, viscosity=tested.viscosity)
 
     @property
-    def simulated(self) -> DirectSettings | None:
-        """How the conductivity is simulated; None where it is the theory's."""
-        return self.direct if self.conductivity == "direct" else None
-
-    @property
     def elastic(self) -> FlowModel:
         """The same where nothing yields in a simulation; itself without one."""
         simulated = self.simulated
         if simulated is None or simulated.elastic is simulated:
             return self
-        return replace(self, direct=simulated.elastic)
-
-    def sealing_pressure(self, surface: RoughContact) -> float:
-        """Contact pressure from which nothing flows; of a simulation that of the theory's default [Pa].
-
-        Parameters
-        ----------
-        surface : RoughContact
-        """
-        if self.conductivity == "direct":
-            return surface.sealing_pressure
-        return surface.sealing_pressure_by(self.conductivity)
+        return replace(self, simulated=simulated.elastic)
 
     def table(
         self, surface: RoughContact, p_min: float, p_max: float, num: int | None = None
@@ -227,8 +207,7 @@ class FlowModel:
         """
         if self.simulated is not None:
             return self.simulated.table(surface).conductivity_table(p_min, p_max, num, self.end)
-        of_gas = self.gas is not None
-        return theory_table(surface, p_min, p_max, num, self.conductivity, of_gas=of_gas)
+        return theory_table(surface, p_min, p_max, num, of_gas=self.gas is not None)
 
     def table_around(self, surface: RoughContact, log_peaks: Sequence[float]) -> Conductivity:
         """Flow conductivity of a surface over all pressures that occur in contacts with some peak pressures.
@@ -455,19 +434,17 @@ class FlowModel:
 
 
 def theory_table(
-    surface: RoughContact, p_min: float, p_max: float, num: int | None, method: str, *, of_gas: bool
+    surface: RoughContact, p_min: float, p_max: float, num: int | None, *, of_gas: bool
 ) -> Conductivity:
     """Flow conductivity of a surface over a range of contact pressures, see `Flow.table`.
 
     Parameters
     ----------
-    method : str
-        Other than "direct".
     of_gas : bool
     """
     if of_gas:
-        return leak.gas_conductivity_table(surface, p_min, p_max, num, method)
-    return surface.conductivity_table(p_min, p_max, num, method=method)
+        return leak.gas_conductivity_table(surface, p_min, p_max, num)
+    return surface.conductivity_table(p_min, p_max, num)
 
 
 def as_first_loaded(table: Conductivity, profile: PressureProfile) -> PressureProfile:
@@ -523,7 +500,7 @@ class _Tables:
 
     def __call__(self, flow: FlowModel, surface: RoughContact) -> Conductivity:
         # a table is that of all liquids, or of all gases
-        name = surface, flow.conductivity, flow.simulated, flow.end, flow.gas is None
+        name = surface, flow.simulated, flow.end, flow.gas is None
         if name not in self.known:
             self.known[name] = self.table(flow, surface, self.peaks)
         return self.known[name]

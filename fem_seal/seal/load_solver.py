@@ -427,7 +427,7 @@ class LoadSolver:
             return FluidAtContact(side)
         return PenetratingFluid(
             lambda profile, pressure: flow.leak(profile, pressure).fluid_pressure,
-            flow.flow.sealing_pressure(flow.surface),
+            flow.surface.sealing_pressure,
             side,
             highest=math.inf if any(flow.flow.chambers) else 1.0,
         )

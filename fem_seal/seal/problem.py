@@ -364,7 +364,7 @@ class SealProblem:
             self,
             surface=replace(surface, theory=theory, yielding="", percolation_threshold=threshold),
             interface=self.interface.model_copy(update={"plastic": False}),
-            flow=replace(flow, conductivity="bruggeman"),
+            flow=replace(flow, simulated=None),
             given_law=None,
         )
 
@@ -526,10 +526,9 @@ def flow_of(case: CaseTables) -> FlowModel | None:
         fluid.density,
         fluid.gas,
         fluid.outlet_pressure or 0.0,
-        case.leak.conductivity,
         case.leak.fluid_in_gap,
         case.load.pressure_side,
-        direct_settings(case),
+        direct_settings(case) if case.leak.conductivity == "direct" else None,
         pressure_law=fluid.pressure_law if fluid.gas is None else None,
         chambers=case.chambers,
         faces=case.faces,

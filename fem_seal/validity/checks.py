@@ -163,7 +163,7 @@ def load_cautions(
 def _interface_cautions(
     problem: SealProblem, surface: RoughContact, loads: Sequence[LoadResult], sealing: float | None = None
 ) -> Iterator[Finding]:
-    sealing = _sealing_pressure(problem, surface) if sealing is None else sealing
+    sealing = surface.sealing_pressure if sealing is None else sealing
     yield from _sealed(problem, surface, loads, sealing)
     yield from _nearly_sealed(problem, surface, loads, sealing)
     yield from _range(problem, surface, loads)
@@ -321,7 +321,7 @@ def _at_target(problem: SealProblem, answers: Sequence[LoadResult]) -> Iterator[
     )
     yield from of_bodies(problem, (one for check in bodies for one in check(problem, answers)))
     if problem.surface is not None and problem.flow is not None:  # of a leak rate
-        sealing = _sealing_pressure(problem, problem.surface)
+        sealing = problem.surface.sealing_pressure
         yield from _nearly_sealed(problem, problem.surface, answers, sealing)
         yield from molecule_cautions(problem.flow, answers)
 
@@ -636,10 +636,6 @@ def _above_hardness(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterat
     )
 
 
-def _sealing_pressure(problem: SealProblem, surface: RoughContact) -> float:
-    return surface.sealing_pressure if problem.flow is None else problem.flow.sealing_pressure(surface)
-
-
 def _is_sealed(load: LoadResult, sealing: float) -> bool:
     """Whether a load is sealed by its own pressure, or still sealed by a larger load before.
 
@@ -660,7 +656,7 @@ def _sealed(
         peak = load.tightest.highest
         first = load_name(min(tight, key=lambda load: load.point), loads)
         readings = () if surface.hardness is None else map(surface.reading, surface.readings)
-        leaky = any(_sealing_pressure(problem, one) > peak for one in readings)
+        leaky = any(one.sealing_pressure > peak for one in readings)
         yield caution(
             "sealed",
             load,

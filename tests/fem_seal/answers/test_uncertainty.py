@@ -33,11 +33,9 @@ from fem_seal.answers.uncertainty import (
     leak_interval,
     uncertain_inputs,
 )
-from fem_seal.answers.variants import theory_variants
 from fem_seal.case.roughness import UncertainHeight
 from fem_seal.case.tables import Spread, Uncertainty
 from fem_seal.errors import InputError
-from fem_seal.output.answers.variants import VARIANT_COLUMNS, variant_rows
 from fem_seal.output.files import summary
 from fem_seal.output.report.page import report
 from fem_seal.sampling import LogNormal, Normal, UncertainInput
@@ -543,10 +541,10 @@ def test_interval_needs_a_leak_rate():
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("unrendered")
-def test_result_files_hold_the_interval_and_the_variants(tmp_path):
+def test_result_files_hold_the_interval(tmp_path):
     result = fem_seal.run(
         case(
-            leak={"plasticity": False, "variants": True},
+            leak={"plasticity": False},
             uncertainty={"samples": 64, "viscosity": {"relative": 0.1}},
         )
     )
@@ -565,105 +563,13 @@ def test_result_files_hold_the_interval_and_the_variants(tmp_path):
         "relative": 0.1,
         "varies": "unknown",
     }
-    variants = pd.read_csv(folder / "variants.csv")
-    # 2 P(u) x 2 thresholds, 2 critical junctions, 3 loads
-    assert len(variants) == len(words["theory_variants"]) == 24
     page = (folder / "report.html").read_text().replace("\xa0", " ")
     assert "How sure is the leak rate?" in page
     assert "90 %" in page
     assert "Owen" in page
-    # a later run without them leaves no stale file
     rough_result().write(folder)
-    assert not (folder / "variants.csv").exists()
     assert summary(rough_result())["uncertainty"] is None
     assert "How sure is the leak rate?" not in (folder / "report.html").read_text()
-
-
-# -------------------------------------------------------------------- readings of the theory
-
-
-@pytest.mark.slow
-def test_readings_of_the_theory_are_those_of_cases_that_ask_for_them():
-    result = rough_result()
-    variants = theory_variants(result)
-    # two laws; three media of channels and two widths of one of them at two thresholds
-    assert len(variants) == 16
-    used = [variant for variant in variants if variant.used]
-    assert len(used) == 1
-    np.testing.assert_allclose(used[0].leak_rate, rates(result), rtol=1e-12)
-    other = run_loads(
-        case(
-            interface={"law": "spectrum", "plastic": True},
-            leak={"conductivity": "critical-junction", "percolation_threshold": 0.5},
-        )
-    )
-    same = [
-        variant
-        for variant in variants
-        if variant.plastic
-        and variant.conductivity == "critical-junction"
-        and variant.percolation_threshold == 0.5
-    ]
-    # the plastic p(u) makes another mesh: both are within 1e-3 of the same limit
-    np.testing.assert_allclose(same[0].leak_rate, rates(other), rtol=2e-3)
-
-
-def test_plain_and_effective_separations_agree_far_from_the_threshold():
-    rows = {
-        (v.interface_law, v.conductivity, v.separation_width, v.percolation_threshold): v.leak_rate[0]
-        for v in theory_variants(rough_result())
-    }
-    effective, plain = (rows["elastic", "bruggeman", width, 0.42] for width in ("effective", "plain"))
-    # 1 to 2 % at A/A0 far below 0.1
-    assert effective == pytest.approx(plain, rel=0.03)
-    assert rows["elastic", "bruggeman", "effective", 0.5] > effective
-
-
-def test_a_threshold_of_ones_own_is_among_the_readings():
-    result = run_loads(case(leak={"percolation_threshold": 0.45, "variants": True, "plasticity": False}))
-    assert {variant.percolation_threshold for variant in result.theory_variants} == {0.42, 0.45, 0.5}
-    assert sum(variant.used for variant in result.theory_variants) == 1
-    rows = [dict(zip(VARIANT_COLUMNS, row, strict=True)) for row in variant_rows(result)]
-    assert all(
-        row["ratio_to_case"] == 1.0
-        for row in rows
-        if (row["percolation_threshold"], row["conductivity"], row["separation_width"])
-        == (0.45, "bruggeman", "effective")
-    )
-
-
-def test_nothing_to_read_without_a_leak():
-    assert theory_variants(smooth_result()) == ()
-
-
-@pytest.mark.slow
-def test_variants_on_the_command_line(tmp_path, capsys):
-    from fem_seal.cli.app import main
-
-    file = tmp_path / "seal.toml"
-    file.write_text(
-        """
-        closure = { shape = "ball", radius = "20 mm", material = "steel" }
-        seat = { shape = "cone", angle = "45 deg", material = "steel" }
-        interface = { law = "exponential", u0 = "1 um" }
-        fluid = { name = "water" }
-        load = { fluid_pressure = "20 bar" }
-        leak = { theory = "paper", plasticity = false }
-        [roughness.spectrum]
-        kind = "self-affine"
-        rms_height = "1.9 um"
-        hurst = 0.6
-        q_low = "1e3 1/m"
-        q_rolloff = "3.7268e4 1/m"
-        q_high = "3.14159e6 1/m"
-        """
-    )
-    assert main(["run", str(file), "--variants", "--quiet"]) == 0
-    variants = pd.read_csv(tmp_path / "seal.out" / "variants.csv")
-    # the law is given: at 2 thresholds 2 P(u), a closed law and a critical junction
-    assert list(variants["interface_law"]) == ["given"] * 8
-    assert variants["ratio_to_case"].iloc[0] == 1.0
-    assert capsys.readouterr().out == ""
 
 
 @pytest.mark.slow

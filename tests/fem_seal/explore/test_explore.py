@@ -189,7 +189,7 @@ def test_tables_of_a_family_are_those_of_the_surface(gas):
     session = Session(case_with(fluid={"name": "helium" if gas else "water"}, leak={"plasticity": False}))
     problem, _ = session.live.problem(session.case({"finish_spectrum": "0.3 um"}))
     made = conductivity(problem.flow, problem.surface, 8.0, lambda name: name.made())
-    own = OwnTable(problem.surface, -1, 9, "bruggeman", gas).made()
+    own = OwnTable(problem.surface, -1, 9, gas).made()
     log_p = np.log(np.geomspace(1e4, 1e8, 7))
     # both are splines over other pressures; 1e-4 of u_eff is 3e-4 of the flow
     assert made.at_log_pressure(log_p) == pytest.approx(own.at_log_pressure(log_p), rel=1e-4)

@@ -189,7 +189,6 @@ def test_summary_is_valid_json_and_complete(tmp_path):
         "particles",
         "theories",
         "interface_variants",
-        "theory_variants",
         "uncertainty",
         "error_shares",
         "requirement",

@@ -46,10 +46,10 @@ def test_case_and_problem_of_a_result_have_the_same_loads():
 
 
 def test_a_variant_of_a_problem_leaks_as_a_case_that_asks_for_it():
-    """Another conductivity with the contact as it is: the same number as that of a run of the changed case."""
-    result, changed = single_result(), {"leak.conductivity": "critical-junction"}
+    """Fluid that opens the gap, with the contact as it is: the same number as that of a run of the changed case."""
+    result, changed = single_result(), {"leak.fluid_in_gap": "local"}
     problem = result.problem
-    flow = replace(problem.flow, conductivity="critical-junction")
+    flow = replace(problem.flow, fluid_in_gap="local")
     (load,) = result.loads
     table = flow.table_around(problem.surface, log_peaks(result.contact))
     found = flow.leak_of(table, problem.surface, load.contact.profile, load.fluid_pressure).leak_rate

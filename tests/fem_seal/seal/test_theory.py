@@ -114,9 +114,6 @@ def test_the_interval_beside_is_that_of_a_run_by_that_theory(name, changes, theo
     [
         ("interface.plastic", True),
         ("leak.percolation_threshold", 0.5),
-        ("leak.conductivity", "critical-junction"),
-        ("leak.conductivity", "threshold-law"),
-        ("leak.variants", True),
     ],
 )
 def test_what_belongs_to_the_papers_theory_is_refused_elsewhere_in_a_sentence(key, value):

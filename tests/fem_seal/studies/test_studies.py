@@ -263,13 +263,13 @@ def test_morris_stays_in_the_central_part_of_what_has_no_ends():
 
 def test_list_of_designs_from_csv(tmp_path):
     (tmp_path / "designs.csv").write_text(
-        "seat.angle [deg],roughness.spectrum.rms_height,leak.conductivity\n"
-        "30,1.5 um,bruggeman\n45,2 um,critical-junction\n30,2 um,bruggeman\n"
+        "seat.angle [deg],roughness.spectrum.rms_height,leak.fluid_in_gap\n"
+        "30,1.5 um,uncoupled\n45,2 um,local\n30,2 um,uncoupled\n"
     )
     (tmp_path / "study.toml").write_text(LIST)
     study = load_study(tmp_path / "study.toml")
     values = [study.values(point) for point in study.points]
-    assert [value["leak.conductivity"] for value in values] == ["bruggeman", "critical-junction", "bruggeman"]
+    assert [value["leak.fluid_in_gap"] for value in values] == ["uncoupled", "local", "uncoupled"]
     assert study.case_of(study.points[1]).seat.angle == pytest.approx(math.pi / 4, rel=1e-15)
     assert study.case_of(study.points[0]).roughness.spectrum.rms_height == 1.5e-6
 
@@ -479,7 +479,6 @@ def test_conductivities_of_a_family_are_those_of_the_surface_itself_up_to_half_i
         {"roughness.spectrum.rms_height": "0.5 um"},
         {"roughness.spectrum.rms_height": "4.5 um", "load.fluid_pressure": "2 bar"},
         {"seat.material.hardness": "1.7 GPa", "load.fluid_pressure": "45 bar"},
-        {"leak.conductivity": "critical-junction"},
     ],
 )
 def test_interpolated_surfaces_are_good_to_some_parts_in_ten_thousand(changes):
