@@ -60,10 +60,10 @@ docs: pages
 
 pages: export OPENBLAS_NUM_THREADS = 1
 pages: $(VENV)/.tools
-	@$(VENV)/bin/python docs/make_input_reference.py
-	@$(VENV)/bin/python docs/make_reference_pages.py
-	@$(VENV)/bin/python docs/speed_page.py
-	@$(VENV)/bin/python docs/gallery.py
+	@$(VENV)/bin/python docs/make/input_reference.py
+	@$(VENV)/bin/python docs/make/reference_pages.py
+	@$(VENV)/bin/python docs/make/speed_page.py
+	@$(VENV)/bin/python docs/make/gallery.py
 
 # Every warning is an error.
 html: $(VENV)/.tools

@@ -27,6 +27,7 @@ extensions = [
 ]
 exclude_patterns = [
     "_build",
+    "research",
     "validation",
     "verification/made",
     "**/.ipynb_checkpoints",

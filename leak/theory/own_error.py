@@ -18,13 +18,13 @@ from numpy.typing import ArrayLike
 from leak.arrays import FloatArray
 from leak.errors import ConductivityError
 
-# docs/own_error_fit.py finds them: bias and spread where the contact is open and per X, and the standard deviation of
-# one roll-off wave always, per (p/(E* h'))^(-1/4) and per X.
+# `docs/research/own_error_fit.py` finds them: bias and spread where the contact is open and per X, and the standard
+# deviation of one roll-off wave always, per (p/(E* h'))^(-1/4) and per X.
 OPEN_BIAS, CLOSING_BIAS = 0.067, -0.14
 OPEN_SPREAD, CLOSING_SPREAD = 0.022, 0.045
 LONG_WAVES, SUMMITS, CHANNELS = 0.40, 0.15, 1.3
 # Of contacts that yield all over: 0.13 by what the equivalent pressure misses on direct simulations of single maps
-# (`docs/direct_yielding.py`), and 0.08 by Poisson's ratio (0.3 to 0.45) and hardening (none to 2 % of E).
+# (`docs/research/direct_yielding.py`), and 0.08 by Poisson's ratio (0.3 to 0.45) and hardening (none to 2 % of E).
 YIELDING_SPREAD = 0.15
 # Decades of pressure over which the errors of one surface belong together: among 35 surfaces of the same rows, errors
 # half a decade apart have a correlation of 0.77, one apart 0.47, 1.5 apart 0.18 and two apart none.
@@ -144,7 +144,7 @@ def flow_error(
 def error_correlation(log_pressure: ArrayLike, other: ArrayLike | None = None) -> FloatArray:
     """Correlation of the error of one seal at some pressures with its error at others, exp(-d^2/(2 d_0^2)).
 
-    d is the distance in decades of the pressure, d_0 = 0.77 is found by `docs/own_error_fit.py`.
+    d is the distance in decades of the pressure, d_0 = 0.77 is found by `docs/research/own_error_fit.py`.
 
     Parameters
     ----------

@@ -443,10 +443,10 @@ class YieldingConstants(NamedTuple):
 
 
 CAPPED = YieldingConstants()
-"""The pressure never exceeds the hardness; fitted and judged by `docs/direct_yielding.py`."""
+"""The pressure never exceeds the hardness; fitted and judged by `docs/research/direct_yielding.py`."""
 VON_MISES = YieldingConstants(total=0.90, bearing=0.73, growth=0.87, spring=1.75, bend=0.17)
 """Metal that flows by von Mises' criterion without hardening, Poisson's ratio 0.3, hardness 2.9 times its yield stress;
-fitted and judged by `docs/direct_yielding.py`."""
+fitted and judged by `docs/research/direct_yielding.py`."""
 
 
 def equivalent_pressure(

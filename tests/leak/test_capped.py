@@ -6,28 +6,8 @@ campaign whose one half the constants were fitted to, and independent averages t
 
 from __future__ import annotations
 
-import sys
-
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
-from paper_surface import HARDNESS, surface
-from places import REFERENCE, ROOT
-from scipy import special
-
-import leak
-from leak.theory.plasticity import (
-    BEARING_GAP,
-    CAPPED,
-    VON_MISES,
-    YIELDING_THRESHOLD,
-    equivalent_pressure,
-    percolation_threshold,
-)
-
-sys.path.insert(0, str(ROOT / "docs"))
-
 from direct_numerical import periodic_spectrum, worst_factor
 from direct_yielding import (
     capped,
@@ -40,6 +20,21 @@ from direct_yielding import (
     read_averages,
     read_campaign,
     read_von_mises,
+)
+from direct_yielding_campaign import THRESHOLD_FILE
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from paper_surface import HARDNESS, surface
+from scipy import special
+
+import leak
+from leak.theory.plasticity import (
+    BEARING_GAP,
+    CAPPED,
+    VON_MISES,
+    YIELDING_THRESHOLD,
+    equivalent_pressure,
+    percolation_threshold,
 )
 
 # pressures and hardness in units of E* h', from far below what any seal carries to far above the softest metal
@@ -188,8 +183,8 @@ def test_capped_surface_seals_where_half_of_it_has_yielded(seat):
 
 
 @pytest.fixture(scope="module")
-def campaign(reference_folder):
-    return read_campaign(reference_folder)
+def campaign():
+    return read_campaign()
 
 
 @pytest.fixture(scope="module")
@@ -242,8 +237,8 @@ def test_conserved_reading_is_far_below_the_direct_one(averages):
         assert (flow[loading] < capped(one)[1][loading] / one.conductivity[loading]).all()
 
 
-def test_threshold_over_the_share_that_has_yielded(reference):
-    table = reference("direct_threshold.csv")
+def test_threshold_over_the_share_that_has_yielded():
+    table = np.genfromtxt(THRESHOLD_FILE, delimiter=",", names=True)
     hardness = np.nan_to_num(table["hardness_over_Eh"], nan=np.inf)
     for h in np.unique(hardness):
         at = hardness == h
@@ -275,7 +270,7 @@ def test_acting_pressure_as_logarithms_goes_on_where_a_pressure_underflows():
 
 @pytest.fixture(scope="module")
 def flowing():
-    return read_von_mises(REFERENCE)
+    return read_von_mises()
 
 
 def test_constants_of_von_mises_are_those_of_the_fit(flowing):

@@ -1,23 +1,20 @@
 """Mean gap over pressure: exact limits, conservation of energy, rates, and direct simulation."""
 
 import csv
-import sys
 import warnings
 from itertools import pairwise
 
+import direct_elastic_campaign
 import numpy as np
 import pytest
+import verification_medium
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from places import REFERENCE, ROOT
+from places import REFERENCE
 
 import leak
 from leak.theory import gap_law as solver
 from leak.theory.gap_law import gap_law, stiff_steps
-
-sys.path.insert(0, str(ROOT / "docs"))
-
-import verification_medium
 
 
 def self_affine(**changes):
@@ -205,7 +202,7 @@ def test_direct_simulation_has_these_gaps_and_conductivities():
 def low_load():
     """Seed means of the low-load campaign: p/(E* h'), ln(theory/direct) of gap and flow, standard error of the gap."""
     found = {}
-    with (REFERENCE / "direct_low_load.csv").open(encoding="utf-8") as file:
+    with direct_elastic_campaign.LOW_LOAD_FILE.open(encoding="utf-8") as file:
         for row in csv.DictReader(file):
             row = {name: float(value) for name, value in row.items()}
             found.setdefault(
@@ -289,7 +286,7 @@ def test_the_corrected_theory_has_one_reading():
 def test_a_lay_is_met_as_well_as_by_the_papers_theory():
     """Conductivity of stretched surfaces, Peklenik number up to 5 and p/(E* h') up to 0.1: rms of ln."""
     off = {"paper": [], "corrected": []}
-    for file in (verification_medium.CAMPAIGN, REFERENCE / verification_medium.STRETCHED):
+    for file in (direct_elastic_campaign.FILE, REFERENCE / verification_medium.STRETCHED):
         for direct in verification_medium.read(file):
             peklenik, spectrum = direct.kind.peklenik, direct.kind.spectrum
             if not 1.0 < peklenik <= 5.0:

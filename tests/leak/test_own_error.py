@@ -1,19 +1,12 @@
 """Error that the corrected theory states of itself: held out simulations, limits, sampling."""
 
-import sys
-
 import numpy as np
 import pytest
-from places import ROOT
-
-import leak
-
-sys.path.insert(0, str(ROOT / "docs"))
-
 from direct_elastic_campaign import held_out
 from direct_yielding import read_von_mises
-from own_error_fit import REFERENCE, belong_together, correlations, low_load_rows
+from own_error_fit import belong_together, correlations, low_load_rows
 
+import leak
 from leak.theory.own_error import BELONG_TOGETHER
 
 SPECTRUM = leak.PowerSpectrum.self_affine(
@@ -98,7 +91,7 @@ def test_what_has_no_meaning_is_refused(arguments, waves, name):
 def test_metal_that_flows_is_as_far_from_the_theory_as_it_says():
     """States of the von Mises campaign below A/A0 = 0.3, surfaces of few waves."""
     off = []
-    for one in read_von_mises(REFERENCE):
+    for one in read_von_mises():
         for hardness in np.unique(one.hardness[one.yields]):
             at = (one.hardness == hardness) & ~one.unloading & (one.conductivity > 0.0) & (one.area < 0.3)
             contact = leak.RoughContact(

@@ -2,23 +2,17 @@
 
 from __future__ import annotations
 
-import sys
-
 import numpy as np
 import pytest
+from direct_numerical import read_direct
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from paper_surface import HARDNESS, spectrum, surface
-from places import ROOT
 from scipy.integrate import solve_ivp
 from scipy.special import erf
 
 import leak
 from leak.flow.medium import argument_at, closed_share, corrected_area, near_threshold
-
-sys.path.insert(0, str(ROOT / "docs"))
-
-from direct_numerical import read_direct
 
 NEAR = "threshold-law"
 

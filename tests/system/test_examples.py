@@ -2,15 +2,11 @@
 
 import importlib.util
 import re
-import sys
 import tomllib
 
-import pytest
-from places import EXAMPLES, ROOT
-
-sys.path.insert(0, str(ROOT / "docs"))
-
 import gallery
+import pytest
+from places import EXAMPLES
 
 from fem_seal import load_case, run
 from fem_seal.answers.closed_forms import derive

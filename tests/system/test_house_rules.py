@@ -2,21 +2,17 @@
 
 import ast
 import re
-import sys
 import tomllib
 from dataclasses import fields
 
+import house
 import pytest
+from lines_of_code import rooms
 from places import ROOT
 
 from fem_seal.files import own_tables
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.problem import SealProblem
-
-sys.path.insert(0, str(ROOT / "benchmarks"))
-
-import house
-from lines_of_code import rooms
 
 PACKAGE = ROOT / "fem_seal"
 # Rooms that solve for the contact, and so may know that today's seals have one line.

@@ -2,16 +2,12 @@
 
 import json
 import re
-import sys
 import tomllib
 
+import gallery
 import pytest
 from places import ROOT
-
-sys.path.insert(0, str(ROOT / "docs"))
-
-import gallery
-from make_reference_pages import check_first_pages
+from reference_pages import check_first_pages
 
 import fem_seal
 from fem_seal.answers.closed_forms import derive

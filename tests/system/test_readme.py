@@ -1,9 +1,9 @@
 """What the README and the generated reference say is true."""
 
-import importlib.util
 import re
 import tomllib
 
+import input_reference
 import pytest
 from places import ROOT
 
@@ -45,38 +45,28 @@ def test_system_libraries_are_listed_in_one_place():
     assert all(".ci/system" in path.read_text(encoding="utf-8") for path in files[1:4])
 
 
-@pytest.fixture(scope="module")
-def script():
-    spec = importlib.util.spec_from_file_location(
-        "make_input_reference", ROOT / "docs" / "make_input_reference.py"
-    )
-    script = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(script)
-    return script
+def test_input_reference_is_up_to_date():
+    written = input_reference.FILE.read_text(encoding="utf-8")
+    assert written == input_reference.reference(), "run `make docs`"
+    for page in input_reference.TASKS:
+        written = (input_reference.PAGES / f"{page}.md").read_text(encoding="utf-8")
+        assert written == input_reference.task(page), "run `make docs`"
+    assert {path.stem for path in input_reference.PAGES.glob("*.md")} == set(input_reference.TASKS)
 
 
-def test_input_reference_is_up_to_date(script):
-    written = script.FILE.read_text(encoding="utf-8")
-    assert written == script.reference(), "run `make docs`"
-    for page in script.TASKS:
-        written = (script.PAGES / f"{page}.md").read_text(encoding="utf-8")
-        assert written == script.task(page), "run `make docs`"
-    assert {path.stem for path in script.PAGES.glob("*.md")} == set(script.TASKS)
+def test_reference_of_the_columns_is_up_to_date():
+    written = input_reference.COLUMNS_FILE.read_text(encoding="utf-8")
+    assert written == input_reference.columns_reference(), "run `make docs`"
 
 
-def test_reference_of_the_columns_is_up_to_date(script):
-    written = script.COLUMNS_FILE.read_text(encoding="utf-8")
-    assert written == script.columns_reference(), "run `make docs`"
-
-
-def test_page_of_the_materials_is_up_to_date(script):
-    written = script.MATERIALS_FILE.read_text(encoding="utf-8")
-    assert written == script.materials_reference(), "run `make docs`"
+def test_page_of_the_materials_is_up_to_date():
+    written = input_reference.MATERIALS_FILE.read_text(encoding="utf-8")
+    assert written == input_reference.materials_reference(), "run `make docs`"
 
 
 @pytest.mark.parametrize("table", Case.model_fields)
-def test_input_reference_has_every_table(script, table):
-    assert table in script.FILE.read_text(encoding="utf-8")
+def test_input_reference_has_every_table(table):
+    assert table in input_reference.FILE.read_text(encoding="utf-8")
 
 
 def test_the_conda_recipe_has_the_dependencies_of_the_program():

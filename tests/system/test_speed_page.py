@@ -1,15 +1,9 @@
 """Figures over versions: how they are judged and kept, and the page that is made of them. Nothing is timed here."""
 
-import sys
 from dataclasses import replace
 
-import pytest
-from places import ROOT
-
-sys.path.insert(0, str(ROOT / "benchmarks"))
-sys.path.insert(0, str(ROOT / "docs"))
-
 import history
+import pytest
 import speed_page
 from history import Entry
 

@@ -3,14 +3,9 @@
 from __future__ import annotations
 
 import math
-import sys
 import tomllib
 
 import pytest
-from places import ROOT
-
-sys.path.insert(0, str(ROOT / "docs"))
-
 import validation
 from validation_page import INSIDE, NOT_DECIDABLE, OUTSIDE, Experiment, Observed, Prediction, page, verdict
 
@@ -182,12 +177,12 @@ def test_the_page_is_up_to_date_with_its_files():
     known = validation.stored()
     assert {name: entry["sha256"] for name, entry in known.items()} == {
         path.name: validation.digest(path) for path in validation.files()
-    }, "run python docs/validation.py"
+    }, "run python docs/validation/validation.py"
     assert validation.FILE.read_text(encoding="utf-8") == validation.rendered(known)
 
 
 def test_stored_predictions_are_those_of_this_version():
-    """Of the files that need no contact: where they differ, python docs/validation.py --all is to be run again."""
+    """Of the files that need no contact: where they differ, docs/validation/validation.py --all is to be run again."""
     known = validation.stored()
     quick = [found for path in validation.files() if (found := validation.read(path)).surface_only]
     assert len(quick) >= 2

@@ -7,14 +7,9 @@ a factor 1.7 up to 0.25 and 3.3 up to 0.38; area 20 to 40 % below the direct one
 from __future__ import annotations
 
 import math
-import sys
 
 import numpy as np
 import pytest
-from places import ROOT
-
-sys.path.insert(0, str(ROOT / "docs"))
-
 from direct_numerical import (
     Comparison,
     compare,

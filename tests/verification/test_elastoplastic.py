@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import csv
-import sys
 
+import calculix_yielding
 import numpy as np
 import pytest
-from places import ROOT
 from plastic_solids import (
     HARDENING,
     HEIGHT,
@@ -30,10 +29,6 @@ from fem_seal.bodies.elasticity import pressure_load
 from fem_seal.contact.load_path import load_path
 from fem_seal.contact.plastic_step import PathLoad, PlasticSettings
 from fem_seal.materials import HardeningCurve, Material
-
-sys.path.insert(0, str(ROOT / "benchmarks"))
-
-import calculix_yielding
 
 
 def hill_displacement(r: np.ndarray, c: float) -> np.ndarray:

@@ -7,16 +7,12 @@ threshold the root mean square of ln, by bins of direct A/A0.
 from __future__ import annotations
 
 import csv
-import sys
 
 import numpy as np
 import pytest
-from places import ROOT
-
-sys.path.insert(0, str(ROOT / "docs"))
-
+from direct_elastic_campaign import FILE
 from direct_numerical import worst_factor
-from verification_medium import BINS, CAMPAIGN, GOALS, Lay, Threshold, joined, lays, spread, thresholds
+from verification_medium import BINS, GOALS, Lay, Threshold, joined, lays, spread, thresholds
 
 
 @pytest.fixture(scope="module")
@@ -85,7 +81,7 @@ def test_closed_law_is_the_better_one_only_beyond_a_third(isotropic):
 
 def test_the_grid_changes_little():
     """The same surface on four and on eight points per shortest wave."""
-    with CAMPAIGN.open(encoding="utf-8") as file:
+    with FILE.open(encoding="utf-8") as file:
         rows = [row for row in csv.DictReader(file) if row["seed"] == "0"]
     surface = ("peklenik", "hurst", "rolloff_waves", "cutoff_waves", "p_over_Eh")
     found = {(*(row[name] for name in surface), row["grid_points"]): row for row in rows}

@@ -3,21 +3,17 @@
 from __future__ import annotations
 
 import csv
-import sys
 from collections.abc import Sequence
 
+import calculix_ring as ring
 import numpy as np
 import pytest
-from places import ROOT
 
 from fem_seal.contact.load_path import load_path
 from fem_seal.contact.model import ContactModel, condense
 from fem_seal.contact.newton import solve
 from fem_seal.contact.plastic_step import PathLoad, PlasticSettings
 from fem_seal.contact.solution import ContactSolution
-
-sys.path.append(str(ROOT / "benchmarks"))
-import calculix_ring as ring
 
 
 @pytest.mark.slow

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import importlib.util
 import json
 import os
 import shutil
@@ -14,6 +13,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import input_reference
 import pytest
 from places import ROOT
 
@@ -52,11 +52,7 @@ def test_every_example_names_the_schema_that_it_fits(path: Path) -> None:
 
 def test_the_shipped_schemas_are_current() -> None:
     """`make docs` writes them."""
-    place = ROOT / "docs" / "make_input_reference.py"
-    spec = importlib.util.spec_from_file_location("make_input_reference", place)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    for file, text in module.schemas().items():
+    for file, text in input_reference.schemas().items():
         jsonschema.Draft202012Validator.check_schema(json.loads(text))
         assert file.read_text(encoding="utf-8") == text, f"{file.name} is old: make docs"
 

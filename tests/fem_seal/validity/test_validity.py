@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from judged_loads import SURFACE, judged, load
-from places import ROOT
 from sample_results import case, gasket_result, rough_result, run_loads, single_result, smooth_result
 
 import leak
@@ -71,9 +70,6 @@ def test_few_channels_left(area, words):
 
 def test_factors_are_those_of_the_direct_numerical_results(reference_folder):
     """The limits in the warning are those that the comparison with direct numerical results shows."""
-    import sys
-
-    sys.path.insert(0, str(ROOT / "docs"))
     from direct_numerical import compare, read_direct
 
     for comparison in map(compare, read_direct(reference_folder)):
@@ -103,9 +99,6 @@ def test_factors_rise_with_the_area_without_a_step(peklenik):
 
 @pytest.mark.slow
 def test_factors_with_a_lay_are_those_of_the_direct_numerical_results(reference_folder):
-    import sys
-
-    sys.path.insert(0, str(ROOT / "docs"))
     from verification_medium import lays
 
     worst = {}

@@ -1,6 +1,6 @@
 """Rough patches whose pressure is capped at the hardness, loaded and unloaded: what the capped reading is fitted to.
 
-Run: python docs/direct_yielding_campaign.py [folder], one process, about half an hour; what the files hold already is
+Run: python docs/research/direct_yielding_campaign.py, one process, about half an hour; what the files hold already is
 not calculated again. Box length 1, E* = 1 and rms slope 1, so that pressure and hardness are in units of E* h'.
 Every surface is pressed elastically too: fitted is the elastic pressure that has the same effect on the same surface.
 A second table has the contact area at which nothing flows any more.
@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import csv
 import math
-import sys
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import NamedTuple
@@ -22,7 +21,8 @@ from leak.direct import PeriodicHalfSpace, patch_flow, press
 from leak.direct.contact import ContactState
 from leak.direct.flow import spanning
 
-FOLDER = Path(__file__).resolve().parents[1] / "tests" / "reference"
+FILE = Path(__file__).with_name("direct_yielding.csv")
+THRESHOLD_FILE = Path(__file__).with_name("direct_threshold.csv")
 COLUMNS = (
     "grid_points_per_side",
     "rolloff_wavelengths_per_box",
@@ -165,12 +165,12 @@ def thresholds(patch: Patch) -> Iterator[tuple[str, ...]]:
             yield (*patch.label, "" if hardness is None else f"{hardness:g}", str(direction), *numbers)
 
 
-def main(folder: Path) -> None:
+def main() -> None:
     """Add what is missing to both tables."""
     spectra = [(0.7, 8), (0.5, 16), (0.9, 16), (0.5, 8), (0.9, 8), (0.7, 16)]
     several = [Patch(256, rolloff, 32, hurst, seed) for seed in (0, 1) for hurst, rolloff in spectra]
-    _complete(folder / "direct_yielding.csv", COLUMNS, patches(), rows)
-    _complete(folder / "direct_threshold.csv", THRESHOLD_COLUMNS, several, thresholds)
+    _complete(FILE, COLUMNS, patches(), rows)
+    _complete(THRESHOLD_FILE, THRESHOLD_COLUMNS, several, thresholds)
 
 
 def _complete(
@@ -197,4 +197,4 @@ def _complete(
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]) if len(sys.argv) > 1 else FOLDER)
+    main()

@@ -1,6 +1,6 @@
 """Constants of `leak.theory.own_error`, from direct simulations of isotropic elastic surfaces.
 
-Run: python docs/own_error_fit.py   (prints them, and how they meet the rows held out)
+Run: python docs/research/own_error_fit.py   (prints them, and how they meet the rows held out)
 
 How far the means of the spectra are from the theory, beyond what so few surfaces scatter, gives its bias and spread;
 how far single surfaces are from it, beyond that, gives what a finite sample does. Both by maximum likelihood.
@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from direct_elastic_campaign import held_out
+from direct_elastic_campaign import LOW_LOAD_FILE, held_out
 from numpy.typing import NDArray
 from scipy.optimize import minimize, minimize_scalar
 
@@ -24,7 +24,7 @@ import leak
 from leak.theory.own_error import closing, flow_error
 
 FloatArray = NDArray[np.float64]
-REFERENCE = Path(__file__).resolve().parents[1] / "tests" / "reference"
+REFERENCE = Path(__file__).resolve().parents[2] / "tests" / "reference"
 # ln k is larger on endlessly fine grids than on four points per shortest wave, by so much and so much per X: patches
 # of three spectra on 4, 8 and 16 points; half of it, which varies with the spectrum, goes into the spread.
 GRID = (0.03, 0.08)
@@ -46,7 +46,7 @@ def surface(hurst: float, rolloff: float, cutoff: float) -> leak.RoughContact:
 
 def low_load_rows() -> list[dict[str, float]]:
     """Rows to `HIGHEST` with ln(direct/theory), as it is and with the heights that the patch lacks made up for."""
-    with (REFERENCE / "direct_low_load.csv").open(encoding="utf-8") as file:
+    with LOW_LOAD_FILE.open(encoding="utf-8") as file:
         rows = [{name: float(value) for name, value in row.items()} for row in csv.DictReader(file)]
     rows = [row for row in rows if row["p_over_Eh"] <= HIGHEST]
     for row in rows:

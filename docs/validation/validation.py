@@ -1,6 +1,6 @@
 """Write docs/verification/validation.md: measurements compared with the predictions of the program.
 
-Run: python docs/validation.py [--all] for the page; python docs/validation.py FILE.toml ... for files of your own.
+Run: python docs/validation/validation.py [--all] for the page, with FILE.toml ... for files of your own.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ from fem_seal.seal.problem import SealProblem
 from fem_seal.studies.expressions import Expression
 from fem_seal.studies.responses import evaluate_design
 
-HERE = Path(__file__).parent
-FOLDER, FILE = HERE / "validation", HERE / "verification" / "validation.md"
+FOLDER = Path(__file__).parent
+FILE = FOLDER.parent / "verification" / "validation.md"
 # Stored predictions: their calculation takes minutes, writing the page takes seconds.
 PREDICTIONS = FOLDER / "predictions.json"
 TEMPLATE = "template.toml"

@@ -1,7 +1,7 @@
 """Asperities that yield, the theory compared with direct simulation: the pressure capped at the hardness, or von Mises.
 
-Run: python docs/direct_yielding.py, to fit the constants of `leak.theory.plasticity` anew, each on one part of its
-surfaces and judged on the others. Box length 1, E* = 1 and rms slope 1; pressures are in units of E* h'.
+Run: python docs/research/direct_yielding.py, to fit the constants of `leak.theory.plasticity` anew, each on one part of
+its surfaces and judged on the others. Box length 1, E* = 1 and rms slope 1; pressures are in units of E* h'.
 """
 
 from __future__ import annotations
@@ -14,6 +14,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
+import direct_von_mises_campaign
+import direct_yielding_campaign
 import numpy as np
 from direct_numerical import periodic_spectrum, worst_factor
 from numpy.typing import NDArray
@@ -24,8 +26,6 @@ from leak.theory.plasticity import BEARING_GAP, CAPPED, VON_MISES, YieldingConst
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
-CAMPAIGN = "direct_yielding.csv"
-FLOWING = "direct_von_mises.csv"
 AVERAGES = "plastic_direct.csv"
 # Elastic surfaces seal at this pressure: mean over the 12 of direct_threshold.csv, standard error 0.002.
 SEALING = 0.215
@@ -132,9 +132,9 @@ class YieldingSet:
         return out
 
 
-def read_campaign(folder: Path) -> list[YieldingSet]:
-    """One set per surface of the campaign, see `docs/direct_yielding_campaign.py`."""
-    rows = _rows(folder / CAMPAIGN)
+def read_campaign() -> list[YieldingSet]:
+    """One set per surface of the campaign, see `docs/research/direct_yielding_campaign.py`."""
+    rows = _rows(direct_yielding_campaign.FILE)
     keys = [
         "grid_points_per_side",
         "rolloff_wavelengths_per_box",
@@ -160,21 +160,20 @@ def read_averages(folder: Path) -> list[YieldingSet]:
     ]
 
 
-def read_von_mises(folder: Path, metal: tuple[str, str] = ("0.3", "0")) -> list[YieldingSet]:
-    """One set per surface of `docs/direct_von_mises_campaign.py`, load steps extrapolated.
+def read_von_mises(metal: tuple[str, str] = ("0.3", "0")) -> list[YieldingSet]:
+    """One set per surface of `docs/research/direct_von_mises_campaign.py`, load steps extrapolated.
 
     Gap and conductivity err by the first order of the load steps; what half of them change is added once more, after
     unloading as much as at the largest pressure.
 
     Parameters
     ----------
-    folder : Path
     metal : tuple of str
         Poisson's ratio and hardening as the file writes them.
     """
     keys = ("rolloff_wavelengths_per_box", "cutoff_wavelengths_per_box", "hurst", "seed")
     surfaces: dict[tuple[str, ...], dict[tuple[str, str, str, str], dict[str, dict[str, str]]]] = {}
-    for row in _rows(folder / FLOWING):
+    for row in _rows(direct_von_mises_campaign.FILE):
         if row["model"] == "elastic" or (row["poissons_ratio"], row["hardening"]) == metal:
             state = (row["hardness_over_Eh"], row["branch"], row["p_over_Eh"], row["p_max_over_Eh"])
             surface = surfaces.setdefault(tuple(row[key] for key in keys), {})
@@ -404,8 +403,8 @@ def _states(one: YieldingSet, hardness: float, pressure: FloatArray, largest: Fl
 def main(folder: Path) -> None:
     """Fit, judge, and say how far off the constants in use are."""
     campaigns = {
-        "capped": (halves(read_campaign(folder)), CAPPED),
-        "von Mises": (held_out(read_von_mises(folder)), VON_MISES),
+        "capped": (halves(read_campaign()), CAPPED),
+        "von Mises": (held_out(read_von_mises()), VON_MISES),
     }
     for what, ((seen, unseen), in_use) in campaigns.items():
         for name, constants in (("fitted now", fit(seen, in_use)), ("in use", in_use)):
@@ -421,5 +420,5 @@ def main(folder: Path) -> None:
 
 
 if __name__ == "__main__":
-    default = Path(__file__).resolve().parents[1] / "tests" / "reference"
+    default = Path(__file__).resolve().parents[2] / "tests" / "reference"
     main(Path(os.environ.get("FEM_SEAL_REFERENCE", default)))

@@ -40,11 +40,11 @@ Copy [docs/validation/template.toml](../validation/template.toml) and fill in th
 report does not give, write its range in `[[scenarios]]`. Then
 
 ```
-python docs/validation.py docs/validation/my_seal.toml
+python docs/validation/validation.py docs/validation/my_seal.toml
 ```
 
-prints the verdict. Files in `docs/validation/` become part of this page with `python docs/validation.py`, which
-calculates every file that has changed since, and with `--all` every file.
+prints the verdict. Files in `docs/validation/` become part of this page with `python docs/validation/validation.py`,
+which calculates every file that has changed since, and with `--all` every file.
 """
 
 

@@ -1,6 +1,6 @@
 """Write docs/verification/strips.md: strips of whole seals, simulated, beside the chain.
 
-Run: python docs/strips.py [number of strips of each]
+Run: python docs/verification/strips.py [number of strips of each]
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ from pathlib import Path
 import fem_seal
 from fem_seal.seal.direct_seal import SealRow
 
-FILE = Path(__file__).parent / "verification" / "strips.md"
-EXAMPLES = Path(__file__).parents[1] / "examples"
+FILE = Path(__file__).with_suffix(".md")
+EXAMPLES = Path(__file__).parents[2] / "examples"
 POINTS = 256
 LAPPED = {
     "roughness.spectrum.rms_height": "0.12 um",
@@ -64,11 +64,11 @@ COLUMNS = (
 )  # fmt: skip
 HEAD = """# Strips of whole seals
 
-Written by `docs/strips.py`. Strips of the seal itself ([direct simulation](../guide/direct.md)) beside the chain
-with `[leak] theory = "corrected"`: {samples} of {across} x {along} points in each row. Both hold the waves that the
-grid holds. Elastic strips stand beside the chain without yielding; capped ones, whose pressure stays below the
-hardness, beside the chain whose asperities yield by von Mises: metal that flows below the surface gives way less than
-a cap on the pressure, and leaks more.
+Written by `docs/verification/strips.py`. Strips of the seal itself ([direct simulation](../guide/direct.md)) beside
+the chain with `[leak] theory = "corrected"`: {samples} of {across} x {along} points in each row. Both hold the waves
+that the grid holds. Elastic strips stand beside the chain without yielding; capped ones, whose pressure stays below
+the hardness, beside the chain whose asperities yield by von Mises: metal that flows below the surface gives way less
+than a cap on the pressure, and leaks more.
 
 Standard errors are those of the strips, as a share. Pressures and widths are of the Gaussian with the line load and the
 standard deviation of the mean pressure. Under low loads a strip rests on few summits, and scatters.

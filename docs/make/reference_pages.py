@@ -1,6 +1,6 @@
 """Write the pages generated at every build: commands, Python names, output of the tutorial.
 
-    python docs/make_reference_pages.py
+    python docs/make/reference_pages.py
 
 docs/reference/cli.md comes from the registered commands, docs/reference/api/ from the public names, grouped by package,
 and docs/tutorial/made/ from running the tutorial.
@@ -31,7 +31,7 @@ import meshes
 from fem_seal.cli.app import app, main
 from fem_seal.output.report.words import headline
 
-FOLDER = Path(__file__).parent / "reference"
+FOLDER = Path(__file__).parents[1] / "reference"
 
 PACKAGES = {
     fem_seal: "Cases, results, studies, and the contact for bodies of your own.",
@@ -222,7 +222,7 @@ def _terminal(command: str, case: Path, *more: str) -> str:
 
 
 if __name__ == "__main__":
-    tutorial(Path(__file__).parent / "tutorial")
+    tutorial(FOLDER.parent / "tutorial")
     (FOLDER / "cli.md").write_text(commands(), encoding="utf-8")
     (FOLDER / "api").mkdir(exist_ok=True)
     for name, text in api():

@@ -1,6 +1,6 @@
 """Rough patches on metal that flows by von Mises, loaded and unloaded: what the corrected theory is fitted to.
 
-Run: python docs/direct_von_mises_campaign.py [folder], one process, about an hour; what the file holds already is not
+Run: python docs/research/direct_von_mises_campaign.py, one process, about an hour; what the file holds already is not
 calculated again. Box length 1, E* = 1 and rms slope 1, so that pressure and hardness are in units of E* h'; the yield
 stress is hardness/2.9. Every patch is pressed elastically and with the pressure capped at the hardness as well. Load
 steps are first order: the path is walked in coarse and in half as long steps, so that it can be extrapolated.
@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import csv
 import math
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
@@ -20,7 +19,7 @@ import numpy as np
 import leak
 from leak.direct import PeriodicHalfSpace, patch_flow, press, press_elastoplastic
 
-FILE = Path(__file__).resolve().parents[1] / "tests" / "reference" / "direct_von_mises.csv"
+FILE = Path(__file__).with_name("direct_von_mises.csv")
 COLUMNS = (
     "grid_points_per_side",
     "rolloff_wavelengths_per_box",
@@ -165,7 +164,7 @@ def calculations(patch: Patch) -> Iterator[tuple[tuple[str, ...], Iterator[tuple
                 yield label(*metal, hardness, model), von_mises(patch, h, hardness, metal, fine)
 
 
-def main(file: Path) -> None:
+def main(file: Path = FILE) -> None:
     """Add what is missing."""
     done: set[tuple[str, ...]] = set()
     if file.exists():
@@ -186,4 +185,4 @@ def main(file: Path) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]) if len(sys.argv) > 1 else FILE)
+    main()

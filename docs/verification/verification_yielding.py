@@ -81,7 +81,7 @@ def _short(ratio: float) -> str:
 
 def yielding_section(reference: Path, image: Path) -> Section:
     """Theory over direct results where the pressure is capped at the hardness."""
-    averages, campaign = read_averages(reference), read_campaign(reference)
+    averages, campaign = read_averages(reference), read_campaign()
     picture(averages, image)
     of_averages, of_campaign = _ratios(averages), _ratios(campaign)
     rows = [
@@ -107,11 +107,11 @@ def yielding_section(reference: Path, image: Path) -> Section:
         "hardness, the overlap taken off the surface, Reynolds flow through the gap; first loading, and unloading "
         "from a larger pressure. Averages: the independent table of two spectra (roll-off at 8, cutoff at 64 waves per "
         "box, 512 x 512 points, hardness/(E* h') of 0.05 to 0.2), which were not used for fitting. Campaign: "
-        f"{len(campaign)} single surfaces of `docs/direct_yielding_campaign.py` (Hurst exponent 0.5 to 0.9, roll-off "
-        "at 4 to 16 waves per box, hardness/(E* h') of 0.03 to 0.5, p/(E* h') of 1e-3 to 0.12). The three readings are "
-        "those of [asperities that yield](../theory/yielding.md); the theory gives no area on unloading. The ratios "
-        "include the error of the elastic theory on the same surfaces: at the smallest pressures, where few "
-        "summits of a small box carry, it is too open by up to two.\n\n"
+        f"{len(campaign)} single surfaces of `docs/research/direct_yielding_campaign.py` (Hurst exponent 0.5 to 0.9, "
+        "roll-off at 4 to 16 waves per box, hardness/(E* h') of 0.03 to 0.5, p/(E* h') of 1e-3 to 0.12). "
+        "The three readings are those of [asperities that yield](../theory/yielding.md); the theory gives no area on "
+        "unloading. The ratios include the error of the elastic theory on the same surfaces: at the smallest "
+        "pressures, where few summits of a small box carry, it is too open by up to two.\n\n"
         "![conductivity with yielding asperities](../images/direct_yielding.svg)\n\n"
         "Marks: averages P5; lines: capped; dashed: volume conserved.\n\n"
         "The equivalent pressure of the capped reading alone, on surfaces it was not fitted to and against the same "

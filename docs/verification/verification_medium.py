@@ -1,7 +1,8 @@
 """Readings of the flow conductivity compared with direct simulations: near the threshold, and with a lay.
 
-docs/direct_elastic_campaign.py makes `direct_elastic.csv`; `direct_numerical.csv` and `anisotropic_direct.csv` come
-from elsewhere. Half of the surfaces were used to fit constants, the other half tests them.
+`docs/research/direct_elastic_campaign.py` makes `direct_elastic.csv`; `direct_numerical.csv` and
+`anisotropic_direct.csv` come from elsewhere. Half of the surfaces were used to fit constants, the other half tests
+them.
 """
 
 from __future__ import annotations
@@ -15,14 +16,13 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from direct_elastic_campaign import FILE
 from direct_numerical import FloatArray, periodic_spectrum, read_direct, worst_factor
 from verification_page import Figure, Section
 
 import leak
 from leak.flow.medium import effective_gap
 
-# The campaign belongs to this repository; the other results may be in another folder.
-CAMPAIGN = Path(__file__).resolve().parents[1] / "tests" / "reference" / "direct_elastic.csv"
 STRETCHED = "anisotropic_direct.csv"
 # Direct A/A0 between which ratios are compared.
 BINS = ((0.0, 0.15), (0.15, 0.19), (0.19, 0.25), (0.25, 0.32), (0.32, 0.39))
@@ -142,7 +142,7 @@ METHODS = ("bruggeman", "threshold-law")
 def thresholds(reference: Path) -> list[Threshold]:
     """All isotropic direct results; the closed law was fitted to sets A512, A and B alone."""
     found = []
-    for file, note in ((CAMPAIGN, ""), (reference / STRETCHED, "*")):
+    for file, note in ((FILE, ""), (reference / STRETCHED, "*")):
         for direct in read(file):
             kind = direct.kind
             if kind.peklenik == 1.0:
@@ -258,7 +258,7 @@ TEXT_THRESHOLD = (
     'the default, and the method "threshold-law" of `leak`, which goes over into 12 eta sigma = 0.80 ubar^3 (1 - '
     "A/(0.42 A0))^2.85 with a corrected contact area between A/A0 = 0.15 and 0.25. Surfaces are named by Hurst "
     "exponent and by their waves per side at roll-off and cutoff (* Peklenik number 1 of "
-    "`anisotropic_direct.csv`; the others are those of `docs/direct_elastic_campaign.py`, on grids of four to "
+    "`anisotropic_direct.csv`; the others are those of `docs/research/direct_elastic_campaign.py`, on grids of four to "
     "eight points per shortest wave, whose area is not corrected for it). The closed law was fitted to sets A512, "
     "A and B; all others test it except single surfaces, which scatter too much. Largest factor on the test surfaces, "
     "and in brackets the root mean square, at A/A0 {words}.\n\n"
@@ -302,7 +302,7 @@ class Lay:
 @lru_cache(maxsize=1)
 def lays(reference: Path) -> tuple[Lay, ...]:
     """All stretched direct results; the constant was fitted to every second spectrum."""
-    found = [*read(CAMPAIGN), *read(reference / STRETCHED)]
+    found = [*read(FILE), *read(reference / STRETCHED)]
     stretched = sorted((one for one in found if one.kind.peklenik != 1.0), key=lambda one: one.kind)
     return tuple(_lay(direct, n % 2 == 0) for n, direct in enumerate(stretched))
 
@@ -384,8 +384,8 @@ def _beyond(sets: Sequence[Lay], name: str) -> FloatArray:
 
 TEXT_LAY = (
     "Conductivity of the theory over that of direct simulations of stretched surfaces, along and across their lay "
-    "(`anisotropic_direct.csv`, Hurst exponent 0.8, and the campaign of `docs/direct_elastic_campaign.py`). The "
-    "theory's one constant for a lay was fitted to half of the spectra. On the other half, Peklenik numbers of 2 "
+    "(`anisotropic_direct.csv`, Hurst exponent 0.8, and the campaign of `docs/research/direct_elastic_campaign.py`). "
+    "The theory's one constant for a lay was fitted to half of the spectra. On the other half, Peklenik numbers of 2 "
     "to 5, it is off by at most {along:.2f} along and {across:.2f} across (root mean square {along_spread:.2f} "
     'and {across_spread:.2f}); patches as long as the roughness ("plain", the textbook reading) by '
     "{plain_along:.2f} and {plain_across:.2f} ({plain_along_spread:.2f} and {plain_across_spread:.2f}). At a "

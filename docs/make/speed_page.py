@@ -1,6 +1,6 @@
 """Write docs/verification/made/: figures of speed and memory over versions, a table and a picture for the manual.
 
-    python docs/speed_page.py
+    python docs/make/speed_page.py
 
 They come from benchmarks/history.csv, which `python benchmarks/goals.py --record` writes.
 """
@@ -11,11 +11,11 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "benchmarks"))
+sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
 
 from history import FILE, Entry, before, latest, read, row, states
 
-FOLDER = Path(__file__).parent / "verification" / "made"
+FOLDER = Path(__file__).parents[1] / "verification" / "made"
 COLUMNS = 3
 
 

@@ -3,8 +3,8 @@
 Isotropic surfaces of several Hurst exponents, roll-offs and bandwidths, and stretched ones: A/A0, mean gap and flow
 conductivity over pressure, one row per surface and pressure. Boundary elements and Reynolds flow of `leak.direct`.
 
-Run: python docs/direct_elastic_campaign.py FILE.csv   (a quarter of an hour of one core; goes on where it stopped)
-     python docs/direct_elastic_campaign.py FILE.csv low-load   (half an hour: from the loads at which seats work)
+Run: python docs/research/direct_elastic_campaign.py   (a quarter of an hour of one core; goes on where it stopped)
+     python docs/research/direct_elastic_campaign.py low-load   (half an hour: from the loads at which seats work)
 """
 
 from __future__ import annotations
@@ -23,6 +23,8 @@ from leak.direct import patch_flow, periodic_flow, press
 
 FloatArray = NDArray[np.float64]
 
+FILE = Path(__file__).with_name("direct_elastic.csv")
+LOW_LOAD_FILE = Path(__file__).with_name("direct_low_load.csv")
 COLUMNS = (
     "peklenik",
     "hurst",
@@ -194,8 +196,9 @@ def pressed(patch: Patch, pressures: tuple[float, ...]) -> Iterator[tuple[float,
         yield p, float(np.mean(state.pressure > 0.0)), float(state.gap.mean()) / rms, *flows
 
 
-def main(file: Path, low_load: bool) -> None:
+def main(low_load: bool) -> None:
     """Write the table; patches that stand in it already are not calculated again."""
+    file = LOW_LOAD_FILE if low_load else FILE
     known: list[list[str]] = []
     if file.exists():
         with file.open(encoding="utf-8") as old:
@@ -216,4 +219,4 @@ def main(file: Path, low_load: bool) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), low_load="low-load" in sys.argv[2:])
+    main(low_load="low-load" in sys.argv[1:])

@@ -1,6 +1,6 @@
 """Write docs/verification/unseen_strips.md: printed intervals beside strips of seals that no fit has seen.
 
-Run: python docs/unseen_strips.py [number of strips of each]
+Run: python docs/verification/unseen_strips.py [number of strips of each]
 """
 
 from __future__ import annotations
@@ -18,21 +18,21 @@ import fem_seal
 from fem_seal.seal.direct_seal import SealRow
 from leak import LeakError
 
-FILE = Path(__file__).parent / "verification" / "unseen_strips.md"
+FILE = Path(__file__).with_suffix(".md")
 SEED, SEALS, POINTS = 4, 20, 256
 # Beyond this contact area under the peak strips of this grid close the last channels.
 LARGEST_AREA = 0.2
 
 HEAD = """# Intervals beside strips of unseen seals
 
-Written by `docs/unseen_strips.py`. {seals} seals drawn at random: ball on cone, ball on a spherical seat and torus on
-a flat; self-affine spectra, hardness and fluid pressures from 1 to 200 bar, as far as less than {area:g} of the area
-touches under the peak. No constant was fitted to them. Half of them are elastic, half yield; strips of metal that
-yields are capped at the hardness. {samples} strips of {across} x {along} points each; both hold the waves that the grid
-holds. The printed interval is that of the corrected theory with inputs as given; direct is the mean of the strips over
-the chain. Inside: between the ends, give or take one standard error of the strips. Waves across: full width at half
-maximum over the wavelength that halves the height variance; where it is small, long waves are a doubt with a factor,
-which is from twenty other seals. Seals of which a strip does not converge are left out.
+Written by `docs/verification/unseen_strips.py`. {seals} seals drawn at random: ball on cone, ball on a spherical seat
+and torus on a flat; self-affine spectra, hardness and fluid pressures from 1 to 200 bar, as far as less than {area:g}
+of the area touches under the peak. No constant was fitted to them. Half of them are elastic, half yield; strips of
+metal that yields are capped at the hardness. {samples} strips of {across} x {along} points each; both hold the waves
+that the grid holds. The printed interval is that of the corrected theory with inputs as given; direct is the mean of
+the strips over the chain. Inside: between the ends, give or take one standard error of the strips. Waves across: full
+width at half maximum over the wavelength that halves the height variance; where it is small, long waves are a doubt
+with a factor, which is from twenty other seals. Seals of which a strip does not converge are left out.
 
 """
 

@@ -1,6 +1,6 @@
 """Write docs/cases/: a page for every case and study in examples/, with its pictures and its complete report.
 
-    python docs/gallery.py
+    python docs/make/gallery.py
 
 A solved example is kept in docs/_build/examples and solved again only after a change of the program or of the examples.
 The tests also solve the cases and keep them there, so that `make docs` after `make test` solves only the studies.
@@ -27,7 +27,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from fem_seal import SealResult
 
-DOCS = Path(__file__).parent
+DOCS = Path(__file__).parents[1]
 ROOT = DOCS.parent
 EXAMPLES = ROOT / "examples"
 KEPT = DOCS / "_build" / "examples"
