@@ -137,19 +137,17 @@ class TomlError(SealError, ValueError):
     """A text is no TOML, or none that a person has written."""
 
 
-# Far beyond what a person writes, and within what takes no time: the reader of the language takes the square of the
-# depth of a key in memory, and of the digits of a number in time.
-_LONGEST_LINE, _LONGEST_TEXT, _LONGEST_WORD, _DEEPEST = 100_000, 10_000, 200, 20
+# Far beyond what a person writes. Who reads a text later, or its table, may take the square of its length in time, and
+# tomllib of the parts of a key.
+_LONGEST_KEY, _LONGEST_TEXT, _DEEPEST = 200, 10_000, 20
 
 _STRING = r"""(?:"(?:\\.|[^"\\\n])*+"?|'[^'\n]*+'?)"""
-_BARE = r"[A-Za-z0-9_+-]++"
-_PART = rf"(?:{_BARE}|{_STRING})"
-_TOML_WORDS = re.compile(
+_PART = rf"(?:[A-Za-z0-9_+-]++|{_STRING})"
+_DEEP_KEY = re.compile(
     # texts of several lines and comments are passed over
     r'"""(?:\\[\s\S]|[^\\])*?(?:"""|\Z)|'
     r"'''[\s\S]*?(?:'''|\Z)|#[^\n]*+|"
-    rf"(?P<deep>{_PART}(?:[ \t]*+\.[ \t]*+{_PART}){{{_DEEPEST}}})|{_STRING}|"
-    rf"(?P<long>[A-Za-z0-9_+-]{{{_LONGEST_WORD}}})|{_BARE}"
+    rf"(?P<deep>{_PART}(?:[ \t]*+\.[ \t]*+{_PART}){{{_DEEPEST}}})|{_PART}"
 )
 
 
@@ -163,56 +161,45 @@ def parse_toml(text: str) -> dict[str, Any]:
     Raises
     ------
     TomlError
-        If it is no TOML, or has lines, keys, numbers or texts that are too long, or is nested too deeply.
+        If it is no TOML, has keys or texts that are too long, or is nested too deeply.
     """
-    for number, line in enumerate(text.split("\n"), start=1):
-        if len(line) > _LONGEST_LINE:
-            raise TomlError(f"line {number} has {len(line)} characters; {_LONGEST_LINE} are allowed")
-    for match in _TOML_WORDS.finditer(text):
-        if match.lastgroup:
-            what = (
-                f"a key of more than {_DEEPEST} parts; a table is at most {_DEEPEST} deep"
-                if match.lastgroup == "deep"
-                else f"a number or word of more than {_LONGEST_WORD} characters; write it shorter, such as 1e9"
-            )
-            raise TomlError(f"line {text.count(chr(10), 0, match.start()) + 1} holds {what}")
+    if any(match["deep"] for match in _DEEP_KEY.finditer(text)):
+        raise TomlError(_TOO_DEEP)
     try:
         tables = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         heading = "declar" in str(error) or "overwrite" in str(error)  # which no quotes mend
         quotes = "" if heading else '. Texts and quantities need quotes: radius = "20 mm"'
         raise TomlError(f"is not valid TOML: {error}{quotes}") from None
+    except ValueError:
+        raise TomlError("holds a number of thousands of digits; write it shorter, such as 1e9") from None
     except RecursionError:
         raise TomlError(_TOO_DEEP) from None
-    _check_nesting(tables)
+    _check_entry("", tables, _DEEPEST)
     return tables
 
 
 _TOO_DEEP = f"is nested too deeply; {_DEEPEST} tables or lists within each other are allowed"
 
 
-def _check_nesting(tables: dict[str, Any]) -> None:
-    """TomlError if tables are nested too deeply or hold keys or texts that are too long."""
-    level: list[tuple[str, Any]] = [("", tables)]
-    for _ in range(_DEEPEST):
-        below: list[tuple[str, Any]] = []
-        for path, entry in level:
-            if isinstance(entry, dict):
-                for key, value in entry.items():
-                    _check_length("a key", key, _LONGEST_WORD)
-                    below.append((f"{path}.{key}".lstrip("."), value))
-            elif isinstance(entry, list):
-                below.extend((path, one) for one in entry)
-            elif isinstance(entry, str):
-                _check_length(path, entry, _LONGEST_TEXT)
-        level = below
-    if level:
+def _check_entry(path: str, entry: Any, levels: int) -> None:
+    """TomlError if an entry is nested in more levels, or holds keys or texts that are too long."""
+    if not levels:
         raise TomlError(_TOO_DEEP)
-
-
-def _check_length(what: str, text: str, most: int) -> None:
-    if len(text) > most:
-        raise TomlError(f'{what}, "{text[:20]} ...", has {len(text)} characters; {most} are allowed')
+    if isinstance(entry, str) and len(entry) > _LONGEST_TEXT:
+        raise TomlError(
+            f'{path}, "{entry[:20]} ...", has {len(entry)} characters; {_LONGEST_TEXT} are allowed'
+        )
+    if isinstance(entry, list):
+        for item in entry:
+            _check_entry(path, item, levels - 1)
+    elif isinstance(entry, dict):
+        for key, value in entry.items():
+            if len(key) > _LONGEST_KEY:
+                raise TomlError(
+                    f'a key, "{key[:20]} ...", has {len(key)} characters; {_LONGEST_KEY} are allowed'
+                )
+            _check_entry(f"{path}.{key}".lstrip("."), value, levels - 1)
 
 
 def read_text_table(file: str | Path) -> TextTable:
