@@ -13,7 +13,7 @@ from fem_seal.contact.laws import HardContact, Law
 from fem_seal.contact.model import condense
 from fem_seal.contact.newton import solve
 from fem_seal.contact.other_loads import BodyLoads
-from fem_seal.contact.sizing import element_sizes, solve_fitted
+from fem_seal.contact.sizing import MeshFit, element_sizes
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.materials import Material, effective_modulus
 from meshes import (
@@ -86,7 +86,10 @@ def _pressed(pair: _Pair, contact: ContactGeometry, law: Law, line_load: float) 
         return [solve(condense(build_contact(contact, sizing), materials), law, contact_force=force)]
 
     sizing = element_sizes(law, [line_load], contact, effective_modulus(*pair.materials))
-    return solve_fitted(sizing, contact, solve_on)[0]
+    fit = MeshFit.begun(sizing, contact)
+    while fit.sizing is not None:
+        fit = fit.after(solve_on(fit.sizing))
+    return fit.found[0]
 
 
 _HEAD = ("pair", "r0 [mm]", "angle", "R_rel [mm]", "Hertz p0", "p0", "FWHM", "std", "force")

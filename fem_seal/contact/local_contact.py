@@ -372,7 +372,7 @@ class LocalContact:
         """Change of ln p_peak of contacts for each 1/m by which the gap is bent [m]."""
         line, bend = self.mean.model.line, _BEND / self.mean.model.relative_radius
         bent = replace(line, initial_gap=line.initial_gap + bend * line.x**2)
-        model = replace(self.mean.model, lines=(bent,))
+        model = replace(self.mean.model, line=bent)
         changed = self._pressed(
             [ContactProblem(model, self.law, one.contact_force, one.loads, start=one) for one in contacts]
         )

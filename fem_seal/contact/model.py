@@ -140,12 +140,11 @@ class ContactLine:
 
 @dataclass(frozen=True)
 class ContactModel:
-    """Compliance of both bodies on their contact lines; independent of load, roughness and interface law.
+    """Compliance of both bodies on their contact line; independent of load, roughness and interface law.
 
     Parameters
     ----------
-    lines : tuple of ContactLine
-        From the axis outwards; the seals of today have one.
+    line : ContactLine
     compliance : ndarray, shape (m, m)
         Opening of the gap at point i per unit normal force at point j [m/N], both bodies together.
     initial_contact_radius : float
@@ -178,7 +177,7 @@ class ContactModel:
     20006
     """
 
-    lines: tuple[ContactLine, ...]
+    line: ContactLine
     closure: CondensedBody
     seat: CondensedBody
     compliance: FloatArray
@@ -196,12 +195,6 @@ class ContactModel:
             f"first touch at r = {quantity('length', self.initial_contact_radius)}, "
             f"{len(self.line.x)} points on the contact line>"
         )
-
-    @property
-    def line(self) -> ContactLine:
-        """The only contact line."""
-        (only,) = self.lines
-        return only
 
     @property
     def bodies(self) -> dict[str, CondensedBody]:
@@ -317,7 +310,7 @@ def condense(
         tuple(place for place in contact.chambers if x[0] < place < x[-1]),
     )
     return ContactModel(
-        (line,),
+        line,
         closure,
         seat,
         line_compliance(closure, seat),

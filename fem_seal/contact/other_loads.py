@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -57,14 +57,14 @@ class BodyLoads:
 
     @classmethod
     def of_fluid(
-        cls, wetted: Sequence[float], gap_pressure: FloatArray, at_rest: BodyLoads | None = None
+        cls, wetted: tuple[float, float], gap_pressure: FloatArray, at_rest: BodyLoads | None = None
     ) -> BodyLoads:
         """Fluid on both bodies, and what acts on them without any.
 
         Parameters
         ----------
-        wetted : sequence of float
-            Fluid pressure on each wetted surface, from the axis outwards: one more than there are contact lines [Pa].
+        wetted : tuple of float
+            Fluid pressure on the wetted surface inside and on the one outside of the contact line [Pa].
         gap_pressure : ndarray, shape (m,)
             Fluid pressure between the surfaces [Pa].
         at_rest : BodyLoads, optional

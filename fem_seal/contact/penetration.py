@@ -52,8 +52,7 @@ class _BetweenSurfaces(FluidPath, Protocol):
         self, model: ContactModel, at_rest: BodyLoads, fluid_pressure: float, unknowns: FloatArray
     ) -> BodyLoads:
         """Fluid on both bodies and between them, and what acts without it."""
-        high = 0 if self.side == "inner" else len(model.lines)
-        wetted = [fluid_pressure if region == high else 0.0 for region in range(len(model.lines) + 1)]
+        wetted = (fluid_pressure, 0.0) if self.side == "inner" else (0.0, fluid_pressure)
         return BodyLoads.of_fluid(wetted, fluid_pressure * self.share(model.line, unknowns), at_rest)
 
 

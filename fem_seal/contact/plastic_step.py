@@ -444,7 +444,7 @@ class _Step:
             gap = gap + body.held.trace @ body.held.normal_displacement(at_rest[name])
         linear = replace(
             model,
-            lines=(replace(model.line, initial_gap=gap),),
+            line=replace(model.line, initial_gap=gap),
             closure=bodies["closure"],
             seat=bodies["seat"],
             compliance=line_compliance(**bodies),

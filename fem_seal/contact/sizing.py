@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import pairwise
@@ -466,40 +466,6 @@ class MeshFit:
             profiles = [one.profile for one in outcome]
             better = better_sizing(self.sizing, self.contact, profiles, size_given=self.size_given)
         return replace(self, sizing=better, found=outcome, tried=self.tried + 1)
-
-
-def solve_fitted(
-    sizing: Sizing,
-    contact: ContactGeometry,
-    solve_on: Callable[[Sizing], Sequence[ContactSolution]],
-    *,
-    size_given: bool = False,
-) -> Sequence[ContactSolution]:
-    """Solve, look at the pressure, and solve again on a better mesh until zone and element sizes fit.
-
-    Parameters
-    ----------
-    sizing : Sizing
-        What was expected.
-    solve_on : callable
-        Meshes with a sizing and solves all loads.
-    size_given : bool
-        Whether the element size is the user's own; then only the zone grows.
-
-    Raises
-    ------
-    ConvergenceError, MeshingError
-        See `MeshFit.after`.
-    """
-    fit = MeshFit.begun(sizing, contact, size_given=size_given)
-    while fit.sizing is not None:
-        outcome: Sequence[ContactSolution] | Exception
-        try:
-            outcome = solve_on(fit.sizing)
-        except (MeshingError, ConvergenceError) as error:
-            outcome = error
-        fit = fit.after(outcome)
-    return fit.found
 
 
 def better_sizing(

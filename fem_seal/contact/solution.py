@@ -205,20 +205,17 @@ class ContactSolution:
 
     @cached_property
     def profiles(self) -> tuple[PressureProfile, ...]:
-        """Nominal pressure profile on each contact line and land, from the axis outwards."""
-        found, start = list[PressureProfile](), 0
-        for line in self.model.lines:
-            for land, reach in line.lands:
-                at = slice(start + land.start, start + land.stop)
-                p = self.pressure[at]
-                before = None if self.largest is None else remembered(p, self.largest[at])
-                found.append(
-                    PressureProfile(
-                        line.x[land], line.radius[land], p, self.gap[at], line.arc_weight[land], reach, before
-                    )
-                )
-            start += len(line.x)
-        return tuple(found)
+        """Nominal pressure profile on each land of the contact line, from the axis outwards."""
+        line = self.model.line
+
+        def on(land: slice, reach: tuple[float | None, float | None]) -> PressureProfile:
+            p = self.pressure[land]
+            before = None if self.largest is None else remembered(p, self.largest[land])
+            return PressureProfile(
+                line.x[land], line.radius[land], p, self.gap[land], line.arc_weight[land], reach, before
+            )
+
+        return tuple(on(land, reach) for land, reach in line.lands)
 
     @cached_property
     def whole(self) -> PressureProfile:
@@ -227,7 +224,7 @@ class ContactSolution:
 
     @property
     def profile(self) -> PressureProfile:
-        """Nominal pressure profile on the line or land that is pressed hardest."""
+        """Nominal pressure profile on the land that is pressed hardest."""
         return tightest(self.profiles)
 
     def after(self, earlier: ContactSolution | None) -> Self:

@@ -171,7 +171,7 @@ def _around_the_axis(
     """Points, quadrilaterals and point data of the seat's face, closed around the axis."""
     every = math.ceil(len(around.angle) / _ANGLES)
     pressure, gap = around.pressure_and_gap(every)
-    line, angle = around.local.mean.model.lines[0], around.angle[::every]
+    line, angle = around.local.mean.model.line, around.angle[::every]
     shape = pressure.shape
     r, z = line.radius, height(line.x)
     points = np.stack(

@@ -523,8 +523,8 @@ def _gap_at_peak(load: LoadResult) -> float:
 
 def _gap_over_radius(load: LoadResult) -> float:
     """Separation over the radius of curvature of the faces, averaged over the contact pressure."""
-    forces, bend = load.contact.point_forces, [line.bend for line in load.contact.model.lines]
-    return float(np.maximum(load.contact.gap, 0.0) * np.concatenate(bend) @ forces / forces.sum())
+    forces, bend = load.contact.point_forces, load.contact.model.line.bend
+    return float(np.maximum(load.contact.gap, 0.0) * bend @ forces / forces.sum())
 
 
 def _shift_by_gap(load: LoadResult) -> float:
@@ -885,5 +885,5 @@ def _coarse(load: LoadResult) -> Iterator[Finding]:
         if worst > _LARGEST_ERROR_OF_PATH:
             yield caution("mesh_and_steps", share=share_text(worst))
     elif worst > _LARGEST_ERROR:
-        size = min(float(np.diff(line.vertices).min()) for line in model.lines)
+        size = float(np.diff(model.line.vertices).min())
         yield caution("mesh", share=share_text(worst), size=size)

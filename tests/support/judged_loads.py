@@ -65,7 +65,7 @@ def load(
             initial_contact_radius=0.014,
             touch_normal_z=0.7,
             relative_radius=0.02,
-            lines=(SimpleNamespace(x=_X, bend=np.zeros(3)),),
+            line=SimpleNamespace(x=_X, bend=np.zeros(3)),
         ),
         stays_below=lambda name, stress: False,
     )

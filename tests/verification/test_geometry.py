@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from fem_seal.contact.laws import HardContact, Law
 from fem_seal.contact.model import ContactModel, condense
 from fem_seal.contact.newton import solve
-from fem_seal.contact.sizing import element_sizes, solve_fitted
+from fem_seal.contact.sizing import MeshFit, element_sizes
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.loads import line_load
 from fem_seal.materials import Material, effective_modulus
@@ -69,7 +69,10 @@ def pressed(
         return [solve(model, law, contact_force=force)]
 
     sizing = element_sizes(law, [line_load], contact, modulus).refined(refine)
-    return solve_fitted(sizing, contact, solve_on)[0]
+    fit = MeshFit.begun(sizing, contact)
+    while fit.sizing is not None:
+        fit = fit.after(solve_on(fit.sizing))
+    return fit.found[0]
 
 
 def narrow_load(contact: ContactGeometry, modulus: float, share: float = 1 / 300) -> float:

@@ -67,7 +67,7 @@ def mesh_picture(result: SealSolution, load: LoadResult) -> Picture:
     label(whole, "Both bodies", f"r  [{size.name}]", f"z  [{size.name}]")
     whole.plot(contact.initial_contact_radius / size.size, 0.0, "o", mfc="none", mec=ORANGE, ms=9, mew=1.6)
     frame_zone(zone, half / unit.size, unit.name, "Contact zone, turned so that the contact lies flat")
-    smallest = min(float(np.diff(line.vertices).min()) for line in result.model.lines)
+    smallest = float(np.diff(result.model.line.vertices).min())
     return captioned(
         figure,
         "mesh",
