@@ -6,6 +6,7 @@ import argparse
 import os
 import tempfile
 import time
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -36,16 +37,18 @@ class Cost:
 def run(name, workers, goal=None, **tables):
     """The cost of a study; prints all that was measured."""
     from fem_seal import Study
-    from fem_seal.studies.pools import local_client
+    from fem_seal.studies.machine import LocalWorkers
+    from fem_seal.studies.session import run_study
 
     study = Study(CASE, **tables)
-    with tempfile.TemporaryDirectory() as folder, local_client(workers) as client:
-        client.run(ready)
-        before, own = sum(client.run(time.process_time).values()), time.process_time()
+    with tempfile.TemporaryDirectory() as folder, closing(LocalWorkers(workers)) as processes:
+        for worker in processes.names():
+            processes.call(worker, ready).result()
+        before, own = processor_time(processes), time.process_time()
         start = time.perf_counter()
-        result = study.run(client, folder=folder)
+        result = run_study(study, processes, folder=folder)
         wall, own = time.perf_counter() - start, time.process_time() - own
-        spent = sum(client.run(time.process_time).values()) - before
+        spent = processor_time(processes) - before
         count, designs, failed = len(study.points), result.solve_seconds, result.counts["failed"]
     # what the designs took holds the building of their cases, which is the study's own business
     building = case_time(study) * count * designs / spent
@@ -59,6 +62,11 @@ def run(name, workers, goal=None, **tables):
         flush=True,
     )
     return Cost(count, wall, (spent + own) / workers)
+
+
+def processor_time(processes):
+    """Of all workers [s]."""
+    return sum(processes.call(worker, time.process_time).result() for worker in processes.names())
 
 
 def case_time(study, sample=500):
@@ -90,22 +98,22 @@ def memory(points):
     class Instant:
         """A pool whose designs take no time."""
 
-        def results(self, recipe, chunks):
+        def results(self, spec, chunks):
             for n, chunk in enumerate(chunks):
                 if n % 50 == 0:
                     seen.append(resident())
-                yield [Row(recipe.key(p), recipe.inputs(p), outputs, None, 0.0) for p in chunk]
+                yield [Row(spec.key(p), spec.inputs(p), outputs, None, 0.0) for p in chunk]
 
     seen = []
     study = Study(CASE, **latin(points))
-    recipe, outputs = work.DesignSpec.of(study), (1.0,) * len(study.output_names)
+    spec, outputs = work.DesignSpec.of(study), (1.0,) * len(study.output_names)
     with tempfile.TemporaryDirectory() as folder:
         store = studies_store.create(
             Path(folder) / "study.sqlite", session._column_types(study), study.output_names
         )
-        store.set_design(recipe.key(point) for point in study.points)
+        store.set_design(spec.key(point) for point in study.points)
         start = time.process_time()
-        session._fill(recipe, store, Instant(), study, progress.Progress())
+        session._fill(spec, store, Instant(), study, progress.Progress())
         spent = time.process_time() - start
         store.close()
     rest = seen[len(seen) // 10 :]

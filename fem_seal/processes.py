@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import ctypes
 import gc
+import math
 import os
 import signal
 import sys
 import threading
 import warnings
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import cache, wraps
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, ParamSpec, TypeVar
 
 if TYPE_CHECKING:
@@ -29,6 +31,30 @@ P = ParamSpec("P")
 def usable_cores() -> int:
     """What this process may use: in a container or under a job scheduler that is less than the machine has."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def usable_memory() -> float:
+    """What this machine, or the container around this process, has [bytes]; infinite where it is not known."""
+    limits = [math.inf]
+    with suppress(AttributeError, ValueError, OSError):
+        limits.append(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
+    for file in _MEMORY_OF_CONTAINER:
+        with suppress(ValueError, OSError):
+            limits.append(int(Path(file).read_text()))
+    return min(limits)
+
+
+_MEMORY_OF_CONTAINER = ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes")
+
+
+def peak_memory() -> float:
+    """What this process has taken at most [bytes]; zero on Windows, which does not say it."""
+    try:
+        import resource
+    except ImportError:
+        return 0.0
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return peak if sys.platform == "darwin" else 1024.0 * peak
 
 
 def fork_map(function: Callable[[T], R], items: Sequence[T], processes: int | None = None) -> list[R]:

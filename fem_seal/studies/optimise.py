@@ -53,7 +53,7 @@ def search_space(study: StudyPlan) -> dict[str, BaseDistribution]:
 
 def optimise(
     study: StudyPlan,
-    recipe: DesignSpec,
+    spec: DesignSpec,
     about: Mapping[str, Any],
     store: Store,
     pool: Pool,
@@ -65,12 +65,12 @@ def optimise(
     ----------
     study : StudyPlan
         With [optimise].
-    recipe : Recipe
+    spec : DesignSpec
     about : dict
         Description of the study, kept with its designs.
     store : Store
         Gets the rows, and has those of the trials before.
-    pool : Pool
+    pool : OwnProcess or WorkerPool
     progress : Progress
 
     Raises
@@ -86,7 +86,7 @@ def optimise(
     settings, space = study.optimise, search_space(study)
     assert settings is not None
     asked = _asked(study, settings, space)
-    rows = list(_tried(recipe, store, asked))
+    rows = list(_tried(spec, store, asked))
     optuna.logging.set_verbosity(optuna.logging.ERROR)
     search = optuna.create_study(directions=["minimize"] * len(study.goals))
     for row in rows:
@@ -95,7 +95,7 @@ def optimise(
             create_trial(
                 state=TrialState.COMPLETE if goals else TrialState.FAIL,
                 values=goals,
-                params=dict(zip(space, recipe.point(row.inputs), strict=True)),
+                params=dict(zip(space, spec.point(row.inputs), strict=True)),
                 distributions=space,
                 constraints=constraints,
             )
@@ -105,7 +105,7 @@ def optimise(
     try:
         while batch := _batch(search, settings, space):
             points = np.array([[trial.params[name] for name in space] for trial in batch])
-            rows = _rows(recipe, store, pool, points)
+            rows = _rows(spec, store, pool, points)
             store.append_design(batch[0].number, [row.key for row in rows])
             for trial, row in zip(batch, rows, strict=True):
                 goals, constraints = _told(study, row)
@@ -129,7 +129,7 @@ def _asked(study: StudyPlan, settings: Optimise, space: Mapping[str, BaseDistrib
     ]
 
 
-def _tried(recipe: DesignSpec, store: Store, asked: list[Any]) -> Iterator[Row]:
+def _tried(spec: DesignSpec, store: Store, asked: list[Any]) -> Iterator[Row]:
     """Rows of the trials before, in their order; InputError if they are those of another search."""
     about = store.about
     if not about.get("design", {}).get("optimise"):
@@ -137,11 +137,7 @@ def _tried(recipe: DesignSpec, store: Store, asked: list[Any]) -> Iterator[Row]:
     keys = store.design
     known = store.rows(keys)
     for key in keys:
-        if (
-            about.get("asked") != asked
-            or key not in known
-            or recipe.key(recipe.point(known[key].inputs)) != key
-        ):
+        if about.get("asked") != asked or key not in known or spec.key(spec.point(known[key].inputs)) != key:
             raise InputError(problem("study_another_search"))
         yield known[key]
 
@@ -168,13 +164,13 @@ def _sampler(seed: int, number: int) -> TPESampler:
         return TPESampler(seed=(seed * 1_000_003 + number) % 2**32, multivariate=True, constant_liar=True)
 
 
-def _rows(recipe: DesignSpec, store: Store, pool: Pool, points: FloatArray) -> list[Row]:
+def _rows(spec: DesignSpec, store: Store, pool: Pool, points: FloatArray) -> list[Row]:
     """Rows of some designs, calculated where they are not known."""
-    keys = [recipe.key(point) for point in points]
+    keys = [spec.key(point) for point in points]
     known = store.known(keys)
     fresh = {key: point for key, point in zip(keys, points, strict=True) if key not in known}
-    for rows in pool.results(recipe, [point[None] for point in fresh.values()]):
-        check_unchanged(recipe.files)
+    for rows in pool.results(spec, [point[None] for point in fresh.values()]):
+        check_unchanged(spec.files)
         store.write(rows)
     found = store.rows(keys)
     return [found[key] for key in keys]

@@ -18,12 +18,13 @@ from fem_seal.files import parse_json, read_text, write_text
 from fem_seal.output.folders import folder_lock
 from fem_seal.output.prose import phrase
 from fem_seal.studies.cost import design_seconds
-from fem_seal.studies.pools import KEPT, Pool, pool
+from fem_seal.studies.pools import Pool, pool
 from fem_seal.studies.progress import Progress
 from fem_seal.studies.results import StudyResult
 from fem_seal.studies.store import FILE, FORMAT_VERSION, TRUTH, Row, Store, create, open_to_read
 from fem_seal.studies.time_limit import OvertimeError, ended_after, overtime_reason
 from fem_seal.studies.work import DesignSpec, check_unchanged, chunks
+from fem_seal.studies.worker_pool import KEPT, Workers
 from fem_seal.units import duration
 from fem_seal.version import __version__
 
@@ -39,7 +40,7 @@ _WORTH_TELLING = 60.0
 
 def run_study(
     study: StudyPlan,
-    client: Client | None = None,
+    client: Client | Workers | None = None,
     *,
     folder: str | Path | None = None,
     workers: int | None = None,
@@ -134,42 +135,42 @@ def _set_aside(study: StudyPlan, path: Path, progress: Progress) -> None:
     progress.note(phrase("studies.notes", "set_aside", name=aside.name))
 
 
-def _calculate(study: StudyPlan, store: Store, ready: Pool, progress: Progress) -> None:
-    recipe, about = DesignSpec.of(study), description(study)
+def _calculate(study: StudyPlan, store: Store, pool: Pool, progress: Progress) -> None:
+    spec, about = DesignSpec.of(study), description(study)
     if study.optimise is not None:
         from fem_seal.studies.optimise import optimise
 
-        optimise(study, recipe, about, store, ready, progress)
+        optimise(study, spec, about, store, pool, progress)
     else:
         held = store.size
-        store.set_design((recipe.key(point) for point in study.points), **about)
+        store.set_design((spec.key(point) for point in study.points), **about)
         if held and store.counts()["open"] == len(study.points):
             progress.note(phrase("studies.notes", "none_known", held=held, version=__version__))
-        _fill(recipe, store, ready, study, progress)
+        _fill(spec, store, pool, study, progress)
 
 
-def _fill(recipe: DesignSpec, store: Store, ready: Pool, study: StudyPlan, progress: Progress) -> None:
+def _fill(spec: DesignSpec, store: Store, pool: Pool, study: StudyPlan, progress: Progress) -> None:
     counts = store.counts()
     done = len(study.points) - counts["open"]
-    expected = counts["open"] * design_seconds(recipe.case, recipe.columns)
+    expected = counts["open"] * design_seconds(spec.case, spec.columns)
     if expected > _WORTH_TELLING:
         each, left = duration(expected / counts["open"]), duration(expected)
         progress.note(phrase("studies.notes", "expected", each=each, all=left))
     progress.begin(len(study.points), done)
-    todo = chunks(recipe, study.points)
+    todo = chunks(spec, study.points)
     try:
-        for rows in ready.results(recipe, _missing(recipe, store, todo) if done else todo):
-            check_unchanged(recipe.files)
+        for rows in pool.results(spec, _missing(spec, store, todo) if done else todo):
+            check_unchanged(spec.files)
             store.write(rows)
             progress.advance(len(rows), sum(row.reason is not None for row in rows))
     finally:
         progress.end()
 
 
-def _missing(recipe: DesignSpec, store: Store, all_chunks: Iterable[FloatArray]) -> Iterator[FloatArray]:
+def _missing(spec: DesignSpec, store: Store, all_chunks: Iterable[FloatArray]) -> Iterator[FloatArray]:
     """Chunks without the designs that have a row already."""
     for chunk in all_chunks:
-        keys = [recipe.key(point) for point in chunk]
+        keys = [spec.key(point) for point in chunk]
         known = store.known(keys)
         left = [n for n, key in enumerate(keys) if key not in known]
         if left:

@@ -150,11 +150,11 @@ class Study(plan.StudyPlan):
         Parameters
         ----------
         client : dask.distributed.Client, optional
-            Cluster that calculates; a local one is made and closed unless given.
+            Cluster that calculates; processes of this machine unless given.
         folder : path, optional
             Where the designs are kept; a temporary folder that goes with the result unless given.
         workers : int, optional
-            Processes of the local cluster; one per core unless given.
+            Processes of this machine, one per core unless given; 0 for this process.
         resume : bool
             Whether `folder` may hold designs of this study already, which are then not calculated again.
         retry_failed : bool

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterator, Mapping, Sequence
+import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING
+from threading import Event
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -20,8 +23,8 @@ from fem_seal.seal.evaluate import Batch, Turn, untimed
 from fem_seal.studies.cost import design_seconds
 from fem_seal.studies.expressions import Expression
 from fem_seal.studies.store import Row, storable
-from fem_seal.studies.tables import Parameter, entries
-from fem_seal.studies.time_limit import overtime_reason
+from fem_seal.studies.tables import Parameter, entries, named
+from fem_seal.studies.time_limit import Block, Watch, overtime_reason, slow_line
 from fem_seal.version import __version__
 
 if TYPE_CHECKING:
@@ -34,6 +37,8 @@ if TYPE_CHECKING:
 _BODIES, _SURFACE, _CHUNK = 0.2, 0.004, 1.0
 # Its designs take their steps together: more of them than these gain nothing any more.
 _MOST_DESIGNS = 128
+# Between the last words of a worker and its end [s].
+_FAREWELL = 2.0
 
 # Materials enter the bodies by their elastic constants, the surface by their hardness.
 _BODY_TABLES = ("closure.", "seat.", "mesh.")
@@ -73,7 +78,7 @@ class DesignSpec:
 
     @classmethod
     def of(cls, study: StudyPlan) -> DesignSpec:
-        """The recipe of a study.
+        """What workers have to know about a study.
 
         Raises
         ------
@@ -84,8 +89,8 @@ class DesignSpec:
         interpolate = study.run_settings.interpolate_surfaces
         parameters = tuple(
             # a worker needs the words that numbers stand for, not the levels or distributions of numbers
-            Parameter(one.entry) if one.numeric else one
-            for one in study.parameters
+            Parameter(parameter.entry) if parameter.numeric else parameter
+            for parameter in study.parameters
         )
         return cls(
             study.case,
@@ -100,41 +105,48 @@ class DesignSpec:
 
     def inputs(self, point: Sequence[float] | FloatArray) -> tuple[float | str | bool, ...]:
         """Values of the parameters in a design."""
-        return tuple(one.value(number) for one, number in zip(self.parameters, point, strict=True))
+        return tuple(
+            parameter.value(number) for parameter, number in zip(self.parameters, point, strict=True)
+        )
 
     def point(self, inputs: Sequence[float | str | bool]) -> list[float]:
         """The design that has these values of the parameters."""
         return [
-            float(value) if one.numeric else float(one.levels.index(value))
-            for one, value in zip(self.parameters, inputs, strict=True)
+            float(value) if parameter.numeric else float(parameter.levels.index(value))
+            for parameter, value in zip(self.parameters, inputs, strict=True)
         ]
 
     def key(self, point: Sequence[float] | FloatArray) -> str:
         """Hash of the full input of a design."""
-        entries = sorted(zip((one.name for one in self.parameters), self.inputs(point), strict=True))
-        told = [[name, _contents(str(value)) if names_files(name) else value] for name, value in entries]
-        text = json.dumps([self.fingerprint, told])
+        names = [parameter.name for parameter in self.parameters]
+        inputs = [
+            [name, _contents(str(value)) if names_files(name) else value]
+            for name, value in sorted(zip(names, self.inputs(point), strict=True))
+        ]
+        text = json.dumps([self.fingerprint, inputs])
         return hashlib.blake2b(text.encode(), digest_size=16).hexdigest()
 
     def files_of(self, point: Sequence[float] | FloatArray) -> dict[str, str]:
         """Those of the files that a design is made of."""
-        own = {
-            str(value) for one, value in zip(self.parameters, self.inputs(point), strict=True) if one.levels
+        chosen = {
+            str(value)
+            for parameter, value in zip(self.parameters, self.inputs(point), strict=True)
+            if parameter.levels
         }
-        return self._files_of_all | {path: self.files[path] for path in own & self.files.keys()}
+        return self._files_of_all | {path: self.files[path] for path in chosen & self.files.keys()}
 
     @cached_property
     def _files_of_all(self) -> dict[str, str]:
-        levels = {str(level) for one in self.parameters for level in one.levels}
-        return {path: held for path, held in self.files.items() if path not in levels}
+        levels = {str(level) for parameter in self.parameters for level in parameter.levels}
+        return {path: contents for path, contents in self.files.items() if path not in levels}
 
 
-def calculate(recipe: DesignSpec, chunk: FloatArray, turn: Turn = untimed) -> list[Row]:
+def calculate(spec: DesignSpec, chunk: FloatArray, turn: Turn = untimed) -> list[Row]:
     """Rows of some designs; a design that fails is a row with its reason.
 
     Parameters
     ----------
-    recipe : Recipe
+    spec : DesignSpec
     chunk : ndarray, shape (designs, parameters)
     turn : callable
         Entered with the number of a design while it is calculated, with None while several are.
@@ -149,73 +161,125 @@ def calculate(recipe: DesignSpec, chunk: FloatArray, turn: Turn = untimed) -> li
     points, batch = chunk.tolist(), Batch(turn)
 
     def case_of(number: int) -> Case:
-        return recipe.case.replace_written(entries(recipe.parameters, points[number]))
+        return spec.case.replace_written(entries(spec.parameters, points[number]))
 
-    files = [recipe.files_of(point) for point in points]
-    for one in files:
-        check_unchanged(one, all_there=False)
+    files = [spec.files_of(point) for point in points]
+    for files_of_design in files:
+        check_unchanged(files_of_design, all_there=False)
     cases = batch.each(range(len(points)), case_of)
-    found = evaluate_designs(batch, cases, recipe.columns, interpolate=recipe.interpolate)
-    done = batch.each(found, lambda number: _row(recipe, points[number], found[number]))
+    designs = evaluate_designs(batch, cases, spec.columns, interpolate=spec.interpolate)
+    rows = batch.each(designs, lambda number: _row(spec, points[number], designs[number]))
     # a design reads its files when it needs them: only now is it sure what it has read
-    for one in files:
-        check_unchanged(one, all_there=False)
+    for files_of_design in files:
+        check_unchanged(files_of_design, all_there=False)
     return [
-        replace(done[number], seconds=batch.seconds[number])
-        if number in done
-        else failed_row(recipe, point, _reason(batch.failed[number]), batch.seconds[number])
+        replace(rows[number], seconds=batch.seconds[number])
+        if number in rows
+        else failed_row(spec, point, _reason(batch.failed[number]), batch.seconds[number])
         for number, point in enumerate(points)
     ]
 
 
-def _row(recipe: DesignSpec, point: Sequence[float], found: DesignResult) -> Row:
+def calculate_watched(
+    spec: DesignSpec,
+    chunk: FloatArray,
+    tell: Callable[[dict[str, Any]], None],
+    worker: str = "",
+    *,
+    replaceable: bool = True,
+) -> list[Row]:
+    """`calculate` in a worker, which ends itself where a design never ends.
+
+    Parameters
+    ----------
+    spec : DesignSpec
+    chunk : ndarray, shape (designs, parameters)
+    tell : callable
+        Told of designs that take long, {"slow": a line for people}, and of one that has reached its time limit,
+        {"late": the design, "worker": ..., "replaceable": ...}.
+    worker : str
+        Name of the worker.
+    replaceable : bool
+        Whether another one takes its place when it has ended itself.
+    """
+    # the limit is that of designs, not of loading what calculates them
+    import fem_seal.studies.responses  # noqa: F401
+
+    def leave() -> None:
+        if replaceable:
+            os._exit(1)
+
+    def block(point: FloatArray) -> Block:
+        def slow(seconds: float) -> None:
+            tell({"slow": slow_line(named(spec.parameters, point), seconds, spec.time_limit)})
+
+        def over(ended: Event) -> None:
+            tell({"late": point.tolist(), "worker": worker, "replaceable": replaceable})
+            # nothing less ends a design that is deep in a library; first what was told has to reach the coordinator
+            if not ended.wait(_FAREWELL):
+                leave()
+
+        return Block(slow, over)
+
+    designs = [block(point) for point in chunk]
+    with Watch(spec.time_limit) as watch:
+
+        def turn(number: int | None) -> AbstractContextManager[None]:
+            # a worker that dies without a word has its designs tried one by one
+            several = Block(lambda seconds: None, lambda ended: leave())
+            return watch.turn(several if number is None else designs[number])
+
+        return calculate(spec, chunk, turn)
+
+
+def _row(spec: DesignSpec, point: Sequence[float], design: DesignResult) -> Row:
     """Row of a design that was calculated, without the time that it took."""
     numbers = {
-        one.name: float(number) for one, number in zip(recipe.parameters, point, strict=True) if one.numeric
+        parameter.name: float(number)
+        for parameter, number in zip(spec.parameters, point, strict=True)
+        if parameter.numeric
     }
-    values: dict[str, float] = {**numbers, **found.values}
-    for name, formula in recipe.derived.items():
+    values: dict[str, float] = {**numbers, **design.values}
+    for name, formula in spec.derived.items():
         values[name] = formula(values)
     return Row(
-        recipe.key(point),
-        recipe.inputs(point),
-        outputs=tuple(storable(values[name]) for name in (*recipe.columns, *recipe.derived)),
+        spec.key(point),
+        spec.inputs(point),
+        outputs=tuple(storable(values[name]) for name in (*spec.columns, *spec.derived)),
         reason=None,
         seconds=0.0,
-        validity=str(found.validity.level),
-        validity_reasons="; ".join(found.validity.reasons),
-        verdict=None if found.verdict is None else str(found.verdict),
+        validity=str(design.validity.level),
+        validity_reasons="; ".join(design.validity.reasons),
+        verdict=None if design.verdict is None else str(design.verdict),
     )
 
 
-def failed_row(
-    recipe: DesignSpec, point: Sequence[float] | FloatArray, why: str, seconds: float = 0.0
-) -> Row:
+def failed_row(spec: DesignSpec, point: Sequence[float] | FloatArray, why: str, seconds: float = 0.0) -> Row:
     """Row of a design that could not be calculated at all."""
-    nothing = (None,) * (len(recipe.columns) + len(recipe.derived))
-    return Row(recipe.key(point), recipe.inputs(point), nothing, why, seconds)
+    nothing = (None,) * (len(spec.columns) + len(spec.derived))
+    return Row(spec.key(point), spec.inputs(point), nothing, why, seconds)
 
 
-def overtime_row(recipe: DesignSpec, point: Sequence[float] | FloatArray) -> Row:
+def overtime_row(spec: DesignSpec, point: Sequence[float] | FloatArray) -> Row:
     """Row of a design that has reached its time limit."""
-    return failed_row(recipe, point, overtime_reason(recipe.time_limit), recipe.time_limit)
+    return failed_row(spec, point, overtime_reason(spec.time_limit), spec.time_limit)
 
 
 def _reason(error: BaseException) -> str:
     text = " ".join(str(error).split())[:500]
-    own = type(error).__module__.split(".")[0] in ("fem_seal", "leak", "meshes")
-    return text if own and text else f"{type(error).__name__}: {text}"
+    expected = type(error).__module__.split(".")[0] in ("fem_seal", "leak", "meshes")
+    return text if expected and text else f"{type(error).__name__}: {text}"
 
 
-def chunks(recipe: DesignSpec, points: FloatArray) -> Iterator[FloatArray]:
+def chunks(spec: DesignSpec, points: FloatArray) -> Iterator[FloatArray]:
     """All designs, each once, in an order in which equal bodies and then equal surfaces follow each other.
 
     Each chunk is what a worker calculates in one go.
     """
     if len(points) == 0:
         return
-    design = design_seconds(recipe.case, recipe.columns)
-    ranks = np.array([_rank(one.name) for one in recipe.parameters])
+    design = design_seconds(spec.case, spec.columns)
+    ranks = np.array([_rank(parameter.name) for parameter in spec.parameters])
     # lexsort takes the most important column last
     ordered = points[np.lexsort(points[:, np.argsort(ranks, kind="stable")[::-1]].T)]
     changed = np.vstack([np.ones(ordered.shape[1], dtype=bool), ordered[1:] != ordered[:-1]])
@@ -262,7 +326,9 @@ def _fingerprint(
 
 def contents_of_files(case: Case, parameters: Sequence[Parameter]) -> dict[str, str]:
     """Contents, as hashes, of all files that a case and parameters name."""
-    levels = (str(level) for one in parameters if names_files(one.name) for level in one.levels)
+    levels = (
+        str(level) for parameter in parameters if names_files(parameter.name) for level in parameter.levels
+    )
     return {path: _contents(path) for path in (*case.named_files, *levels)}
 
 
@@ -276,9 +342,9 @@ def check_unchanged(files: Mapping[str, str], *, all_there: bool = True) -> None
     all_there : bool
         Whether a file that is not there any more has changed, too. On another machine it may never have been.
     """
-    for path, held in files.items():
-        found = _contents(path)
-        if found != held and (all_there or found != path):
+    for path, contents in files.items():
+        present = _contents(path)
+        if present != contents and (all_there or present != path):
             raise InputError(problem("study_file_changed"), file=path)
 
 

@@ -96,7 +96,14 @@ num = 2
         ("ezdxf", ["check", "examples/profile_from_drawing.toml"], "drawings"),
         (
             "dask",
-            ["study", "examples/studies/angle_and_roughness.toml", "--workers", "2", "-o", "OUT"],
+            [
+                "study",
+                "examples/studies/angle_and_roughness.toml",
+                "-o",
+                "OUT",
+                "--scheduler",
+                "tcp://127.0.0.1:1",
+            ],
             "studies",
         ),
         ("optuna", ["study", "examples/studies/conical_land.toml", "-o", "OUT"], "studies"),

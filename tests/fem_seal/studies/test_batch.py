@@ -141,10 +141,10 @@ def test_quadrature_covers_each_cell_of_a_contact():
 
 
 def test_workers_come_to_where_their_shares_meet():
-    from fem_seal.studies.pools import _WorkQueue
+    from fem_seal.studies.worker_pool import WorkQueue
 
     chunks = [object() for _ in range(12)]
-    shares, place = _WorkQueue(chunks, ["a", "b"]), {id(chunk): n for n, chunk in enumerate(chunks)}
+    shares, place = WorkQueue(chunks, ["a", "b"]), {id(chunk): n for n, chunk in enumerate(chunks)}
     # b is twice as fast
     order = [(worker, place[id(shares.next(worker))]) for worker in "abb" * 4]
     assert sorted(n for _, n in order) == list(range(12))

@@ -197,43 +197,13 @@ def test_what_takes_minutes_travels_one_design_at_a_time():
     assert sizes(changes=yielding) == [1, 1, 1, 1]
 
 
-def _plugin():
-    distributed = pytest.importorskip("distributed")
-
-    class Hanging(distributed.WorkerPlugin):
-        """Workers for which one design never ends, those that come later as well."""
-
-        def setup(self, worker):
-            responses.warmed = hang_in(responses, wait)
-
-    return Hanging()
-
-
-@pytest.mark.slow
-def test_a_worker_whose_design_never_ends_is_replaced(tmp_path, capsys):
-    pytest.importorskip("distributed")
-    from fem_seal.studies.pools import local_client
-
-    slow_enough = study(run={"time_limit": "6 s"})
-    with local_client(1) as client:
-        client.register_plugin(_plugin())
-        start = time.monotonic()
-        result = run_study(slow_enough, client, folder=tmp_path, progress=Lines())
-        took = time.monotonic() - start
-    assert result.table["status"].tolist() == ["done", "done", "failed", "done"]
-    assert "time limit of 6 s" in result.table["reason"][2]
-    assert 'load.applied_force = "2 N"' in capsys.readouterr().err
-    # once, and not once more for each retry
-    assert took < 60.0
-
-
 @pytest.mark.slow
 def test_a_worker_without_a_nanny_is_left_alone(tmp_path, monkeypatch):
     """It may be a thread of this very process, which is not to die of it."""
     pytest.importorskip("distributed")
     from dask.distributed import Client, LocalCluster
 
-    from fem_seal.studies.pools import Cluster
+    from fem_seal.studies.cluster import on_cluster
     from fem_seal.studies.work import DesignSpec, chunks
 
     free = []
@@ -244,7 +214,7 @@ def test_a_worker_without_a_nanny_is_left_alone(tmp_path, monkeypatch):
 
     monkeypatch.setattr(responses, "warmed", hang_in(responses, wait_here))
     slow_enough = study(run={"time_limit": "6 s"})
-    recipe = DesignSpec.of(slow_enough)
+    spec = DesignSpec.of(slow_enough)
     with (
         LocalCluster(
             n_workers=2, threads_per_worker=1, processes=False, dashboard_address=None, silence_logs=50
@@ -253,7 +223,7 @@ def test_a_worker_without_a_nanny_is_left_alone(tmp_path, monkeypatch):
     ):
         found = [
             row
-            for rows in Cluster(client, 1, 60.0).results(recipe, chunks(recipe, slow_enough.points))
+            for rows in on_cluster(client, 1, patience=60.0).results(spec, chunks(spec, slow_enough.points))
             for row in rows
         ]
         free.append(True)
@@ -261,25 +231,6 @@ def test_a_worker_without_a_nanny_is_left_alone(tmp_path, monkeypatch):
     assert len(found) == 4
     assert "time limit" in reasons.pop(NEVER)
     assert set(reasons.values()) == {None}
-
-
-@pytest.mark.slow
-def test_the_local_cluster_listens_on_this_machine_only():
-    pytest.importorskip("distributed")
-    import psutil
-
-    from fem_seal.studies.pools import local_client
-
-    with local_client(2):
-        own = psutil.Process()
-        listening = [
-            one.laddr.ip
-            for process in (own, *own.children(recursive=True))
-            for one in process.net_connections(kind="inet")
-            if one.status == psutil.CONN_LISTEN
-        ]
-    assert len(listening) >= 4
-    assert set(listening) == {"127.0.0.1"}
 
 
 READER = """
@@ -456,13 +407,13 @@ def test_a_data_file_of_a_parameter_is_watched_only_by_its_designs(tmp_path):
         parameters={"roughness.spectrum.file": [str(tmp_path / "a.csv"), str(tmp_path / "b.csv")]},
         responses=["line_load_N_per_m"],
     )
-    recipe = DesignSpec.of(plan)
+    spec = DesignSpec.of(plan)
     rougher(tmp_path / "b.csv")
-    (whole,) = chunks(recipe, plan.points)
-    (done,) = calculate(recipe, whole[:1])
+    (whole,) = chunks(spec, plan.points)
+    (done,) = calculate(spec, whole[:1])
     assert done.reason is None
     with pytest.raises(InputError, match=r"b\.csv: was changed"):
-        calculate(recipe, whole[1:])
+        calculate(spec, whole[1:])
 
 
 @pytest.mark.slow
@@ -495,22 +446,25 @@ def test_a_worker_on_another_machine_need_not_have_what_it_does_not_read(tmp_pat
     from fem_seal.studies.work import DesignSpec, calculate, chunks
 
     plan = study()
-    recipe = replace(DesignSpec.of(plan), files={str(tmp_path / "curve.csv"): "its contents at home"})
-    (whole,) = chunks(recipe, plan.points)
-    assert [row.reason for row in calculate(recipe, whole)] == [None] * 4
+    spec = replace(DesignSpec.of(plan), files={str(tmp_path / "curve.csv"): "its contents at home"})
+    (whole,) = chunks(spec, plan.points)
+    assert [row.reason for row in calculate(spec, whole)] == [None] * 4
 
 
 @pytest.mark.slow
 def test_workers_notice_an_edited_file_too(tmp_path):
-    pytest.importorskip("distributed")
-    from fem_seal.studies.pools import Cluster, local_client
+    from fem_seal.studies.machine import LocalWorkers
     from fem_seal.studies.work import DesignSpec, chunks
+    from fem_seal.studies.worker_pool import WorkerPool
 
     plan = scanned(tmp_path)
-    recipe = DesignSpec.of(plan)
+    spec = DesignSpec.of(plan)
     rougher(tmp_path / "a.csv")
-    with local_client(1) as client, pytest.raises(InputError, match=r"a\.csv: was changed or removed"):
-        list(Cluster(client, 1, 60.0).results(recipe, chunks(recipe, plan.points)))
+    with (
+        closing(LocalWorkers(1)) as workers,
+        pytest.raises(InputError, match=r"a\.csv: was changed or removed"),
+    ):
+        list(WorkerPool(workers, 1).results(spec, chunks(spec, plan.points)))
 
 
 @pytest.mark.slow

@@ -5,22 +5,30 @@ from __future__ import annotations
 import json
 import os
 import signal
-import socket
 import sqlite3
 import subprocess
 import sys
 import time
-from contextlib import ExitStack, suppress
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import closing, contextmanager
+from dataclasses import replace
+from multiprocessing import parent_process
 from pathlib import Path
 from threading import Event, Thread
 
+import numpy as np
 import pandas as pd
 import pytest
 from places import EXAMPLES
 
 from fem_seal import StudyResult, load_study
 from fem_seal.errors import ClusterError
+from fem_seal.studies.cluster import on_cluster
+from fem_seal.studies.machine import LocalWorkers
+from fem_seal.studies.progress import Lines
 from fem_seal.studies.session import run_study
+from fem_seal.studies.work import DesignSpec
+from fem_seal.studies.worker_pool import WorkerPool
 
 pytestmark = [
     pytest.mark.slow,
@@ -40,7 +48,7 @@ seat.angle = {{ start = "40 deg", stop = "50 deg", num = 12 }}
 load.fluid_pressure = {{ start = "5 bar", stop = "20 bar", num = 6 }}
 """
 DESIGNS = 12 * 6
-# Loaded by each worker, which may do so twice: designs that take their time and little of the processor's.
+# Loaded by the process that workers are copies of: designs that take their time and little of the processor's.
 SLOW = """
 import time
 from fem_seal.studies import responses
@@ -49,16 +57,17 @@ def slow(case, swift=responses.warmed):
     time.sleep(0.1)
     return swift(case)
 
-if responses.warmed.__name__ != "slow":
-    responses.warmed = slow
+responses.warmed = slow
+"""
+COMMAND = """
+import sys
+from fem_seal.__main__ import main
+from fem_seal.studies import machine
+machine._LOADED.append("slow")
+sys.exit(main())
 """
 # Longest wait for anything; on an idle machine it is seconds.
 PATIENCE = 120.0
-
-
-@pytest.fixture(autouse=True, scope="module")
-def clusters():
-    pytest.importorskip("distributed")
 
 
 @pytest.fixture(autouse=True)
@@ -78,7 +87,7 @@ def never_forever():
 @pytest.fixture
 def study_file(tmp_path, monkeypatch):
     (tmp_path / "slow.py").write_text(SLOW)
-    monkeypatch.setenv("DASK_DISTRIBUTED__WORKER__PRELOAD", str(tmp_path / "slow.py"))
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path), prepend=os.pathsep)
     path = tmp_path / "study.toml"
     path.write_text(STUDY)
     return path
@@ -88,8 +97,8 @@ def start(study_file, folder, *options, quiet=True):
     """A study in processes of their own, as a terminal starts it."""
     command = [
         sys.executable,
-        "-m",
-        "fem_seal",
+        "-c",
+        COMMAND,
         "study",
         str(study_file),
         "-o",
@@ -195,39 +204,139 @@ def test_ctrl_c_ends_with_one_line(study_file, tmp_path, calculating):
         assert StudyResult(folder).counts["failed"] == 0
 
 
-def test_a_port_that_is_taken_is_passed_over_in_silence(recwarn):
-    from fem_seal.studies.pools import local_client
+@contextmanager
+def dask_cluster(workers):
+    """Workers as a cluster has them, on this machine."""
+    distributed, dask = pytest.importorskip("distributed"), pytest.importorskip("dask")
+    with (
+        dask.config.set({"distributed.scheduler.allowed-failures": 0, "logging.distributed": "critical"}),
+        distributed.LocalCluster(
+            n_workers=workers, threads_per_worker=1, dashboard_address=None, silence_logs=50
+        ) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        yield client
 
-    with ExitStack() as taken:
-        # by somebody else, perhaps
-        with suppress(OSError):
-            taken.enter_context(socket.create_server(("", 8787), reuse_port=True))
-        taken.enter_context(local_client(1))
-        assert not [str(one.message) for one in recwarn if "8787" in str(one.message)]
+
+@contextmanager
+def some_workers(where, count):
+    """What a study takes as its client."""
+    with closing(LocalWorkers(count)) if where == "machine" else dask_cluster(count) as workers:
+        yield workers
 
 
-@pytest.mark.slow
-def test_a_design_that_kills_every_worker_costs_itself_only(tmp_path):
+def pool_of(workers, retries=1):
+    return WorkerPool(workers, retries) if isinstance(workers, LocalWorkers) else on_cluster(workers, retries)
+
+
+WHERE = pytest.mark.parametrize("where", ["machine", "cluster"])
+
+
+@WHERE
+def test_a_design_that_kills_every_worker_costs_itself_only(tmp_path, where):
     """Whoever calculates the third design dies at once."""
-    from fem_seal.studies.pools import Cluster, local_client
-    from fem_seal.studies.work import DesignSpec
-
     study = load_study(_small(tmp_path))
-    recipe = DesignSpec.of(study)
     deadly = float(study.points[2, 0])
-    with local_client(2) as client:
-        client.register_plugin(_arming(deadly))
-        cluster = Cluster(client, 1, PATIENCE)
-        found = [row for rows in cluster.results(recipe, [study.points]) for row in rows]
-    reasons = {row.inputs[0]: row.reason for row in found}
-    assert len(found) == 4
+    spec = armed(DesignSpec.of(study), "die", deadly)
+    with some_workers(where, 2) as workers:
+        rows = [row for some in pool_of(workers).results(spec, [study.points]) for row in some]
+    reasons = {row.inputs[0]: row.reason for row in rows}
+    assert len(rows) == 4
     assert "every worker that calculated it died" in reasons.pop(deadly)
     assert set(reasons.values()) == {None}
+
+
+@WHERE
+def test_a_worker_whose_design_never_ends_is_replaced(tmp_path, monkeypatch, capsys, where):
+    study = load_study(_small(tmp_path, '[run]\ntime_limit = "6 s"\n'))
+    deadly = float(study.points[2, 0])
+    spec_of = DesignSpec.of
+    monkeypatch.setattr(DesignSpec, "of", lambda study: armed(spec_of(study), "hang", deadly))
+    with some_workers(where, 1) as workers:
+        start = time.monotonic()
+        result = run_study(study, workers, folder=tmp_path / "out", progress=Lines())
+        took = time.monotonic() - start
+    assert result.table["status"].tolist() == ["done", "done", "failed", "done"]
+    assert "time limit of 6 s" in result.table["reason"][2]
+    assert 'load.applied_force = "2 N"' in capsys.readouterr().err
+    # once, and not once more for each retry
+    assert took < 60.0
+
+
+def test_workers_of_this_machine_need_no_dask_and_listen_nowhere():
+    psutil = pytest.importorskip("psutil")
+    with closing(LocalWorkers(2)) as workers:
+        loaded = [workers.call(name, loaded_modules).result() for name in workers.names()]
+        own = psutil.Process()
+        listening = [
+            connection
+            for process in own.children(recursive=True)
+            for connection in process.net_connections(kind="inet")
+            if connection.status == psutil.CONN_LISTEN
+        ]
+    assert "fem_seal.studies.responses" in loaded[0] and loaded[0] == loaded[1]
+    assert not {"dask", "distributed"} & loaded[0]
+    assert not listening
+
+
+def loaded_modules():
+    return set(sys.modules)
+
+
+def test_a_worker_that_takes_more_than_its_share_of_the_memory_is_ended():
+    with closing(LocalWorkers(1)) as workers:
+        workers._memory = 1e9
+        assert workers.call("0", take, 0.3e9).result(PATIENCE) == 0.3e9
+        with pytest.raises(BrokenProcessPool):
+            workers.call("0", take, 1.2e9).result(PATIENCE)
+        # its successor has the same share
+        assert workers.call("0", take, 0.3e9).result(PATIENCE) == 0.3e9
+
+
+def take(size):
+    """Memory for a while."""
+    held = np.ones(int(size), dtype=np.uint8)
+    time.sleep(3.0)
+    return held.size
+
+
+def test_a_worker_whose_library_keeps_all_of_its_threads_waiting_is_ended():
+    with closing(LocalWorkers(1)) as workers:
+        workers.call("0", be_impatient, 2.0).result(PATIENCE)
+        with pytest.raises(BrokenProcessPool):
+            workers.call("0", keep_everybody_waiting).result(PATIENCE)
+
+
+def be_impatient(seconds):
+    from fem_seal.studies import machine
+
+    machine._DEAF = seconds
+    time.sleep(2.0)
+
+
+def keep_everybody_waiting():
+    import ctypes
+
+    # unlike CDLL it does not let other threads go on meanwhile
+    ctypes.PyDLL(None).sleep(1000)
+
+
+def test_a_script_that_starts_itself_again_is_told_why(tmp_path):
+    script = tmp_path / "script.py"
+    script.write_text(
+        f"from fem_seal import load_study\nload_study({str(_small(tmp_path))!r}).run(workers=2)\n"
+    )
+    ended = subprocess.run(
+        [sys.executable, str(script)], capture_output=True, text=True, timeout=PATIENCE, check=False
+    )
+    assert ended.returncode == 1
+    assert 'A script that runs a study needs if __name__ == "__main__"' in ended.stderr.splitlines()[-1]
 
 
 @pytest.mark.slow
 def test_a_scheduler_by_its_address(tmp_path):
     """Scheduler and worker are started by themselves, as on a cluster; the command line is told where they are."""
+    pytest.importorskip("distributed")
     study, place = _small(tmp_path), tmp_path / "scheduler.json"
     dask = [sys.executable, "-m", "dask"]
     where = ["--scheduler-file", str(place), "--no-dashboard"]
@@ -250,28 +359,23 @@ def test_a_scheduler_by_its_address(tmp_path):
 
 
 def test_nobody_waits_for_ever(tmp_path):
-    from dask.distributed import Client, LocalCluster
-
-    from fem_seal.studies.pools import Cluster
-    from fem_seal.studies.work import DesignSpec
-
+    distributed = pytest.importorskip("distributed")
     study = load_study(_small(tmp_path))
     with (
-        LocalCluster(n_workers=0, processes=False, dashboard_address=None, silence_logs=50) as cluster,
-        Client(cluster) as client,
+        distributed.LocalCluster(
+            n_workers=0, processes=False, dashboard_address=None, silence_logs=50
+        ) as cluster,
+        distributed.Client(cluster) as client,
     ):
-        rows = Cluster(client, 1, 3.0).results(DesignSpec.of(study), [study.points])
+        rows = on_cluster(client, 1, patience=3.0).results(DesignSpec.of(study), [study.points])
         with pytest.raises(ClusterError, match=r"no worker for 3 s.*--resume"):
             next(rows)
 
 
 def test_chunks_of_the_only_worker_are_given_to_its_successor(tmp_path, monkeypatch):
     """When all workers are lost at once, as at the end of their time, dask keeps what was meant for them for ever."""
-    from dask.distributed import Client, LocalCluster
-
+    distributed = pytest.importorskip("distributed")
     from fem_seal.studies import responses
-    from fem_seal.studies.pools import Cluster
-    from fem_seal.studies.work import DesignSpec
 
     study, begun, free, found = load_study(_small(tmp_path)), Event(), Event(), []
     harmless = responses.warmed
@@ -283,13 +387,15 @@ def test_chunks_of_the_only_worker_are_given_to_its_successor(tmp_path, monkeypa
 
     monkeypatch.setattr(responses, "warmed", held)
     with (
-        LocalCluster(
+        distributed.LocalCluster(
             n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None, silence_logs=50
         ) as cluster,
-        Client(cluster) as client,
+        distributed.Client(cluster) as client,
     ):
         # not even one more attempt: the designs have done nothing wrong
-        rows = Cluster(client, 0, PATIENCE).results(DesignSpec.of(study), [one[None] for one in study.points])
+        rows = on_cluster(client, 0, patience=PATIENCE).results(
+            DesignSpec.of(study), [one[None] for one in study.points]
+        )
         reader = Thread(target=lambda: found.extend(row for some in rows for row in some))
         reader.start()
         assert begun.wait(PATIENCE)
@@ -308,9 +414,7 @@ def test_chunks_that_were_taken_back_are_no_silence(monkeypatch):
     from concurrent.futures import Future
     from types import SimpleNamespace
 
-    import numpy as np
-
-    from fem_seal.studies import pools
+    from fem_seal.studies import worker_pool
 
     def submit(*what, **how):
         future = Future()
@@ -326,51 +430,53 @@ def test_chunks_that_were_taken_back_are_no_silence(monkeypatch):
         sync=answered,
         scheduler=scheduler,
         status="running",
-        subscribe_topic=lambda *about: None,
     )
-    monkeypatch.setattr(pools, "_HEARTBEAT", 0.01)
-    on_the_way = pools._Pending(pools.Cluster(client, 1, PATIENCE), None)
-    on_the_way.send(np.zeros((1, 1)), "tcp://there")
+    monkeypatch.setattr(worker_pool, "HEARTBEAT", 0.01)
+    course = worker_pool._Course(on_cluster(client, 1), None, [np.zeros((1, 1))])
+    assert course.hand_out()
     for _ in range(5):
-        on_the_way._settled.put(Future())
-        assert on_the_way.next() is None
+        course.events.put(Future())
+        assert course.settled() is None
     # two silences do
-    assert on_the_way.next() is None
-    _, rows = on_the_way.next()
-    assert rows is None and not on_the_way
+    assert course.settled() is None
+    _, rows = course.settled()
+    assert rows is None and not course.hand_out()
 
 
-def _small(folder):
+def _small(folder, more=""):
     path = folder / "small.toml"
     path.write_text(
-        f'base = "{CASE}"\nresponses = ["line_load_N_per_m"]\n'
+        f'base = "{CASE}"\nresponses = ["line_load_N_per_m"]\n{more}'
         '[changes]\nload.fluid_pressure = "10 bar"\nmesh.contact_size = "60 um"\n'
         '[parameters]\nload.applied_force = ["0 N", "1 N", "2 N", "3 N"]\n'
     )
     return path
 
 
-def _arm(deadly):
-    """Make this process die when it calculates a certain design."""
+class Arming(str):
+    """What the designs have in common, which arms every worker that reads it."""
+
+    def __reduce__(self):
+        return arming, (str(self), self.how, self.deadly)
+
+
+def armed(spec, how, deadly):
+    """A study whose design with this force kills its worker, or never ends."""
+    return replace(spec, fingerprint=arming(spec.fingerprint, how, deadly))
+
+
+def arming(text, how, deadly):
     from fem_seal.studies import responses
 
-    harmless = responses.warmed
+    fingerprint, harmless = Arming(text), responses.warmed
+    fingerprint.how, fingerprint.deadly = how, deadly
 
-    def armed(case):
+    def deadly_warmed(case):
         if case.load.applied_force == deadly:
-            os.kill(os.getpid(), signal.SIGKILL)
+            os.kill(os.getpid(), signal.SIGKILL) if how == "die" else time.sleep(1e6)
         return harmless(case)
 
-    responses.warmed = armed
-
-
-def _arming(deadly):
-    from distributed import WorkerPlugin
-
-    class Arming(WorkerPlugin):
-        """Arms workers that come later as well."""
-
-        def setup(self, worker):
-            _arm(deadly)
-
-    return Arming()
+    # a scheduler of dask reads it too, in the process of the test
+    if parent_process() is not None:
+        responses.warmed = deadly_warmed
+    return fingerprint
