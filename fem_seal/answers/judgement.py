@@ -96,7 +96,7 @@ class Judgement:
     margin : float
         Allowed leak rate over the upper end of the calculated one: infinite where sealed, zero where open, NaN where
         one of them is not known.
-    why : Why
+    why : VerdictReason
     limit : Limit
     ends : tuple of float
         Of the leak rate's interval, of the fluid that the limit is for [m^3/s].
@@ -273,7 +273,7 @@ class SealJudgement:
         Numbers of the loads of the result that are judged.
     left_out : int
         Loads that should have been judged and have no result.
-    shares : Shares
+    shares : Utilisation
     """
 
     worst: Judgement

@@ -40,7 +40,7 @@ class DissectedBody:
 
         Parameters
         ----------
-        flow : Flow
+        flow : StressUpdate
             About which it is linearised.
 
         Returns

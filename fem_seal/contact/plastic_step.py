@@ -568,7 +568,7 @@ class YieldingBody:
             The same body before it yields, which is what answers where nothing flows.
         displacement : ndarray, shape (dofs,)
             [m]
-        flow : Flow
+        flow : StressUpdate
             There, with its heat.
         heat : mapping
             Those loads of the body that heat it.

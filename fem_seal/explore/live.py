@@ -101,7 +101,7 @@ def conductivity(
 
     Parameters
     ----------
-    flow : Flow
+    flow : FlowModel
     surface : RoughContact
     log_peak : float
         Decimal logarithm of the highest pressure [Pa].

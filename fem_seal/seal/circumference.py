@@ -77,7 +77,7 @@ class Circumference:
         leaks.
     bounds : tuple of LeakBounds
         Of scratches and lay, one by one; of a contact without its leak, none.
-    before : Around or None
+    before : Circumference or None
         The same form under the largest load before; None where none is known.
     """
 
@@ -218,7 +218,7 @@ class LeakCurve:
         ----------
         line_load : ndarray, shape (m,)
             [N/m]
-        before : Around, optional
+        before : Circumference, optional
             Under the largest load before, at the same angles; always the same mean line load.
         """
         first, most = self._first_loading(line_load)
@@ -376,7 +376,7 @@ def around_after(
     local : LocalContact
     before : LocalContact or None
         Under the larger load; None where none is known.
-    near : Around, optional
+    near : Circumference, optional
         See `around`.
 
     Raises
@@ -400,7 +400,7 @@ def around(form: FormError, local: LocalContact, near: Circumference | None = No
         A tolerance is filled by the number of waves that hurts most.
     local : LocalContact
         At the mean line load, and at any other.
-    near : Around, optional
+    near : Circumference, optional
         Of a form error with the same waves, whose line load is close: where this one is looked for.
 
     Raises

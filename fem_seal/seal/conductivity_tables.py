@@ -60,7 +60,7 @@ def family_table(
 
     Parameters
     ----------
-    flow : Flow
+    flow : FlowModel
     surface : RoughContact
     tables : sequence, optional
         Those of `family_tables`, if they have been made already.

@@ -436,7 +436,7 @@ class FlowModel:
 def theory_table(
     surface: RoughContact, p_min: float, p_max: float, num: int | None, *, of_gas: bool
 ) -> Conductivity:
-    """Flow conductivity of a surface over a range of contact pressures, see `Flow.table`.
+    """Flow conductivity of a surface over a range of contact pressures, see `FlowModel.table`.
 
     Parameters
     ----------
@@ -474,7 +474,7 @@ class ProfileLeak:
     bounds : callable
         Flow through a profile with grooves in it.
     conductivity : callable
-        sigma_eff of the roughness at contact pressures [Pa], see `Flow.conductivity_at`.
+        sigma_eff of the roughness at contact pressures [Pa], see `FlowModel.conductivity_at`.
     """
 
     leak: Callable[[PressureProfile], LeakResult]
@@ -507,7 +507,7 @@ class _Tables:
 
 
 def range_around(log_peaks: Sequence[float]) -> tuple[float, float]:
-    """Range of a table for contacts with some peak pressures, see `Flow.table_around` [Pa].
+    """Range of a table for contacts with some peak pressures, see `FlowModel.table_around` [Pa].
 
     Parameters
     ----------
@@ -530,7 +530,7 @@ class LeakModel(ByReading):
     Parameters
     ----------
     surface : RoughContact
-    flow : Flow or None
+    flow : FlowModel or None
         None without a fluid.
     make : callable
         Conductivity of a flow between surfaces.
@@ -556,7 +556,7 @@ class LeakModel(ByReading):
         Parameters
         ----------
         surface : RoughContact or None
-        flow : Flow or None
+        flow : FlowModel or None
         contacts : sequence of ContactSolution
         table : callable, optional
             Conductivity of a flow and a surface, over peak pressures given as decimal logarithms.

@@ -50,7 +50,7 @@ class LoadResult(ByReading):
     contact : ContactSolution
     rough : LeakModel or None
         Surfaces and fluid; None without roughness.
-    formed : Around or None
+    formed : Circumference or None
         Line load around the axis, of which `contact` carries the mean; None for a round seal.
     effective_radius : float or None
         Radius of the circle whose area times the fluid pressure is the fluid's force on the closure [m]; None unless
@@ -584,7 +584,7 @@ def leak_rates(
     Parameters
     ----------
     surface : RoughContact
-    flows : sequence of Flow
+    flows : sequence of FlowModel
         Of different fluids, of which the conductivity is the same.
     loads : sequence of LoadResult
     alike : sequence of LoadResult

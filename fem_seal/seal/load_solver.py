@@ -479,7 +479,7 @@ class SolvedLoads:
         Number of each load without a contact, with the error that says why.
     not_unloaded : ConvergenceError or None
         Why it is not known what is left after the last load, though a body yields.
-    formed : sequence of Around
+    formed : sequence of Circumference
         Each contact around the axis; empty for a round seal.
     earlier : ContactSolution or None
         Under the largest load before them; None where none is known.

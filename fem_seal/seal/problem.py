@@ -196,7 +196,7 @@ class SealProblem:
     loads : Loads
     surface : RoughContact or None
         With the hardness if asperities yield; None without roughness.
-    flow : Flow or None
+    flow : FlowModel or None
         None without a fluid.
     form : FormError or None
         None for a seal that is round.
@@ -463,7 +463,7 @@ class SealProblem:
         contact : ContactSolution
         law : Law, optional
             With which it was solved; the problem's own unless given.
-        near : Around, optional
+        near : Circumference, optional
             Of a contact between the same points and a form error of the same waves, both close to these.
 
         Raises
@@ -738,7 +738,7 @@ class SealFlow:
     problem : SealProblem
         Of which the expected contacts are.
     surface : RoughContact
-    flow : Flow
+    flow : FlowModel
     lower_half : SealFlow or None
         With the lower flange on both faces of a gasket; None where the flanges are alike.
     """

@@ -64,7 +64,7 @@ def fluid_cautions(flow: FlowModel, loads: Sequence[LoadResult]) -> Iterator[Fin
 
     Parameters
     ----------
-    flow : Flow
+    flow : FlowModel
     loads : sequence of LoadResult
         Each caution is about the worst of them.
     """
@@ -77,7 +77,7 @@ def molecule_cautions(flow: FlowModel, loads: Sequence[LoadResult]) -> Iterator[
 
     Parameters
     ----------
-    flow : Flow
+    flow : FlowModel
     loads : sequence of LoadResult
     """
     from leak.fluids.library import molecular_size

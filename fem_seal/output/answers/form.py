@@ -231,7 +231,7 @@ def least_loaded(around: Circumference) -> tuple[list[float], float]:
 
     Parameters
     ----------
-    around : Around
+    around : Circumference
     """
     f = around.line_load
     low = f <= f.min() + _AS_LITTLE * f.mean()

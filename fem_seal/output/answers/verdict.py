@@ -384,7 +384,7 @@ def used_in_words(result: SealSolution, shares: Utilisation) -> str:
     Parameters
     ----------
     result : SealSolution
-    shares : Shares
+    shares : Utilisation
     """
     return ", ".join(
         phrase("verdict.used", name, share=share, body=told_of(shares.body, faces=result.case.faces))
