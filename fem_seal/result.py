@@ -48,7 +48,7 @@ class SealResult(SealSolution):
         The same as the calculation knows it; `surface` is its RoughContact, None without roughness.
     seal_mesh : SealMesh
     model : ContactModel
-    loads : tuple of JudgedLoad
+    loads : tuple of CaseLoad
         In the order of the case, with what is said of each; `verdicts` is their judgements.
     unloaded : Unloaded or None
         Residual stress and imprint after the last load; None if both bodies are elastic.
@@ -561,4 +561,6 @@ def direct_seal(
     kinds: tuple[Asperities, ...] = (
         (("elastic", "capped") if yields else ("elastic",)) if named is None else (named,)
     )
-    return simulate_seal(result.problem, result.loads, settings, kinds, jobs=jobs, progress=tell)[1]
+    return simulate_seal(
+        result.problem, result.loads, result.leak_ranges, settings, kinds, jobs=jobs, progress=tell
+    )[1]

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 
 from fem_seal.answers.answer import Answer, Inquiry
+from fem_seal.answers.case_load import SolvedSeal
 from fem_seal.bodies.supports import Supports
 from fem_seal.contact.load_path import yielding_bodies
 from fem_seal.contact.model import ContactModel
@@ -16,10 +17,10 @@ from fem_seal.contact.plastic_step import PlasticSettings
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError, InputError
 from fem_seal.profile import tightest
-from fem_seal.seal.load_result import DiscretisationError, SolvedSeal, strongest_load
+from fem_seal.seal.load_result import DiscretisationError, strongest_load
 from fem_seal.seal.load_solver import LoadSolver, solve_load
 from fem_seal.seal.problem import SealProblem, condensed
-from leak import LeakResult, Reading
+from leak import LeakResult
 from meshes import GeometryError, MeshingError, SealMesh, Sizing, build_contact
 
 # Of a result whose estimate failed.
@@ -50,7 +51,7 @@ class Comparison:
     fwhm: float
     std: float
     leak_rate: float | None
-    others: Mapping[Reading, float] = field(default_factory=dict)
+    others: Mapping[str, float] = field(default_factory=dict)
 
     @classmethod
     def of(cls, name: str, contact: ContactSolution, leak: LeakResult | None) -> Comparison:

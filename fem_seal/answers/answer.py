@@ -8,8 +8,8 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, Generic, TypeVar, overload
 
+from fem_seal.answers.case_load import CaseLoad, SolvedSeal
 from fem_seal.seal.lazy import OptionalSteps
-from fem_seal.seal.load_result import LoadResult, SolvedSeal
 from fem_seal.seal.load_solver import Clock, LoadSolver
 
 T = TypeVar("T")
@@ -115,7 +115,7 @@ class Answer(Generic[T]):
     compute: Callable[[SolvedSeal, Inquiry], T]
     otherwise: T
     applies: Callable[[SolvedSeal, Wanted], bool] = lambda seal, wanted: True
-    of_load: Callable[[LoadResult, int, T], LoadResult] = lambda load, number, found: load
+    of_load: Callable[[CaseLoad, int, T], CaseLoad] = lambda load, number, found: load
     doing: str = ""
     clock: str = ""
     of_face: bool = False

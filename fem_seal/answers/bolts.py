@@ -7,12 +7,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from fem_seal.answers.answer import Answer, Inquiry
-from fem_seal.answers.judgement import BoltState, JudgedLoad
+from fem_seal.answers.case_load import CaseLoad, SolvedSeal
+from fem_seal.answers.judgement import BoltState
 from fem_seal.bolts import Bolts
 from fem_seal.errors import ConvergenceError
 from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.leak_model import LeakModel
-from fem_seal.seal.load_result import LoadResult, SolvedSeal
+from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.load_solver import LoadSolver, solve_loads
 
 
@@ -53,7 +54,7 @@ def _compute(seal: SolvedSeal, ask: Inquiry) -> BoltAnswers:
     return BoltAnswers(bolts, states, tuple(ends))
 
 
-def _state(bolts: Bolts, preload: float, load: LoadResult, strength: float | None) -> BoltState:
+def _state(bolts: Bolts, preload: float, load: CaseLoad, strength: float | None) -> BoltState:
     number, target, applied = bolts.number, load.preload_for_target, load.force_for_target
     stress = bolts.stress(max(preload, load.applied_force))
     torques = [None if one is None else bolts.torque(one) for one in (preload, target)]
@@ -111,11 +112,11 @@ def _leak_rates(seal: SolvedSeal, ask: Inquiry, bolts: Bolts, factor: float) -> 
     return [rates[number] for number in sorted(rates)]
 
 
-def _of_load(load: LoadResult, number: int, found: BoltAnswers | None) -> LoadResult:
+def _of_load(load: CaseLoad, number: int, found: BoltAnswers | None) -> CaseLoad:
     if found is None:
         return load
     ends = found.leak_rates[number]
-    return JudgedLoad.of(load, bolts=found.loads[number], at_preload_ends=ends)
+    return load.with_values(bolts=found.loads[number], at_preload_ends=ends)
 
 
 BOLTS = Answer[BoltAnswers | None](

@@ -20,8 +20,9 @@ import numpy as np
 from fem_seal.answers import measurements
 from fem_seal.answers.accuracy import ACCURACY
 from fem_seal.answers.answer import Inquiry, answered
+from fem_seal.answers.case_load import CaseLoad, solved_seal
 from fem_seal.answers.conflict import Conflict, Data, conflict_of, data_p_value
-from fem_seal.answers.judgement import JudgedLoad, PassProbability
+from fem_seal.answers.judgement import PassProbability
 from fem_seal.answers.leakage_class import limits
 from fem_seal.answers.opening import OPENING
 from fem_seal.answers.pass_probability import why_none
@@ -42,9 +43,9 @@ from fem_seal.sampling import sobol_points
 from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.evaluate import SILENT, evaluate
 from fem_seal.seal.heating import warmed
-from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.load_solver import Clock, Progress
 from fem_seal.seal.problem import SealProblem
+from fem_seal.seal.scenarios import TEST_GAS, theories
 from fem_seal.validity.checks import validity_of
 
 _DRAWS = 2**15
@@ -228,7 +229,7 @@ def _group(
         If a draw is blown open or no polynomial can be found.
     """
     case = warmed(case)
-    seal = evaluate(SealProblem.of(case), clock=Clock(progress)).seal(case)
+    seal = solved_seal(evaluate(SealProblem.of(case), clock=Clock(progress)), case)
     leaks = [[one.leak for one in (load, *load.others.values())] for load in seal.loads]
     own = np.array([[math.nan if one is None else one.leak_rate for one in of_load] for of_load in leaks]).T
     log_rate, slack = _logarithm(own)[:, :, None].repeat(_DRAWS, axis=2), 0.0
@@ -426,21 +427,22 @@ def _judged(case: Case, y: FloatArray, weights: FloatArray, progress: Progress) 
     progress("verdict after the test")
     case = warmed(case)
     found = evaluate(SealProblem.of(case))
-    seal = answered(found.seal(case), Inquiry(found.solver, SILENT), [ACCURACY, OPENING])
+    seal = answered(solved_seal(found, case), Inquiry(found.solver, SILENT), [ACCURACY, OPENING])
     outside, loads = 0.5 - 0.5 * (case.sampled or Uncertainty()).confidence, []
     shares = outside, 0.5, 1.0 - outside
     for load, own in zip(seal.loads, y.T, strict=True):
         low, middle, high = _exp(percentiles(own, weights, shares))
-        assert load.leak is not None and load.in_test.leak is not None  # of draws
-        more = load.in_test.leak.leak_rate / load.leak.leak_rate if load.leak.leak_rate > 0.0 else 1.0
         left = load.with_values(
             validity=validity_of(found, load),
             sampled=Bounds(low, high),
-            sampled_in_test=Bounds(more * low, more * high),
             leak_rate_p50=middle,
             tested=True,
+            scenarios={
+                name: _sampled_as(load, scenario, low, high) if name == TEST_GAS else scenario
+                for name, scenario in load.scenarios.items()
+            },
         )
-        loads.append(JudgedLoad.of(left, passing=_passing(case, left, own, weights)))
+        loads.append(left.with_values(passing=_passing(case, left, own, weights)))
     judged = with_judgements(case, loads)
     verdict = Judgements(
         seal_judgement(case, judged, seal.missing, seal.problem.hardness),
@@ -449,7 +451,14 @@ def _judged(case: Case, y: FloatArray, weights: FloatArray, progress: Progress) 
     return SealSolution(**vars(seal.with_loads(judged)), answers={VERDICT.name: verdict})
 
 
-def _passing(case: Case, load: LoadResult, y: FloatArray, weights: FloatArray) -> PassProbability | None:
+def _sampled_as(load: CaseLoad, scenario: CaseLoad, low: float, high: float) -> CaseLoad:
+    """A scenario of a load with the ends of draws that leak as much more than the load itself as it does."""
+    assert load.leak is not None and scenario.leak is not None  # of draws
+    more = scenario.leak.leak_rate / load.leak.leak_rate if load.leak.leak_rate > 0.0 else 1.0
+    return scenario.with_values(sampled=Bounds(more * low, more * high))
+
+
+def _passing(case: Case, load: CaseLoad, y: FloatArray, weights: FloatArray) -> PassProbability | None:
     """Weight of the draws of a load that keep the requirement; None where nothing is required of it."""
     if case.requirement is None or not case.requirement.judges(load.fluid_pressure):
         return None
@@ -561,7 +570,7 @@ def _alternatives(
         case.leak.theory: float(logsumexp(data.log_likelihood(y))) - math.log(len(y))
     }
     others: list[tuple[str, dict[str, Any]]] = [
-        (theory, {"leak.theory": theory}) for theory in SealProblem.of(warmed(case)).other_theories
+        (scenario.name, {"leak.theory": scenario.name}) for scenario in theories(SealProblem.of(warmed(case)))
     ]
     if any(one.case.load.earlier is not None for one in readings):
         others.append(

@@ -6,17 +6,18 @@ import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from typing import Any, TypeVar
 
 from fem_seal.answers.accuracy import ACCURACY
 from fem_seal.answers.answer import NOTHING_ELSE, Answer, Inquiry, Wanted, answered
 from fem_seal.answers.bolts import BOLTS
+from fem_seal.answers.case_load import CaseLoad, SolvedSeal, case_loads, solved_seal
 from fem_seal.answers.compression import COMPRESSION
 from fem_seal.answers.error_shares import ERROR_SHARES
 from fem_seal.answers.findings import FINDINGS, all_cautions, findings_of_profiles
 from fem_seal.answers.foreseen import foreseen
 from fem_seal.answers.form import FORM
-from fem_seal.answers.judgement import JudgedLoad
 from fem_seal.answers.opening import OPENING
 from fem_seal.answers.particles import PARTICLES
 from fem_seal.answers.pass_probability import PASS_PROBABILITY
@@ -35,13 +36,13 @@ from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.heating import warmed
 from fem_seal.seal.lazy import OptionalSteps
 from fem_seal.seal.leak_model import LeakModel
-from fem_seal.seal.load_result import LoadResult, MissingLoad, SolvedSeal, by_face
+from fem_seal.seal.load_result import MissingLoad, by_face
 from fem_seal.seal.load_solver import Clock, LoadSolver, Progress
 from fem_seal.seal.problem import SealProblem
-from fem_seal.seal.readings import WORDS
+from fem_seal.seal.scenarios import SCENARIOS
 from fem_seal.units import format_quantity
 from fem_seal.validity.words import not_calculated, of_bodies, sentence
-from leak import LeakError, Reading
+from leak import LeakError
 
 # All that is asked of a solved seal, each after those whose answers it uses.
 ANSWERS: tuple[Answer[Any], ...] = (
@@ -65,7 +66,7 @@ ANSWERS: tuple[Answer[Any], ...] = (
     SENSITIVITIES,
 )
 
-Read = TypeVar("Read", LoadResult, LeakModel)
+Read = TypeVar("Read", CaseLoad, LeakModel)
 
 # What is worked out of each load, and what stands there where the stress could not be calculated.
 _LEAK = {"leak": "leak rate"}
@@ -112,7 +113,6 @@ def solve(
     """
     clock, steps = Clock(progress or (lambda text: None)), OptionalSteps()
     seal = _solved(case, clock, steps, told=progress is not None)
-    seal = seal.with_loads([JudgedLoad.of(load) for load in seal.loads])
     ask = Inquiry(LoadSolver(seal.problem, seal.model), clock, wanted, steps, solve=solve)
     return _answered(seal, ask, ANSWERS if answers is None else answers)
 
@@ -149,7 +149,7 @@ def solve_profiles(
     _simulate(problem, clock)
     with clock.step("leak", "flow conductivity and leak rates"):
         loads = [
-            JudgedLoad.of(_read(steps, _compute_values(steps, load, _LEAK), _SEPARATION))
+            _read(steps, _compute_values(steps, load, _LEAK), _SEPARATION)
             for load in leak_of_profiles(problem, profiles)
         ]
     nothing: Any = None  # of what has no bodies
@@ -195,7 +195,7 @@ def _solved(case: Case, clock: Clock, steps: OptionalSteps, *, told: bool = Fals
     with clock.step("leak", "flow conductivity and leak rates"):
         loads = tuple(
             _read(steps, _compute_values(steps, load, {} if load.formed is None else _AROUND), _LEAK)
-            for load in _with_tables(steps, found.loads)
+            for load in case_loads(problem, found.loads, partial(_with_table, steps))
         )
     with clock.step("stress", "stress in both bodies"):
         with suppress(MemoryError):  # one after the other they may fit
@@ -205,7 +205,7 @@ def _solved(case: Case, clock: Clock, steps: OptionalSteps, *, told: bool = Fals
             _compute_values(steps, _read(steps, load, _SEPARATION), _STRESS, _NO_STRESS) for load in loads
         )
     return replace(
-        found.seal(case.without_loads(missing)).with_loads(loads),
+        solved_seal(found, case.without_loads(missing), loads),
         not_calculated=tuple(
             MissingLoad(number, *whole.loads.points[number], missing[number], whole.bolts is not None)
             for number in sorted(missing)
@@ -214,31 +214,31 @@ def _solved(case: Case, clock: Clock, steps: OptionalSteps, *, told: bool = Fals
     )
 
 
-def _with_tables(steps: OptionalSteps, loads: Sequence[LoadResult]) -> list[LoadResult]:
-    """Loads whose flow conductivity is worked out, of each of two different faces."""
-    if loads[0].of_faces is not None:
-        upper, lower = (_with_tables(steps, one) for one in by_face(loads))
-        return list(map(LoadResult.beside, upper, lower))
-    rough = loads[0].rough
-    rough = None if rough is None else _read(steps, rough, {"table": "flow conductivity"})
-    return [load.with_values(rough=rough) for load in loads]
+def _with_table(steps: OptionalSteps, name: str, model: LeakModel) -> LeakModel:
+    """Surfaces and fluid whose flow conductivity is worked out; of scenarios beside only where it is told of them."""
+    asperities = SCENARIOS[name].asperities if name else ""
+    if name and not asperities:
+        return model
+    what = "flow conductivity" + (f" of {asperities}" if name else "")
+    return steps.compute_values(model, {"table": what})
 
 
-def _read(steps: OptionalSteps, one: Read, values: Mapping[str, str]) -> Read:
-    """A load, or its surfaces, with some values in all readings, with asperities that never yield to compare with."""
-    one = _compute_values(steps, one, values)
-    others = {
-        reading: _compute_values(
-            steps, other, {name: f"{what} of {WORDS[reading].asperities}" for name, what in values.items()}
-        )
-        for reading in dict.fromkeys((*one.readings, Reading.ELASTIC))
-        if (other := one.reading(reading)) is not one
-    }
-    return one.with_readings(others)
+def _read(steps: OptionalSteps, load: CaseLoad, values: Mapping[str, str]) -> CaseLoad:
+    """A load with some values worked out, of the scenarios that are told of asperities as well."""
+    load = _compute_values(steps, load, values)
+    return load.with_scenarios(
+        {
+            name: _compute_values(
+                steps, other, {value: f"{what} of {asperities}" for value, what in values.items()}
+            )
+            for name, other in load.scenarios.items()
+            if (asperities := SCENARIOS[name].asperities)
+        }
+    )
 
 
 def _compute_values(
-    steps: OptionalSteps, one: Read, values: Mapping[str, str], otherwise: object = None
-) -> Read:
-    at = f" at {format_quantity('fluid pressure', one.fluid_pressure)}" if isinstance(one, LoadResult) else ""
-    return steps.compute_values(one, {name: f"{what}{at}" for name, what in values.items()}, otherwise)
+    steps: OptionalSteps, load: CaseLoad, values: Mapping[str, str], otherwise: object = None
+) -> CaseLoad:
+    at = f" at {format_quantity('fluid pressure', load.fluid_pressure)}"
+    return steps.compute_values(load, {name: f"{what}{at}" for name, what in values.items()}, otherwise)

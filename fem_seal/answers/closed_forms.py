@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 
 import leak
+from fem_seal.answers.case_load import SolvedSeal
 from fem_seal.arrays import FloatArray
 from fem_seal.case.case import Case, CaseSource, case_of
 from fem_seal.contact.laws import HardContact, InterfaceLaw
 from fem_seal.errors import InputError
 from fem_seal.loads import LARGEST_TURNING, TURNED, blow_off_of_sealed_area, contact_force, line_load
-from fem_seal.seal.load_result import SolvedSeal
 from fem_seal.seal.problem import SealFlow, SealProblem, exponential_law
 from fem_seal.units import fixed_unit
 from fem_seal.validity.words import sentence

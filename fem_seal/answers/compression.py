@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fem_seal.answers.answer import Answer, Inquiry
-from fem_seal.seal.load_result import SolvedSeal
+from fem_seal.answers.case_load import SolvedSeal
 
 
 @dataclass(frozen=True)

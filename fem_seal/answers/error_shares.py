@@ -10,6 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from fem_seal.answers.answer import Answer
+from fem_seal.answers.case_load import CaseLoad, SolvedSeal
 from fem_seal.answers.measurements import (
     EVEN,
     LEAK_TEST,
@@ -26,7 +27,6 @@ from fem_seal.arrays import FloatArray
 from fem_seal.case.case import Case
 from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.findings import Validity
-from fem_seal.seal.load_result import LoadResult, SolvedSeal
 
 
 @dataclass(frozen=True)
@@ -234,7 +234,7 @@ def all_error_shares(seal: SolvedSeal, interval: LeakInterval | None) -> tuple[E
     return tuple(outlook.of(one, number) for number, one in enumerate(found))
 
 
-def error_shares(load: LoadResult, interval: LeakInterval | None, number: int) -> ErrorShares:
+def error_shares(load: CaseLoad, interval: LeakInterval | None, number: int) -> ErrorShares:
     """What makes the interval of one load.
 
     What is independent adds its variances: uncertain inputs, and what direct simulation finds. All else (mesh, doubts,
@@ -242,7 +242,7 @@ def error_shares(load: LoadResult, interval: LeakInterval | None, number: int) -
 
     Parameters
     ----------
-    load : LoadResult
+    load : CaseLoad
     interval : LeakInterval or None
         Of the uncertain inputs.
     number : int

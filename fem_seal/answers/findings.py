@@ -8,10 +8,12 @@ from functools import partial
 from typing import Any
 
 from fem_seal.answers.answer import Answer, Inquiry
+from fem_seal.answers.case_load import CaseLoad, SolvedSeal
 from fem_seal.answers.leakage_class import NominalSize, nominal_size
 from fem_seal.answers.target import TARGET
 from fem_seal.seal.findings import NOT_JUDGED, Finding, Level, Validity, worst_first
-from fem_seal.seal.load_result import LoadResult, SolvedSeal, highest_load
+from fem_seal.seal.load_result import highest_load
+from fem_seal.seal.scenarios import theories
 from fem_seal.units import format_quantity, quantity
 from fem_seal.validity.checks import contact_cautions, earlier_cautions, load_validity
 from fem_seal.validity.words import caution
@@ -74,7 +76,8 @@ def findings_of_profiles(seal: SolvedSeal) -> Findings:
     # of all loads the worst of each kind
     kinds = {one.kind: one for load in seal.loads for one in reversed(worst_first(load.validity.cautions))}
     found = worst_first((*kinds.values(), *_of_nominal_size(nominal_size(seal.case))))
-    known = ({name: one.validity for name, one in (load.by_theory or {}).items()} for load in seal.loads)
+    theory = [scenario.name for scenario in theories(seal.problem)]
+    known = ({name: load.scenarios[name].validity for name in theory} for load in seal.loads)
     return Findings(tuple(load.validity for load in seal.loads), tuple(found), tuple(known))
 
 
@@ -95,25 +98,22 @@ def _of_other_theories(seal: SolvedSeal, before: tuple[Finding, ...]) -> tuple[M
         number == highest or (required is not None and required.judges(load.fluid_pressure))
         for number, load in enumerate(seal.loads)
     ]
-    problems = {theory: seal.problem.in_theory(theory) for theory in seal.problem.other_theories}
+    beside = list(theories(seal.problem))
     return tuple(
         {
-            theory: load_validity(problems[theory], other, before)
-            for theory, other in (load.by_theory or {}).items()
-            if wanted
+            scenario.name: load_validity(scenario.problem, other, before)
+            for scenario in beside
+            if wanted and (other := load.scenarios.get(scenario.name)) is not None
         }
         for load, wanted in zip(seal.loads, told, strict=True)
     )
 
 
-def _of_load(load: LoadResult, number: int, found: Findings) -> LoadResult:
+def _of_load(load: CaseLoad, number: int, found: Findings) -> CaseLoad:
     validity = found.validity[number] if found.validity else NOT_JUDGED
     of_theories = found.by_theory[number] if found.by_theory else {}
-    by_theory = {
-        theory: other.with_values(validity=of_theories.get(theory, other.validity))
-        for theory, other in (load.by_theory or {}).items()
-    }
-    return load.with_values(validity=validity, by_theory=by_theory)
+    scenarios = {name: load.scenarios[name].with_values(validity=one) for name, one in of_theories.items()}
+    return load.with_scenarios(scenarios).with_values(validity=validity)
 
 
 FINDINGS = Answer[Findings](

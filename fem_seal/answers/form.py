@@ -10,16 +10,16 @@ from functools import cached_property
 import numpy as np
 
 from fem_seal.answers.answer import Answer, Inquiry
+from fem_seal.answers.case_load import CaseLoad, SolvedSeal
 from fem_seal.answers.leakage_class import leakage_classes, limits, test_of
 from fem_seal.case.case import Case
 from fem_seal.errors import ConvergenceError, OpenSealError
 from fem_seal.form import FormError, Wave, WaveTolerance
 from fem_seal.seal.circumference import Circumference, LeakCurve, around_after
 from fem_seal.seal.leak_model import as_first_loaded
-from fem_seal.seal.load_result import LoadResult, SolvedSeal
 from fem_seal.seal.load_solver import LoadSolver
 from fem_seal.seal.problem import largest_force
-from leak import Reading, Scratch, deepest_scratch
+from leak import Scratch, deepest_scratch
 from leak.numerics.roots import root_between
 
 # Sizes of the form error that the curve shows, over the one that is given.
@@ -59,7 +59,7 @@ class FormPoint:
     height: float
     leak_rate: float | None
     line_load_min_over_mean: float
-    others: Mapping[Reading, float] = field(default_factory=dict)
+    others: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -82,7 +82,7 @@ class WaveAlone:
     amplitude: float
     leak_rate: float | None
     line_load_min_over_mean: float
-    others: Mapping[Reading, float] = field(default_factory=dict)
+    others: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -150,10 +150,10 @@ class FormAnswers:
     allowed: Allowed | None
     goes_round: float | None = None
     deepest_scratch: tuple[float, float] | None = None
-    allowed_others: Mapping[Reading, Allowed] = field(default_factory=dict)
+    allowed_others: Mapping[str, Allowed] = field(default_factory=dict)
 
 
-def form_answers(solver: LoadSolver, case: Case, load: LoadResult, given: FormError) -> FormAnswers:
+def form_answers(solver: LoadSolver, case: Case, load: CaseLoad, given: FormError) -> FormAnswers:
     """Answers for one load.
 
     Parameters
@@ -161,7 +161,7 @@ def form_answers(solver: LoadSolver, case: Case, load: LoadResult, given: FormEr
     solver : LoadSolver
         Of the load's model.
     case : Case
-    load : LoadResult
+    load : CaseLoad
         Of a seal that is not round.
     given : FormError
         The form error as the case has it, its tolerance not yet filled.
@@ -202,7 +202,7 @@ def _filling(given: FormError, filled: FormError) -> int | None:
 class _Formed:
     """A load whose form error can be exchanged."""
 
-    load: LoadResult
+    load: CaseLoad
 
     @cached_property
     def formed(self) -> Circumference:
@@ -221,11 +221,11 @@ class _Formed:
         return None if flow is None else LeakCurve(self.formed.local, flow)
 
     @cached_property
-    def others(self) -> dict[Reading, _Formed]:
+    def others(self) -> dict[str, _Formed]:
         """In the other readings of yielding asperities."""
         return {reading: _Formed(load) for reading, load in self.load.others.items()}
 
-    def found(self, formed: Circumference) -> tuple[float | None, float, dict[Reading, float]]:
+    def found(self, formed: Circumference) -> tuple[float | None, float, dict[str, float]]:
         """Leak rate [m^3/s], least line load over mean, and leak rates in the other readings [m^3/s]."""
         leaks = {reading: one.leaks for reading, one in self.others.items()}
         rates = {reading: _rate(formed.with_leak(one)) for reading, one in leaks.items() if one is not None}
@@ -271,7 +271,7 @@ def _rate(formed: Circumference) -> float | None:
     return None if formed.leak is None else formed.leak.leak_rate
 
 
-def _closing_force(solver: LoadSolver, load: LoadResult) -> float | None:
+def _closing_force(solver: LoadSolver, load: CaseLoad) -> float | None:
     """Force of spring or actuator at which the seal is closed all around."""
     formed = load.formed
     if formed is None or not formed.form.felt:
@@ -306,7 +306,7 @@ def _smallest(lacking: Callable[[float], float], start: float, highest: float) -
     return None
 
 
-def _goes_round(load: LoadResult) -> float | None:
+def _goes_round(load: CaseLoad) -> float | None:
     formed, rough = load.formed, load.rough
     if formed is None or rough is None or rough.flow is None or rough.table is None:
         return None
@@ -322,7 +322,7 @@ def _shallower(scratches: Sequence[tuple[float, float] | None]) -> tuple[float, 
     return min(found) if len(found) == len(scratches) else None
 
 
-def _deepest_scratch(case: Case, load: LoadResult, asked: _Formed) -> tuple[float, float] | None:
+def _deepest_scratch(case: Case, load: CaseLoad, asked: _Formed) -> tuple[float, float] | None:
     """In place of the widest one, of its proportions; all others and the lay leak as they do."""
     limit = _limit(case, load)
     placed = [(one, one.groove) for one in asked.formed.form.grooves if isinstance(one.groove, Scratch)]
@@ -342,7 +342,7 @@ def _deepest_scratch(case: Case, load: LoadResult, asked: _Formed) -> tuple[floa
     return None if found is None else (found.depth, found.width)
 
 
-def _limit(case: Case, load: LoadResult) -> tuple[str, float] | None:
+def _limit(case: Case, load: CaseLoad) -> tuple[str, float] | None:
     """Leak rate that is wanted: what the case requires, its target, or the tightest class that the round seal meets."""
     if case.requirement is not None and case.requirement.judges(load.fluid_pressure):
         required = limits(case, load.fluid_pressure, load)
@@ -363,7 +363,7 @@ def _limit(case: Case, load: LoadResult) -> tuple[str, float] | None:
     return f"{met[0].standard} {met[0].name}", met[0].limit / most
 
 
-def _allowed(case: Case, load: LoadResult, asked: _Formed, given: FormError) -> Allowed | None:
+def _allowed(case: Case, load: CaseLoad, asked: _Formed, given: FormError) -> Allowed | None:
     limit = _limit(case, load)
     if limit is None or load.leak is None:
         return None

@@ -10,7 +10,6 @@ from typing import Protocol
 
 from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.findings import ORDERS_OF_MAGNITUDE, VALID, Validity
-from fem_seal.seal.load_result import LoadResult
 
 
 class Verdict(StrEnum):
@@ -367,69 +366,3 @@ class BoltState:
     preload_for_target: float | None = None
     torque_for_target: float | None = None
     stress_for_target: float | None = None
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class JudgedLoad(LoadResult):
-    """A load of a result, and what is said of it.
-
-    Parameters
-    ----------
-    judgement : Judgement or None
-        Whether it keeps what [requirement] asks of it; None where nothing is asked.
-    verdict_force : VerdictForce or None
-        The force at which the verdict passes; None if not asked.
-    passing : PassProbability or None
-        How likely it keeps that; None where nothing is asked.
-    bolts : BoltState or None
-        What each bolt carries; None without bolts.
-    """
-
-    judgement: Judgement | None = None
-    verdict_force: VerdictForce | None = None
-    passing: PassProbability | None = None
-    bolts: BoltState | None = None
-
-    @classmethod
-    def of(cls, load: LoadResult, **known: object) -> JudgedLoad:
-        """A load with what is said of it; what it has worked out already stays.
-
-        Parameters
-        ----------
-        load : LoadResult
-        known : object
-            See `Lazy.with_values`.
-        """
-        judged = object.__new__(cls)
-        vars(judged).update(vars(load))
-        return judged.with_values(**known)
-
-    @property
-    def verdict(self) -> Verdict | None:
-        """What is claimed of the requirement, such as "pass"; None where nothing is required."""
-        return None if self.judgement is None else self.judgement.verdict
-
-    @property
-    def margin(self) -> float | None:
-        """Allowed over calculated leak rate, see `Judgement.margin`; None where nothing is required."""
-        return None if self.judgement is None else self.judgement.margin
-
-    @property
-    def pass_probability(self) -> float | None:
-        """Share of the samples that keep the requirement; None where nothing is required."""
-        return None if self.passing is None else self.passing.share
-
-    @property
-    def pass_probability_error(self) -> float | None:
-        """Its standard error; None where nothing is required."""
-        return None if self.passing is None else self.passing.error
-
-    @property
-    def batch_share_p05(self) -> float | None:
-        """Share of a batch that passes with 95 % confidence; None where nothing is required."""
-        return None if self.passing is None else self.passing.batch_low
-
-    @property
-    def force_for_verdict(self) -> float | None:
-        """Of `verdict_force` [N]; None if not asked, and where no force passes."""
-        return None if self.verdict_force is None else self.verdict_force.force

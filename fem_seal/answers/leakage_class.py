@@ -5,14 +5,20 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from fem_seal.answers.case_load import CaseLoad
 from fem_seal.answers.judgement import Limit
 from fem_seal.case.case import Case
 from fem_seal.case.fields import Bubbles
 from fem_seal.case.fluid import Fluid
 from fem_seal.case.tables import RELIEF, Requirement
 from fem_seal.files import told_of
-from fem_seal.seal.leak_model import ROOM_TEMPERATURE, TEST_GASES, TEST_TEMPERATURES, gas_of_test
-from fem_seal.seal.load_result import LoadResult
+from fem_seal.seal.scenarios import (
+    ROOM_TEMPERATURE,
+    TEST_GAS,
+    TEST_GASES,
+    TEST_TEMPERATURES,
+    gas_of_test,
+)
 from fem_seal.units import LIQUID, LeakVolume, quantity
 from leak import LeakageClass
 from leak.standards import STANDARD_PRESSURE
@@ -129,7 +135,7 @@ def fluid_of_test(fluid: Fluid, pressure: float) -> tuple[str, tuple[float, floa
     return ("", (1.0, 1.0)) if of_test is own else (TEST_GASES[0], flow_ratio_range(of_test, own))
 
 
-def test_of(fluid: Fluid, pressure: float, load: LoadResult | None = None) -> tuple[str, tuple[float, float]]:
+def test_of(fluid: Fluid, pressure: float, load: CaseLoad | None = None) -> tuple[str, tuple[float, float]]:
     """`fluid_of_test`, of a gas with the ratios that a contact has at both ends of its leak rate's interval.
 
     Another gas is let through the same contact, in every reading and sample, so that the flow is as rarefied as it is.
@@ -139,27 +145,28 @@ def test_of(fluid: Fluid, pressure: float, load: LoadResult | None = None) -> tu
     fluid : Fluid
     pressure : float
         That drives the leak [Pa].
-    load : LoadResult, optional
+    load : CaseLoad, optional
         Without it the ratios are those that any gap may have.
     """
     name, widest = fluid_of_test(fluid, pressure)
     if not name or fluid.gas is None or load is None:
         return name, widest
-    own, tested = load.leak_interval, load.in_test.leak_interval
-    if own is None or tested is None or load.in_test is load:
+    of_test = load.known_in(TEST_GAS)
+    own, tested = load.leak_interval, None if of_test is None else of_test.leak_interval
+    if own is None or tested is None:
         return name, widest
     # what is sealed is so for both
     ratios = [other / end for other, end in zip(tested, own, strict=True) if 0.0 < end < math.inf]
     return name, (ratios[0], ratios[-1]) if ratios else (1.0, 1.0)
 
 
-def in_the_test(case: Case, load: LoadResult) -> tuple[float, float]:
+def in_the_test(case: Case, load: CaseLoad) -> tuple[float, float]:
     """Ends of a load's leak rate, see `LoadResult.leak_interval`, for the fluid of the standards' tests [m^3/s].
 
     Parameters
     ----------
     case : Case
-    load : LoadResult
+    load : CaseLoad
         With a leak rate.
     """
     assert load.leak_interval is not None and case.fluid is not None
@@ -187,7 +194,7 @@ class NextClass:
     as_calculated: bool
 
 
-def next_class(case: Case, load: LoadResult) -> NextClass | None:
+def next_class(case: Case, load: CaseLoad) -> NextClass | None:
     """The loosest class, of the first standard that has several, which the upper end of a leak rate does not meet.
 
     None without a leak rate, outside the theory, and where the seal is open or meets them all.
@@ -195,7 +202,7 @@ def next_class(case: Case, load: LoadResult) -> NextClass | None:
     Parameters
     ----------
     case : Case
-    load : LoadResult
+    load : CaseLoad
     """
     from leak import leakage_limits
 
@@ -217,7 +224,7 @@ def next_class(case: Case, load: LoadResult) -> NextClass | None:
     )
 
 
-def leakage_classes(case: Case, load: LoadResult) -> tuple[LeakageClass, ...]:
+def leakage_classes(case: Case, load: CaseLoad) -> tuple[LeakageClass, ...]:
     """The tightest class of each standard that a load meets; empty without a leak rate, and outside the theory.
 
     Both ends of the leak rate's interval have to meet a class, and its limits stand for the fluid of the standard's
@@ -226,7 +233,7 @@ def leakage_classes(case: Case, load: LoadResult) -> tuple[LeakageClass, ...]:
     Parameters
     ----------
     case : Case
-    load : LoadResult
+    load : CaseLoad
     """
     from leak import leakage_class
     from leak.standards import class_per_length
@@ -307,7 +314,7 @@ def _bubble_volume(case: Case) -> float | None:
 OF_LEAK_RATE = "leak rate"
 
 
-def limits(case: Case, fluid_pressure: float, load: LoadResult | None = None) -> tuple[Limit, ...]:
+def limits(case: Case, fluid_pressure: float, load: CaseLoad | None = None) -> tuple[Limit, ...]:
     """The limits that a case's requirement sets at a fluid pressure; empty without a requirement.
 
     Parameters
@@ -315,7 +322,7 @@ def limits(case: Case, fluid_pressure: float, load: LoadResult | None = None) ->
     case : Case
     fluid_pressure : float
         [Pa]
-    load : LoadResult, optional
+    load : CaseLoad, optional
         The load that is judged, whose contact says what a test with another fluid would find; without it the limits
         hold for any gap.
     """
@@ -334,7 +341,7 @@ def limit_of_rate(leak_rate: float) -> Limit:
 
 
 def _of_class(
-    case: Case, required: Requirement, fluid: Fluid, fluid_pressure: float, load: LoadResult | None
+    case: Case, required: Requirement, fluid: Fluid, fluid_pressure: float, load: CaseLoad | None
 ) -> Limit | None:
     from leak.standards import STANDARDS, invisible_leak_rate, leakage_limits, visible_leak_rate
 

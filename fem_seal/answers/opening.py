@@ -10,17 +10,18 @@ from functools import partial
 import numpy as np
 
 from fem_seal.answers.answer import Answer, Inquiry
+from fem_seal.answers.case_load import CaseLoad, SolvedSeal
 from fem_seal.arrays import FloatArray
 from fem_seal.contact.penetration import effective_radius
 from fem_seal.loads import PressureSide, blow_off_of_sealed_area
-from fem_seal.seal.load_result import LoadResult, OpeningMargin, SolvedSeal
+from fem_seal.seal.load_result import OpeningMargin
 from fem_seal.seal.load_solver import LoadSolver
 from fem_seal.seal.problem import SealProblem, sizing
 
 
 @dataclass(frozen=True)
 class Opening:
-    """What opens the seal at one load; each as the attribute of `LoadResult` of its name.
+    """What opens the seal at one load; each as the attribute of `CaseLoad` of its name.
 
     Parameters
     ----------
@@ -38,7 +39,7 @@ def _compute(seal: SolvedSeal, ask: Inquiry) -> tuple[Opening, ...]:
     solver, of = ask.solver, seal.problem.loads
     penetrates = of.closing == "penetration"
 
-    def key(load: LoadResult) -> tuple[float, int | None]:
+    def key(load: CaseLoad) -> tuple[float, int | None]:
         """What the pressure depends on: the applied force, and of bodies that yield the contact."""
         return load.applied_force, id(load.contact) if solver.yields else None
 
@@ -99,13 +100,13 @@ def blow_off_pressures(problem: SealProblem) -> FloatArray:
     return np.array([known[force] for force in applied])
 
 
-def with_margins(solver: LoadSolver, loads: Sequence[LoadResult]) -> tuple[LoadResult, ...]:
+def with_margins(solver: LoadSolver, loads: Sequence[CaseLoad]) -> tuple[CaseLoad, ...]:
     """Loads with their distance from opening; without one where neither fluid nor applied force opens the seal.
 
     Parameters
     ----------
     solver : LoadSolver
-    loads : sequence of LoadResult
+    loads : sequence of CaseLoad
         With the pressure that opens the seal.
     """
     side, found = solver.problem.loads.pressure_side, []

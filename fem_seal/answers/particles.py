@@ -12,11 +12,11 @@ import numpy as np
 
 import leak
 from fem_seal.answers.answer import Answer, Inquiry
+from fem_seal.answers.case_load import CaseLoad, SolvedSeal
 from fem_seal.arrays import FloatArray
 from fem_seal.profile import PressureProfile
 from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.leak_model import LeakModel, as_first_loaded
-from fem_seal.seal.load_result import LoadResult, SolvedSeal
 
 if TYPE_CHECKING:
     from leak import GapDistribution, ParticleCounts, Paths
@@ -109,12 +109,12 @@ class ParticleAnswers:
     left: Bounds | None
 
 
-def particle_answers(loads: Sequence[LoadResult], counts: ParticleCounts) -> tuple[ParticleAnswers, ...]:
+def particle_answers(loads: Sequence[CaseLoad], counts: ParticleCounts) -> tuple[ParticleAnswers, ...]:
     """Answers for all loads that leak.
 
     Parameters
     ----------
-    loads : sequence of LoadResult
+    loads : sequence of CaseLoad
         Of one case.
     counts : ParticleCounts
         Particles in its fluid.
@@ -124,12 +124,12 @@ def particle_answers(loads: Sequence[LoadResult], counts: ParticleCounts) -> tup
     return tuple(one for one in found if one is not None)
 
 
-def answers_of(load: LoadResult, found: Sequence[ParticleAnswers]) -> ParticleAnswers | None:
+def answers_of(load: CaseLoad, found: Sequence[ParticleAnswers]) -> ParticleAnswers | None:
     """Those of one load; None if it does not leak or lies outside the theory.
 
     Parameters
     ----------
-    load : LoadResult
+    load : CaseLoad
     found : sequence of ParticleAnswers
         Of all loads.
     """
@@ -154,17 +154,17 @@ def _shut() -> Shut:
 class _Reading:
     """A load with one reading of its asperities, which leaks."""
 
-    load: LoadResult
+    load: CaseLoad
     rough: LeakModel
     leak_rate: float
     shut: Shut
 
     @classmethod
-    def of(cls, load: LoadResult, shut: Shut) -> list[_Reading]:
+    def of(cls, load: CaseLoad, shut: Shut) -> list[_Reading]:
         """Those of all readings that leak."""
         return [
             cls(one, one.rough, one.leak.leak_rate, shut)
-            for one in load.readings.values()
+            for one in (load, *load.others.values())
             if one.rough is not None and one.leak is not None and 0 < one.leak.leak_rate < math.inf
         ]
 
@@ -206,7 +206,7 @@ class _Reading:
         return leak.parallel_paths(around, length, self.largest_passing)
 
 
-def _answers(load: LoadResult, counts: ParticleCounts, shut: Shut) -> ParticleAnswers | None:
+def _answers(load: CaseLoad, counts: ParticleCounts, shut: Shut) -> ParticleAnswers | None:
     readings = _Reading.of(load, shut)
     # a scratch leaks where nothing else does, and is open to particles
     if not readings or not all(one.largest_passing > 0.0 for one in readings):

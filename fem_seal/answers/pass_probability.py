@@ -11,7 +11,8 @@ from itertools import islice
 import numpy as np
 
 from fem_seal.answers.answer import Answer
-from fem_seal.answers.judgement import JudgedLoad, Limit, PassProbability
+from fem_seal.answers.case_load import CaseLoad, SolvedSeal
+from fem_seal.answers.judgement import Limit, PassProbability
 from fem_seal.answers.leakage_class import limits
 from fem_seal.answers.posterior import Posterior
 from fem_seal.answers.response_surface import Polynomials, ResponseSurface, fit_with_prior
@@ -22,7 +23,6 @@ from fem_seal.case.tables import Uncertainty
 from fem_seal.errors import ConvergenceError
 from fem_seal.sampling import sobol_points
 from fem_seal.seal.kept import Kept
-from fem_seal.seal.load_result import LoadResult, SolvedSeal
 from fem_seal.validity.words import sentence
 from leak import FlowError
 
@@ -184,13 +184,13 @@ def pass_probabilities(
     return [found.get(n) for n in range(len(seal.loads))]
 
 
-def why_none(case: Case, load: LoadResult) -> str:
+def why_none(case: Case, load: CaseLoad) -> str:
     """Why there is no share; empty where there is one.
 
     Parameters
     ----------
     case : Case
-    load : LoadResult
+    load : CaseLoad
         With its validity.
     """
     if load.leak is None:
@@ -245,7 +245,7 @@ def _of_loads(case: Case, quick: QuickSamples) -> list[PassProbability]:
     return [_of_load(case, load, number, quick) for number, load in enumerate(quick.sampled.result.loads)]
 
 
-def _of_load(case: Case, load: LoadResult, number: int, quick: QuickSamples) -> PassProbability:
+def _of_load(case: Case, load: CaseLoad, number: int, quick: QuickSamples) -> PassProbability:
     allowed, settings = limits(case, load.fluid_pressure), case.sampled
     own = error = load.flow_error or _EXACT
     if settings is not None and settings.posterior is not None:
@@ -351,7 +351,7 @@ PASS_PROBABILITY = Answer[Sequence[PassProbability | None]](
     (),
     # the preload of bolts is not among what is sampled
     lambda seal, wanted: seal.case.bolts is None or seal.case.bolts.torque_scatter == 0.0,
-    lambda load, number, found: JudgedLoad.of(load, passing=found[number]) if found else load,
+    lambda load, number, found: load.with_values(passing=found[number]) if found else load,
     "samples that keep the requirement",
     needs=("case.requirement", "problem.leaks"),
 )

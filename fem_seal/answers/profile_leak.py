@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
 
+from fem_seal.answers.case_load import CaseLoad, case_loads
 from fem_seal.answers.profile_files import ImportedProfile
 from fem_seal.errors import InputError, Problem
 from fem_seal.profile import PressureProfile, joined
 from fem_seal.seal.leak_model import Conductivity, FlowModel, LeakModel
-from fem_seal.seal.load_result import GivenContact, GivenLoad
+from fem_seal.seal.load_result import GivenContact, LoadResult
 from fem_seal.seal.problem import SealProblem
+from fem_seal.seal.scenarios import theories
 from fem_seal.units import format_quantity
 from fem_seal.validity.checks import profile_validity
 from leak import RoughContact
@@ -27,7 +28,7 @@ _SAME_RADIUS = 1e-7
 _FAR_TOO_WEAK = 1e-2
 
 
-def leak_of_profiles(problem: SealProblem, profiles: Sequence[ImportedProfile]) -> list[GivenLoad]:
+def leak_of_profiles(problem: SealProblem, profiles: Sequence[ImportedProfile]) -> list[CaseLoad]:
     """Leak rates of imported pressure profiles with the surface and the fluid of a problem.
 
     Parameters
@@ -40,7 +41,7 @@ def leak_of_profiles(problem: SealProblem, profiles: Sequence[ImportedProfile]) 
 
     Returns
     -------
-    list of GivenLoad
+    list of CaseLoad
         With their validity, as far as a profile without its bodies tells it.
 
     Raises
@@ -69,18 +70,19 @@ def leak_of_profiles(problem: SealProblem, profiles: Sequence[ImportedProfile]) 
             file=problem.file,
         )
     rough = LeakModel(surface, flow, partial(_conductivity, peaks))
-    others = {}
-    for theory in problem.other_theories:
-        other = problem.in_theory(theory)
-        assert other.surface is not None  # there is one
-        others[theory] = replace(rough, surface=other.surface, flow=other.flow)
     fluid_pressures = _fluid_pressures(problem, profiles)
     _refuse_far_too_weak(problem, peaks, fluid_pressures)
-    return [
-        _given_load(problem, rough, others, profile, fluid_pressure)
+    given = [
+        LoadResult(fluid_pressure, 0.0, GivenContact(_profile(problem.contact, profile)), rough)  # type: ignore[arg-type]
         for profile, loads in zip(profiles, fluid_pressures, strict=True)
         for fluid_pressure in loads
     ]
+    made = case_loads(problem, given)
+    for scenario in theories(problem):
+        # the force is not known, and the contact the same for all
+        others = case_loads(scenario.problem, scenario.on_contacts(given))
+        made = [load.with_scenarios({scenario.name: other}) for load, other in zip(made, others, strict=True)]
+    return [load.with_values(validity=profile_validity(problem, load)) for load in made]
 
 
 def _fluid_pressures(problem: SealProblem, profiles: Sequence[ImportedProfile]) -> list[Sequence[float]]:
@@ -115,20 +117,6 @@ def _refuse_far_too_weak(
             "the contact pressure right?",
             file=problem.file,
         )
-
-
-def _given_load(
-    problem: SealProblem,
-    rough: LeakModel,
-    others: Mapping[str, LeakModel],
-    profile: ImportedProfile,
-    fluid_pressure: float,
-) -> GivenLoad:
-    contact = GivenContact(_profile(problem.contact, profile))
-    # the force is not known, and the same for all
-    by_theory = {theory: GivenLoad(fluid_pressure, 0.0, contact, one) for theory, one in others.items()}
-    load = GivenLoad(fluid_pressure, 0.0, contact, rough, by_theory=by_theory)
-    return load.with_values(validity=profile_validity(problem, load))
 
 
 def _conductivity(peaks: Sequence[float], flow: FlowModel, surface: RoughContact) -> Conductivity:

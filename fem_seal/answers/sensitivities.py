@@ -15,6 +15,7 @@ from functools import cached_property, partial
 from typing import Any
 
 from fem_seal.answers.answer import Answer, Inquiry
+from fem_seal.answers.case_load import CaseLoad, SolvedSeal, case_loads
 from fem_seal.answers.uncertainty import changed_surface, stiffer_bodies
 from fem_seal.answers.verdict import VERDICT
 from fem_seal.case.case import Case
@@ -25,7 +26,7 @@ from fem_seal.errors import SealError
 from fem_seal.processes import can_copy, fork_map
 from fem_seal.seal.evaluate import Evaluation, evaluate
 from fem_seal.seal.leak_model import Conductivity, FlowModel
-from fem_seal.seal.load_result import LoadResult, SolvedSeal, highest_load
+from fem_seal.seal.load_result import highest_load
 from fem_seal.seal.problem import SealProblem
 from fem_seal.seal.sources import Shared, Source
 from fem_seal.validity.checks import validity_of
@@ -303,23 +304,22 @@ class _ChangedSeal:
             problem = change.problem(one.factor)
             found = evaluate(problem, Shared(tables=_short_table, stress=True))
             solved = [n for at, n in enumerate(self._solved(problem)) if at not in found.solved.problems]
-            loads = dict(zip(solved, found.loads, strict=True))
+            loads = dict(zip(solved, case_loads(found.problem, found.loads), strict=True))
             return all(
                 n in loads and self._better(found, loads[n], self.result.loads[n]) for n in self.numbers
             )
         return False
 
-    def _better(self, found: Evaluation, load: LoadResult, before: LoadResult) -> bool:
+    def _better(self, found: Evaluation, load: CaseLoad, before: CaseLoad) -> bool:
         rates = zip(_rates_of(load), _rates_of(before), strict=True)
         leaks_more = any(not after <= own * _SAME for after, own in rates)
         return not leaks_more and (before.validity.outside or not validity_of(found, load).outside)
 
     def _rates(self, problem: SealProblem) -> Rates:
         """Leak rate in each reading of yielding asperities, or the only one [m^3/s]; none without a contact."""
-        load = evaluate(problem, self.source).loads[-1]
-        if load.point != problem.loads.points[-1]:
-            return ()
-        return _rates_of(load)
+        found = evaluate(problem, self.source)
+        load = case_loads(found.problem, found.loads[-1:])[0]
+        return _rates_of(load) if load.point == problem.loads.points[-1] else ()
 
     def sensitivity(self, change: _Change) -> Sensitivity | None:
         """What a change does; None where it is none or cannot be calculated.
@@ -546,7 +546,7 @@ class _ChangedSeal:
         return self._at_load(SealProblem.of(self.case.replace({f"{body}.material": name})))
 
 
-def _rates_of(load: LoadResult) -> Rates:
+def _rates_of(load: CaseLoad) -> Rates:
     """Leak rate of a load in each of its readings [m^3/s]."""
     found = (load.leak, *(one.leak for one in load.others.values()))
     return tuple(leak.leak_rate for leak in found if leak is not None)

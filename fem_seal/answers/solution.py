@@ -8,17 +8,18 @@ from typing import Any, Self
 
 from fem_seal.answers.accuracy import ACCURACY, Comparison
 from fem_seal.answers.bolts import BOLTS
+from fem_seal.answers.case_load import CaseLoad, SolvedSeal
 from fem_seal.answers.compression import COMPRESSION
 from fem_seal.answers.error_shares import ERROR_SHARES
 from fem_seal.answers.form import FORM
-from fem_seal.answers.judgement import JudgedLoad, Judgement, SealJudgement, Verdict
+from fem_seal.answers.judgement import Judgement, SealJudgement, Verdict
 from fem_seal.answers.particles import PARTICLES
 from fem_seal.answers.sensitivities import SENSITIVITIES
 from fem_seal.answers.standard_tests import SET_PRESSURE, STANDARD_TESTS
 from fem_seal.answers.uncertainty import UNCERTAINTY
 from fem_seal.answers.variants import INTERFACE_VARIANTS, THEORIES
 from fem_seal.answers.verdict import VERDICT
-from fem_seal.seal.load_result import DiscretisationError, SolvedSeal, highest_load, strongest_load
+from fem_seal.seal.load_result import DiscretisationError, highest_load, strongest_load
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -28,7 +29,7 @@ class SealSolution(SolvedSeal):
     `SealResult` has its table and its files besides; see there for the answers.
     """
 
-    loads: tuple[JudgedLoad, ...]
+    loads: tuple[CaseLoad, ...]
     answers: Mapping[str, Any] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
     timings: dict[str, float] = field(default_factory=dict)
@@ -71,12 +72,12 @@ class SealSolution(SolvedSeal):
         return VERDICT.of(self.answers).by_theory
 
     @property
-    def strongest(self) -> JudgedLoad:
+    def strongest(self) -> CaseLoad:
         """The load with the largest closing force; for it error, far field and interface laws are compared."""
         return self.loads[strongest_load(self.loads)]
 
     @property
-    def highest(self) -> JudgedLoad:
+    def highest(self) -> CaseLoad:
         """The load with the highest fluid pressure, which headline, report and terminal explain."""
         return self.loads[highest_load(self.loads)]
 

@@ -10,6 +10,7 @@ from typing import Any
 
 from fem_seal.answers.accuracy import ACCURACY
 from fem_seal.answers.answer import Answer, Inquiry
+from fem_seal.answers.case_load import SolvedSeal
 from fem_seal.answers.findings import FINDINGS
 from fem_seal.answers.judgement import Judgement, Limit, Verdict, VerdictReason
 from fem_seal.answers.opening import OPENING
@@ -19,7 +20,6 @@ from fem_seal.case.case import Case
 from fem_seal.case.tables import RELIEF
 from fem_seal.errors import LoadProblem, NoLoadLeftError, SealError
 from fem_seal.seal.bounds import Bounds
-from fem_seal.seal.load_result import SolvedSeal
 from leak.standards import ClosureTest
 
 # What a verdict on a load needs.

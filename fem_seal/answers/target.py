@@ -8,15 +8,16 @@ from dataclasses import dataclass, field, replace
 from functools import partial, reduce
 
 from fem_seal.answers.answer import Answer, Inquiry
+from fem_seal.answers.case_load import CaseLoad, SolvedSeal
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError, InputError
 from fem_seal.loads import LARGEST_TURNING, contact_force
 from fem_seal.seal.findings import Finding, Level, Validity
 from fem_seal.seal.leak_model import LeakModel
-from fem_seal.seal.load_result import LoadResult, SolvedSeal, by_face
+from fem_seal.seal.load_result import LoadResult, by_face
 from fem_seal.seal.load_solver import LoadSolver
 from fem_seal.seal.problem import SealFlow, SealProblem, expected_forces, largest_force
-from fem_seal.seal.readings import WORDS
+from fem_seal.seal.scenarios import SCENARIOS
 from fem_seal.units import briefly, format_quantity, quantity
 from fem_seal.validity.checks import target_cautions, target_validity
 from fem_seal.validity.words import sentence
@@ -135,7 +136,7 @@ _MARGIN = (0.7, 1.4)
 
 def contacts_at_target(
     problem: SealProblem, target_leak_rate: float | None = None, *, reading: Reading | None = None
-) -> list[LoadResult]:
+) -> list[CaseLoad]:
     """Loads with the smallest force of spring or actuator at which a seal leaks as a target, at each fluid pressure.
 
     Parameters
@@ -149,7 +150,7 @@ def contacts_at_target(
 
     Returns
     -------
-    list of LoadResult
+    list of CaseLoad
         One per load.
 
     Raises
@@ -177,7 +178,7 @@ def contacts_at_target(
     # up and down again, or under several forces, a pressure may come more than once
     pressures = dict.fromkeys(problem.loads.fluid_pressure)
     expected = {pressure: _first_guess(flow, pressure, target) for pressure in pressures}
-    found: dict[float, LoadResult] = {}
+    found: dict[float, CaseLoad] = {}
     near, unmet = dict(expected), dict[float, str]()
 
     def solve(solver: LoadSolver) -> list[list[ContactSolution]]:
@@ -248,7 +249,7 @@ class TargetForces:
     preload: Sequence[float | None]
     validity: Sequence[Validity | None]
     remarks: tuple[Finding, ...] = ()
-    others: Mapping[Reading, Sequence[float | None]] = field(default_factory=dict)
+    others: Mapping[str, Sequence[float | None]] = field(default_factory=dict)
 
 
 def _compute(seal: SolvedSeal, ask: Inquiry) -> TargetForces:
@@ -260,8 +261,8 @@ def _compute(seal: SolvedSeal, ask: Inquiry) -> TargetForces:
     with ask.clock.step("questions", ""):
         own = compute(TARGET.what)
         others = {
-            reading: compute(f"{TARGET.what} of {WORDS[reading].asperities}", reading)
-            for reading in seal.loads[0].others
+            name: compute(f"{TARGET.what} of {SCENARIOS[name].asperities}", Reading(name))
+            for name in seal.loads[0].others
         }
     remarks = [remark for one in (own, *others.values()) for remark in one.remarks]
     return replace(
@@ -279,7 +280,7 @@ def _forces(seal: SolvedSeal, reading: Reading | None) -> TargetForces:
     try:
         found = contacts_at_target(problem, reading=reading)
     except InputError as error:
-        when = "" if reading is None else f"{WORDS[reading].condition}: "
+        when = "" if reading is None else f"{SCENARIOS[reading].condition}: "
         texts = [f"{when}{one}" for one in error.problems]
         return TargetForces(
             none, none, none, none, tuple(Finding("target", Level.DOUBTFUL, one, one) for one in texts)
@@ -304,7 +305,7 @@ def _forces(seal: SolvedSeal, reading: Reading | None) -> TargetForces:
     return replace(forces, validity=validity, remarks=(*upper, *remarks))
 
 
-def _of_load(load: LoadResult, number: int, found: TargetForces | None) -> LoadResult:
+def _of_load(load: CaseLoad, number: int, found: TargetForces | None) -> CaseLoad:
     if found is None:
         return load
     known = load.with_values(
@@ -313,10 +314,10 @@ def _of_load(load: LoadResult, number: int, found: TargetForces | None) -> LoadR
         preload_for_target=found.preload[number],
         target_validity=found.validity[number],
     )
-    return known.with_readings(
+    return known.with_scenarios(
         {
-            reading: load.reading(reading).with_values(force_for_target=forces[number])
-            for reading, forces in found.others.items()
+            name: load.scenarios[name].with_values(force_for_target=forces[number])
+            for name, forces in found.others.items()
         }
     )
 
@@ -392,7 +393,7 @@ class _Trials:
             self.rates[log_force] = self.flow.leak_of(contact, self.fluid_pressure).leak_rate
         return self.rates[log_force]
 
-    def load(self, log_force: float) -> LoadResult:
+    def load(self, log_force: float) -> CaseLoad:
         """The load with this contact, of different faces with both."""
         faces = []
         for one, at in self.halves(log_force):
@@ -401,8 +402,8 @@ class _Trials:
             formed = one.solver.problem.around(contact)
             load = LoadResult(self.fluid_pressure, applied_force, contact, formed=formed)
             rough = LeakModel.of(one.flow.surface, one.flow.flow, load.contacts)
-            faces.append(load.with_values(rough=rough))
-        return reduce(LoadResult.beside, faces)
+            faces.append(CaseLoad.of(load.with_values(rough=rough)))
+        return reduce(CaseLoad.beside, faces)
 
     def farthest(self) -> float:
         """ln of the largest force that small strains describe, less than a contact that they do not."""
@@ -423,7 +424,7 @@ class _Trials:
 
 def _on_model(
     solver: LoadSolver, flow: SealFlow, fluid_pressure: float, expected: float, target: float
-) -> tuple[LoadResult, float, str]:
+) -> tuple[CaseLoad, float, str]:
     """Contact that leaks as much as the target, and its force F_N [N].
 
     Or the contact under the largest force, and behind it why there is no larger one.

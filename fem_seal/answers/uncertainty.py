@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from fem_seal.answers.answer import Answer
+from fem_seal.answers.case_load import CaseLoad, SolvedSeal
 from fem_seal.answers.posterior import Posterior, columns_of
 from fem_seal.answers.response_surface import Polynomials, ResponseSurface, fit, fit_with_prior, variables
 from fem_seal.arrays import FloatArray, IntArray
@@ -36,15 +37,17 @@ from fem_seal.sampling import UncertainInput, sobol_points
 from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.kept import Kept
 from fem_seal.seal.leak_model import Conductivity, FlowModel, log_peaks, range_around
-from fem_seal.seal.load_result import LoadResult, SolvedSeal, leak_rates
+from fem_seal.seal.load_result import LoadResult, leak_rates
 from fem_seal.seal.load_solver import LoadSolver, linearised_again, path_again, solved_again, solved_with
 from fem_seal.seal.problem import SealProblem, condensed, interface_law
+from fem_seal.seal.scenarios import TEST_GAS, with_test_gas
+from leak import Reading
 
 if TYPE_CHECKING:
     from fem_seal.case.case import Case
     from fem_seal.contact.model import ContactModel
     from fem_seal.materials import Material
-    from leak import FlowError, NearbyTables, PowerSpectrum, Reading, RoughContact
+    from leak import FlowError, NearbyTables, PowerSpectrum, RoughContact
 
 
 _FIRST_RUNS = 16
@@ -129,7 +132,7 @@ class LeakInterval:
     leak_rate: FloatArray = field(repr=False)
     shares: FloatArray
     error: float | None
-    others: Mapping[Reading, FloatArray] = field(default_factory=dict, repr=False)
+    others: Mapping[str, FloatArray] = field(default_factory=dict, repr=False)
     own_error: Sequence[FlowError | None] = field(default=(), repr=False)
     in_test: LeakInterval | None = field(default=None, repr=False)
     values: Mapping[str, FloatArray] = field(default_factory=dict, repr=False)
@@ -180,18 +183,19 @@ class LeakInterval:
         """`low` and `high` of a load [m^3/s]."""
         return Bounds(float(self.low[number]), float(self.high[number]))
 
-    def of_load(self, load: LoadResult, number: int) -> LoadResult:
+    def of_load(self, load: CaseLoad, number: int) -> CaseLoad:
         """The load of this number, which knows the ends of its samples.
 
         Parameters
         ----------
-        load : LoadResult
+        load : CaseLoad
         number : int
         """
-        tested = None if self.in_test is None else self.in_test.ends(number)
+        if self.in_test is not None and TEST_GAS in load.scenarios:
+            ends = self.in_test.ends(number)
+            load = load.with_scenarios({TEST_GAS: load.scenarios[TEST_GAS].with_values(sampled=ends)})
         return load.with_values(
             sampled=self.ends(number),
-            sampled_in_test=tested,
             leak_rate_p50=float(self.median[number]),
             rougher=self.rougher,
             tested=self.error_scores is not None,
@@ -407,7 +411,7 @@ def _bent(surface: ResponseSurface, runs: FloatArray, logs: FloatArray, populati
 def _interval_of_samples(
     study: SampledSeal,
     settings: Uncertainty,
-    loads: Sequence[LoadResult],
+    loads: Sequence[CaseLoad],
     rates: Sequence[FloatArray],
     *,
     runs: int,
@@ -431,7 +435,7 @@ def _interval_of_samples(
         scores = Posterior.read(settings.posterior).error_at(peaks, settings.seed)[:, chosen]
 
     def interval(own: FloatArray, *others: FloatArray) -> LeakInterval:
-        read = dict(zip(study.others, others, strict=True))
+        read: dict[str, FloatArray] = dict(zip(study.others, others, strict=True))
         about = names, settings.confidence, settings.seed, runs, own, shares, error, read, errors
         return LeakInterval(*about, values=values, error_scores=scores, rougher=rougher)
 
@@ -441,11 +445,11 @@ def _interval_of_samples(
     return replace(own, in_test=tested[0]) if tested else own
 
 
-def _line_loads(loads: Sequence[LoadResult]) -> FloatArray:
+def _line_loads(loads: Sequence[CaseLoad]) -> FloatArray:
     return np.array([load.line_load for load in loads])
 
 
-def _representative(loads: Sequence[LoadResult]) -> list[int]:
+def _representative(loads: Sequence[CaseLoad]) -> list[int]:
     """Numbers of few loads with line loads over the whole range, the last one among them; of all if they are few."""
     if len(loads) <= _LOADS:
         return list(range(len(loads)))
@@ -651,7 +655,7 @@ class SampledSeal:
     @property
     def others(self) -> tuple[Reading, ...]:
         """Readings of yielding asperities beside that of the case itself."""
-        return tuple(self.result.loads[0].others)
+        return tuple(map(Reading, self.result.loads[0].others))
 
     @property
     def readings(self) -> int:
@@ -663,7 +667,8 @@ class SampledSeal:
         """That of the case and, where it is another one, that of the gas that the standards test with."""
         own = self.result.problem.flow
         assert own is not None  # of the checks
-        return (own,) if own.in_test is own else (own, own.in_test)
+        tested = with_test_gas(own)
+        return (own,) if tested is own else (own, tested)
 
     @property
     def kinds(self) -> int:
@@ -680,8 +685,8 @@ class SampledSeal:
     def of_case(self) -> list[float]:
         """Leak rates of the case itself, as those of a sample."""
         own = self.result.loads
-        fluids = (own, [load.in_test for load in own])[: len(self.flows)]
-        read = [[one, *([load.reading(other) for load in one] for other in self.others)] for one in fluids]
+        fluids = [own, *([load.scenarios[TEST_GAS] for load in own] for _ in self.flows[1:])]
+        read = [[one, *([load.scenarios[other] for load in one] for other in self.others)] for one in fluids]
         found = [load.leak for readings in read for loads in readings for load in loads]
         return [math.nan if leak is None else leak.leak_rate for leak in found]
 

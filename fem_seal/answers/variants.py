@@ -7,9 +7,10 @@ from dataclasses import dataclass, field, replace
 
 from fem_seal.answers.accuracy import Comparison
 from fem_seal.answers.answer import Answer, Inquiry
+from fem_seal.answers.case_load import CaseLoad, SolvedSeal, case_loads
 from fem_seal.contact.newton import solve_many
 from fem_seal.seal.leak_model import LeakModel
-from fem_seal.seal.load_result import LoadResult, SolvedSeal, highest_load, strongest_load
+from fem_seal.seal.load_result import LoadResult, highest_load, strongest_load
 from fem_seal.seal.load_solver import (
     LoadSolver,
     linearised_again,
@@ -18,11 +19,12 @@ from fem_seal.seal.load_solver import (
     solved_again,
 )
 from fem_seal.seal.problem import SealProblem
+from fem_seal.seal.scenarios import theories
 from fem_seal.units import format_quantity
 from leak import Reading
 
 # Loads by theory, in the order of the result; None where a theory has no contact.
-ByTheory = Mapping[str, Sequence[LoadResult | None]]
+ByTheory = Mapping[str, Sequence[CaseLoad | None]]
 
 
 @dataclass(frozen=True)
@@ -51,10 +53,10 @@ def by_theory(seal: SolvedSeal) -> ByTheory:
     seal : SolvedSeal
     """
     problem = seal.problem
-    return {theory: _loads_in_theory(seal, problem.in_theory(theory)) for theory in problem.other_theories}
+    return {scenario.name: _loads_in_theory(seal, scenario.problem) for scenario in theories(problem)}
 
 
-def _loads_in_theory(seal: SolvedSeal, problem: SealProblem) -> list[LoadResult | None]:
+def _loads_in_theory(seal: SolvedSeal, problem: SealProblem) -> list[CaseLoad | None]:
     found: dict[int, LoadResult] = {}
     if problem.follows_path:
         for number, contact in enumerate(linearised_again(seal.contact, problem.law)):
@@ -68,30 +70,32 @@ def _loads_in_theory(seal: SolvedSeal, problem: SealProblem) -> list[LoadResult 
             found[number] = LoadResult(*seal.loads[number].point, contact, formed=around)
     shown = [contact for load in found.values() for contact in load.contacts]
     rough = LeakModel.of(problem.surface, problem.flow, shown) if shown else None
-    return [
-        found[number].with_values(rough=rough, mesh_error=load.mesh_error, opening=load.opening)
-        if number in found
-        else None
-        for number, load in enumerate(seal.loads)
+    told = [
+        load.with_values(
+            rough=rough, mesh_error=seal.loads[number].mesh_error, opening=seal.loads[number].opening
+        )
+        for number, load in found.items()
     ]
+    made = dict(zip(found, case_loads(problem, told), strict=True))
+    return [made.get(number) for number in range(len(seal.loads))]
 
 
 def _compute(seal: SolvedSeal, ask: Inquiry) -> Theories:
     highest = highest_load(seal.loads)
 
-    def settled(load: LoadResult, what: str) -> LoadResult:
+    def settled(load: CaseLoad, what: str) -> CaseLoad:
         at = format_quantity("fluid pressure", load.fluid_pressure)
         return ask.steps.compute_values(load, {"leak": f"{what} at {at}"})
 
-    def known(theory: str, number: int, load: LoadResult) -> LoadResult | None:
+    def known(theory: str, number: int, load: CaseLoad) -> CaseLoad | None:
         load = settled(load, f"leak rate by the {theory} theory")
         if load.leak is None:
             return None
-        if number != highest or (elastic := load.reading(Reading.ELASTIC)) is load:
+        if number != highest or (elastic := load.scenarios.get(Reading.ELASTIC)) is None:
             return load
         # of what yielding makes of it one load is told
         what = f"leak rate by the {theory} theory of elastic asperities"
-        return load.with_readings({Reading.ELASTIC: settled(elastic, what)})
+        return load.with_scenarios({Reading.ELASTIC: settled(elastic, what)})
 
     found = {
         theory: [None if load is None else known(theory, n, load) for n, load in enumerate(loads)]
@@ -106,10 +110,8 @@ def _compute(seal: SolvedSeal, ask: Inquiry) -> Theories:
     return Theories(found, same_contact)
 
 
-def _of_load(load: LoadResult, number: int, found: Theories) -> LoadResult:
-    return load.with_values(
-        by_theory={theory: one for theory, each in found.loads.items() if (one := each[number])}
-    )
+def _of_load(load: CaseLoad, number: int, found: Theories) -> CaseLoad:
+    return load.with_scenarios({theory: one for theory, each in found.loads.items() if (one := each[number])})
 
 
 THEORIES = Answer[Theories](
@@ -117,7 +119,7 @@ THEORIES = Answer[Theories](
     "leak rates by the other theory",
     _compute,
     Theories(),
-    lambda seal, wanted: bool(seal.problem.other_theories),
+    lambda seal, wanted: any(theories(seal.problem)),
     _of_load,
     "contacts and leak rates by the other theory",
     of_face=True,
@@ -128,7 +130,7 @@ def _with_law(problem: SealProblem, plastic: bool) -> SealProblem:
     return replace(problem, interface=problem.interface.model_copy(update={"plastic": plastic}))
 
 
-def interface_variants(solver: LoadSolver, loads: Sequence[LoadResult]) -> tuple[Comparison, ...]:
+def interface_variants(solver: LoadSolver, loads: Sequence[CaseLoad]) -> tuple[Comparison, ...]:
     """The load with the largest closing force with p(u) of the elastic and of the plastically smoothed surface."""
     problem = solver.problem
     surface = problem.surface
@@ -150,7 +152,8 @@ def interface_variants(solver: LoadSolver, loads: Sequence[LoadResult]) -> tuple
                 (contact,) = solved_again([contact], solver.model, changed.law, solver.earlier)
             formed = changed.around(contact)
             bare = LoadResult(*load.point, contact, formed=formed)
-            told = replace(bare, rough=LeakModel.of(surface, problem.flow, (*shown, *bare.contacts)))
+            rough = LeakModel.of(surface, problem.flow, (*shown, *bare.contacts))
+            (told,) = case_loads(changed, [replace(bare, rough=rough)])
         others = {reading: one.leak.leak_rate for reading, one in told.others.items() if one.leak is not None}
         variants.append(replace(Comparison.of(name, contact, told.leak), others=others))
     return tuple(variants)

@@ -9,8 +9,8 @@ from functools import partial, reduce
 
 from fem_seal.answers.accuracy import discretisation_error, on_coarser_mesh
 from fem_seal.answers.answer import Answer, Inquiry
+from fem_seal.answers.case_load import CaseLoad, SolvedSeal, case_loads, solved_seal
 from fem_seal.answers.judgement import (
-    JudgedLoad,
     Judgement,
     SealJudgement,
     Utilisation,
@@ -26,22 +26,23 @@ from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError, InputError, LoadProblem, OpenSealError
 from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.leak_model import LeakModel
-from fem_seal.seal.load_result import LoadResult, SolvedSeal
+from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.load_solver import Clock, LoadSolver, Progress
 from fem_seal.seal.problem import SealProblem, largest_force
+from fem_seal.seal.scenarios import theories
 from fem_seal.units import briefly
 from fem_seal.validity.checks import earlier_cautions, load_validity
 from fem_seal.validity.words import sentence
 from leak.numerics.roots import root_between
 
 
-def judged(case: Case, load: LoadResult, *, sampled: bool = True) -> Judgement | None:
+def judged(case: Case, load: CaseLoad, *, sampled: bool = True) -> Judgement | None:
     """What is said of one load; None without a requirement for it.
 
     Parameters
     ----------
     case : Case
-    load : LoadResult
+    load : CaseLoad
         With its validity, what its mesh leaves uncertain and its samples.
     sampled : bool
         Whether the interval holds what the inputs leave open.
@@ -52,7 +53,7 @@ def judged(case: Case, load: LoadResult, *, sampled: bool = True) -> Judgement |
     return max(judgements(case, load, sampled=sampled), key=severity, default=None)
 
 
-def judgements(case: Case, load: LoadResult, *, sampled: bool = True) -> list[Judgement]:
+def judgements(case: Case, load: CaseLoad, *, sampled: bool = True) -> list[Judgement]:
     """What is said of one load against each limit; where nothing is required of it the target leak rate is the limit.
 
     Parameters
@@ -70,24 +71,22 @@ def judgements(case: Case, load: LoadResult, *, sampled: bool = True) -> list[Ju
     return [Judgement.of(limit, ends, known, sampled=sampled, calculated=own) for limit in against]
 
 
-def with_judgements(
-    case: Case, loads: Sequence[LoadResult], *, sampled: bool = True
-) -> tuple[JudgedLoad, ...]:
+def with_judgements(case: Case, loads: Sequence[CaseLoad], *, sampled: bool = True) -> tuple[CaseLoad, ...]:
     """Loads with what is said of them.
 
     Parameters
     ----------
     case : Case
-    loads : sequence of LoadResult
+    loads : sequence of CaseLoad
     sampled : bool
         See `judged`.
     """
-    return tuple(JudgedLoad.of(load, judgement=judged(case, load, sampled=sampled)) for load in loads)
+    return tuple(load.with_values(judgement=judged(case, load, sampled=sampled)) for load in loads)
 
 
 def seal_judgement(
     case: Case,
-    loads: Sequence[JudgedLoad],
+    loads: Sequence[CaseLoad],
     missing: Mapping[tuple[float, float], LoadProblem],
     hardness: float | None = None,
 ) -> SealJudgement | None:
@@ -96,7 +95,7 @@ def seal_judgement(
     Parameters
     ----------
     case : Case
-    loads : sequence of LoadResult
+    loads : sequence of CaseLoad
         With their judgements.
     missing : mapping
         Fluid pressure [Pa] and applied force [N] of each load without a result, with the reason.
@@ -147,7 +146,7 @@ def _crest(load: LoadResult) -> float:
     return 1.0 if load.formed is None else float(load.formed.peak_pressure.max()) / load.peak_pressure
 
 
-def _shares(loads: Sequence[LoadResult], hardness: tuple[float | None, float | None]) -> Utilisation:
+def _shares(loads: Sequence[CaseLoad], hardness: tuple[float | None, float | None]) -> Utilisation:
     """The largest of all loads and, where they differ, of both faces, each of which has a hardness."""
     faces = [(side, *one) for load in loads for side, one in enumerate(load.each_face)]
     stressed = [
@@ -197,14 +196,14 @@ def _compute(seal: SolvedSeal, ask: Inquiry) -> Judgements:
 def _by_theory(seal: SolvedSeal) -> dict[str, tuple[int, Judgement, Verdict]]:
     own = _worst(seal.case, [load.with_values(sampled=None) for load in seal.loads])
     found = {}
-    for theory in seal.problem.other_theories:
-        other = _worst(seal.case, [(load.by_theory or {}).get(theory) for load in seal.loads])
+    for scenario in theories(seal.problem):
+        other = _worst(seal.case, [load.scenarios.get(scenario.name) for load in seal.loads])
         if own is not None and other is not None and own[1].verdict is not other[1].verdict:
-            found[theory] = (*other, own[1].verdict)
+            found[scenario.name] = (*other, own[1].verdict)
     return found
 
 
-def _worst(case: Case, loads: Sequence[LoadResult | None]) -> tuple[int, Judgement] | None:
+def _worst(case: Case, loads: Sequence[CaseLoad | None]) -> tuple[int, Judgement] | None:
     known = [
         (number, one)
         for number, load in enumerate(loads)
@@ -237,7 +236,7 @@ _MOST_STEPS, _MOST_RUNS = 60, 8
 # Forces that share a mesh, over the one that asks for it.
 _SHARED = (0.85, 1.5)
 
-Alone = Callable[[float, float], LoadResult]
+Alone = Callable[[float, float], CaseLoad]
 # ln of a contact force, and what samples and mesh add there to ln of the upper end.
 Added = tuple[float, float]
 
@@ -298,7 +297,7 @@ class _Search:
     Parameters
     ----------
     result : SolvedSeal
-    load : LoadResult
+    load : CaseLoad
     alone : callable
         See `forces_for_verdict`.
     benches : list of _Bench
@@ -308,11 +307,11 @@ class _Search:
     """
 
     result: SolvedSeal
-    load: LoadResult
+    load: CaseLoad
     alone: Alone
     benches: list[_Bench]
     progress: Progress
-    tried: dict[float, LoadResult | None] = field(default_factory=dict)
+    tried: dict[float, CaseLoad | None] = field(default_factory=dict)
     """Loads by ln of their contact force, without samples and mesh error; None of what cannot be solved."""
 
     @property
@@ -327,7 +326,7 @@ class _Search:
         if start is None:
             return VerdictForce(None, self._outside_everywhere())
         added, low, high = [self._added_at_first()], -math.inf, math.inf
-        passes: LoadResult | None = None
+        passes: CaseLoad | None = None
         for _ in range(_MOST_RUNS):
             root = self._root(start, added)
             if isinstance(root, str):
@@ -351,7 +350,7 @@ class _Search:
             return VerdictForce(None, sentence("verdict_force", "not_found"))
         return VerdictForce(passes.applied_force)
 
-    def _run(self, at: float) -> LoadResult | None:
+    def _run(self, at: float) -> CaseLoad | None:
         load = self._load(at)
         if load is None:
             return None
@@ -371,7 +370,7 @@ class _Search:
             return at, 0.0
         return at, max(math.log(sampled[1] / most), 0.0)
 
-    def _excess(self, load: LoadResult) -> float:
+    def _excess(self, load: CaseLoad) -> float:
         """ln of the upper end over the limit, of several limits the largest; positive unless the verdict passes."""
         return max(map(_excess, judgements(self.result.case, load)))
 
@@ -384,12 +383,12 @@ class _Search:
         load = self._load(at)
         return load is not None and not load.validity.outside
 
-    def _load(self, at: float) -> LoadResult | None:
+    def _load(self, at: float) -> CaseLoad | None:
         if at not in self.tried:
             self.tried[at] = self._made(math.exp(at))
         return self.tried[at]
 
-    def _made(self, force: float) -> LoadResult | None:
+    def _made(self, force: float) -> CaseLoad | None:
         pressure = self.load.fluid_pressure
         self._tell(f"a contact force of {briefly('force', force)}")
         try:
@@ -397,9 +396,9 @@ class _Search:
             faces = [self._face(solver, own) for solver, own in halves]
         except (ConvergenceError, InputError, OpenSealError):
             return None
-        return reduce(LoadResult.beside, faces)
+        return reduce(CaseLoad.beside, faces)
 
-    def _face(self, solver: LoadSolver, force: float) -> LoadResult:
+    def _face(self, solver: LoadSolver, force: float) -> CaseLoad:
         """The load on one of two different faces, or on both alike."""
         pressure, problem = self.load.fluid_pressure, solver.problem
         tried = (face for one in self.tried.values() if one for face in one.of_faces or (one,))
@@ -407,8 +406,9 @@ class _Search:
         start, near = next(((one.contact, one.formed) for one in known), (None, None))
         contact, applied = solver.at_contact_force(pressure, force, start, self.progress)
         load = LoadResult(pressure, applied, contact, formed=problem.around(contact, near=near))
-        load = load.with_values(rough=LeakModel.of(problem.surface, problem.flow, load.contacts))
-        return load.with_values(validity=load_validity(problem, load))
+        bare = load.with_values(rough=LeakModel.of(problem.surface, problem.flow, load.contacts))
+        (made,) = case_loads(problem, [bare])
+        return made.with_values(validity=load_validity(problem, made))
 
     def _tell(self, tried: str) -> None:
         at = briefly("fluid pressure", self.load.fluid_pressure)
@@ -529,15 +529,15 @@ def _forces(seal: SolvedSeal, ask: Inquiry) -> Sequence[VerdictForce]:
         return forces_for_verdict(seal, partial(_alone, seal, progress), progress=progress)
 
 
-def _alone(seal: SolvedSeal, progress: Progress, fluid_pressure: float, applied_force: float) -> LoadResult:
+def _alone(seal: SolvedSeal, progress: Progress, fluid_pressure: float, applied_force: float) -> CaseLoad:
     """One load of a case that has no other, with validity, mesh error and samples."""
     point = fluid_pressure, applied_force
     loads = replace(seal.problem.loads, points=(point,), refused={}, target_leak_rate=None)
     problem = replace(seal.problem, loads=loads)
     clock = Clock(progress)
-    alone = evaluate(problem, clock=clock).seal(seal.case)
+    alone = solved_seal(evaluate(problem, clock=clock), seal.case)
 
-    def checked(one: SolvedSeal) -> LoadResult:
+    def checked(one: SolvedSeal) -> CaseLoad:
         problem, sizing, (load,) = one.problem, one.seal_mesh.sizing, one.loads
         with clock.step("error", "estimating the discretisation error"):
             error = discretisation_error(load.contact, on_coarser_mesh(problem, sizing, 0), sizing)
@@ -545,7 +545,7 @@ def _alone(seal: SolvedSeal, progress: Progress, fluid_pressure: float, applied_
         before = earlier_cautions(problem, one.earlier, error)
         return load.with_values(validity=load_validity(problem, load, before))
 
-    load = reduce(LoadResult.beside, map(checked, alone.faces))
+    load = reduce(CaseLoad.beside, map(checked, alone.faces))
     if seal.case.sampled is None or load.validity.outside:
         return load
     return leak_interval(alone.with_loads([load]), progress=progress).of_load(load, 0)

@@ -28,10 +28,10 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
 
+    from fem_seal.answers.case_load import AnyLoad, CaseLoad
     from fem_seal.answers.solution import SealSolution
     from fem_seal.case.case import Case
     from fem_seal.output.columns import TerminalColumn
-    from fem_seal.seal.load_result import AnyLoad, LoadResult
 
 
 def option(command: str, name: str, **words: str) -> Any:
@@ -267,7 +267,7 @@ def show_loads(case: Case, loads: Sequence[AnyLoad], title: str = "") -> None:
     Parameters
     ----------
     case : Case
-    loads : sequence of LoadResult or MissingLoad
+    loads : sequence of CaseLoad or MissingLoad
     title : str
         That of the case unless given.
     """
@@ -322,7 +322,7 @@ def show_leak_table(
     ----------
     rows : sequence of mapping
     title : str
-    loads : sequence of LoadResult
+    loads : sequence of CaseLoad
         Loads of the rows, which determine the number of digits.
     volume : LeakVolume, optional
         State of the leaking volume; that of a liquid unless given.
@@ -387,13 +387,13 @@ def _leak_cell(value: float | None, shown: TerminalColumn, load: AnyLoad, volume
     return _cell(value, shown.unit, column.digits(load))
 
 
-def show_leakage(case: Case, loads: Sequence[LoadResult]) -> None:
+def show_leakage(case: Case, loads: Sequence[CaseLoad]) -> None:
     """Print the leak rate of the highest load in the units of leak testing, and its classes.
 
     Parameters
     ----------
     case : Case
-    loads : sequence of LoadResult
+    loads : sequence of CaseLoad
     """
     from fem_seal.output.report.words import leakage_lines
     from fem_seal.seal.load_result import highest_load

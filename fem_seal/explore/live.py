@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from fem_seal.answers.answer import Inquiry, answered
+from fem_seal.answers.case_load import SolvedSeal, case_loads, solved_seal
 from fem_seal.answers.opening import OPENING
 from fem_seal.answers.solution import SealSolution
 from fem_seal.answers.verdict import VERDICT, Judgements, seal_judgement, with_judgements
@@ -146,7 +147,7 @@ class Live:
         self.bodies: Kept = Kept(_MODELS) if like is None else like.bodies
         self.tables: Kept = Kept(_TABLES) if like is None else like.tables
         # contacts of the last design, for when a table that it waits for is there
-        self._last: tuple[dict[str, str], Evaluation, int] | None = None
+        self._last: tuple[dict[str, str], Evaluation, SolvedSeal, int] | None = None
 
     def answer(self, design: dict[str, str], case: Case, *, waits: bool) -> Screen:
         """What is shown of a design.
@@ -161,22 +162,23 @@ class Live:
         """
         case = warmed(case)
         if self._last is None or self._last[0] != design:
-            self._last = design, *self._evaluated(case, waits)
-        _, found, own = self._last
-        number = highest_load(found.loads[:own])
+            found, own = self._evaluated(case, waits)
+            self._last = design, found, solved_seal(found, case), own
+        _, found, seal, own = self._last
+        number = highest_load(seal.loads[:own])
         try:
-            for load in found.loads:
+            for load in seal.loads:
                 _ = load.leak, load.leak_range
         except Missing:
             return Screen(
                 design,
-                tuple(shown_load(load) for load in found.loads[:own]),
+                tuple(shown_load(load) for load in seal.loads[:own]),
                 number,
-                profile_of(found.loads[number], case),
+                profile_of(seal.loads[number], case),
                 section_of(case),
                 waiting="the flow conductivity of this surface",
             )
-        seal = answered(found.seal(case), Inquiry(found.solver, SILENT), [OPENING])
+        seal = answered(seal, Inquiry(found.solver, SILENT), [OPENING])
         # the interval of every load is as wide as what its checks find
         loads = [load.with_values(validity=validity_of(found, load)) for load in seal.loads]
         judged, between = with_judgements(case, loads[:own]), loads[own:]
@@ -235,10 +237,10 @@ class Live:
             name = Bodies.of(half, sizing(half), _ROUNDING)
             if self.bodies.known(name) is None:
                 yield name
-        for load, *_ in by_face(evaluate(problem, source).loads):
-            for one in () if load.rough is None else map(load.rough.reading, load.rough.readings):
+        for load, *_ in by_face(case_loads(problem, evaluate(problem, source).loads)):
+            for one in (load, *load.others.values()):
                 try:
-                    _ = one.table
+                    _ = one.rough and one.rough.table
                 except Missing as missing:
                     yield from missing.keys
 

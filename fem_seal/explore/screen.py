@@ -25,11 +25,11 @@ from fem_seal.seal.findings import Level
 from fem_seal.seal.load_result import highest_load
 
 if TYPE_CHECKING:
+    from fem_seal.answers.case_load import CaseLoad
     from fem_seal.answers.solution import SealSolution
     from fem_seal.arrays import FloatArray
     from fem_seal.case.case import Case
     from fem_seal.explore.factors import Factors
-    from fem_seal.seal.load_result import LoadResult
     from meshes import Outline
 
 # Columns of leak.csv that stand on the page, those of a leak rate among them.
@@ -271,12 +271,12 @@ def _judged(solution: SealSolution, *, complete: bool) -> dict[str, Any]:
     }
 
 
-def shown_load(load: LoadResult, case: Case | None = None) -> ShownLoad:
+def shown_load(load: CaseLoad, case: Case | None = None) -> ShownLoad:
     """What is shown of one load.
 
     Parameters
     ----------
-    load : LoadResult
+    load : CaseLoad
     case : Case, optional
         None while its leak rate, and with it validity and classes, is not there yet.
     """
@@ -307,12 +307,12 @@ def without_interval(load: ShownLoad) -> ShownLoad:
     return replace(load, values={**load.values, **dict.fromkeys(LEAK[1:], math.nan)})
 
 
-def profile_of(load: LoadResult, case: Case) -> ShownProfile:
+def profile_of(load: CaseLoad, case: Case) -> ShownProfile:
     """Pressure and gap of a load, on all its lands.
 
     Parameters
     ----------
-    load : LoadResult
+    load : CaseLoad
     case : Case
     """
     line = load.whole

@@ -16,15 +16,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem_seal.answers.judgement import JudgedLoad
+from fem_seal.answers.case_load import AnyLoad, CaseLoad
 from fem_seal.files import own_tables
-from fem_seal.seal.load_result import AnyLoad, MissingLoad
+from fem_seal.seal.load_result import MissingLoad
 from fem_seal.seal.readings import FURTHER, OWN, THEORIES, WORDS, force_column, leak_rate_column
 from fem_seal.units import DIGITS, Unit, fixed_unit, quantity_worth, split_unit
 from leak import Reading
 
 if TYPE_CHECKING:
-    from fem_seal.seal.load_result import LoadResult
+    from fem_seal.answers.case_load import CaseLoad
     from leak import LeakResult
 
 
@@ -64,7 +64,7 @@ class Column:
     meaning : str
         Text for the reference of the columns.
     of : callable
-        Function of a `LoadResult`: the number in SI, None where nothing was calculated.
+        Function of a `CaseLoad`: the number in SI, None where nothing was calculated.
     heading : str
         Heading in the report, without a unit.
     title : str
@@ -86,7 +86,7 @@ class Column:
     name: str
     kind: str
     meaning: str
-    of: Callable[[LoadResult], float | None]
+    of: Callable[[CaseLoad], float | None]
     heading: str = ""
     title: str = ""
     short: str = ""
@@ -130,16 +130,17 @@ class Column:
         return min(of_force, of_error, self.most_digits)
 
 
-def _leak_rate_read(reading: Reading, load: LoadResult) -> float | None:
-    return _rate(load.readings[reading].leak) if load.yields else None
+def _leak_rate_read(reading: Reading, load: CaseLoad) -> float | None:
+    read = load.scenario(reading)
+    return None if read is None else _rate(read.leak)
 
 
-def _force_read(reading: Reading, load: LoadResult) -> float | None:
+def _force_read(reading: Reading, load: CaseLoad) -> float | None:
     return load.others[reading].force_for_target if reading in load.others else None
 
 
-def _leak_rate_by(theory: str, load: LoadResult) -> float | None:
-    read = load.in_theory(theory)
+def _leak_rate_by(theory: str, load: CaseLoad) -> float | None:
+    read = load.scenario(theory)
     return None if read is None else _rate(read.leak)
 
 
@@ -147,23 +148,23 @@ def _rate(leak: LeakResult | None) -> float | None:
     return None if leak is None else leak.leak_rate
 
 
-def _contact_radius(load: LoadResult) -> float:
+def _contact_radius(load: CaseLoad) -> float:
     profile = load.tightest
     return float(np.interp(profile.centroid, profile.x, profile.radius))
 
 
-def _knudsen_number(load: LoadResult) -> float | None:
+def _knudsen_number(load: CaseLoad) -> float | None:
     number = None if load.leak is None else load.leak.knudsen_number
     return number if number is not None and math.isfinite(number) else None
 
 
-def _blow_off_pressure(load: LoadResult) -> float | None:
+def _blow_off_pressure(load: CaseLoad) -> float | None:
     from leak import CoupledLeakResult
 
     return (load.leak if isinstance(load.leak, CoupledLeakResult) else load).blow_off_pressure
 
 
-def _plastic_strain(load: LoadResult) -> float | None:
+def _plastic_strain(load: CaseLoad) -> float | None:
     from fem_seal.bodies.fields import ElastoplasticField
     from fem_seal.contact.load_path import ElastoplasticContact
 
@@ -174,53 +175,55 @@ def _plastic_strain(load: LoadResult) -> float | None:
     return max((float(strain.max()) for strain in strains), default=None)
 
 
-def _load_steps(load: LoadResult) -> int | None:
+def _load_steps(load: CaseLoad) -> int | None:
     return max(getattr(one.contact, "load_steps", 0) for _, one in load.each_face) or None
 
 
-def _interval_end(load: LoadResult, which: int) -> float | None:
+def _interval_end(load: CaseLoad, which: int) -> float | None:
     """Lower (0) or upper (1) end of the interval of the leak rate [m^3/s]; None without an interval."""
     ends = load.leak_interval
     return ends[which] if ends is not None and load.has_interval else None
 
 
-def _per_length(load: LoadResult, value: float | None) -> float | None:
+def _per_length(load: CaseLoad, value: float | None) -> float | None:
     """A number per length of the circle of first touch, of two different faces the mean of both."""
     radii = [one.contact.model.initial_contact_radius for _, one in load.each_face]
     return None if value is None else value / (2.0 * math.pi * sum(radii) / len(radii))
 
 
-def _line_load_for_target(load: LoadResult) -> float | None:
+def _line_load_for_target(load: CaseLoad) -> float | None:
     force = load.contact_force_for_target
     return None if force is None else load.contact.model.line_load(force)
 
 
-def _of_bolt(name: str) -> Callable[[LoadResult], float | None]:
-    return lambda load: getattr(load.bolts, name, None) if isinstance(load, JudgedLoad) else None
+def _of_bolt(name: str) -> Callable[[CaseLoad], float | None]:
+    return lambda load: getattr(load.bolts, name, None) if isinstance(load, CaseLoad) else None
 
 
-def _preload_end(load: LoadResult, which: int) -> float | None:
+def _preload_end(load: CaseLoad, which: int) -> float | None:
     """Leak rate at the end of the preload where it is least (0) or largest (-1) [m^3/s]."""
     return None if load.at_preload_ends is None else load.at_preload_ends[which]
 
 
-def _of_scratches(load: LoadResult, which: int) -> float | None:
+def _of_scratches(load: CaseLoad, which: int) -> float | None:
     around = load.around
     return None if around is None or around.scratches is None else around.scratches[which]
 
 
-def _of_judged(name: str) -> Callable[[LoadResult], float | None]:
-    return lambda load: getattr(load, name) if isinstance(load, JudgedLoad) else None
+def _of_judged(name: str) -> Callable[[CaseLoad], float | None]:
+    return lambda load: getattr(load, name) if isinstance(load, CaseLoad) else None
 
 
 # Texts of the columns of all tables.
 _SAID = own_tables("columns.toml")
 # Functions of columns whose number is not the property of the load with the name of the column.
-_OF: dict[str, Callable[[LoadResult], float | None]] = {
+_OF: dict[str, Callable[[CaseLoad], float | None]] = {
     "contact_radius_m": _contact_radius,
     "leak_rate_m3_per_s": lambda load: _rate(load.leak),
-    "leak_rate_elastic_m3_per_s": lambda load: _rate(load.reading(Reading.ELASTIC).leak),
-    "critical_separation_elastic_m": lambda load: load.reading(Reading.ELASTIC).critical_separation,
+    "leak_rate_elastic_m3_per_s": lambda load: _rate((load.scenario(Reading.ELASTIC) or load).leak),
+    "critical_separation_elastic_m": lambda load: (
+        (load.scenario(Reading.ELASTIC) or load).critical_separation
+    ),
     "leak_rate_low_m3_per_s": lambda load: _interval_end(load, 0),
     "leak_rate_high_m3_per_s": lambda load: _interval_end(load, 1),
     "leak_rate_kg_per_s": lambda load: getattr(load.leak, "mass_flow", None),
@@ -282,7 +285,7 @@ def _columns() -> Iterator[Column]:
         yield _worded(leak_rate_column(theory), "theory", partial(_leak_rate_by, theory), words)
 
 
-def _worded(name: str, kind: str, of: Callable[[LoadResult], float | None], words: dict[str, str]) -> Column:
+def _worded(name: str, kind: str, of: Callable[[CaseLoad], float | None], words: dict[str, str]) -> Column:
     """A column of a reading or a theory: the texts of its kind with its words filled in."""
     said: dict[str, Any] = _SAID["of_each"][kind]
     filled: dict[str, Any] = {
@@ -348,26 +351,26 @@ def in_full(text: str, taken: Collection[str] = ()) -> str:
 _NAME = re.compile(r"""\"[^"]*\"|'[^']*'|(?<![\w.])[A-Za-z_]\w*(?![\w.(])""")
 
 
-def own_theory(loads: Sequence[LoadResult]) -> set[str]:
+def own_theory(loads: Sequence[CaseLoad]) -> set[str]:
     """Columns of the theory that the loads themselves use: they repeat the leak rate.
 
     Parameters
     ----------
-    loads : sequence of LoadResult
+    loads : sequence of CaseLoad
     """
     return {
         leak_rate_column(theory)
         for theory in THEORIES
-        if all(load.in_theory(theory) is load for load in loads)
+        if all(load.scenario(theory) is load for load in loads)
     }
 
 
-def in_words(load: LoadResult, name: str) -> str:
+def in_words(load: CaseLoad, name: str) -> str:
     """A number of a load for a sentence: with its unit, and no more digits than in the tables.
 
     Parameters
     ----------
-    load : LoadResult
+    load : CaseLoad
     name : str
         Of a column with a kind of quantity.
     """
@@ -385,7 +388,7 @@ def known_columns(loads: Sequence[AnyLoad]) -> Sequence[str]:
 
     Parameters
     ----------
-    loads : sequence of LoadResult or MissingLoad
+    loads : sequence of CaseLoad or MissingLoad
     """
     given = any(not isinstance(load, MissingLoad) and load.of_profile for load in loads)
     return PROFILE_LEAK_COLUMNS if given else LEAK_COLUMNS

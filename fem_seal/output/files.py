@@ -8,6 +8,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
+from fem_seal.answers.case_load import CaseLoad
 from fem_seal.answers.closed_forms import derive_beside
 from fem_seal.answers.solution import SealSolution
 from fem_seal.case.case import input_tables
@@ -32,7 +33,6 @@ from fem_seal.output.tables import (
 )
 from fem_seal.output.vtk import write_around, write_contact, write_contact_line, write_unloaded
 from fem_seal.seal.lazy import OptionalSteps
-from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.problem import exponential_law
 from fem_seal.units import attributes
 from fem_seal.version import __version__
@@ -208,7 +208,7 @@ def mesh_numbers(result: SealSolution) -> dict[str, Any]:
     }
 
 
-def _yielding(load: LoadResult) -> dict[str, Any]:
+def _yielding(load: CaseLoad) -> dict[str, Any]:
     """Where the bodies yield or, solved as elastic, exceed their yield stress."""
     zones: dict[str, YieldedZone | PlasticZone | None] = dict.fromkeys(("closure", "seat"))
     for face, one in load.each_face:
@@ -246,7 +246,7 @@ def _imprints(imprints: Mapping[str, Imprint]) -> dict[str, Any]:
     }
 
 
-def _convergence(load: LoadResult) -> dict[str, Any]:
+def _convergence(load: CaseLoad) -> dict[str, Any]:
     contact = load.contact
     plastic = contact if isinstance(contact, ElastoplasticContact) else None
     return {

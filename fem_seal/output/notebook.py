@@ -13,9 +13,9 @@ from fem_seal.validity.words import why_missing
 if TYPE_CHECKING:
     import pandas as pd
 
+    from fem_seal.answers.case_load import AnyLoad
     from fem_seal.answers.solution import SealSolution
     from fem_seal.output.shown import ReadableTable
-    from fem_seal.seal.load_result import AnyLoad
 
 # Largest number of loads in a text, and of rows in a notebook.
 _NAMED = 5

@@ -14,7 +14,6 @@ from fem_seal.files import own_tables
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.readings import OWN, WORDS
 from fem_seal.units import filled, unbroken, written
-from leak import Reading
 
 if TYPE_CHECKING:
     from jinja2 import Template
@@ -54,12 +53,12 @@ def template(name: str, *, escaped: bool = True) -> Template:
     return environment.get_template(name)
 
 
-def other_reading(reading: Reading, clause: str) -> str:
+def other_reading(reading: str, clause: str) -> str:
     """A sentence about the result in another reading of yielding asperities.
 
     Parameters
     ----------
-    reading : Reading
+    reading : str
     clause : str
         The result in that reading.
     """

@@ -12,10 +12,10 @@ from fem_seal.seal.readings import FURTHER
 from fem_seal.units import LIQUID, LeakVolume, Unit, fixed_unit, format_digits, trimmed, unit_for
 
 if TYPE_CHECKING:
+    from fem_seal.answers.case_load import AnyLoad
     from fem_seal.answers.solution import SealSolution
     from fem_seal.output.pictures.style import Picture
     from fem_seal.output.tables import CsvTable
-    from fem_seal.seal.load_result import AnyLoad
 
 
 @dataclass(frozen=True)

@@ -31,10 +31,11 @@ if TYPE_CHECKING:
     import pandas as pd
     from numpy.typing import NDArray
 
+    from fem_seal.answers.case_load import AnyLoad, CaseLoad
     from fem_seal.answers.judgement import Verdict
     from fem_seal.answers.solution import SealSolution
     from fem_seal.case.case import Case
-    from fem_seal.seal.load_result import AnyLoad, LoadResult, MissingLoad
+    from fem_seal.seal.load_result import MissingLoad
 
 
 # Headings and rows of a CSV file; without rows there is no file.
@@ -158,7 +159,7 @@ def contact_rows(result: SealSolution) -> CsvTable:
 
 
 def _contacts_of_face(
-    load: LoadResult, faces: int, outlet: float
+    load: CaseLoad, faces: int, outlet: float
 ) -> Iterator[tuple[str, tuple[float, float, float, float, float, float]]]:
     """Number and values of each contact of one face: one, or those of its lands from the axis outwards."""
     leak = load.leak

@@ -22,10 +22,10 @@ from fem_seal.bodies.fields import BodyField, ElastoplasticField
 from fem_seal.files import write_bytes, write_text
 
 if TYPE_CHECKING:
+    from fem_seal.answers.case_load import CaseLoad
     from fem_seal.answers.solution import SealSolution
     from fem_seal.arrays import FloatArray
     from fem_seal.seal.circumference import Circumference
-    from fem_seal.seal.load_result import LoadResult
 
 
 BODIES = ("closure", "seat")
@@ -52,7 +52,7 @@ def write_contact(result: SealSolution, folder: Path) -> list[Path]:
     """
     levels = _mid_planes(result)
 
-    def write_load(load: LoadResult, path: Path) -> Path:
+    def write_load(load: CaseLoad, path: Path) -> Path:
         halves = [(one.contact.fields, one.contact.approach) for one in load.of_faces or (load,)]
         return _write_bodies(halves, _load_data(load), levels, path)
 
@@ -73,7 +73,7 @@ def write_contact_line(result: SealSolution, folder: Path) -> list[Path]:
     heights = [one.seal_mesh.contact.height for one in result.faces]
     levels = _mid_planes(result)
 
-    def line_of(load: LoadResult, height: Callable[[FloatArray], FloatArray]) -> _Line:
+    def line_of(load: CaseLoad, height: Callable[[FloatArray], FloatArray]) -> _Line:
         profiles = load.profiles
         x, radius, pressure, gap = (
             np.concatenate([getattr(one, name) for one in profiles])
@@ -84,7 +84,7 @@ def write_contact_line(result: SealSolution, folder: Path) -> list[Path]:
             data["fluid_pressure_in_gap_Pa"] = load.gap_pressure
         return _in_space(np.column_stack([radius, height(x)])), [len(one.x) for one in profiles], data
 
-    def write_load(load: LoadResult, path: Path) -> Path:
+    def write_load(load: CaseLoad, path: Path) -> Path:
         lines = list(map(line_of, load.of_faces or (load,), heights))
         points, ends, data = lines[0]
         if levels:
@@ -122,7 +122,7 @@ def write_around(result: SealSolution, folder: Path) -> list[Path]:
     """
     height = result.seal_mesh.contact.height
 
-    def write_load(load: LoadResult, path: Path) -> Path | None:
+    def write_load(load: CaseLoad, path: Path) -> Path | None:
         if load.around is None:
             return None
         points, quads, data = _around_the_axis(load, load.around, height)
@@ -139,7 +139,7 @@ def _write_loads(
     folder: Path,
     stem: str,
     suffix: str,
-    write_load: Callable[[LoadResult, Path], Path | None],
+    write_load: Callable[[CaseLoad, Path], Path | None],
 ) -> list[Path]:
     """Write a file for each load that has one, and their series; files of an earlier run are removed.
 
@@ -166,7 +166,7 @@ def _write_loads(
 
 
 def _around_the_axis(
-    load: LoadResult, around: Circumference, height: Callable[[FloatArray], FloatArray]
+    load: CaseLoad, around: Circumference, height: Callable[[FloatArray], FloatArray]
 ) -> tuple[NDArray[np.float32], NDArray[np.int64], dict[str, NDArray[np.float32]]]:
     """Points, quadrilaterals and point data of the seat's face, closed around the axis."""
     every = math.ceil(len(around.angle) / _ANGLES)
@@ -349,7 +349,7 @@ def _in_space(values: FloatArray) -> FloatArray:
     return np.column_stack([values, np.zeros(len(values))])
 
 
-def _load_data(load: LoadResult) -> dict[str, NDArray[np.generic]]:
+def _load_data(load: CaseLoad) -> dict[str, NDArray[np.generic]]:
     return {
         "fluid_pressure_Pa": np.array([load.fluid_pressure]),
         "contact_force_N": np.array([load.contact_force]),

@@ -240,6 +240,7 @@ class SealRow:
 def simulate_seal(
     problem: SealProblem,
     loads: Sequence[LoadResult],
+    intervals: Sequence[tuple[float, float] | None],
     settings: DirectSettings,
     asperities: tuple[Asperities, ...],
     *,
@@ -254,6 +255,8 @@ def simulate_seal(
         With roughness and fluid.
     loads : sequence of LoadResult
         Solved by the chain.
+    intervals : sequence of tuple or None
+        Ends of the leak rate of each load, where it has an interval [m^3/s].
     settings : DirectSettings
         Grid points along the contact (twice as many across), samples, seed.
     asperities : tuple of {"elastic", "capped", "von-mises"}
@@ -267,7 +270,8 @@ def simulate_seal(
     """
     surface, flow = problem.surface, problem.flow
     assert surface is not None and flow is not None
-    places = tuple(place for load in loads for place in _places(load, surface, flow, settings))
+    told = zip(loads, intervals, strict=True)
+    places = tuple(place for load, ends in told for place in _places(load, ends, surface, flow, settings))
     yield_stress = settings.yield_stress_of(surface) if "von-mises" in asperities else None
     simulation = SealSimulation(surface, places, asperities, replace(settings, yield_stress=yield_stress))
     found = work(simulation, simulation.pieces(), settings.folder, jobs=jobs, progress=progress)
@@ -283,11 +287,15 @@ def simulate_seal(
 
 
 def _places(
-    load: LoadResult, surface: RoughContact, flow: FlowModel, settings: DirectSettings
+    load: LoadResult,
+    interval: tuple[float, float] | None,
+    surface: RoughContact,
+    flow: FlowModel,
+    settings: DirectSettings,
 ) -> Iterator[SealPlace]:
     formed = load.formed
     if formed is None:
-        yield _place("round", load, load.contact, surface, flow, settings)
+        yield replace(_place("round", load, load.contact, surface, flow, settings), interval=interval)
         return
     for name, line_load in (
         ("least loaded", formed.line_load.min()),
@@ -320,9 +328,8 @@ def _place(
         if gas is None
         else gas.viscosity * gas.molecular_speed / float(gas.flow_pressure(np.array(mean)))
     )
-    interval = load.leak_interval if name == "round" and load.has_interval else None
     return SealPlace(
-        name, *load.point, contact.line_load, profile, strip, through, through_held, leak, interval, flight
+        name, *load.point, contact.line_load, profile, strip, through, through_held, leak, None, flight
     )
 
 

@@ -13,7 +13,6 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from typing import TypeAlias, TypeVar
 
-from fem_seal.case.case import Case
 from fem_seal.contact.load_path import Leave
 from fem_seal.contact.model import ContactModel
 from fem_seal.contact.newton import ContactProblem, solve_many
@@ -22,7 +21,7 @@ from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError, LimitLoadError, LoadProblem, LongPathError, NoLoadLeftError
 from fem_seal.seal.cost import about, path_seconds
 from fem_seal.seal.leak_model import LeakModel
-from fem_seal.seal.load_result import LoadResult, SolvedSeal
+from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.load_solver import Clock, LoadSolver, SolvedLoads, solve_loads
 from fem_seal.seal.problem import Loads, SealProblem, sizing
 from fem_seal.seal.sources import EXACT, Source
@@ -185,25 +184,6 @@ class Evaluation:
         if self.lower_half is None:
             return own
         return tuple(map(LoadResult.beside, own, self.lower_half.loads))
-
-    def seal(self, case: Case) -> SolvedSeal:
-        """What answers are computed from; bodies that are shared have no mesh, which few of them ask for.
-
-        Parameters
-        ----------
-        case : Case
-            Without the loads that could not be calculated.
-        """
-        return SolvedSeal(
-            case,
-            self.problem,
-            self.seal_mesh,  # type: ignore[arg-type]
-            self.model,
-            self.loads,
-            self.solved.unloaded,
-            self.solved.earlier,
-            lower_half=None if self.lower_half is None else self.lower_half.seal(case.lower_half or case),
-        )
 
     @property
     def halves(self) -> tuple[Evaluation, ...]:

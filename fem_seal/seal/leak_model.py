@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 import numpy as np
 
 import leak
-from fem_seal.seal.lazy import ByReading, variant
-from leak import Reading
+from fem_seal.seal.lazy import Lazy
 from leak.numerics.roots import root_between
 
 if TYPE_CHECKING:
@@ -44,24 +43,6 @@ _DENSITY = 1000.0
 MARGIN = 0.3
 
 Conductivity: TypeAlias = "ConductivityTable | GasConductivityTable"
-
-
-# The gases that the standards test with, at 5 to 40 °C (ISO 5208) [K], and what stands for them.
-TEST_GASES, TEST_TEMPERATURES, ROOM_TEMPERATURE = ("air", "nitrogen"), (278.15, 313.15), 293.15
-
-
-def gas_of_test(name: str, gas: Gas) -> Gas:
-    """The gas itself where the standards test with it, air at room temperature for any other.
-
-    Parameters
-    ----------
-    name : str
-        What the case calls it.
-    gas : Gas
-    """
-    low, high = TEST_TEMPERATURES
-    own = name.lower() in TEST_GASES and low <= gas.temperature <= high
-    return gas if own else leak.gas(TEST_GASES[0], ROOM_TEMPERATURE)
 
 
 @dataclass(frozen=True)
@@ -177,13 +158,6 @@ class FlowModel:
         return gas_through_gap(resistance, float(gap.min()), self.gas, high, self.outlet_pressure)
 
     @property
-    def in_test(self) -> FlowModel:
-        """The same way for the gas that the standards test with, see `gas_of_test`; itself for a liquid."""
-        tested = None if self.gas is None else gas_of_test(self.fluid, self.gas)
-        if tested is None or tested is self.gas:
-            return self
-        return replace(self, fluid=tested.name, gas=tested, viscosity=tested.viscosity)
-
     @property
     def elastic(self) -> FlowModel:
         """The same where nothing yields in a simulation; itself without one."""
@@ -524,7 +498,7 @@ def log_peaks(contacts: Sequence[ContactSolution]) -> list[float]:
 
 
 @dataclass(frozen=True, eq=False)
-class LeakModel(ByReading):
+class LeakModel(Lazy):
     """Rough surfaces and the fluid between them, with what contacts share of it, made when it is asked for.
 
     Parameters
@@ -566,31 +540,10 @@ class LeakModel(ByReading):
         make = _Tables(table or FlowModel.table_around, log_peaks(contacts))
         return cls(surface, flow, make, tuple(contact.profile.peak_pressure for contact in contacts))
 
-    def _read_as(self, reading: Reading) -> LeakModel:
-        surface, flow = self.surface.reading(reading), self.flow
-        if reading is Reading.ELASTIC and flow is not None:
-            flow = flow.elastic
-        same = surface is self.surface and flow is self.flow
-        return self if same else replace(self, surface=surface, flow=flow)
-
-    @cached_property
-    def ends(self) -> tuple[LeakModel, ...]:
-        """The same at either end of the interval that a direct simulation gives; none without one."""
-        if self.flow is None or self.flow.simulated is None:
-            return ()
-        return tuple(replace(self, flow=replace(self.flow, end=end)) for end in (-1, 1))
-
     @property
-    def readings(self) -> tuple[Reading, ...]:
-        """Those of its theory; only its own with a simulation, which has an interval of its own."""
-        known = self.surface.readings
-        return tuple(one for one in known if not self.ends or self.surface.reading(one) is self.surface)
-
-    @variant
-    def in_test(self) -> LeakModel:
-        """The same with the gas that the standards test with; itself where the fluid is one, and of a liquid."""
-        flow = self.flow
-        return self if flow is None or flow.in_test is flow else replace(self, flow=flow.in_test)
+    def simulated(self) -> bool:
+        """Whether the flow is simulated, and has an interval of its own."""
+        return self.flow is not None and self.flow.simulated is not None
 
     @cached_property
     def table(self) -> Conductivity | None:

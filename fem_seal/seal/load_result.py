@@ -4,41 +4,33 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
-from html import escape
 from typing import TYPE_CHECKING, Self, TypeVar
 
 import numpy as np
 
 from fem_seal.profile import PressureProfile, joined, tightest
-from fem_seal.seal.both_faces import joined_validity, mean_leak, share_of
-from fem_seal.seal.bounds import AGREE, EXACT, Bounds
-from fem_seal.seal.findings import DIRECT_SCATTER, NEARLY_SEALED, SEALED, VALID, Finding, Level, Validity
-from fem_seal.seal.lazy import ByReading, variant
+from fem_seal.seal.both_faces import mean_leak, share_of
+from fem_seal.seal.bounds import AGREE
+from fem_seal.seal.lazy import Lazy
 from fem_seal.seal.leak_model import Conductivity, FlowModel, LeakModel
-from fem_seal.units import DIGITS, digits_within, format_quantity, leak_range_text, quantity_worth, share_text
-from leak import Reading
+from fem_seal.units import DIGITS, digits_within
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from fem_seal.case.case import Case
-    from fem_seal.contact.load_path import Imprint, Unloaded
-    from fem_seal.contact.model import ContactModel
     from fem_seal.contact.solution import ContactSolution
     from fem_seal.errors import LoadProblem
     from fem_seal.seal.circumference import Circumference
-    from fem_seal.seal.problem import SealProblem
     from leak import FlowError, LeakResult, RoughContact
-    from meshes import SealMesh
 
 
 _NINE_OF_TEN = 0.05, 0.95
 
 
 @dataclass(frozen=True, eq=False)
-class LoadResult(ByReading):
+class LoadResult(Lazy):
     """One load of a case, which works out what it is asked for.
 
     Parameters
@@ -52,39 +44,10 @@ class LoadResult(ByReading):
         Surfaces and fluid; None without roughness.
     formed : Circumference or None
         Line load around the axis, of which `contact` carries the mean; None for a round seal.
-    effective_radius : float or None
-        Radius of the circle whose area times the fluid pressure is the fluid's force on the closure [m]; None unless
-        the fluid gets between the surfaces.
-    blow_off_pressure : float or None
-        Fluid pressure that lifts the closure off at this applied force [Pa], infinite if none does; None if not asked.
-    force_for_target : float or None
-        Smallest applied force for which the leak rate stays below the target [N]; None if not asked or not found.
-    contact_force_for_target : float or None
-        Contact force F_N with it [N].
-    preload_for_target : float or None
-        Preload of all bolts with it [N]; None without bolts.
-    validity : Validity
-        How far the numbers can be trusted, and why no further; see guide/validity in the manual.
-    target_validity : Validity or None
-        The same of `force_for_target`; None without it.
     opening : OpeningMargin or None
         How far the load is from opening the seal; None where neither fluid nor spring opens it, or it is not known.
     mesh_error : DiscretisationError or None
         What the mesh leaves uncertain; None where nobody asked.
-    sampled : Bounds or None
-        Ends of the samples of uncertain inputs, in all readings and with the theory's own error [m^3/s]; None where
-        none is sampled.
-    sampled_in_test : Bounds or None
-        The same with the gas of the standards' tests, see `in_test` [m^3/s].
-    leak_rate_p50 : float or None
-        Median of the samples in the case's own reading, with the theory's own error [m^3/s]; None where none is
-        sampled.
-    tested : bool
-        Whether the samples are those that a leak test has left; the inputs as given are then none of them.
-    by_theory : mapping or None
-        The load by theories of the rough contact that it is not calculated with; None where nobody asked.
-    at_preload_ends : Bounds or None
-        Leak rate with the least and the largest preload of its bolts [m^3/s]; None where the preload is taken as given.
     of_faces : tuple of LoadResult or None
         The same load with the upper and with the lower flange on both faces of a gasket, of which the leak rate is the
         mean; None where the flanges are alike. All that is no leak rate is that of the upper one.
@@ -95,21 +58,8 @@ class LoadResult(ByReading):
     contact: ContactSolution
     rough: LeakModel | None = None
     formed: Circumference | None = None
-    effective_radius: float | None = None
-    blow_off_pressure: float | None = None
-    force_for_target: float | None = None
-    contact_force_for_target: float | None = None
-    preload_for_target: float | None = None
-    validity: Validity = VALID
-    target_validity: Validity | None = None
     opening: OpeningMargin | None = None
     mesh_error: DiscretisationError | None = None
-    sampled: Bounds | None = None
-    sampled_in_test: Bounds | None = None
-    leak_rate_p50: float | None = None
-    tested: bool = False
-    by_theory: Mapping[str, LoadResult] | None = None
-    at_preload_ends: Bounds | None = None
     of_faces: tuple[LoadResult, LoadResult] | None = None
 
     def beside(self, lower: LoadResult) -> Self:
@@ -120,22 +70,15 @@ class LoadResult(ByReading):
         lower : LoadResult
             The same load with the lower flange on both faces.
         """
-        return replace(self, by_theory=None).with_faces(self, lower)
+        return replace(self).with_faces(self, lower)
 
     def with_faces(self, upper: LoadResult, lower: LoadResult) -> Self:
         """`beside` with all that is known of the whole seal already."""
         found = self.with_values(of_faces=(upper, lower))
-        margins = [one.opening for one in (upper, lower) if one.opening is not None]
-        opens = [one.blow_off_pressure for one in (upper, lower) if one.blow_off_pressure is not None]
-        theories, below = upper.by_theory, lower.by_theory or {}
+        margins = [face.opening for face in (upper, lower) if face.opening is not None]
         return found.with_values(
-            effective_radius=upper.effective_radius,
-            blow_off_pressure=min(opens, default=None),
-            opening=min(margins, key=lambda one: one.share, default=None),
-            validity=joined_validity(upper.validity, lower.validity, found.upper_share),
+            opening=min(margins, key=lambda margin: margin.share, default=None),
             mesh_error=_joined_error(upper.mesh_error, lower.mesh_error, found.upper_share),
-            by_theory=theories
-            and {key: one.beside(below[key]) for key, one in theories.items() if key in below},
         )
 
     def upper_share(self) -> float:
@@ -145,42 +88,14 @@ class LoadResult(ByReading):
         return 0.5 if upper is None or lower is None else share_of(upper, lower)
 
     @property
+    def others(self) -> Mapping[str, LoadResult]:
+        """The load in scenarios of which a number stands beside wherever its own is told; none of one alone."""
+        return {}
+
+    @property
     def each_face(self) -> tuple[tuple[str, LoadResult], ...]:
         """The load with each of two different faces, with what names of bodies of the lower one begin with."""
         return tuple(zip(("", "lower "), self.of_faces or (self,), strict=False))
-
-    def _faces_as(self, change: Callable[[LoadResult], LoadResult]) -> tuple[LoadResult, LoadResult] | None:
-        """Both faces changed; the very same where neither is."""
-        if self.of_faces is None:
-            return None
-        upper, lower = map(change, self.of_faces)
-        return self.of_faces if (upper, lower) == self.of_faces else (upper, lower)
-
-    def __repr__(self) -> str:
-        pressure = format_quantity("fluid pressure", self.fluid_pressure)
-        force = format_quantity("force", self.applied_force)
-        return f"<LoadResult at {pressure}, {force} applied: {self.in_brief}>"
-
-    def _repr_html_(self) -> str:
-        """What a notebook shows: the same, a line for each number."""
-        load, _, numbers = escape(repr(self)[1:-1]).partition(": ")
-        return f"<p><b>{load}</b><br>{numbers.replace(', ', '<br>')}</p>"
-
-    @property
-    def in_brief(self) -> str:
-        """Peak pressure, width, leak rate and validity in a line, with units and no more digits than they are worth."""
-        parts = [
-            f"peak {quantity_worth('contact pressure', self.peak_pressure, self.pressure_digits)}",
-            f"FWHM {quantity_worth('length', self.fwhm, self.digits_of('fwhm'))}",
-        ]
-        # a line is not worth working the leak rate out
-        leak: LeakResult | None = vars(self).get("leak")
-        if leak is not None:
-            known = all("leak" in vars(one) for one in self.others.values()) and self.has_interval
-            told = self.leak_interval if known and self.leak_interval is not None else leak.leak_rate
-            claimed = not self.validity.outside
-            parts.append(f"leak rate {leak_range_text(told, self.leak_digits, claimed=claimed)}")
-        return ", ".join([*parts, str(self.validity.level)])
 
     @property
     def digits(self) -> int:
@@ -188,44 +103,19 @@ class LoadResult(ByReading):
         return DIGITS if self.opening is None else self.opening.digits
 
     def digits_of(self, name: str) -> int:
-        """Significant digits that known errors leave of one of its numbers, four at most: the mesh's and the theory's.
+        """Significant digits that the error of the mesh leaves of one of its numbers, four at most.
 
         Parameters
         ----------
-        name : {"peak_pressure", "fwhm", "std", "leak_rate", "force_for_target"}
+        name : {"peak_pressure", "fwhm", "std", "leak_rate"}
             Stresses in the bodies are as good as the peak pressure.
         """
-        of_theory = {"leak_rate": self.validity, "force_for_target": self.target_validity}.get(name)
-        theory = DIGITS if of_theory is None else digits_within(of_theory.leak_error)
-        # a leak rate off by orders of magnitude leaves more of the force, which stands beside its line load
-        least = 3 if name == "force_for_target" else 1
         if self.mesh_error is None:
-            return max(theory, least)
+            return DIGITS
         # where the strongest load is sealed, nothing is known of what the others leak but the contact that it follows
-        known = getattr(self.mesh_error, "leak_rate" if name == "force_for_target" else name)
+        known = getattr(self.mesh_error, name)
         share = max(self.mesh_error.peak_pressure, self.mesh_error.std) if known is None else known
-        return max(min(theory, digits_within(share)), least)
-
-    @property
-    def leak_validity(self) -> Validity:
-        """The validity with what the mesh leaves uncertain of the leak rate: what its interval may be off by."""
-        # the interval holds what a simulation leaves open
-        known = list(self.validity.without(DIRECT_SCATTER).cautions)
-        share = None if self.mesh_error is None else self.mesh_error.leak_rate
-        if share is not None and share > 0.0:
-            told = f"the mesh leaves an error of {share_text(share)}"
-            known.append(Finding("mesh", Level.VALID, told, told, Bounds.factor_bounds(1.0 + share)))
-        if self.theory_error != EXACT and self.sampled is None:  # or the samples have it
-            low, high = self.theory_error
-            told = f"direct simulation of rough surfaces finds {low:.2f} to {high:.2f} times as much"
-            known.append(Finding("theory", Level.VALID, told, told, self.theory_error))
-        return Validity.of(known)
-
-    @property
-    def theory_error(self) -> Bounds:
-        """Factors on the leak rate between which direct simulation finds it in nine of ten seals, see `flow_error`."""
-        # what is told lies between its ends
-        return EXACT if self.flow_error is None else Bounds.of([1.0, *self.flow_error.factor(_NINE_OF_TEN)])
+        return max(digits_within(share), 1)
 
     @cached_property
     def flow_error(self) -> FlowError | None:
@@ -237,7 +127,7 @@ class LoadResult(ByReading):
         if self.of_faces is not None:
             # that of the face that decides
             return self.of_faces[0 if self.upper_share() >= 0.5 else 1].flow_error
-        surface = None if self.rough is None or self.rough.ends else self.rough.surface
+        surface = None if self.rough is None or self.rough.simulated else self.rough.surface
         if surface is None or surface.theory == "paper" or not self.peak_pressure > 0.0:
             return None
         # a lay stretches waves one way and shortens them as much the other
@@ -246,28 +136,10 @@ class LoadResult(ByReading):
         around = 2.0 * math.pi * float(np.interp(profile.centroid, profile.x, profile.radius))
         return surface.flow_error(self.peak_pressure, waves=self.fwhm * around / wavelength**2)
 
-    def in_theory(self, theory: str) -> LoadResult | None:
-        """The load by a theory of the rough contact, on its own contact; None where it is not known.
-
-        Parameters
-        ----------
-        theory : {"paper", "corrected"}
-        """
-        if theory in (self.by_theory or {}):
-            return self.by_theory[theory]  # type: ignore[index]
-        # a simulated flow is neither
-        own = self.rough is not None and not self.rough.ends and self.rough.surface.theory == theory
-        return self if own else None
-
     @property
     def pressure_digits(self) -> int:
         """Significant digits of contact pressures and stresses: what errors and the distance from opening leave."""
         return min(self.digits, self.digits_of("peak_pressure"))
-
-    @property
-    def leak_digits(self) -> int:
-        """The same of leak rates."""
-        return min(self.digits, self.digits_of("leak_rate"))
 
     @property
     def of_profile(self) -> bool:
@@ -358,46 +230,6 @@ class LoadResult(ByReading):
 
         return formed.with_leak(LeakCurve(formed.local, flow))
 
-    def _read_as(self, reading: Reading) -> Self:
-        rough = None if self.rough is None else self.rough.reading(reading)
-        faces = self._faces_as(lambda one: one.reading(reading))
-        if rough is self.rough and faces is self.of_faces:
-            return self
-        return replace(
-            self,
-            rough=rough,
-            of_faces=faces,
-            force_for_target=None,
-            contact_force_for_target=None,
-            preload_for_target=None,
-            target_validity=None,
-        )
-
-    @property
-    def readings(self) -> Mapping[Reading, Self]:
-        """The same contact in each reading of its yielding asperities, or in the only one; the default first."""
-        known = (Reading.ELASTIC,) if self.rough is None else self.rough.readings
-        return {one: self.reading(one) for one in known}
-
-    @property
-    def others(self) -> Mapping[Reading, Self]:
-        """`readings` but the one of the load itself."""
-        return {reading: load for reading, load in self.readings.items() if load is not self}
-
-    @property
-    def yields(self) -> bool:
-        """Whether asperities yield by a theory that reads this in several ways."""
-        return len(self.readings) > 1
-
-    @variant
-    def first_loading(self) -> Self:
-        """The same load if no place had carried more before; itself where none is known to have."""
-        contact = self.contact if self.of_profile else self.contact.first_loading
-        formed = None if self.formed is None else self.formed.first_loading
-        faces = self._faces_as(lambda one: one.first_loading)
-        same = contact is self.contact and faces is self.of_faces
-        return self if same else replace(self, contact=contact, formed=formed, of_faces=faces)
-
     @property
     def remembers(self) -> bool:
         """Whether a place that carries the load has carried more before."""
@@ -406,31 +238,6 @@ class LoadResult(ByReading):
             for one in self.contacts
             if one.largest is not None
         )
-
-    @property
-    def leak_range(self) -> Bounds | None:
-        """Leak rates of all readings of yielding asperities [m^3/s]; None where there is but one reading.
-
-        With a direct simulation instead of the theory the ends of its interval.
-        """
-        read = self.readings.values() if self.yields else self._simulated_ends
-        leaks = [one.leak for one in read]
-        return Bounds.of(leak.leak_rate for leak in leaks if leak) if leaks and all(leaks) else None
-
-    @cached_property
-    def _simulated_ends(self) -> tuple[Self, ...]:
-        return () if self.rough is None else tuple(replace(self, rough=end) for end in self.rough.ends)
-
-    @cached_property
-    def rougher(self) -> float:
-        """What the gaps of the roughest samples let through over that of the surface as given, by h^3/eta [-]."""
-        return 1.0
-
-    @property
-    def most_leak(self) -> float:
-        """What physics lets through: the open bore, and the rough gap of a round seal without load [m^3/s]."""
-        bore, gap = self.unsealed
-        return min(bore, self.rougher * gap)
 
     @cached_property
     def unsealed(self) -> tuple[float, float]:
@@ -452,78 +259,9 @@ class LoadResult(ByReading):
         """What leaks at most where the percolation threshold decides [m^3/s]; zero where it does not."""
         if self.of_faces is not None:
             return 0.5 * sum(one.leak_before_sealing for one in self.of_faces)
-        if self.rough is None or self.rough.ends or self.formed is not None:
+        if self.rough is None or self.rough.simulated or self.formed is not None:
             return 0.0
         return self.rough.leak_before_sealing(self.whole, self.fluid_pressure)
-
-    @property
-    def calculated_ends(self) -> Bounds | None:
-        """`leak_interval` without what the calculation may be off by [m^3/s]."""
-        if self.leak is None:
-            return None
-        known = [self.leak.leak_rate, *(self.leak_range or ()), *(self.sampled or ())]
-        if self.tested and self.sampled is not None:
-            known = [*self.sampled]
-        return Bounds.of([*known, *(self.at_preload_ends or ())])
-
-    @property
-    def leak_interval(self) -> Bounds | None:
-        """Ends of the leak rate, wherever they are told or judged [m^3/s]; None without a leak rate.
-
-        They hold all readings of yielding asperities or what a simulation leaves open, the samples of uncertain
-        inputs, the preload of bolts, and what the calculation may be off by (`leak_validity`), but no more than
-        physics lets through (`most_leak`).
-        """
-        ends, doubts = self.calculated_ends, self.leak_validity
-        if self.leak is None or ends is None:
-            return None
-        # the threshold is that of the surface as given: rougher samples are further from it, and leak no more by it
-        near = [one.leak_factor.high for one in doubts.cautions if one.kind in (NEARLY_SEALED, SEALED)]
-        by_threshold = self.leak_before_sealing if near else 0.0
-        if near and not by_threshold and self.leak.leak_rate > 0.0:
-            by_threshold = math.prod(near) * self.leak.leak_rate
-        most = doubts.without(NEARLY_SEALED, SEALED).leak_factor.high
-        found = Bounds(ends.low * doubts.leak_factor.low, max(ends.high, self.rougher * by_threshold) * most)
-        # faces that are lifted off, as at the least preload, have no gap that bounds what passes
-        if not found.apart or math.isinf(ends.high):
-            return found
-        limit = max(self.most_leak, self.leak.leak_rate)
-        return Bounds(min(found.low, limit), min(found.high, limit))
-
-    @property
-    def has_interval(self) -> bool:
-        """Whether the ends of `leak_interval` are told as two numbers, or made of what could be two."""
-        ends = self.leak_interval
-        made = any(one is not None for one in (self.leak_range, self.sampled, self.at_preload_ends))
-        return ends is not None and (made or ends.apart)
-
-    @property
-    def in_test(self) -> Self:
-        """The same contact with the gas that the standards test with; itself where that leaks, or a liquid."""
-        found = self.with_test_gas
-        if found is self:
-            return self
-        own, other, ends = self.leak, found.leak, self.at_preload_ends
-        if own is not None and other is not None and ends is not None and own.leak_rate > 0.0:
-            # let through as much more of it as at the preload that is meant
-            ends = Bounds.of(one * other.leak_rate / own.leak_rate for one in ends)
-        return found.with_values(
-            at_preload_ends=ends,
-            rougher=self.rougher,
-            sampled=self.sampled_in_test,
-            leak_rate_p50=None,
-            tested=self.tested,
-            validity=self.validity,
-            mesh_error=self.mesh_error,
-        )
-
-    @variant
-    def with_test_gas(self) -> Self:
-        """`in_test` without what is known of its interval."""
-        rough = None if self.rough is None else self.rough.in_test
-        if rough is self.rough:
-            return self
-        return replace(self, rough=rough, of_faces=self._faces_as(lambda one: one.with_test_gas))
 
     @property
     def effective_viscosity(self) -> float | None:
@@ -603,27 +341,18 @@ def leak_rates(
     return found
 
 
-def rate_of(load: LoadResult) -> float | Bounds:
-    """The leak rate of a load as it is told: its interval, or the only number; NaN without one [m^3/s].
-
-    Parameters
-    ----------
-    load : LoadResult
-    """
-    ends = load.leak_interval
-    if load.leak is None or ends is None:
-        return math.nan
-    return ends if ends.apart else load.leak.leak_rate
+Load = TypeVar("Load", bound=LoadResult)
 
 
-def by_face(loads: Iterable[LoadResult]) -> list[tuple[LoadResult, ...]]:
+def by_face(loads: Iterable[Load]) -> list[tuple[Load, ...]]:
     """Loads with each of two different faces; of alike ones the loads themselves.
 
     Parameters
     ----------
     loads : iterable of LoadResult
     """
-    return list(zip(*(load.of_faces or (load,) for load in loads), strict=True))
+    faces: Iterable[tuple[Load, ...]] = (load.of_faces or (load,) for load in loads)  # type: ignore[misc]
+    return list(zip(*faces, strict=True))
 
 
 def strongest_load(loads: Sequence[LoadResult]) -> int:
@@ -668,13 +397,6 @@ class GivenContact:
     def line_load(self) -> float:
         """Int p dx [N/m]."""
         return self.whole.moment(0)
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class GivenLoad(LoadResult):
-    """The leak of a given pressure profile: of its bodies and their forces nothing is known."""
-
-    contact: GivenContact  # type: ignore[assignment]
 
 
 @dataclass(frozen=True)
@@ -810,120 +532,3 @@ def in_order(
     for one in missing:
         rows.insert(one.number, row(one))
     return rows
-
-
-@dataclass(frozen=True)
-class SolvedSeal:
-    """A case, its bodies on their mesh and its loads.
-
-    Parameters
-    ----------
-    case : Case
-        Without the loads that could not be calculated.
-    problem : SealProblem
-        The same as the calculation knows it.
-    seal_mesh : SealMesh
-    model : ContactModel
-    loads : tuple of LoadResult
-        In the order of the case.
-    unloaded : Unloaded or None
-        Residual stress and imprint after the last load; None if all bodies are elastic.
-    earlier : ContactSolution or None
-        At the largest load before those of the case; None without one.
-    not_calculated : tuple of MissingLoad
-        The other loads of the case.
-    said_of_missing : tuple of Finding
-        Why, in words.
-    lower_half : SolvedSeal or None
-        With the lower flange on both faces of a gasket; None where the flanges are alike.
-    """
-
-    case: Case
-    problem: SealProblem = field(repr=False)
-    seal_mesh: SealMesh
-    model: ContactModel
-    loads: tuple[LoadResult, ...]
-    unloaded: Unloaded | None = None
-    earlier: ContactSolution | None = None
-    not_calculated: tuple[MissingLoad, ...] = ()
-    said_of_missing: tuple[Finding, ...] = ()
-    lower_half: SolvedSeal | None = None
-
-    @property
-    def missing(self) -> dict[tuple[float, float], LoadProblem]:
-        """Fluid pressure [Pa] and applied force [N] of each load without a result, with the reason."""
-        return {one.point: one.problem for one in self.not_calculated}
-
-    @property
-    def every_load(self) -> list[AnyLoad]:
-        """The loads of the case in its order, with those that could not be calculated."""
-        return in_order([*self.loads], self.not_calculated, lambda one: one)
-
-    @property
-    def faces(self) -> tuple[SolvedSeal, ...]:
-        """The seal with each of two different flanges on both faces; only itself where they are alike."""
-        if self.lower_half is None:
-            return (self,)
-        upper, lower = by_face(self.loads)
-        known = {field.name: getattr(self, field.name) for field in fields(SolvedSeal)}
-        return (
-            SolvedSeal(**{**known, "loads": upper, "lower_half": None}),
-            replace(self.lower_half, loads=lower),
-        )
-
-    @property
-    def imprints(self) -> dict[str, Imprint]:
-        """Lasting imprints by body; "lower closure" and "lower seat" are another lower flange and its half."""
-        faces = zip(("", "lower "), (self, self.lower_half), strict=True)
-        known = [(face, one.unloaded) for face, one in faces if one is not None and one.unloaded is not None]
-        return {f"{face}{name}": imprint for face, one in known for name, imprint in one.imprints.items()}
-
-    def with_faces(self, upper: SolvedSeal, lower: SolvedSeal) -> Self:
-        """The same seal, of whose two faces more is known.
-
-        Parameters
-        ----------
-        upper, lower : SolvedSeal
-            Its `faces`.
-        """
-        each = zip(self.loads, upper.loads, lower.loads, strict=True)
-        return replace(self, loads=tuple(load.with_faces(*faces) for load, *faces in each), lower_half=lower)
-
-    def with_loads(self, loads: Sequence[LoadResult]) -> Self:
-        """The same seal, whose loads know more."""
-        return replace(self, loads=tuple(loads))
-
-    @property
-    def of_profile(self) -> bool:
-        """Whether its contacts are given pressure profiles; it has no mesh and no model then."""
-        return self.loads[0].of_profile
-
-    @property
-    def surface(self) -> RoughContact | None:
-        """With the hardness if asperities yield; None without roughness."""
-        return self.problem.surface
-
-    @property
-    def strongest(self) -> LoadResult:
-        """The load with the largest closing force; for it error, far field and interface laws are compared."""
-        return self.loads[strongest_load(self.loads)]
-
-    @property
-    def highest(self) -> LoadResult:
-        """The load with the highest fluid pressure, which headline, report and terminal explain."""
-        return self.loads[highest_load(self.loads)]
-
-    @property
-    def profiles(self) -> tuple[PressureProfile, ...]:
-        """Pressure profile of each load."""
-        return tuple(load.contact.profile for load in self.loads)
-
-    @property
-    def contact(self) -> tuple[ContactSolution, ...]:
-        """Contact solution of each load."""
-        return tuple(load.contact for load in self.loads)
-
-    @property
-    def leak_ranges(self) -> tuple[tuple[float, float] | None, ...]:
-        """`LoadResult.leak_interval` of each load [m^3/s]; None where nothing makes one."""
-        return tuple(load.leak_interval if load.has_interval else None for load in self.loads)

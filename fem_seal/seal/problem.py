@@ -340,35 +340,6 @@ class SealProblem:
         return self.given_law or interface_law(self.interface, self.surface)
 
     @property
-    def other_theories(self) -> tuple[str, ...]:
-        """Theories of the rough contact that the leak is not calculated with; none without roughness or fluid."""
-        from leak.theory.plasticity import READINGS
-
-        surface, flow = self.surface, self.flow
-        if surface is None or flow is None:
-            return ()
-        # a simulation of the flow is neither
-        return tuple(one for one in READINGS if one != surface.theory or flow.simulated is not None)
-
-    def in_theory(self, theory: str) -> SealProblem:
-        """The problem by a theory of the rough contact, with what that theory takes by default.
-
-        Parameters
-        ----------
-        theory : {"paper", "corrected"}
-        """
-        surface, flow = self.surface, self.flow
-        assert surface is not None and flow is not None  # of all who ask
-        threshold = type(surface).percolation_threshold
-        return replace(
-            self,
-            surface=replace(surface, theory=theory, yielding="", percolation_threshold=threshold),
-            interface=self.interface.model_copy(update={"plastic": False}),
-            flow=replace(flow, simulated=None),
-            given_law=None,
-        )
-
-    @property
     def initial_contact_radius(self) -> float:
         """Radius r0 of the circle of first touch [m]."""
         return self.contact.initial_contact_radius

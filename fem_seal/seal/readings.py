@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
-from fem_seal.files import own_tables
+from fem_seal.seal.scenarios import SCENARIOS
 from leak.theory.plasticity import READINGS, Reading
 
 OWN, *FURTHER = READINGS["paper"]
@@ -35,35 +33,4 @@ def force_column(reading: Reading) -> str:
     return f"force_for_target_leak_{reading}_N"
 
 
-@dataclass(frozen=True)
-class ReadingWords:
-    """What a reading is called where.
-
-    Parameters
-    ----------
-    asperities : str
-        A noun, such as "elastic asperities".
-    curve : str
-        In the legend of a picture.
-    short : str
-        The same beside a name.
-    condition : str
-        A clause that begins with "if".
-    taken : str
-        What a number is calculated with.
-    column : str
-        Behind "leak rate" in the description of its column.
-    title : str
-        Behind "leak rate, " on an axis.
-    """
-
-    asperities: str
-    curve: str
-    short: str = ""
-    condition: str = ""
-    taken: str = ""
-    column: str = ""
-    title: str = ""
-
-
-WORDS = {Reading(name): ReadingWords(**words) for name, words in own_tables("readings.toml").items()}
+WORDS = SCENARIOS

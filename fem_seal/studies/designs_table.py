@@ -21,7 +21,6 @@ from fem_seal.studies.tables import Design
 if TYPE_CHECKING:
     import pandas as pd
 
-    from leak import Reading
 
 LEAK_RATE = "leak_rate_m3_per_s"
 PASSES = "pass_probability"
@@ -298,7 +297,7 @@ def quantiles(values: FloatArray) -> dict[float, float]:
     return dict(zip(_QUANTILES, np.quantile(values, _QUANTILES).tolist(), strict=True))
 
 
-def other_leak_rates(designs: Designs) -> dict[Reading, FloatArray]:
+def other_leak_rates(designs: Designs) -> dict[str, FloatArray]:
     """Leak rates in the other readings of yielding asperities, as far as some design has them [m^3/s]."""
     known = {one: column for one in FURTHER if (column := leak_rate_column(one)) in designs.done}
     found = {one: designs.done[column].dropna().to_numpy(dtype=float) for one, column in known.items()}

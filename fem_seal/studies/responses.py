@@ -19,9 +19,10 @@ import scipy.interpolate  # noqa: F401
 from fem_seal.answers.accuracy import ACCURACY
 from fem_seal.answers.answer import Answer, Inquiry, Wanted, answered
 from fem_seal.answers.bolts import BOLTS
+from fem_seal.answers.case_load import CaseLoad, solved_seal
 from fem_seal.answers.chain import solve
 from fem_seal.answers.findings import FINDINGS
-from fem_seal.answers.judgement import JudgedLoad, PassProbability, Verdict
+from fem_seal.answers.judgement import PassProbability, Verdict
 from fem_seal.answers.opening import OPENING
 from fem_seal.answers.pass_probability import PASS_PROBABILITY, pass_probabilities
 from fem_seal.answers.target import TARGET
@@ -34,7 +35,6 @@ from fem_seal.output.columns import COLUMNS
 from fem_seal.seal.evaluate import SILENT, Batch, Evaluation, evaluate_many
 from fem_seal.seal.findings import NOT_JUDGED, Finding, Level, Validity
 from fem_seal.seal.heating import warmed
-from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.problem import SealProblem
 from fem_seal.seal.readings import FURTHER, leak_rate_column
 from fem_seal.seal.sources import EXACT, Shared, Source, family_or_own_table
@@ -50,7 +50,7 @@ _BOTH_READINGS = {"margin", *PASSING, *(leak_rate_column(one) for one in FURTHER
 _THEORIES = set(map(leak_rate_column, READINGS))
 # What keeps one response from being calculated; the others of its design have nothing to do with it.
 _FAILURES = (SealError, LeakError, GeometryError, MeshingError, ArithmeticError)
-Load = TypeVar("Load", bound=LoadResult)
+Load = TypeVar("Load", bound=CaseLoad)
 Value = TypeVar("Value")
 Other = TypeVar("Other")
 _FOR_VERDICT = (
@@ -153,7 +153,7 @@ def _source(case: Case, columns: Sequence[str], interpolate: bool) -> Source:
     return _SOURCES[stress, interpolate]
 
 
-def _with_answers(found: Evaluation, case: Case, columns: Sequence[str]) -> LoadResult:
+def _with_answers(found: Evaluation, case: Case, columns: Sequence[str]) -> CaseLoad:
     """The only load of a design with the answers that its columns need."""
     answers: list[Answer[Any]] = [OPENING]
     if any(map(is_target, columns)):
@@ -164,18 +164,18 @@ def _with_answers(found: Evaluation, case: Case, columns: Sequence[str]) -> Load
         answers.append(THEORIES)
     if found.seal_mesh is not None and not INTERVAL.isdisjoint(columns):
         answers.append(ACCURACY)
-    return answered(found.seal(case), Inquiry(found.solver, SILENT), answers).loads[0]
+    return answered(solved_seal(found, case), Inquiry(found.solver, SILENT), answers).loads[0]
 
 
 def _checked(
     found: Evaluation,
-    load: LoadResult,
+    load: CaseLoad,
     case: Case,
     columns: Sequence[str],
     *,
     leaks: bool,
     interpolated: bool,
-) -> JudgedLoad:
+) -> CaseLoad:
     """A load with its validity, the samples of its inputs and what is said of it, as far as columns ask."""
     sampled = case.sampled is not None and not INTERVAL.isdisjoint(columns)
     passing = not PASSING.isdisjoint(columns)
@@ -184,7 +184,7 @@ def _checked(
     load = load.with_values(validity=_if_any(partial(judged_by, usual_only=usual_only), NOT_JUDGED))
     known = True
     if sampled:
-        ask, seal = Inquiry(found.solver, SILENT), found.seal(case).with_loads([load])
+        ask, seal = Inquiry(found.solver, SILENT), solved_seal(found, case).with_loads([load])
         (load,) = answered(seal, ask, [UNCERTAINTY]).loads
         known = UNCERTAINTY.of(ask.answers) is not None
         if not known:
@@ -193,12 +193,12 @@ def _checked(
     likely: PassProbability | None = None
     if passing:
         try:
-            (likely,) = pass_probabilities(found.seal(case).with_loads([load]))
+            (likely,) = pass_probabilities(solved_seal(found, case).with_loads([load]))
         except _FAILURES as error:
             if PASSING.issuperset(columns):
                 raise
             load = _without("pass_probability", error, load)
-    return JudgedLoad.of(load, judgement=judgement, passing=likely)
+    return load.with_values(judgement=judgement, passing=likely)
 
 
 def _without(column: str, error: Exception, load: Load) -> Load:
@@ -215,7 +215,7 @@ def _if_any(calculate: Callable[[], Value], otherwise: Other) -> Value | Other:
     return otherwise
 
 
-def _validity(load: LoadResult, columns: Sequence[str]) -> Validity:
+def _validity(load: CaseLoad, columns: Sequence[str]) -> Validity:
     """How far the numbers of a design can be trusted; its mesh and, if it is asked for, its force for the target."""
     cautions = load.validity.without("mesh").cautions
     if any(map(is_target, columns)) and load.target_validity is not None:
@@ -224,10 +224,10 @@ def _validity(load: LoadResult, columns: Sequence[str]) -> Validity:
     return Validity.of(cautions)
 
 
-def _leaks(*, other: bool) -> Iterator[Callable[[LoadResult], object]]:
+def _leaks(*, other: bool) -> Iterator[Callable[[CaseLoad], object]]:
     """Leak rate of a load, and that of the other reading of yielding asperities, each kind of work by itself."""
 
-    def readings(load: LoadResult) -> tuple[LoadResult, ...]:
+    def readings(load: CaseLoad) -> tuple[CaseLoad, ...]:
         return (load, *(load.others.values() if other else ()))
 
     yield lambda load: [one.rough and one.rough.table for one in readings(load)]
@@ -236,7 +236,7 @@ def _leaks(*, other: bool) -> Iterator[Callable[[LoadResult], object]]:
     yield lambda load: [one.leak for one in readings(load)]
 
 
-def _result(load: JudgedLoad, columns: Sequence[str]) -> DesignResult:
+def _result(load: CaseLoad, columns: Sequence[str]) -> DesignResult:
     found, failed = dict[str, float](), list[Exception]()
     for column in columns:
         try:

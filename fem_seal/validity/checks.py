@@ -18,7 +18,7 @@ from fem_seal.seal.bounds import EXACT, Bounds
 from fem_seal.seal.findings import ORDERS_OF_MAGNITUDE, Finding, Level, Validity
 from fem_seal.seal.leak_model import DIRECT_END
 from fem_seal.seal.load_names import load_name
-from fem_seal.seal.load_result import DiscretisationError, GivenLoad, LoadResult
+from fem_seal.seal.load_result import DiscretisationError, LoadResult
 from fem_seal.seal.problem import SealProblem
 from fem_seal.units import (
     DIGITS,
@@ -230,14 +230,15 @@ def validity_of(
     return load_validity(problem, load, earlier_cautions(problem, before, load.mesh_error), sealing)
 
 
-def profile_validity(problem: SealProblem, load: GivenLoad) -> Validity:
+def profile_validity(problem: SealProblem, load: LoadResult) -> Validity:
     """Validity of the leak rate of a given pressure profile, whose bodies are not known.
 
     Parameters
     ----------
     problem : SealProblem
         With roughness.
-    load : GivenLoad
+    load : LoadResult
+        Of a given contact.
     """
     assert problem.surface is not None  # of a leak rate
     return Validity.of(

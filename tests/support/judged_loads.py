@@ -10,6 +10,7 @@ import numpy as np
 from paper_surface import surface
 from sample_results import case
 
+from fem_seal.answers.case_load import CaseLoad
 from fem_seal.bodies.fields import BodyField, ElastoplasticField
 from fem_seal.case.case import Case
 from fem_seal.profile import PressureProfile
@@ -69,7 +70,7 @@ def load(
         ),
         stays_below=lambda name, stress: False,
     )
-    found: Any = LoadResult(fluid_pressure, applied_force, contact)  # type: ignore[arg-type]
+    found: Any = CaseLoad.of(LoadResult(fluid_pressure, applied_force, contact))  # type: ignore[arg-type]
     return found.with_values(
         critical_separation=critical_separation, leak=LeakResult(leak_rate, 1.0, np.zeros(3))
     )

@@ -43,7 +43,7 @@ SMOOTH: dict[str, Any] = {
 
 def with_capped(load: Any, leak: Any) -> Any:
     """A load whose leak is given if its yielding asperities change only where they touch."""
-    return load.with_readings({Reading.CAPPED: load.reading(Reading.CAPPED).with_values(leak=leak)})
+    return load.with_scenarios({Reading.CAPPED: load.scenarios[Reading.CAPPED].with_values(leak=leak)})
 
 
 def ball(material: object = "steel", radius: str = "20 mm") -> dict[str, Any]:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem_seal.answers.case_load import CaseLoad
 from fem_seal.answers.leakage_class import OF_LEAK_RATE, volume_of
 from fem_seal.answers.solution import SealSolution
 from fem_seal.output.columns import AROUND_COLUMNS
@@ -16,7 +17,6 @@ from fem_seal.output.prose import other_reading, phrase
 from fem_seal.output.shown import ReadableTable, Section, Shown, by_reading, worded_section, worded_table
 from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.load_names import load_name
-from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.readings import FURTHER
 from fem_seal.units import leak_range_text, number, quantity
 
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from fem_seal.arrays import FloatArray
     from fem_seal.output.tables import CsvTable
     from fem_seal.seal.circumference import Circumference
-    from leak import Reading
 
 
 # Share of the leak whose part of the circumference is reported.
@@ -63,7 +62,9 @@ def _sentences(result: SealSolution, answers: FormAnswers) -> Iterator[str]:
     if load.leak is not None and load.leak_round is not None:
         own, as_round = (
             [leak.leak_rate for leak in leaks if leak is not None]
-            for leaks in zip(*((one.leak, one.leak_round) for one in load.readings.values()), strict=True)
+            for leaks in zip(
+                *((one.leak, one.leak_round) for one in (load, *load.others.values())), strict=True
+            )
         )
         yield phrase(
             "form.leak",
@@ -86,7 +87,7 @@ def _sentences(result: SealSolution, answers: FormAnswers) -> Iterator[str]:
         yield phrase("form.round", "share", share=answers.goes_round, load=at)
 
 
-def _rate(load: LoadResult, *rates: float | None, beside: Sequence[float] = ()) -> str:
+def _rate(load: CaseLoad, *rates: float | None, beside: Sequence[float] = ()) -> str:
     """One leak rate, or the ends of several, in the common unit with `beside`."""
     ends = Bounds.of(rate for rate in rates if rate is not None)
     return leak_range_text(
@@ -94,7 +95,7 @@ def _rate(load: LoadResult, *rates: float | None, beside: Sequence[float] = ()) 
     )
 
 
-def _closing(answers: FormAnswers, load: LoadResult) -> Iterator[str]:
+def _closing(answers: FormAnswers, load: CaseLoad) -> Iterator[str]:
     formed = load.formed
     if formed is None or not formed.form.felt:
         return
@@ -106,7 +107,7 @@ def _closing(answers: FormAnswers, load: LoadResult) -> Iterator[str]:
     yield phrase("form.closing", kind, force=force, load=load, closed=CLOSED)
 
 
-def _allowed(allowed: Allowed, others: Mapping[Reading, Allowed], load: LoadResult) -> Iterator[str]:
+def _allowed(allowed: Allowed, others: Mapping[str, Allowed], load: CaseLoad) -> Iterator[str]:
     """Allowed size of the form error, each followed by that of the other readings of yielding asperities."""
     names = {"target": "target", OF_LEAK_RATE: "required leak rate"}
     limit = names.get(allowed.limit, f"limit of {allowed.limit}")
@@ -140,8 +141,8 @@ def _allowed(allowed: Allowed, others: Mapping[Reading, Allowed], load: LoadResu
                 yield other_reading(reading, f"the tolerance is {second}")
 
 
-def _scratches(answers: FormAnswers, load: LoadResult) -> Iterator[str]:
-    added = [one.around.scratches for one in load.readings.values() if one.around is not None]
+def _scratches(answers: FormAnswers, load: CaseLoad) -> Iterator[str]:
+    added = [one.around.scratches for one in (load, *load.others.values()) if one.around is not None]
     known = [bounds for bounds in added if bounds is not None]
     if not known:
         return
@@ -163,7 +164,7 @@ def _down(value: float) -> float:
     return math.floor(value / unit + 1e-9) * unit
 
 
-def _of_point(load: LoadResult, point: FormPoint | WaveAlone) -> str:
+def _of_point(load: CaseLoad, point: FormPoint | WaveAlone) -> str:
     return "–" if point.leak_rate is None else _rate(load, point.leak_rate, *point.others.values())
 
 
@@ -212,7 +213,7 @@ def around_in_words(result: SealSolution) -> list[str]:
     return [" ".join(_of_load(load, result)) for load in shown]
 
 
-def _of_load(load: LoadResult, result: SealSolution) -> Iterator[str]:
+def _of_load(load: CaseLoad, result: SealSolution) -> Iterator[str]:
     around, name = load.around, load_name(load, result.loads)
     assert around is not None
     angles, width = least_loaded(around)
@@ -281,12 +282,12 @@ def around_rows(result: SealSolution) -> CsvTable:
     return AROUND_COLUMNS, [row for load in result.loads for row in _angles_of(load)]
 
 
-def _angles_of(load: LoadResult) -> list[tuple[float | str, ...]]:
+def _angles_of(load: CaseLoad) -> list[tuple[float | str, ...]]:
     """Rows of a load with `AROUND_COLUMNS`, one for each angle; none for a round seal.
 
     Parameters
     ----------
-    load : LoadResult
+    load : CaseLoad
     """
     around = load.around
     if around is None:

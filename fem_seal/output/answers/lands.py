@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from fem_seal.answers.case_load import CaseLoad
 from fem_seal.answers.solution import SealSolution
 from fem_seal.output.prose import phrase
 from fem_seal.output.shown import Section, Shown, worded_section, worded_table
 from fem_seal.output.tables import contact_rows
 from fem_seal.seal.both_faces import share_of
 from fem_seal.seal.load_names import load_name
-from fem_seal.seal.load_result import LoadResult
 from fem_seal.units import fixed_unit
 
 # What the contacts of two different flange faces are called in the report.
@@ -40,12 +40,12 @@ def lands_in_words(result: SealSolution) -> list[str]:
     return told
 
 
-def on_land(load: LoadResult) -> str:
+def on_land(load: CaseLoad) -> str:
     """Which of several lands is pressed hardest, whose peak pressure and width are those of the load; "" of one.
 
     Parameters
     ----------
-    load : LoadResult
+    load : CaseLoad
     """
     if len(load.profiles) == 1:
         return ""
@@ -53,7 +53,7 @@ def on_land(load: LoadResult) -> str:
     return phrase("lands.result", "hardest", number=peaks.index(max(peaks)) + 1)
 
 
-def _of_both_faces(upper: LoadResult, lower: LoadResult) -> str:
+def _of_both_faces(upper: CaseLoad, lower: CaseLoad) -> str:
     """Share of each face in the leak."""
     assert upper.leak is not None and lower.leak is not None  # both faces are known
     share = share_of(upper.leak, lower.leak)

@@ -222,7 +222,7 @@ def sensitivity_note(result: SealSolution) -> str:
     ----------
     result : SealSolution
     """
-    both = "note_both" if result.highest.yields else ""
+    both = "note_both" if result.highest.others else ""
     return phrase("sensitivities.words", "note", both, load=load_of(result))
 
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import replace
 
-from fem_seal.answers.judgement import JudgedLoad
+from fem_seal.answers.case_load import CaseLoad
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.answers.solution import SealSolution
 from fem_seal.answers.target import TARGET
@@ -14,9 +14,7 @@ from fem_seal.output.answers.verdict import force_to_pass, verdict_force_sentenc
 from fem_seal.output.columns import SHOWN_COLUMNS
 from fem_seal.output.prose import other_reading, phrase
 from fem_seal.output.shown import ReadableTable, Shown, columns_table, filled_column
-from fem_seal.seal.load_result import LoadResult
 from fem_seal.units import format_digits, format_quantity, quantity, range_text, unit_for
-from leak import Reading
 
 _DIGITS = 4
 
@@ -24,13 +22,13 @@ _DIGITS = 4
 OPENS, TARGET_FORCE = "Opens at", "Force for the target leak rate"
 
 
-def opens_at(load: LoadResult) -> str | None:
+def opens_at(load: CaseLoad) -> str | None:
     """The fluid pressure that lifts the closure off; None if none does, or if not calculated."""
     pressure = load.blow_off_pressure
     return None if pressure is None or math.isinf(pressure) else quantity("fluid pressure", pressure, _DIGITS)
 
 
-def valve_facts(result: SealSolution, load: JudgedLoad) -> Iterator[tuple[str, str, str]]:
+def valve_facts(result: SealSolution, load: CaseLoad) -> Iterator[tuple[str, str, str]]:
     """Name, value and remark of the pressure that opens the seal and of the force for the target leak rate."""
     if opens := opens_at(load):
         yield OPENS, opens, phrase("facts.remark", "opens", load=load)
@@ -54,7 +52,7 @@ def valve_facts(result: SealSolution, load: JudgedLoad) -> Iterator[tuple[str, s
         )
 
 
-def opening_reasons(result: SealSolution, load: JudgedLoad) -> Iterator[str]:
+def opening_reasons(result: SealSolution, load: CaseLoad) -> Iterator[str]:
     """Distance of a load from opening the seal, and from the target leak rate."""
     if opens := opens_at(load):
         assert load.blow_off_pressure is not None
@@ -65,7 +63,7 @@ def opening_reasons(result: SealSolution, load: JudgedLoad) -> Iterator[str]:
     yield from verdict_force_sentences([load])
 
 
-def _target_reasons(result: SealSolution, load: LoadResult) -> Iterator[str]:
+def _target_reasons(result: SealSolution, load: CaseLoad) -> Iterator[str]:
     target, force = result.case.load.target_leak_rate, load.force_for_target
     if target is None or force is None:
         return
@@ -129,18 +127,18 @@ def target_in_brief(result: SealSolution) -> str:
     )
 
 
-def _most_force(load: LoadResult) -> float:
+def _most_force(load: CaseLoad) -> float:
     """Force for the target in the reading of yielding asperities that needs most [N]."""
     assert load.force_for_target is not None  # one is found
     return max([load.force_for_target, *_other_forces(load).values()])
 
 
-def _line_load(load: LoadResult, contact_force: float) -> float:
+def _line_load(load: CaseLoad, contact_force: float) -> float:
     """Per length of the circle of first touch, normal to the contact [N/m]."""
     return load.contact.model.line_load(contact_force)
 
 
-def _other_forces(load: LoadResult) -> dict[Reading, float]:
+def _other_forces(load: CaseLoad) -> dict[str, float]:
     """Force for the target in the other readings of yielding asperities, where one is found [N]."""
     found = {reading: one.force_for_target for reading, one in load.others.items()}
     return {reading: force for reading, force in found.items() if force is not None}
@@ -159,7 +157,7 @@ def target_text(result: SealSolution, leak_rate: float) -> str:
     return f"{format_quantity('flow', leak_rate)} at {state}" if state else format_quantity("flow", leak_rate)
 
 
-def _target_force(load: LoadResult, force: float) -> str:
+def _target_force(load: CaseLoad, force: float) -> str:
     unit = unit_for("force", force)
     return f"{format_digits(unit.of(force), load.digits_of('force_for_target'))} {unit.name}"
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from fem_seal.answers.case_load import CaseLoad, rate_of
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.answers.solution import SealSolution
 from fem_seal.output.prose import phrase
 from fem_seal.output.shown import Shown, worded_section
 from fem_seal.seal.bounds import EXACT, Bounds
 from fem_seal.seal.load_names import load_name
-from fem_seal.seal.load_result import LoadResult, rate_of
 from fem_seal.seal.readings import THEORIES
 from fem_seal.units import leak_range_text
 from leak import Reading
@@ -19,15 +19,15 @@ from leak import Reading
 _NOTICED = 1.02
 
 
-def _rate(load: LoadResult) -> float:
+def _rate(load: CaseLoad) -> float:
     return 0.0 if load.leak is None else load.leak.leak_rate
 
 
-def _rate_text(result: SealSolution, load: LoadResult) -> str:
+def _rate_text(result: SealSolution, load: CaseLoad) -> str:
     return leak_range_text(rate_of(load), min(result.highest.leak_digits, 2), volume=volume_of(result.case))
 
 
-def _inputs(load: LoadResult) -> str:
+def _inputs(load: CaseLoad) -> str:
     """Remark that the other theory uses the inputs as given: only one theory is sampled."""
     return "" if load.sampled is None else " with the inputs as given"
 
@@ -40,8 +40,8 @@ def corrected_beside(result: SealSolution) -> str:
     result : SealSolution
     """
     load = result.highest
-    other = load.in_theory("corrected")
-    if load.in_theory("paper") is not load or other is None:
+    other = load.scenario("corrected")
+    if load.scenario("paper") is not load or other is None:
         return ""
     rate, at = _rate_text(result, other) if _rate(other) else "nothing", load_name(load, result.loads)
     return phrase("theories.rate", "headline", rate=rate, load=at, inputs=_inputs(load))
@@ -55,7 +55,7 @@ def theories_in_words(result: SealSolution) -> list[str]:
     result : SealSolution
     """
     load = result.highest
-    others = load.by_theory or {}
+    others = {name: load.scenarios[name] for name in THEORIES if name in load.scenarios}
     if not others:
         return []
     found = [_compared(result, load, theory, other) for theory, other in others.items()]
@@ -65,7 +65,7 @@ def theories_in_words(result: SealSolution) -> list[str]:
     return [*found, *_simulated(load), phrase("theories.why", "believe")]
 
 
-def _compared(result: SealSolution, load: LoadResult, theory: str, other: LoadResult) -> str:
+def _compared(result: SealSolution, load: CaseLoad, theory: str, other: CaseLoad) -> str:
     own, rate = _rate(load), _rate(other)
     kind = "tight" if not rate else "compared" if own else "leaks"
     return phrase(
@@ -80,7 +80,7 @@ def _compared(result: SealSolution, load: LoadResult, theory: str, other: LoadRe
     )
 
 
-def _contact(result: SealSolution, theory: str, other: LoadResult) -> Iterator[str]:
+def _contact(result: SealSolution, theory: str, other: CaseLoad) -> Iterator[str]:
     """Shares of the difference from the contact, and from the leak through the same contact."""
     load = result.highest
     own, same, rate = _rate(load), result.theories.same_contact.get(theory, 0.0), _rate(other)
@@ -99,20 +99,20 @@ def _contact(result: SealSolution, theory: str, other: LoadResult) -> Iterator[s
     )
 
 
-def _yielding(load: LoadResult, theory: str, other: LoadResult) -> Iterator[str]:
+def _yielding(load: CaseLoad, theory: str, other: CaseLoad) -> Iterator[str]:
     """Share of the elastic leak rate that remains with yielding asperities in each theory."""
     left = {}
     for name, one in ((theory, other), (next(known for known in THEORIES if known != theory), load)):
-        elastic = _rate(one.reading(Reading.ELASTIC))
-        if not elastic or one.reading(Reading.ELASTIC) is one:
+        elastic = _rate(one.scenario(Reading.ELASTIC) or one)
+        if not elastic or (one.scenario(Reading.ELASTIC) or one) is one:
             return
         left[name] = _rate(one) / elastic
     yield phrase("theories.why", "yielding", **left)
 
 
-def _simulated(load: LoadResult) -> Iterator[str]:
+def _simulated(load: CaseLoad) -> Iterator[str]:
     """Error of the corrected theory found by direct simulation."""
-    corrected = load.in_theory("corrected")
+    corrected = load.scenario("corrected")
     if corrected is not None and corrected.theory_error != EXACT:
         yield phrase("theories.why", "simulated", error=corrected.theory_error)
 

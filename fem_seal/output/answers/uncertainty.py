@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from fem_seal.answers.case_load import CaseLoad, rate_of
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.answers.solution import SealSolution
 from fem_seal.answers.uncertainty import LeakInterval
@@ -14,16 +15,15 @@ from fem_seal.output.answers.error_shares import input_name
 from fem_seal.output.prose import phrase
 from fem_seal.output.shown import ReadableTable, Shown
 from fem_seal.seal.load_names import load_name
-from fem_seal.seal.load_result import LoadResult, rate_of
 from fem_seal.units import LIQUID, LeakVolume, format_digits, leak_range_text, percent, shared_flow_unit
 
 
-def told_after_test(load: LoadResult, volume: LeakVolume = LIQUID, interval: str = "") -> str:
+def told_after_test(load: CaseLoad, volume: LeakVolume = LIQUID, interval: str = "") -> str:
     """What leaks after a leak test: median and interval, "2.4 ml/min (2.1 to 2.7 ml/min)".
 
     Parameters
     ----------
-    load : LoadResult
+    load : CaseLoad
         With samples.
     volume : LeakVolume
     interval : str, optional
@@ -87,7 +87,7 @@ def interval_note(result: SealSolution) -> str:
         "finish" if roughness is not None and roughness.finishes and not tested else "",
         "sealed" if sealed > 0 else "",
         "shares_tested" if tested else "shares",
-        "shares_both" if result.highest.yields and not tested else "",
+        "shares_both" if result.highest.others and not tested else "",
         "held",
         "" if result.highest.flow_error is None or tested else "own",
         interval=interval,

@@ -6,11 +6,11 @@ from dataclasses import asdict
 
 from fem_seal import units
 from fem_seal.answers.accuracy import Comparison
+from fem_seal.answers.case_load import CaseLoad
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.answers.solution import SealSolution
 from fem_seal.output.shown import ReadableTable, Shown, by_reading, worded_table
 from fem_seal.seal.bounds import Bounds
-from fem_seal.seal.load_result import LoadResult
 
 
 def variant_table(result: SealSolution) -> ReadableTable:
@@ -38,7 +38,7 @@ def variant_table(result: SealSolution) -> ReadableTable:
     )
 
 
-def _both_readings(variant: Comparison, unit: units.Unit, load: LoadResult, volume: units.LeakVolume) -> str:
+def _both_readings(variant: Comparison, unit: units.Unit, load: CaseLoad, volume: units.LeakVolume) -> str:
     """The leak rate in both readings of yielding asperities, or the only one."""
     claimed = not load.validity.outside
     if variant.leak_rate is None:

@@ -29,10 +29,10 @@ from fem_seal.seal.readings import THEORIES
 from leak import millilitres_per_minute
 
 if TYPE_CHECKING:
-    from fem_seal.answers.judgement import JudgedLoad, VerdictForce
+    from fem_seal.answers.case_load import AnyLoad, CaseLoad
+    from fem_seal.answers.judgement import VerdictForce
     from fem_seal.answers.solution import SealSolution
     from fem_seal.case.case import Case
-    from fem_seal.seal.load_result import AnyLoad, LoadResult
 
 
 # Factors beyond this are shown as "more than".
@@ -245,7 +245,7 @@ def allowed_in_words(loads: Sequence[AnyLoad]) -> str:
 
     Parameters
     ----------
-    loads : sequence of LoadResult or MissingLoad
+    loads : sequence of CaseLoad or MissingLoad
         Those without a judgement are passed over.
     """
     judged = [load for load in loads if getattr(load, "judgement", None) is not None]
@@ -430,12 +430,12 @@ def verdict_facts(result: SealSolution) -> list[tuple[str, str, str]]:
     return facts
 
 
-def least_likely(loads: Sequence[JudgedLoad]) -> JudgedLoad | None:
+def least_likely(loads: Sequence[CaseLoad]) -> CaseLoad | None:
     """The load that keeps the requirement with the smallest probability; None where nothing is required.
 
     Parameters
     ----------
-    loads : sequence of JudgedLoad
+    loads : sequence of CaseLoad
     """
     judged = [load for load in loads if load.passing is not None]
     known = [load for load in judged if not load.passing.why_none]  # type: ignore[union-attr]
@@ -471,13 +471,13 @@ def _pass_sentence(result: SealSolution) -> str:
 _HARDLY = 1.15
 
 
-def next_class_in_words(case: Case, load: LoadResult) -> str:
+def next_class_in_words(case: Case, load: CaseLoad) -> str:
     """The next better class, and the factor by which the leak would have to fall; empty if there is none.
 
     Parameters
     ----------
     case : Case
-    load : LoadResult
+    load : CaseLoad
     """
     found = leakage_class.next_class(case, load)
     if found is None:
@@ -523,12 +523,12 @@ def verdict_lines(result: SealSolution) -> list[str]:
     ]
 
 
-def verdict_force_sentences(loads: Sequence[JudgedLoad]) -> list[str]:
+def verdict_force_sentences(loads: Sequence[CaseLoad]) -> list[str]:
     """The force with which the verdict passes at each fluid pressure, or why none does; empty if not requested.
 
     Parameters
     ----------
-    loads : sequence of JudgedLoad
+    loads : sequence of CaseLoad
     """
     found = {load.fluid_pressure: load.verdict_force for load in loads if load.verdict_force is not None}
     # a force that was not calculated has the same reason at each pressure

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from fem_seal.answers.case_load import CaseLoad
     from fem_seal.answers.solution import SealSolution
-    from fem_seal.seal.load_result import LoadResult
 
 # Pressures below this share of the largest stay white.
 _FAINT = 0.02
@@ -220,7 +220,7 @@ def draw_leak_around(axes: Axes, result: SealSolution) -> bool:
     return True
 
 
-def _leaking_around(result: SealSolution) -> list[tuple[LoadResult, FloatArray, FloatArray]]:
+def _leaking_around(result: SealSolution) -> list[tuple[CaseLoad, FloatArray, FloatArray]]:
     """The loads of `_shown` that leak, with their angles [rad] and leak [m^3/s per degree]."""
     return [
         (load, around.angle, around.leak_rate * _DEGREE)
@@ -229,7 +229,7 @@ def _leaking_around(result: SealSolution) -> list[tuple[LoadResult, FloatArray, 
     ]
 
 
-def _in_others(load: LoadResult) -> list[FloatArray]:
+def _in_others(load: CaseLoad) -> list[FloatArray]:
     """Leak around the axis in the other readings of yielding asperities [m^3/s per degree]."""
     return [
         one.around.leak_rate * _DEGREE
@@ -238,7 +238,7 @@ def _in_others(load: LoadResult) -> list[FloatArray]:
     ]
 
 
-def _shown(result: SealSolution) -> list[tuple[LoadResult, Circumference]]:
+def _shown(result: SealSolution) -> list[tuple[CaseLoad, Circumference]]:
     """A few loads with their results around the axis, in order of the line load."""
     loads = [result.loads[n] for n in different(result.loads)]
     known = [(load, load.around) for load in loads if load.around is not None and load.around.form.felt]

@@ -19,9 +19,9 @@ from fem_seal.units import Unit, format_quantity, quantity, unit_for
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+    from fem_seal.answers.case_load import CaseLoad
     from fem_seal.answers.closed_forms import Derived, DerivedLoad, Sizes
     from fem_seal.answers.solution import SealSolution
-    from fem_seal.seal.load_result import LoadResult
 
 # More lines than this get a colour scale instead of names.
 _NAMED_LOADS = 6
@@ -74,13 +74,13 @@ def profile_picture(result: SealSolution, derived: Derived) -> style.Picture:
     return style.captioned(figure, "profiles", *words, alt=alt, group="profile")
 
 
-def all_profiles(axes: Axes, loads: Sequence[LoadResult], order: Sequence[int], length: Unit) -> None:
+def all_profiles(axes: Axes, loads: Sequence[CaseLoad], order: Sequence[int], length: Unit) -> None:
     """The pressure profiles of all different loads.
 
     Parameters
     ----------
     axes : Axes
-    loads : sequence of LoadResult
+    loads : sequence of CaseLoad
     order : sequence of int
         Numbers of those that are drawn, from `fem_seal.seal.load_names.different`.
     length : Unit
@@ -122,7 +122,7 @@ def draw_profiles(axes: Axes, result: SealSolution) -> None:
 
 
 def _plot_profiles(
-    axes: Axes, load: LoadResult, measure: str, length: Unit, unit: Unit, name: str | None, **how: Any
+    axes: Axes, load: CaseLoad, measure: str, length: Unit, unit: Unit, name: str | None, **how: Any
 ) -> None:
     """Pressure or gap of a load across its contact lines, which have one name in the legend."""
     for number, profile in enumerate(load.profiles):
@@ -130,7 +130,7 @@ def _plot_profiles(
         axes.plot(x, y, label=None if number else name, **how)
 
 
-def _against_closed_forms(axes: Axes, load: LoadResult, name: str, closed: DerivedLoad, length: Unit) -> None:
+def _against_closed_forms(axes: Axes, load: CaseLoad, name: str, closed: DerivedLoad, length: Unit) -> None:
     reach = _reach([load])
     # Hertz may be many times higher; in full height it would flatten all other curves.
     top = 1.75 * load.peak_pressure
@@ -227,7 +227,7 @@ def draw_gap(axes: Axes, result: SealSolution) -> None:
     axes.legend(title=load_axis(result.loads).name, loc="best", handlelength=1.4)
 
 
-def _few_loads(loads: Sequence[LoadResult]) -> list[tuple[LoadResult, str, Any]]:
+def _few_loads(loads: Sequence[CaseLoad]) -> list[tuple[CaseLoad, str, Any]]:
     """A few different loads with their names and colours."""
     order, names = different(loads), load_axis(loads).names
     drawn = [order[n] for n in style.few(len(order), 4)]
@@ -235,13 +235,13 @@ def _few_loads(loads: Sequence[LoadResult]) -> list[tuple[LoadResult, str, Any]]
     return [(loads[n], names[n], colour(place)) for place, n in enumerate(drawn)]
 
 
-def contact_picture(result: SealSolution, load: LoadResult) -> style.Picture:
+def contact_picture(result: SealSolution, load: CaseLoad) -> style.Picture:
     """The contact enlarged: its pressure, and below it the section with the gap through which the fluid leaks.
 
     Parameters
     ----------
     result : SealSolution
-    load : LoadResult
+    load : CaseLoad
         The load that is shown.
     """
     from matplotlib.figure import Figure
@@ -309,7 +309,7 @@ def contact_picture(result: SealSolution, load: LoadResult) -> style.Picture:
     return style.captioned(figure, "contact", "all", "flow" if flows else "", load=name, enlarged=enlarged)
 
 
-def _shown(loads: Sequence[LoadResult]) -> tuple[float, float]:
+def _shown(loads: Sequence[CaseLoad]) -> tuple[float, float]:
     """x between which the profiles are shown [m]: around first touch, or all lands."""
     if all(len(load.profiles) == 1 for load in loads):
         return -_reach(loads), _reach(loads)
@@ -320,7 +320,7 @@ def _shown(loads: Sequence[LoadResult]) -> tuple[float, float]:
     return float(pressed.min()) - beside, float(pressed.max()) + beside
 
 
-def _reach(loads: Sequence[LoadResult]) -> float:
+def _reach(loads: Sequence[CaseLoad]) -> float:
     """Largest distance from first touch that the profiles show [m]."""
     profiles = [profile for load in loads for profile in load.profiles]
     return float(min(3.8 * max(p.std for p in profiles), max(np.abs(p.x).max() for p in profiles)))

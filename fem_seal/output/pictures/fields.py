@@ -23,10 +23,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.contour import ContourSet
 
+    from fem_seal.answers.case_load import CaseLoad, SolvedSeal
     from fem_seal.answers.solution import SealSolution
     from fem_seal.arrays import FloatArray
     from fem_seal.contact.load_path import Unloaded
-    from fem_seal.seal.load_result import LoadResult, SolvedSeal
     from meshes import SealMesh
 
 IntArray = NDArray[np.int64]
@@ -41,13 +41,13 @@ SCALE_ROOM = 0.8
 HEIGHT = 0.8
 
 
-def mesh_picture(result: SealSolution, load: LoadResult) -> Picture:
+def mesh_picture(result: SealSolution, load: CaseLoad) -> Picture:
     """The whole mesh, and the contact zone.
 
     Parameters
     ----------
     result : SealSolution
-    load : LoadResult
+    load : CaseLoad
         Its width sets how much of the contact zone is shown.
     """
     seal_mesh, quality, size = result.seal_mesh, result.seal_mesh.quality, fixed_unit("mm")
@@ -78,13 +78,13 @@ def mesh_picture(result: SealSolution, load: LoadResult) -> Picture:
     )
 
 
-def stress_picture(result: SealSolution, load: LoadResult) -> Picture:
+def stress_picture(result: SealSolution, load: CaseLoad) -> Picture:
     """von Mises stress under the contact, in two magnifications.
 
     Parameters
     ----------
     result : SealSolution
-    load : LoadResult
+    load : CaseLoad
         The load to show.
     """
     figure, axes = panels(2, height=4.3, side=SCALE_ROOM)
@@ -116,13 +116,13 @@ def stress_picture(result: SealSolution, load: LoadResult) -> Picture:
     )
 
 
-def temperature_picture(result: SealSolution, load: LoadResult) -> Picture | None:
+def temperature_picture(result: SealSolution, load: CaseLoad) -> Picture | None:
     """Temperature of both bodies, the whole section and around the contact; None unless it was calculated.
 
     Parameters
     ----------
     result : SealSolution
-    load : LoadResult
+    load : CaseLoad
         Its width sets how much of the contact zone is shown.
     """
     fields = load.contact.fields
@@ -151,7 +151,7 @@ def temperature_picture(result: SealSolution, load: LoadResult) -> Picture | Non
     return captioned(figure, "temperature", "all", low=low, high=high, contact=contact)
 
 
-def half_width(load: LoadResult) -> float:
+def half_width(load: CaseLoad) -> float:
     """Half the width of the enlarged views along the contact [m]."""
     return 4.2 * load.std
 

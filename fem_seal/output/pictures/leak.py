@@ -27,14 +27,15 @@ from fem_seal.output.pictures.style import (
 from fem_seal.output.prose import phrase
 from fem_seal.seal.load_names import load_axis, load_name
 from fem_seal.seal.readings import FURTHER, OWN, WORDS
+from fem_seal.seal.scenarios import FIRST_LOADING
 from fem_seal.units import format_digits, percent, shared_flow_unit
 from leak import Reading
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+    from fem_seal.answers.case_load import CaseLoad
     from fem_seal.arrays import FloatArray
-    from fem_seal.seal.load_result import LoadResult
 
 
 def leak_picture(result: SealSolution) -> Picture | None:
@@ -50,9 +51,9 @@ def leak_picture(result: SealSolution) -> Picture | None:
     if len(loads) == 1:
         return _single_leak(result, loads[0])
     over, rates = load_axis(loads), leak_rates(loads)
-    elastic = leak_rates([load.reading(Reading.ELASTIC) for load in loads])
+    elastic = leak_rates([(load.scenario(Reading.ELASTIC) or load) for load in loads])
     plastic = result.surface is not None and result.surface.hardness is not None
-    two = any(load.yields for load in loads)
+    two = any(load.others for load in loads)
     both = plastic and bool(((rates > 0) & (elastic > 0)).any())
     figure, (axes, *reduction) = (
         panels(2, height=3.5, ratios=(1.5, 1.0)) if both else panels(1, height=3.5, width=6.4)
@@ -121,12 +122,12 @@ def draw_leak(axes: Axes, result: SealSolution, *, beside: bool = False) -> bool
     return True
 
 
-def _curves(result: SealSolution, loads: Sequence[LoadResult]) -> list[tuple[str, FloatArray, str, float]]:
+def _curves(result: SealSolution, loads: Sequence[CaseLoad]) -> list[tuple[str, FloatArray, str, float]]:
     """Names, leak rates [m^3/s], colours and widths of the result, first, and of what is compared with it."""
     rates = leak_rates(loads)
-    elastic = leak_rates([load.reading(Reading.ELASTIC) for load in loads])
+    elastic = leak_rates([(load.scenario(Reading.ELASTIC) or load) for load in loads])
     plastic = result.surface is not None and result.surface.hardness is not None
-    own = WORDS[OWN].curve if any(load.yields for load in loads) else "asperities yield"
+    own = WORDS[OWN].curve if any(load.others for load in loads) else "asperities yield"
     yielded = own if plastic else "elastic asperities"
     curves = [(f"{yielded} (result)", rates, BLUE, 2.2)]
     if loads[0].tested:
@@ -141,14 +142,14 @@ def _curves(result: SealSolution, loads: Sequence[LoadResult]) -> list[tuple[str
     return curves
 
 
-def _further(loads: Sequence[LoadResult]) -> list[tuple[Reading, FloatArray]]:
+def _further(loads: Sequence[CaseLoad]) -> list[tuple[Reading, FloatArray]]:
     """The other readings of asperities that yield, with their leak rates [m^3/s]."""
-    known = FURTHER if any(load.yields for load in loads) else ()
-    found = [(one, leak_rates([load.reading(one) for load in loads])) for one in known]
+    known = FURTHER if any(load.others for load in loads) else ()
+    found = [(one, leak_rates([load.scenarios[one] for load in loads])) for one in known]
     return [(one, values) for one, values in found if np.isfinite(values).any()]
 
 
-def leaking_loads(result: SealSolution) -> tuple[list[LoadResult], FloatArray]:
+def leaking_loads(result: SealSolution) -> tuple[list[CaseLoad], FloatArray]:
     """Loads in the order in which they are drawn, and both ends of their leak rates [m^3/s], NaN where none are known.
 
     A seal that the fluid has lifted open has no finite rate to draw.
@@ -164,12 +165,12 @@ def leaking_loads(result: SealSolution) -> tuple[list[LoadResult], FloatArray]:
     return [load for load, _ in pairs], np.array([ends for _, ends in pairs])
 
 
-def leak_rates(loads: Sequence[LoadResult]) -> FloatArray:
+def leak_rates(loads: Sequence[CaseLoad]) -> FloatArray:
     """The leak rate of each load, NaN where none was calculated [m^3/s]."""
     return np.array([load.leak.leak_rate if load.leak else np.nan for load in loads])
 
 
-def _single_leak(result: SealSolution, one: LoadResult) -> Picture:
+def _single_leak(result: SealSolution, one: CaseLoad) -> Picture:
     """Bars for a case with one load."""
     outside = one.validity.outside
     load = load_name(one, result.loads) + (", outside the theory" if outside else "")
@@ -254,7 +255,7 @@ def memory_picture(result: SealSolution) -> Picture | None:
         loads.sort(key=lambda load: load.point)
     over = load_axis(loads)
     earlier = earlier_load(result.case.load) or "the loads before it"
-    first, after = _ends([load.first_loading for load in loads]), _ends(loads)
+    first, after = _ends([load.scenarios.get(FIRST_LOADING, load) for load in loads]), _ends(loads)
     unit = volume_of(result.case).named(shared_flow_unit((*first.flat, *after.flat)))
     figure, (axes,) = panels(1, height=3.6, width=6.8)
     for name, ends, colour in (("first loading", first, ORANGE), (f"after {earlier}", after, BLUE)):
@@ -265,13 +266,13 @@ def memory_picture(result: SealSolution) -> Picture | None:
         number_dots(axes, over.shown, after[:, 1] / unit.size, numbers)
     title = "Leak rate on first loading and after a larger load"
     label(axes, title, over.label, f"leak rate  [{unit.name}]", legend="best")
-    words = ("rates_both", "back_both") if any(load.yields for load in loads) else ("rates", "back")
+    words = ("rates_both", "back_both") if any(load.others for load in loads) else ("rates", "back")
     return captioned(
         figure, "memory", *words, "bodies" if result.unloaded else "elastic", over=over.name, earlier=earlier
     )
 
 
-def _ends(loads: Sequence[LoadResult]) -> FloatArray:
+def _ends(loads: Sequence[CaseLoad]) -> FloatArray:
     """Smaller and larger leak rate of the readings of yielding asperities, shape (loads, 2) [m^3/s]."""
     return np.array([load.leak_range or (load.leak.leak_rate,) * 2 for load in loads if load.leak])
 

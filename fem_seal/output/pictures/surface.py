@@ -18,9 +18,9 @@ from leak import Reading
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+    from fem_seal.answers.case_load import CaseLoad
     from fem_seal.answers.solution import SealSolution
     from fem_seal.arrays import FloatArray
-    from fem_seal.seal.load_result import LoadResult
     from leak import HeightMap, LineScan, MeasuredSurface, RoughContact
 
 # Fractions below this share of the nominal area are not drawn.
@@ -43,7 +43,7 @@ def separation_picture(result: SealSolution) -> Picture | None:
         high = min(high, max(0.98 * surface.hardness, 1.01 * peaks.max()))
     p = np.geomspace(low, high, 30)
     pressure = unit_for("contact pressure", float(peaks.max()))
-    two = any(load.yields for load in result.loads)
+    two = any(load.others for load in result.loads)
     curves = [(WORDS[one].curve, one, GREEN) for one in (FURTHER if two else ())]
     curves.append((WORDS[Reading.ELASTIC].curve, Reading.ELASTIC, ORANGE))
     if surface.hardness is not None:
@@ -53,7 +53,7 @@ def separation_picture(result: SealSolution) -> Picture | None:
     figure, (axes, shares) = panels(2, height=3.5)
     for (name, reading, colour), u in zip(curves, values, strict=True):
         axes.plot(p / pressure.size, positive(u) / unit.size, color=colour, label=name)
-        dots = [load.reading(reading).critical_separation for load in result.loads]
+        dots = [(load.scenario(reading) or load).critical_separation for load in result.loads]
         axes.plot(peaks / pressure.size, positive(dots) / unit.size, "o", color=colour, ms=3.8)
     axes.set_ylim(0.0)
     over = f"contact pressure  [{pressure.name}]"
@@ -85,13 +85,13 @@ def _total_areas(axes: Axes, surface: RoughContact, p: FloatArray, peaks: FloatA
     )
 
 
-def surface_picture(result: SealSolution, load: LoadResult) -> Picture | None:
+def surface_picture(result: SealSolution, load: CaseLoad) -> Picture | None:
     """Contact area against magnification, and the spectrum before and after yielding; None without roughness.
 
     Parameters
     ----------
     result : SealSolution
-    load : LoadResult
+    load : CaseLoad
         The contact area is that at the peak pressure of this load.
     """
     surface = result.surface

@@ -7,8 +7,9 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from fem_seal.answers.case_load import AnyLoad, CaseLoad, rate_of
 from fem_seal.answers.findings import FINDINGS, all_cautions
-from fem_seal.answers.judgement import JudgedLoad, Verdict
+from fem_seal.answers.judgement import Verdict
 from fem_seal.answers.leakage_class import leakage_classes, volume_of
 from fem_seal.answers.target import TARGET
 from fem_seal.loads import LARGEST_TURNING
@@ -26,7 +27,7 @@ from fem_seal.output.report.words import PEAK, Fact, contact_alone, facts
 from fem_seal.output.shown import ReadableTable, ReportColumn, columns_table, filled_column
 from fem_seal.seal.findings import YIELD_STRESS, Level
 from fem_seal.seal.load_names import load_axis, load_name, load_values
-from fem_seal.seal.load_result import AnyLoad, LoadResult, MissingLoad, highest_load, rate_of
+from fem_seal.seal.load_result import MissingLoad, highest_load
 from fem_seal.units import leak_range_text, shared_flow_unit
 from fem_seal.validity.words import few_words, sentence
 
@@ -38,7 +39,7 @@ if TYPE_CHECKING:
 _ROWS, _FEW_ROWS, _DIGITS = 8, 4, 3
 
 
-def decisive(result: SealSolution) -> JudgedLoad:
+def decisive(result: SealSolution) -> CaseLoad:
     """The load that decides the verdict; without a requirement that with the highest fluid pressure.
 
     Parameters
@@ -77,14 +78,14 @@ def missing_in_brief(result: SealSolution) -> str:
     return phrase("brief.first", "missing", names=few_words([names[one.number] for one in missing]))
 
 
-def leak_in_brief(case: Case, load: LoadResult, loads: Sequence[AnyLoad]) -> str:
+def leak_in_brief(case: Case, load: CaseLoad, loads: Sequence[AnyLoad]) -> str:
     """Leak rate of a load with its interval, and its classes.
 
     Parameters
     ----------
     case : Case
-    load : LoadResult
-    loads : sequence of LoadResult or MissingLoad
+    load : CaseLoad
+    loads : sequence of CaseLoad or MissingLoad
         All of them.
     """
     at, found, volume = load_values(load, loads), load.validity, volume_of(case)
@@ -119,7 +120,7 @@ def second_line(result: SealSolution) -> str:
     return next(filter(None, told), "")
 
 
-def _helps(result: SealSolution, load: JudgedLoad) -> str:
+def _helps(result: SealSolution, load: CaseLoad) -> str:
     found = next((one for one in result.sensitivities if one.helps), None)
     if found is None:
         return ""
@@ -131,12 +132,12 @@ def _helps(result: SealSolution, load: JudgedLoad) -> str:
     )
 
 
-def _at(result: SealSolution, load: JudgedLoad) -> str:
+def _at(result: SealSolution, load: CaseLoad) -> str:
     """Name of a load in a sentence."""
     return f" at {load_name(load, result.loads)}"
 
 
-def _force(result: SealSolution, load: JudgedLoad) -> str:
+def _force(result: SealSolution, load: CaseLoad) -> str:
     judged = [one for one in result.loads if one.judgement is not None] or [load]
     found = {one: None if one.verdict_force is None else one.verdict_force.force for one in judged}
     forces = [(force, one) for one, force in found.items() if force is not None]
@@ -146,7 +147,7 @@ def _force(result: SealSolution, load: JudgedLoad) -> str:
     return phrase("brief.second", "force", load=where, force=verdict.force_to_pass(force))
 
 
-def _curve(result: SealSolution, load: JudgedLoad) -> str:
+def _curve(result: SealSolution, load: CaseLoad) -> str:
     worst = load.validity.cautions[:1]
     yields = load.validity.outside and worst[0].kind == sentence("yield_stress", "kind")
     if not yields:
@@ -158,17 +159,17 @@ def _curve(result: SealSolution, load: JudgedLoad) -> str:
     return phrase("brief.second", "land" if coins else "curve_needed", width=width)
 
 
-def _strength(result: SealSolution, load: JudgedLoad) -> str:
+def _strength(result: SealSolution, load: CaseLoad) -> str:
     unknown = any(one.yield_stress is None for one in result.problem.materials.values())
     yields = any(one.kind == YIELD_STRESS for one in load.validity.cautions)
     return phrase("brief.second", "strength") if unknown and yields else ""
 
 
-def _stop(result: SealSolution, load: JudgedLoad) -> str:
+def _stop(result: SealSolution, load: CaseLoad) -> str:
     return phrase("brief.second", "stop", load=load) if load.stop_force else ""
 
 
-def _share(result: SealSolution, load: JudgedLoad) -> str:
+def _share(result: SealSolution, load: CaseLoad) -> str:
     found = largest_share(result, result.loads.index(load))
     return (
         ""
@@ -177,7 +178,7 @@ def _share(result: SealSolution, load: JudgedLoad) -> str:
     )
 
 
-def _used(result: SealSolution, load: JudgedLoad) -> str:
+def _used(result: SealSolution, load: CaseLoad) -> str:
     used = "" if result.judgement is None else verdict.used_in_words(result, result.judgement.shares)
     return phrase("brief.second", "used", used=used) if used else ""
 
@@ -190,7 +191,7 @@ ANSWERS: Sequence[Callable[[SealSolution], str]] = (
     form_in_brief,
 )
 
-_ADVICE: dict[str, Callable[[SealSolution, JudgedLoad], str]] = {
+_ADVICE: dict[str, Callable[[SealSolution, CaseLoad], str]] = {
     "profile": lambda result, load: verdict.would_pass(result, brief=True),
     "measure": lambda result, load: measurement_in_brief(result, result.loads.index(load)),
     "helps": _helps,
@@ -244,13 +245,13 @@ def loads_in_brief(case: Case, loads: Sequence[AnyLoad], most: int = _ROWS) -> t
     Parameters
     ----------
     case : Case
-    loads : sequence of LoadResult or MissingLoad
+    loads : sequence of CaseLoad or MissingLoad
     most : int
         Rows from which on the table is shortened.
     """
     kept = list(range(len(loads)))
     if len(loads) > most:
-        margins = [load.margin if isinstance(load, JudgedLoad) else None for load in loads]
+        margins = [load.margin if isinstance(load, CaseLoad) else None for load in loads]
         known = [n for n in kept if margins[n] is not None and not math.isnan(margins[n] or 0.0)]
         worst = min(known, key=lambda n: margins[n] or 0.0) if known else highest_load(loads)
         kept = sorted({*few(len(loads), _FEW_ROWS), worst})
@@ -268,7 +269,7 @@ def loads_in_brief(case: Case, loads: Sequence[AnyLoad], most: int = _ROWS) -> t
 
 def _most_telling(case: Case, loads: Sequence[AnyLoad]) -> list[ReportColumn]:
     """Columns that have a value and tell something of their own, without those that are spared first."""
-    found = [load for load in loads if isinstance(load, LoadResult)]
+    found = [load for load in loads if isinstance(load, CaseLoad)]
     without = {"leak_rate_m3_per_s" if any(load.tested for load in found) else "leak_rate_p50_m3_per_s"}
     if len({load.applied_force for load in loads}) == 1:
         without.add("applied_force_N")

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
+from fem_seal.answers.case_load import CaseLoad
 from fem_seal.answers.closed_forms import Sizes, closed_form_limits, derive_beside
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.answers.solution import SealSolution
@@ -17,7 +18,7 @@ from fem_seal.output.prose import phrase
 from fem_seal.output.shown import ReadableTable, columns_table, filled_column, worded_table
 from fem_seal.seal.findings import NOT_CALCULATED, Level
 from fem_seal.seal.load_names import load_name
-from fem_seal.seal.load_result import LoadResult, MissingLoad
+from fem_seal.seal.load_result import MissingLoad
 from fem_seal.units import format_quantity, percent, quantity_worth, strain_text
 from fem_seal.validity.words import why_missing
 
@@ -80,7 +81,7 @@ def comparison_note(result: SealSolution) -> str:
     return phrase("notes.comparison", law_word(result.case))
 
 
-def _difference(share: float, load: LoadResult, measure: str) -> str:
+def _difference(share: float, load: CaseLoad, measure: str) -> str:
     """In per cent, with decimals according to the mesh error."""
     error = 0.0 if load.mesh_error is None else getattr(load.mesh_error, measure)
     decimals = 3 if abs(share) < 0.1 else 0
@@ -100,7 +101,7 @@ def imprint_in_words(result: SealSolution) -> tuple[str, str] | None:
     return quantity_worth("length", imprint.deepest, digits), where
 
 
-def yielding_reasons(result: SealSolution, load: LoadResult) -> Iterator[str]:
+def yielding_reasons(result: SealSolution, load: CaseLoad) -> Iterator[str]:
     """How far the bodies have yielded at a load that was solved as elastoplastic."""
     if result.unloaded is None:
         return
@@ -150,12 +151,12 @@ def marks_in_words(result: SealSolution) -> str:
     return f" {', '.join(marks)}." if marks else ""
 
 
-def marks_of(loads: Sequence[LoadResult]) -> list[str]:
+def marks_of(loads: Sequence[CaseLoad]) -> list[str]:
     """Meaning of each mark of some loads: "? doubtful", "? leak rate doubtful" where all else is valid.
 
     Parameters
     ----------
-    loads : sequence of LoadResult
+    loads : sequence of CaseLoad
     """
     found = []
     for level in Level:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem_seal.answers.case_load import CaseLoad, rate_of
 from fem_seal.answers.leakage_class import class_size, is_flange, leakage_classes, test_of, volume_of
 from fem_seal.answers.solution import SealSolution
 from fem_seal.case.roughness import uncertain_heights
@@ -24,8 +25,8 @@ from fem_seal.output.report.tables import imprint_in_words, yielding_reasons
 from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.findings import Level, Validity
 from fem_seal.seal.load_names import load_name, load_values
-from fem_seal.seal.load_result import LoadResult, highest_load, rate_of
-from fem_seal.seal.readings import WORDS
+from fem_seal.seal.load_result import highest_load
+from fem_seal.seal.readings import OWN, WORDS
 from fem_seal.units import (
     LIQUID,
     LeakVolume,
@@ -43,8 +44,8 @@ from fem_seal.validity.checks import FLUID_OPENS
 from leak import CoupledLeakResult, LeakResult, Reading, drops_per_minute
 
 if TYPE_CHECKING:
+    from fem_seal.answers.case_load import CaseLoad
     from fem_seal.answers.closed_forms import Derived
-    from fem_seal.answers.judgement import JudgedLoad
     from fem_seal.case.case import Case
     from leak import LeakageClass
     from leak.theory.line_contact import HertzLine
@@ -78,13 +79,13 @@ class Fact:
     level: Level = Level.VALID
 
 
-def facts(result: SealSolution, load: JudgedLoad | None = None) -> list[Fact]:
+def facts(result: SealSolution, load: CaseLoad | None = None) -> list[Fact]:
     """The main numbers at a load, the highest unless given, each with the level of its validity."""
     load = load or result.highest
     return [replace(fact, level=validity.level) for fact, validity in _facts(result, load)]
 
 
-def _facts(result: SealSolution, load: JudgedLoad) -> Iterator[tuple[Fact, Validity]]:
+def _facts(result: SealSolution, load: CaseLoad) -> Iterator[tuple[Fact, Validity]]:
     """Each with the validity that it has."""
     leaks, contact = load.validity, load.validity.of_contact
     if result.uncertainty is not None:
@@ -117,7 +118,7 @@ def _facts(result: SealSolution, load: JudgedLoad) -> Iterator[tuple[Fact, Valid
         yield _class_fact(result.case, load), leaks
 
 
-def _leak_facts(case: Case, load: JudgedLoad) -> Iterator[Fact]:
+def _leak_facts(case: Case, load: CaseLoad) -> Iterator[Fact]:
     """The leak rate, in one unit and in other units."""
     assert load.leak is not None
     volume, sampled = volume_of(case), load.sampled is not None
@@ -140,9 +141,9 @@ def _leak_facts(case: Case, load: JudgedLoad) -> Iterator[Fact]:
             yield Fact("In other units", others[0], " = ".join(others[1:]))
 
 
-def _narrowest(load: LoadResult) -> tuple[str, str]:
+def _narrowest(load: CaseLoad) -> tuple[str, str]:
     """u_c in both readings of yielding asperities, and its name."""
-    known = (one.critical_separation for one in load.readings.values())
+    known = (one.critical_separation for one in (load, *load.others.values()))
     ends = Bounds.of(one for one in known if one is not None)
     closed = "calculated as zero" if load.validity.outside else "sealed"
     unit = unit_for("length", ends[1])
@@ -153,11 +154,11 @@ def _narrowest(load: LoadResult) -> tuple[str, str]:
     return text, f"critical separation at the peak pressure{both}"
 
 
-def _least(load: LoadResult) -> str:
+def _least(load: CaseLoad) -> str:
     """Lower bound of a leak rate with scratches, which is the upper of two bounds; empty without scratches."""
     if load.leak is None or load.around is None or load.around.scratches is None:
         return ""
-    ends = Bounds.of(map(least_with_scratches, load.readings.values()))
+    ends = Bounds.of(map(least_with_scratches, (load, *load.others.values())))
     text = leak_range_text(
         ends if ends.apart else least_with_scratches(load),
         load.leak_digits,
@@ -166,7 +167,7 @@ def _least(load: LoadResult) -> str:
     return f"with the upper bound of the leak through scratches; the lower one gives {text}"
 
 
-def least_with_scratches(load: LoadResult) -> float:
+def least_with_scratches(load: CaseLoad) -> float:
     """Leak rate of one reading with the lower bound of what scratches add [m^3/s]."""
     if load.leak is None or load.around is None or load.around.scratches is None:
         return math.nan
@@ -174,19 +175,19 @@ def least_with_scratches(load: LoadResult) -> float:
     return load.leak.leak_rate - (high - low)
 
 
-def separate_ends(load: LoadResult) -> Bounds | None:
+def separate_ends(load: CaseLoad) -> Bounds | None:
     """Leak rate in all readings of yielding asperities [m^3/s]; None where they agree."""
     ends = load.leak_range
     return ends if ends is not None and ends.apart else None
 
 
-def _two_numbers(load: LoadResult) -> bool:
+def _two_numbers(load: CaseLoad) -> bool:
     """Whether the readings of yielding asperities differ in their shown digits."""
     ends = separate_ends(load)
     return ends is not None and len({format_digits(one, min(load.leak_digits, 2)) for one in ends}) == 2
 
 
-def usual_rate_of(load: LoadResult) -> float | tuple[float, float]:
+def usual_rate_of(load: CaseLoad) -> float | tuple[float, float]:
     """Leak rate with the inputs as given: all readings of yielding asperities, or the only one [m^3/s]."""
     return separate_ends(load) or (math.nan if load.leak is None else load.leak.leak_rate)
 
@@ -215,14 +216,18 @@ def volumes_of_gas(gas: bool) -> str:
     return f" ({phrase('readings.volume', 'heading')})" if gas else ""
 
 
-def readings_in_words(load: LoadResult, volume: LeakVolume = LIQUID) -> str:
+def readings_in_words(load: CaseLoad, volume: LeakVolume = LIQUID) -> str:
     """Leak rate in each reading of yielding asperities; empty with only one reading."""
-    if not load.yields or load.leak_range is None:
+    if not load.others or load.leak_range is None:
         return ""
     if not _two_numbers(load):
         return phrase("readings.load", "same")
     digits, claimed = min(load.leak_digits, 2), not load.validity.outside
-    rates = {reading: one.leak.leak_rate for reading, one in load.readings.items() if one.leak is not None}
+    rates = {
+        reading: one.leak.leak_rate
+        for reading, one in {OWN: load, **load.others}.items()
+        if one.leak is not None
+    }
     every = tuple(rates.values())
     return ", ".join(
         f"{leak_range_text(rate, digits, claimed=claimed, beside=every, volume=volume)} {WORDS[reading].condition}"
@@ -230,7 +235,7 @@ def readings_in_words(load: LoadResult, volume: LeakVolume = LIQUID) -> str:
     )
 
 
-def _class_fact(case: Case, load: LoadResult) -> Fact:
+def _class_fact(case: Case, load: CaseLoad) -> Fact:
     """The best class, or that none can be claimed."""
     (short, size), classes = class_size(case), leakage_classes(case, load)
     name = f"Leakage class, {short}"
@@ -241,13 +246,13 @@ def _class_fact(case: Case, load: LoadResult) -> Fact:
     return Fact(name, str(best), "; ".join(filter(None, remarks)))
 
 
-def _interval_fact(result: SealSolution, load: LoadResult) -> Fact:
+def _interval_fact(result: SealSolution, load: CaseLoad) -> Fact:
     assert result.uncertainty is not None
     volume = volume_of(result.case)
     remarks = [
         state_in_words(volume),
         phrase("facts.remark", uncertain_in_words(result.case, load))
-        + (", in both readings of asperities that yield" if load.yields else ""),
+        + (", in both readings of asperities that yield" if load.others else ""),
         *accuracy_in_words(load),
     ]
     outside = load.validity.outside
@@ -311,7 +316,7 @@ def _validity_sentence(result: SealSolution) -> str:
     return f" The {what} is {', '.join(clauses)}." if clauses else ""
 
 
-def _names_of_loads(loads: Sequence[LoadResult], among: Sequence[LoadResult]) -> str:
+def _names_of_loads(loads: Sequence[CaseLoad], among: Sequence[CaseLoad]) -> str:
     """Names of a few loads, or the number of many."""
     if len(loads) == len(among):
         return "every load"
@@ -399,7 +404,7 @@ def has_finish(case: Case) -> bool:
     return case.roughness is not None and bool(case.roughness.finishes)
 
 
-def uncertain_in_words(case: Case, load: LoadResult) -> str:
+def uncertain_in_words(case: Case, load: CaseLoad) -> str:
     """What the samples of a load are over: "tested", "finish", "inputs", or "mixed", a finish and other inputs."""
     if load.tested or not has_finish(case):
         return "tested" if load.tested else "inputs"
@@ -407,21 +412,21 @@ def uncertain_in_words(case: Case, load: LoadResult) -> str:
     return "mixed" if given or any(uncertain_heights(case.roughness, between_scans=False)) else "finish"
 
 
-def held_in_words(case: Case, load: LoadResult) -> list[str]:
+def held_in_words(case: Case, load: CaseLoad) -> list[str]:
     """Sentences about the coverage of the interval of a leak rate; none for a single number.
 
     Parameters
     ----------
     case : Case
-    load : LoadResult
+    load : CaseLoad
     """
     ends = rate_of(load)
     if not isinstance(ends, tuple) or not volume_of(case).measurable(ends[1]):
         return []
     if load.sampled is not None:
         held = [_samples_in_words(case, load)]
-    elif load.leak_range is not None and (not load.yields or _two_numbers(load)):
-        held = [phrase("readings.ends", "what" if load.yields else "simulated")]
+    elif load.leak_range is not None and (not load.others or _two_numbers(load)):
+        held = [phrase("readings.ends", "what" if load.others else "simulated")]
     else:
         held = []
     off = accuracy_in_words(load)
@@ -432,12 +437,12 @@ def held_in_words(case: Case, load: LoadResult) -> list[str]:
 _NOTICED_IN_ENDS = 1.05
 
 
-def accuracy_in_words(load: LoadResult) -> list[str]:
+def accuracy_in_words(load: CaseLoad) -> list[str]:
     """The error of the calculation, if it widens the interval noticeably; none or one.
 
     Parameters
     ----------
-    load : LoadResult
+    load : CaseLoad
     """
     least, most = load.leak_validity.leak_factor
     ways = [
@@ -450,11 +455,11 @@ def accuracy_in_words(load: LoadResult) -> list[str]:
     return [phrase("readings.accuracy", "what", reason=together + "; ".join(reasons))] if reasons else []
 
 
-def _samples_in_words(case: Case, load: LoadResult) -> str:
+def _samples_in_words(case: Case, load: CaseLoad) -> str:
     """Sentence about the interval of a leak rate with uncertain inputs."""
     assert case.sampled is not None
     what = uncertain_in_words(case, load)
-    also = "_both" if load.yields else "" if load.flow_error is None else "_own"
+    also = "_both" if load.others else "" if load.flow_error is None else "_own"
     return phrase("readings.sampled", what + also, share=case.sampled.confidence)
 
 
@@ -481,11 +486,11 @@ def _change_in_words(change: float) -> str:
     return f"{100 * change:+.2g} %" if abs(change) >= _LEAST else f"less than {100 * _LEAST:g} %"
 
 
-def _contact(load: LoadResult) -> str:
+def _contact(load: CaseLoad) -> str:
     return f"{in_words(load, 'fwhm_m')} wide under {_peak(load)} peak pressure"
 
 
-def _peak(load: LoadResult) -> str:
+def _peak(load: CaseLoad) -> str:
     return in_words(load, "peak_pressure_Pa")
 
 
@@ -501,7 +506,7 @@ def reasons(result: SealSolution, derived: Derived) -> list[str]:
     ]
 
 
-def _width_reasons(result: SealSolution, derived: Derived, load: LoadResult) -> Iterator[str]:
+def _width_reasons(result: SealSolution, derived: Derived, load: CaseLoad) -> Iterator[str]:
     hertz = derived.loads[result.loads.index(load)].hertz
     if hertz is None:
         yield phrase("reasons.width", "conforming", contact=_contact(load))
@@ -526,7 +531,7 @@ def _leaves_curvature(result: SealSolution, hertz: HertzLine, peak: float) -> bo
     return bool((breaks < 2 * hertz.std).any()) or peak > _ABOVE_HERTZ * hertz.peak_pressure
 
 
-def _flow_reasons(load: LoadResult) -> Iterator[str]:
+def _flow_reasons(load: CaseLoad) -> Iterator[str]:
     if load.leak is None or load.leak.leak_rate == 0:
         return
     if not math.isfinite(load.leak.leak_rate):
@@ -548,7 +553,7 @@ def _flow_reasons(load: LoadResult) -> Iterator[str]:
     yield phrase("reasons.fluid", "ratio", effect, ratio=ratio)
 
 
-def _asperity_reasons(result: SealSolution, load: LoadResult) -> Iterator[str]:
+def _asperity_reasons(result: SealSolution, load: CaseLoad) -> Iterator[str]:
     surface = result.surface
     if surface is None:
         return
@@ -562,16 +567,16 @@ def _asperity_reasons(result: SealSolution, load: LoadResult) -> Iterator[str]:
     share = "nearly all" if yielded > 0.999 else "next to nothing" if yielded < 1e-3 else percent(yielded)
     factor, effect = _yielding_factor(load)
     yield phrase("reasons.asperities", "yielded", effect, area=area, share=share, factor=factor)
-    if load.yields and _two_numbers(load):
+    if load.others and _two_numbers(load):
         yield phrase("readings.load", "why", readings=readings_in_words(load))
 
 
-def _yielding_factor(load: LoadResult) -> tuple[str, str]:
+def _yielding_factor(load: CaseLoad) -> tuple[str, str]:
     """Factor by which yielding lowers the leak rate, in both readings, and key of its sentence; empty if unknown."""
-    own, never = load.leak, load.reading(Reading.ELASTIC).leak
+    own, never = load.leak, (load.scenario(Reading.ELASTIC) or load).leak
     if own is None or never is None:
         return "", ""
-    low, high = (separate_ends(load) if load.yields else None) or (own.leak_rate, own.leak_rate)
+    low, high = (separate_ends(load) if load.others else None) or (own.leak_rate, own.leak_rate)
     if not high > 0:
         return "", ""
     elastic, digits = never.leak_rate, min(load.leak_digits, 2)
@@ -584,13 +589,13 @@ def _yielding_factor(load: LoadResult) -> tuple[str, str]:
 
 
 def leakage_text(
-    load: LoadResult, volume: LeakVolume = LIQUID, rate: float | tuple[float, float] | None = None
+    load: CaseLoad, volume: LeakVolume = LIQUID, rate: float | tuple[float, float] | None = None
 ) -> str:
     """A leak rate of a load in the units of its kind: "1.2 to 3.4 ml/min = 19 to 54 drops/min".
 
     Parameters
     ----------
-    load : LoadResult
+    load : CaseLoad
         With a leak rate.
     volume : LeakVolume
         State of the leaking volume.
@@ -643,13 +648,13 @@ def classes_in_words(classes: Sequence[LeakageClass]) -> str:
     return "; ".join([*([", ".join(met)] if met else []), *missed])
 
 
-def judged_as(case: Case, load: LoadResult) -> str:
+def judged_as(case: Case, load: CaseLoad) -> str:
     """Note that the classes hold for the fluid of the standards' test; empty if it is the fluid of the case.
 
     Parameters
     ----------
     case : Case
-    load : LoadResult
+    load : CaseLoad
     """
     assert case.fluid is not None
     if is_flange(case):
@@ -658,13 +663,13 @@ def judged_as(case: Case, load: LoadResult) -> str:
     return phrase("readings.classes", "test_fluid", fluid=fluid, ratio=tuple(sorted(ratio))) if fluid else ""
 
 
-def leakage_lines(case: Case, load: LoadResult, loads: Sequence[LoadResult]) -> list[str]:
+def leakage_lines(case: Case, load: CaseLoad, loads: Sequence[CaseLoad]) -> list[str]:
     """Lines for the terminal about one load; none without a leak rate.
 
     Parameters
     ----------
     case : Case
-    load : LoadResult
+    load : CaseLoad
     loads : sequence
         All of them.
     """
@@ -687,7 +692,7 @@ def leakage_lines(case: Case, load: LoadResult, loads: Sequence[LoadResult]) -> 
     ]
 
 
-def _as_given(case: Case, load: LoadResult) -> str:
+def _as_given(case: Case, load: CaseLoad) -> str:
     """The leak rate with the inputs as given, in both readings of yielding asperities."""
     # in the unit of the line above
     rate = leakage_text(load, volume_of(case), usual_rate_of(load)).split(" = ")[0]

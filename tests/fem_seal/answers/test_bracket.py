@@ -17,6 +17,7 @@ from sample_results import case, rough_result, run_loads, single_result, smooth_
 
 import fem_seal
 import leak
+from fem_seal.answers.case_load import case_loads
 from fem_seal.answers.leakage_class import leakage_classes, nominal_size
 from fem_seal.answers.uncertainty import LeakInterval
 from fem_seal.cli.terminal import show_leak_table, show_leakage
@@ -33,6 +34,8 @@ from fem_seal.output.tables import leak_rows, leakage_table
 from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.findings import Finding, Level, Validity
 from fem_seal.seal.leak_model import LeakModel
+from fem_seal.seal.load_result import LoadResult
+from fem_seal.seal.problem import SealProblem
 from fem_seal.studies.responses import evaluate_design
 from fem_seal.units import leak_range_text
 from leak import LeakResult, Reading, leakage_class, leakage_limits
@@ -79,20 +82,13 @@ def test_asperities_too_hard_to_yield_are_elastic_in_both_readings(pressure):
 @pytest.mark.usefixtures("unrendered")
 def test_elastic_asperities_have_one_reading():
     (load,) = single_result().loads
-    assert load.reading(Reading.CONSERVED) is load.reading(Reading.CAPPED) is load
-    assert load.reading(Reading.CONSERVED).leak is load.reading(Reading.CAPPED).leak is load.leak
-    assert load.leak_range is None and not load.yields
+    assert load.leak_range is None and not load.others and load.scenario(Reading.ELASTIC) is load
     (row,) = leak_rows(single_result())
     assert all(math.isnan(row[name]) for name in (LOW, HIGH, CONSERVED, CAPPED))
     text = report(single_result())
     assert "C_pl" not in headline(single_result()) and "changed only where it touches" not in text
     for nothing in smooth_result().loads:
-        assert (
-            nothing.reading(Reading.CONSERVED).leak
-            is nothing.reading(Reading.CAPPED).leak
-            is nothing.leak_range
-            is None
-        )
+        assert nothing.leak is nothing.leak_range is None and not nothing.scenarios
 
 
 def test_each_reading_is_that_of_its_surface_on_the_same_contact():
@@ -107,12 +103,11 @@ def test_each_reading_is_that_of_its_surface_on_the_same_contact():
                 p.x, p.pressure, table, load.fluid_pressure, p.radius, ends=p.ends, pressure_law=law
             )
             # another table of the same function
-            assert load.readings[reading].leak.leak_rate == pytest.approx(own.leak_rate, rel=1e-3)
+            assert load.scenario(reading).leak.leak_rate == pytest.approx(own.leak_rate, rel=1e-3)
 
 
 def test_the_table_of_each_reading_is_made_once_for_all_loads(monkeypatch):
     from fem_seal.seal.leak_model import FlowModel
-    from fem_seal.seal.load_result import LoadResult
 
     result, made, table_around = rough_result(), [], FlowModel.table_around
     monkeypatch.setattr(
@@ -123,8 +118,8 @@ def test_the_table_of_each_reading_is_made_once_for_all_loads(monkeypatch):
         ),
     )
     rough = LeakModel.of(result.surface, result.problem.flow, result.contact)
-    for load in result.loads:
-        one = LoadResult(*load.point, load.contact, rough)
+    bare = [LoadResult(*load.point, load.contact, rough) for load in result.loads]
+    for load, one in zip(result.loads, case_loads(result.problem, bare), strict=True):
         assert one.leak_range == pytest.approx(load.leak_range, rel=1e-12)
     assert made == ["conserved", "capped"]
 
@@ -142,12 +137,15 @@ def test_the_table_of_each_reading_is_made_once_for_all_loads(monkeypatch):
 def test_both_readings_go_the_same_way(tables):
     """A load whose surface is the capped one has as its leak what the other one has as its capped reading."""
     (load,) = run_loads(case(**tables)).loads
-    swapped = replace(load, rough=replace(load.rough, surface=load.rough.surface.capped))
-    assert type(load.reading(Reading.CAPPED).leak) is type(load.leak) is type(swapped.leak)
-    assert swapped.leak.leak_rate == load.reading(Reading.CAPPED).leak.leak_rate
-    assert swapped.reading(Reading.CONSERVED).leak.leak_rate == load.leak.leak_rate
+    capped = replace(load.rough, surface=load.rough.surface.capped)
+    of_capped = replace(SealProblem.of(case(**tables)), surface=capped.surface)
+    bare = LoadResult(*load.point, load.contact, capped, load.formed)
+    (swapped,) = case_loads(of_capped, [bare])
+    assert type(load.scenarios[Reading.CAPPED].leak) is type(load.leak) is type(swapped.leak)
+    assert swapped.leak.leak_rate == load.scenarios[Reading.CAPPED].leak.leak_rate
+    assert swapped.scenarios[Reading.CONSERVED].leak.leak_rate == load.leak.leak_rate
     assert swapped.leak_range == load.leak_range
-    assert load.leak_range[0] < load.leak_range[1] < 1.01 * load.reading(Reading.ELASTIC).leak.leak_rate
+    assert load.leak_range[0] < load.leak_range[1] < 1.01 * load.scenarios[Reading.ELASTIC].leak.leak_rate
 
 
 @pytest.mark.slow
@@ -155,16 +153,19 @@ def test_a_form_error_and_its_answers_have_both_readings():
     result = oval_result()
     for load in result.loads:
         # the integral over the turn is the leak rate of the seal
-        angles = len(load.reading(Reading.CAPPED).around.angle)
-        total = float(load.reading(Reading.CAPPED).around.leak_rate.sum()) * 2 * math.pi / angles
-        assert total == pytest.approx(load.reading(Reading.CAPPED).leak.leak_rate, rel=1e-9)
-        assert load.reading(Reading.CAPPED).around.line_load is load.around.line_load
-        assert load.reading(Reading.CAPPED).leak_round.leak_rate < load.reading(Reading.CAPPED).leak.leak_rate
+        angles = len(load.scenarios[Reading.CAPPED].around.angle)
+        total = float(load.scenarios[Reading.CAPPED].around.leak_rate.sum()) * 2 * math.pi / angles
+        assert total == pytest.approx(load.scenarios[Reading.CAPPED].leak.leak_rate, rel=1e-9)
+        assert load.scenarios[Reading.CAPPED].around.line_load is load.around.line_load
+        assert (
+            load.scenarios[Reading.CAPPED].leak_round.leak_rate
+            < load.scenarios[Reading.CAPPED].leak.leak_rate
+        )
     # solved once more, to the accuracy of a line load
     (same,) = [point for point in result.form.curve if point.factor == 1.0]
     highest = result.highest
     assert (same.leak_rate, same.others[Reading.CAPPED]) == pytest.approx(
-        (highest.leak.leak_rate, highest.reading(Reading.CAPPED).leak.leak_rate), rel=1e-5
+        (highest.leak.leak_rate, highest.scenarios[Reading.CAPPED].leak.leak_rate), rel=1e-5
     )
     from fem_seal.output.answers.form import around_rows
 
@@ -173,7 +174,7 @@ def test_a_form_error_and_its_answers_have_both_readings():
     ratio = float(rows[0]["leak_rate_capped_m3_per_s_per_rad"]) / float(rows[0]["leak_rate_m3_per_s_per_rad"])
     first = result.loads[0]
     assert ratio == pytest.approx(
-        first.reading(Reading.CAPPED).leak.leak_rate / first.leak.leak_rate, rel=0.05
+        first.scenarios[Reading.CAPPED].leak.leak_rate / first.leak.leak_rate, rel=0.05
     )
 
 
@@ -183,7 +184,7 @@ def test_a_target_takes_a_force_in_each_reading():
     load = {"fluid_pressure": "20 bar", "applied_force": "2 kN", "target_leak_rate": "0.2 cm^3/s"}
     result = fem_seal.run(case(load=load))
     (found,) = result.loads
-    forces = {DEFAULT: found.force_for_target, CAPPED: found.reading(Reading.CAPPED).force_for_target}
+    forces = {DEFAULT: found.force_for_target, CAPPED: found.scenarios[Reading.CAPPED].force_for_target}
     # more stays open where only what touches changes, so it takes more force
     assert forces[CAPPED] > forces[DEFAULT]
     for name, force in forces.items():
@@ -203,8 +204,8 @@ def test_file_terminal_report_and_study_tell_the_same_interval(capsys):
     result = rough_result()
     rows, table = leak_rows(result), result.table
     for row, load in zip(rows, result.loads, strict=True):
-        assert row[DEFAULT] == row[CONSERVED] == load.reading(Reading.CONSERVED).leak.leak_rate
-        assert row[CAPPED] == load.reading(Reading.CAPPED).leak.leak_rate
+        assert row[DEFAULT] == row[CONSERVED] == load.leak.leak_rate
+        assert row[CAPPED] == load.scenarios[Reading.CAPPED].leak.leak_rate
         assert load.leak_range == (row[CONSERVED], row[CAPPED])
         # and nothing besides, but for what the mesh leaves
         off = 1 + load.mesh_error.leak_rate
@@ -251,7 +252,7 @@ def test_the_interval_of_a_gas_is_told_in_its_own_unit():
     line, sentence, _, tested = leakage_lines(result.case, load, result.loads)
     assert "a test with air" in tested
     (ends,) = re.findall(r": ([\d.]+) to ([\d.]+) mbar l/s = ", line)
-    low, high = (one.leak.throughput * 10 for one in load.readings.values())
+    low, high = (one.leak.throughput * 10 for one in (load, *load.others.values()))
     assert [float(one) for one in ends] == pytest.approx([low, high], rel=TWO_DIGITS)
     assert re.search(r"to [\d.·⁻⁰-⁹−]+ kg/s", line)
     assert "two readings" in sentence

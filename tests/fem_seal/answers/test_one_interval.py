@@ -61,7 +61,7 @@ def test_every_place_tells_the_same_ends(name, factor, level, limit):
     result = known_as(RESULTS[name](), factor, level, limit)
     ends = [load.leak_interval for load in result.loads]
     # what is known of a number that stands alone is told by its digits
-    apart = result.loads[0].yields or factor != (1.0, 1.0)
+    apart = result.loads[0].others or factor != (1.0, 1.0)
     assert result.leak_ranges == (tuple(ends) if apart else (None,) * len(ends))
     in_files = ends if apart else [(pytest.approx(math.nan, nan_ok=True),) * 2] * len(ends)
     # files

@@ -102,7 +102,7 @@ def test_the_curve_falls_from_the_whole_leak_to_none():
         assert np.all(np.diff([one.gaps_below for one in answers.curve], axis=0) > 0)
         assert np.all(np.diff([one.particles for one in answers.curve], axis=0) < 0)
         # of each reading the first size that lets nothing through lies beyond the narrowest place, not the one before
-        narrowest = [one.critical_separation for one in load.readings.values()]
+        narrowest = [one.critical_separation for one in (load, *load.others.values())]
         assert answers.narrowest[0] < narrowest[0] < narrowest[1] == answers.narrowest[1]
         for end in (0, 1):
             sealed = next(one.size for one in answers.curve if one.leak_rate[end] == 0.0)
@@ -113,9 +113,7 @@ def test_the_curve_falls_from_the_whole_leak_to_none():
 
 def test_the_leak_that_is_left_is_that_of_the_shut_conductivity():
     answers = result().particles[-1]
-    for end, load in enumerate(
-        (result().loads[-1].reading(Reading.CONSERVED), result().loads[-1].reading(Reading.CAPPED))
-    ):
+    for end, load in enumerate((result().loads[-1], result().loads[-1].scenarios[Reading.CAPPED])):
         profile, table = load.contact.profile, load.rough.table
         for one in answers.curve[3::4]:
             shut = leak.shut_conductivity(table, load.rough.surface, one.size)
@@ -136,7 +134,7 @@ def test_the_filter_that_keeps_the_leak_keeps_it():
     for answers, both in zip(result().particles, result().loads, strict=True):
         for size, load in zip(
             answers.keeping_filter,
-            both.readings.values(),
+            (both, *both.others.values()),
             strict=True,
         ):
             shut = leak.shut_conductivity(load.rough.table, load.rough.surface, size)
@@ -181,7 +179,7 @@ def test_a_power_more_of_particles_clogs_a_power_faster():
 
 
 def test_places_side_by_side_are_squares_at_least_and_particles_at_most():
-    load = result().loads[-1].reading(Reading.CONSERVED)
+    load = result().loads[-1]
     elastic = replace(load, rough=load.rough.reading(Reading.ELASTIC))
     (answers,) = particle_answers([elastic], leak.ParticleCounts.of_iso_4406("15/13/10"))
     around = 2 * math.pi * load.contact.model.initial_contact_radius

@@ -13,6 +13,7 @@ from scipy.special import ndtr, ndtri
 
 import fem_seal
 from fem_seal.answers import pass_probability as module
+from fem_seal.answers.case_load import solved_seal
 from fem_seal.answers.judgement import PassProbability
 from fem_seal.answers.pass_probability import pass_probabilities
 from fem_seal.answers.response_surface import Polynomials, fit_with_prior
@@ -45,7 +46,7 @@ def one(leak_rate="1e-8 m^3/s", **tables):
 
 def seal_of(wanted):
     """Its solved seal without answers."""
-    return evaluate(SealProblem.of(wanted)).seal(wanted)
+    return solved_seal(evaluate(SealProblem.of(wanted)), wanted)
 
 
 @cache
@@ -234,7 +235,7 @@ def test_of_two_readings_the_one_that_passes_less_often_counts():
     )
     seal = seal_of(wanted)
     (load,) = seal.loads
-    rates = [each.leak.leak_rate for each in load.readings.values()]
+    rates = [each.leak.leak_rate for each in (load, *load.others.values())]
     assert len(rates) == 2
     limit = math.sqrt(rates[0] * rates[1])
     worse = ndtr(math.log(limit / max(rates)) / 0.3)
@@ -261,7 +262,7 @@ def test_a_class_is_met_by_the_gas_of_its_test():
     )
     seal = seal_of(wanted)
     (load,), (limit,) = seal.loads, module.limits(wanted, 20e5)
-    over = load.in_test.leak.leak_rate / load.leak.leak_rate
+    over = load.scenarios["test gas"].leak.leak_rate / load.leak.leak_rate
     (found,) = pass_probabilities(seal)
     assert limit.test_fluid and found.share == pytest.approx(
         passing(seal, limit.leak_rate / over).share, abs=0.02

@@ -37,7 +37,7 @@ def found():
 
 def rates(result):
     load = result.loads[0]
-    return load.leak.leak_rate, load.reading(Reading.CAPPED).leak.leak_rate
+    return load.leak.leak_rate, load.scenarios[Reading.CAPPED].leak.leak_rate
 
 
 @pytest.mark.slow
@@ -413,7 +413,9 @@ def test_a_sensitivity_is_the_ratio_of_two_complete_runs(name):
         ratios = [
             after.leak.leak_rate / before.leak.leak_rate
             for before, after in zip(
-                result.highest.readings.values(), run.highest.readings.values(), strict=True
+                (result.highest, *result.highest.others.values()),
+                (run.highest, *run.highest.others.values()),
+                strict=True,
             )
         ]
         # meshes of studies are those of runs to some 1e-5, a path to its load steps

@@ -52,9 +52,7 @@ def rates(result):
 
 def readings(result):
     """Leak rates of all loads in both readings, one after the other, as a sample has them."""
-    both = [
-        (load.reading(Reading.CONSERVED).leak, load.reading(Reading.CAPPED).leak) for load in result.loads
-    ]
+    both = [(load.leak, load.scenarios[Reading.CAPPED].leak) for load in result.loads]
     return np.array([leak.leak_rate for one in zip(*both, strict=True) for leak in one])
 
 
@@ -589,7 +587,9 @@ def test_samples_flow_as_the_case_does(tables):
     # tables of 24 and 64 pressures
     if "fluid" in tables:
         # and with the gas of the standards' tests
-        expected = np.append(expected, [one for load in result.loads for one in load.in_test.leak_range])
+        expected = np.append(
+            expected, [one for load in result.loads for one in load.scenarios["test gas"].leak_range]
+        )
     np.testing.assert_allclose(study.leak_rates([0])[0], expected, rtol=1e-3)
 
 

@@ -65,7 +65,7 @@ def test_a_run_with_the_force_passes_and_one_with_less_does_not(tables, target):
     if of.requirement is None:
         readings = [
             one
-            for one in (found.force_for_target, found.reading(Reading.CAPPED).force_for_target)
+            for one in (found.force_for_target, found.scenarios[Reading.CAPPED].force_for_target)
             if one is not None
         ]
         assert force >= max(readings)
@@ -78,7 +78,7 @@ def test_what_a_drawing_leaves_open_is_in_the_force():
     result = fem_seal.run(of, sensitivities=False)
     (found,) = result.loads
     assert found.force_for_verdict > 1.1 * max(
-        found.force_for_target, found.reading(Reading.CAPPED).force_for_target
+        found.force_for_target, found.scenarios[Reading.CAPPED].force_for_target
     )
     limit = of.load.target_leak_rate
     for share, verdict in ((1.0, "pass"), (0.97, "inconclusive")):

@@ -10,6 +10,7 @@ import pytest
 from places import EXAMPLES
 
 import fem_seal
+from fem_seal.answers.case_load import solved_seal
 from fem_seal.answers.chain import solve_profiles
 from fem_seal.answers.profile_files import ImportedProfile
 from fem_seal.answers.uncertainty import SampledSeal, leak_interval
@@ -133,8 +134,8 @@ def test_a_value_that_the_process_does_not_reach_is_remarked_on(base):
 
 def test_an_interval_comes_without_being_asked_for(solved):
     (low, high), load = solved.leak_ranges[0], solved.loads[0]
-    assert low < min(load.leak.leak_rate, load.reading(Reading.CAPPED).leak.leak_rate)
-    assert high > max(load.leak.leak_rate, load.reading(Reading.CAPPED).leak.leak_rate)
+    assert low < min(load.leak.leak_rate, load.scenarios[Reading.CAPPED].leak.leak_rate)
+    assert high > max(load.leak.leak_rate, load.scenarios[Reading.CAPPED].leak.leak_rate)
     interval = solved.uncertainty
     assert interval.inputs == ("hurst", "q_rolloff", "q_high", "rms_height")
     assert interval.runs <= 40
@@ -149,7 +150,7 @@ def test_the_widest_interval_leads_on_terminal_and_in_report(solved):
     assert leak_range_text(ends, 2) in headline(solved)
     assert "90 % of the samples" in held and "both readings" in held
     assert held.strip() in headline(solved)
-    assert leak_range_text((load.leak.leak_rate, load.reading(Reading.CAPPED).leak.leak_rate), 2) in usual
+    assert leak_range_text((load.leak.leak_rate, load.scenarios[Reading.CAPPED].leak.leak_rate), 2) in usual
     # in ml/min and in drops the ends are in the same ratio
     for part in first.split(": ", 1)[1].split(" = ")[:2]:
         low, high = (float(one) for one in re.findall(r"(\d+\.?\d*) to (\d+\.?\d*) ", part)[0])
@@ -168,7 +169,7 @@ def test_the_report_shows_the_widest_interval_first_and_in_its_other_units(solve
     first = leakage_lines(solved.case, load, solved.loads)[0]
     assert tiles[1].value in first and tiles[1].remark in first
     assert tiles[2].value == leak_range_text(
-        (load.leak.leak_rate, load.reading(Reading.CAPPED).leak.leak_rate)
+        (load.leak.leak_rate, load.scenarios[Reading.CAPPED].leak.leak_rate)
     )
 
 
@@ -347,7 +348,7 @@ def test_samples_at_both_ends_are_those_of_the_single_values_and_bracket_the_int
     seals = {}
     for name, entries in {"range": RANGE, "low": LAPPED, "high": {**LAPPED, "Ra": "0.4 um"}}.items():
         case = base.replace_written({"roughness": {"seat": entries}})
-        seals[name] = evaluate(SealProblem.of(case)).seal(case)
+        seals[name] = solved_seal(evaluate(SealProblem.of(case)), case)
     found = {name: leak_interval(seal) for name, seal in seals.items()}
     assert found["range"].inputs == ("Ra", *found["low"].inputs)
     for end in ("low", "median", "high"):

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 from sample_results import case
 
+from fem_seal.answers.case_load import CaseLoad
 from fem_seal.cli import app as cli
 from fem_seal.cli import terminal
 from fem_seal.cli.terminal import _cell, show_leak_table, show_leakage
@@ -46,7 +47,7 @@ ROWS = [row(5e5), row(20e5, Level.DOUBTFUL), row(1800e5, Level.OUTSIDE)]
 
 def load(error=None):
     """What a row of the table is of, as far as its numbers of digits go."""
-    return LoadResult(20e5, 0.0, None, mesh_error=error)
+    return CaseLoad.of(LoadResult(20e5, 0.0, None, mesh_error=error))
 
 
 def shown(capsys, monkeypatch, rows, width=None):
@@ -192,9 +193,7 @@ def test_marks_have_a_legend_and_valid_rows_none(capsys, monkeypatch):
 def test_no_class_is_claimed_outside_the_theory(capsys):
     of = case(load={"fluid_pressure": ["5 bar", "20 bar", "1800 bar"]})
     loads = [
-        LoadResult(pressure, 0.0, None, validity=judged(level)).with_values(
-            leak=LeakResult(1e-13, 1e18, None)
-        )
+        CaseLoad(pressure, 0.0, None, validity=judged(level)).with_values(leak=LeakResult(1e-13, 1e18, None))
         for pressure, level in ((5e5, Level.VALID), (20e5, Level.DOUBTFUL), (1800e5, Level.OUTSIDE))
     ]
     show_leakage(of, loads[:2])

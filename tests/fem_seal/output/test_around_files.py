@@ -68,7 +68,7 @@ def test_csv_has_every_angle_of_every_load(tmp_path):
             ("peak_pressure_Pa", around.peak_pressure),
             ("fwhm_m", around.fwhm),
             ("leak_rate_m3_per_s_per_rad", around.leak_rate),
-            ("leak_rate_capped_m3_per_s_per_rad", load.reading(Reading.CAPPED).around.leak_rate),
+            ("leak_rate_capped_m3_per_s_per_rad", load.scenarios[Reading.CAPPED].around.leak_rate),
         ):
             np.testing.assert_allclose([float(row[name]) for row in own], values, rtol=1e-9, atol=1e-300)
 

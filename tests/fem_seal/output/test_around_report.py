@@ -139,7 +139,9 @@ def test_area_under_the_leak_is_the_leak_rate(figures):
     (axes,) = figures[0].axes
     assert "ml/min" in axes.get_ylabel()
     # of each load the case's own reading and, dashed, the other one
-    read = [around for load in result.loads for around in (load.around, load.reading(Reading.CAPPED).around)]
+    read = [
+        around for load in result.loads for around in (load.around, load.scenarios[Reading.CAPPED].around)
+    ]
     for line, around in zip(curves(axes), read, strict=True):
         total = np.trapezoid(line.get_ydata(), line.get_xdata()) * 1e-6 / 60
         assert total == pytest.approx(2 * math.pi * around.leak_rate.mean(), rel=1e-9)
@@ -287,7 +289,7 @@ def test_the_deepest_scratch_leaks_the_target_beside_the_others_and_the_lay():
     # the one that both readings of yielding asperities allow
     assert run_loads(changed).loads[0].leak_range[1] == pytest.approx(1e-6 / 60, rel=1e-5)
     rates = []
-    for load in (result.loads[0].reading(Reading.CONSERVED), result.loads[0].reading(Reading.CAPPED)):
+    for load in (result.loads[0], result.loads[0].scenarios[Reading.CAPPED]):
         low, high = load.around.scratches
         rates.append(load.leak.leak_rate - (high - low))
     (shown,) = re.findall(

@@ -143,7 +143,7 @@ def test_a_given_profile_has_the_columns_of_leak_csv(tmp_path):
         for name in PROFILE_LEAK_COLUMNS:
             if name == "leak_rate_corrected_m3_per_s":
                 # through the very contact of the profile, which is one by the paper's theory
-                corrected = replace(load, rough=load.in_theory("corrected").rough)
+                corrected = replace(load, rough=load.scenario("corrected").rough)
                 assert row[name] == pytest.approx(corrected.leak.leak_rate, rel=2e-3)
                 continue
             assert row[name] == pytest.approx(full[name], rel=2e-3, nan_ok=True), name

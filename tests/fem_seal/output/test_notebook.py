@@ -28,8 +28,8 @@ def test_a_result_is_a_few_lines_with_the_numbers_of_each_load():
         (shown,) = re.findall(r"leak rate ([\d.]+) to ([\d.]+) (ml|l)/min", line)
         # two digits of each end
         expected = [
-            load.reading(Reading.CONSERVED).leak.leak_rate * 60e6,
-            load.reading(Reading.CAPPED).leak.leak_rate * 60e6,
+            load.leak.leak_rate * 60e6,
+            load.scenarios[Reading.CAPPED].leak.leak_rate * 60e6,
         ]
         unit = 1e3 if shown[2] == "l" else 1.0
         assert [float(one) * unit for one in shown[:2]] == pytest.approx(expected, rel=5e-2)
@@ -112,8 +112,8 @@ def test_plot_draws_leak_rate_interval_and_profiles():
     assert "[ml/min]" in leak.get_ylabel() or "[l/min]" in leak.get_ylabel()
     assert unit == pytest.approx(60e6 if "ml/min" in leak.get_ylabel() else 60e3)
     (band,) = leak.collections
-    ends = [load.reading(Reading.CAPPED).leak.leak_rate for load in result.loads] + [
-        load.reading(Reading.CONSERVED).leak.leak_rate for load in result.loads
+    ends = [load.scenarios[Reading.CAPPED].leak.leak_rate for load in result.loads] + [
+        load.leak.leak_rate for load in result.loads
     ]
     heights = band.get_paths()[0].vertices[:, 1] / unit
     assert (heights.min(), heights.max()) == pytest.approx((min(ends), max(ends)))

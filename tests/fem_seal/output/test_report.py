@@ -28,8 +28,8 @@ from sample_results import (
 )
 
 import fem_seal
+from fem_seal.answers.case_load import CaseLoad
 from fem_seal.answers.closed_forms import derive, profile_sizes
-from fem_seal.answers.judgement import JudgedLoad
 from fem_seal.output.answers.target import target_in_brief
 from fem_seal.output.files import summary
 from fem_seal.output.pictures.style import label, logarithmic, number_dots, panels, style
@@ -186,7 +186,7 @@ def test_headline_and_table_say_the_same_as_the_result(page):
     assert f"{highest.leak.leak_rate * 6e7:.4g}" in page.text
     assert f"{highest.contact.profile.peak_pressure / 1e6:.1f} MPa" in page.text
     least, most = (
-        highest.reading(Reading.ELASTIC).leak.leak_rate / rate for rate in reversed(highest.leak_range)
+        highest.scenarios[Reading.ELASTIC].leak.leak_rate / rate for rate in reversed(highest.leak_range)
     )
     assert f"never yielded, {least:.1f} to {most:.1f} times as much would leak" in page.text
     assert "elastic p(u) (used)" in page.text and "plastic p(u)" in page.text
@@ -403,9 +403,9 @@ def test_peak_pressure_is_the_largest_of_the_profile(fitting):
 
 def test_critical_separation_and_interface_laws_are_told_in_both_readings(page):
     load = rough_result().highest
-    low, high = load.critical_separation, load.reading(Reading.CAPPED).critical_separation
-    assert low < high < load.reading(Reading.ELASTIC).critical_separation
-    assert high == load.reading(Reading.CAPPED).critical_separation
+    low, high = load.critical_separation, load.scenarios[Reading.CAPPED].critical_separation
+    assert low < high < load.scenarios[Reading.ELASTIC].critical_separation
+    assert high == load.scenarios[Reading.CAPPED].critical_separation
     assert f"{low * 1e6:.1f} to {high * 1e6:.1f} µm" in page.text
     for variant in rough_result().interface_variants:
         assert variant.leak_rate < variant.others[Reading.CAPPED]
@@ -523,7 +523,7 @@ def test_outside_the_theory_no_leak_of_zero_stands_in_the_first_table():
     outside = Validity((Finding("yield stress", Level.OUTSIDE, "seat yields", "seat yields"),))
     for validity, some in ((load.validity, True), (outside, False)):
         sealed = load.with_values(validity=validity, leak=replace(load.leak, leak_rate=0.0))
-        table, _ = loads_in_brief(single_case(), [JudgedLoad.of(sealed)])
+        table, _ = loads_in_brief(single_case(), [CaseLoad.of(sealed)])
         assert any(heading.startswith("leak rate [") for heading in table.headings) is some
 
 

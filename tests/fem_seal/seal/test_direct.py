@@ -508,7 +508,7 @@ def test_leak_rate_of_a_case_comes_from_the_simulation():
     assert load.leak.leak_rate == pytest.approx(load.fluid_pressure / resistance, rel=0.02)
     low, high = load.leak_range
     assert low < load.leak.leak_rate < high
-    assert load.reading(Reading.ELASTIC).leak.leak_rate > load.leak.leak_rate
+    assert load.scenarios[Reading.ELASTIC].leak.leak_rate > load.leak.leak_rate
 
 
 @cache
@@ -526,8 +526,8 @@ def test_leak_rate_of_metal_that_flows():
     )
     # hard asperities yield before they reach the hardness: a little tighter than capped ones
     assert 0.6 < found.leak.leak_rate / capped.leak.leak_rate < 0.99
-    assert found.reading(Reading.ELASTIC).leak.leak_rate == pytest.approx(
-        capped.reading(Reading.ELASTIC).leak.leak_rate, rel=1e-9
+    assert found.scenarios[Reading.ELASTIC].leak.leak_rate == pytest.approx(
+        capped.scenarios[Reading.ELASTIC].leak.leak_rate, rel=1e-9
     )
     low, high = found.leak_range
     assert low < found.leak.leak_rate < high

@@ -102,7 +102,7 @@ def test_gas_in_a_case_is_the_gas_flow_of_its_profile():
     # the two tables cover different ranges
     assert load.leak.leak_rate == pytest.approx(direct.leak_rate, rel=1e-3)
     np.testing.assert_allclose(load.leak.fluid_pressure, direct.fluid_pressure, rtol=2e-3, atol=100.0)
-    assert load.reading(Reading.ELASTIC).leak.leak_rate > load.leak.leak_rate
+    assert load.scenarios[Reading.ELASTIC].leak.leak_rate > load.leak.leak_rate
     row = leak_table(result).iloc[0]
     assert row.leak_rate_kg_per_s == pytest.approx(direct.mass_flow, rel=1e-3)
     assert row.leak_rate_Pa_m3_per_s == pytest.approx(direct.throughput, rel=1e-3)
@@ -424,7 +424,7 @@ def test_the_end_of_an_interval_that_chokes_makes_it_doubtful():
         )
     )
     (one,) = result.loads
-    assert one.reading(Reading.CAPPED).leak.leak_rate > 100 * one.leak.leak_rate
+    assert one.scenarios[Reading.CAPPED].leak.leak_rate > 100 * one.leak.leak_rate
     assert one.validity.level is Level.DOUBTFUL
     (said,) = (text for text in result.warnings if "Mach number" in text)
     assert (

@@ -11,6 +11,7 @@ from sample_results import case, rough_result, single_case, single_result, smoot
 
 import fem_seal
 from fem_seal.answers.accuracy import Comparison
+from fem_seal.answers.case_load import CaseLoad, case_loads
 from fem_seal.output.columns import COLUMNS, LEAK_COLUMNS
 from fem_seal.output.tables import leak_rows
 from fem_seal.seal.findings import VALID
@@ -41,11 +42,12 @@ def test_nothing_is_worked_out_before_it_is_asked_for_and_nothing_twice(monkeypa
 
     monkeypatch.setattr(FlowModel, "table_around", counted)
     rough = LeakModel.of(result.surface, result.problem.flow, result.contact)
-    loads = [LoadResult(*load.point, load.contact, rough) for load in result.loads]
+    bare = [LoadResult(*load.point, load.contact, rough) for load in result.loads]
+    loads = case_loads(result.problem, bare)
     assert "leak" not in repr(loads[0]) and made == []
     rates = [load.leak.leak_rate for load in loads]
     assert made == [result.surface]
-    assert np.all(np.array([load.reading(Reading.ELASTIC).leak.leak_rate for load in loads]) > rates)
+    assert np.all(np.array([load.scenarios[Reading.ELASTIC].leak.leak_rate for load in loads]) > rates)
     assert made == [result.surface, result.surface.elastic]
     assert "leak rate" in repr(loads[0])
 
@@ -88,29 +90,19 @@ def test_a_contact_apart_from_the_others_has_its_own_critical_separation():
     load = rough_result().loads[0]
     alone = replace(load, rough=replace(load.rough, peaks=()))
     assert alone.critical_separation == pytest.approx(load.critical_separation, rel=1e-7)
-    assert alone.reading(Reading.ELASTIC).critical_separation == pytest.approx(
-        load.reading(Reading.ELASTIC).critical_separation, rel=1e-7
-    )
 
 
 def test_a_load_without_roughness_or_fluid_leaks_nothing():
     load = rough_result().loads[0]
     smooth = LoadResult(2e5, 0.0, load.contact)
     dry = replace(smooth, rough=LeakModel.of(rough_result().surface, None, [load.contact]))
-    assert (
-        smooth.leak
-        is smooth.reading(Reading.ELASTIC).leak
-        is dry.leak
-        is dry.reading(Reading.ELASTIC).leak
-        is None
-    )
-    assert smooth.critical_separation is smooth.reading(Reading.ELASTIC).critical_separation is None
+    assert smooth.leak is dry.leak is smooth.critical_separation is None
     assert dry.critical_separation == pytest.approx(load.critical_separation, rel=1e-7)
 
 
 def test_every_field_but_contact_and_point_may_stay_unknown():
     assert [one.name for one in fields(LoadResult)][:3] == ["fluid_pressure", "applied_force", "contact"]
-    load = LoadResult(2e5, 0.0, rough_result().contact[0])
+    load = CaseLoad.of(LoadResult(2e5, 0.0, rough_result().contact[0]))
     assert load.validity is VALID and load.contact_force == load.contact.contact_force
 
 

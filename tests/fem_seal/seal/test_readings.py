@@ -1,13 +1,17 @@
 """Readings of yielding asperities: each has its words, and one more needs nothing but its name."""
 
+from dataclasses import replace
+
 import pytest
 from sample_results import rough_result
 
+from fem_seal.answers.case_load import case_loads
 from fem_seal.answers.form import _Formed
 from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.leak_model import LeakModel
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.readings import FURTHER, OWN, WORDS
+from fem_seal.seal.scenarios import SCENARIOS
 from leak import Reading
 from leak.theory.plasticity import READINGS
 
@@ -22,14 +26,12 @@ def test_every_reading_has_its_words(reading):
 
 def test_a_load_reads_itself_as_it_is_and_back():
     load = rough_result().highest
-    assert list(load.readings) == [Reading.CONSERVED, Reading.CAPPED]
-    assert load.reading(Reading.CONSERVED) is load
+    assert load.scenario(Reading.CONSERVED) is load.scenario("paper") is load
     # its theory does not know this one
-    assert load.reading(Reading.VON_MISES) is load
-    capped = load.reading(Reading.CAPPED)
+    assert load.scenario(Reading.VON_MISES) is None and list(load.others) == [Reading.CAPPED]
+    capped = load.scenarios[Reading.CAPPED]
     assert capped is load.others[Reading.CAPPED] and capped.contact is load.contact
-    assert capped.reading(Reading.CONSERVED).leak.leak_rate == load.leak.leak_rate
-    assert load.reading(Reading.ELASTIC).rough.surface.hardness is None
+    assert load.scenarios[Reading.ELASTIC].rough.surface.hardness is None
 
 
 def test_a_further_reading_is_one_more_name(monkeypatch):
@@ -37,11 +39,13 @@ def test_a_further_reading_is_one_more_name(monkeypatch):
     monkeypatch.setitem(READINGS, "paper", (Reading.CONSERVED, Reading.CAPPED, Reading.VON_MISES))
     result = rough_result()
     rough = LeakModel.of(result.surface, result.problem.flow, result.contact)
-    load = LoadResult(*result.highest.point, result.highest.contact, rough)
-    third = load.reading(Reading.VON_MISES)
+    monkeypatch.setitem(SCENARIOS, "von-mises", replace(SCENARIOS["capped"], title="a third"))
+    bare = LoadResult(*result.highest.point, result.highest.contact, rough)
+    (load,) = case_loads(result.problem, [bare])
+    third = load.scenarios[Reading.VON_MISES]
     assert list(load.others) == [Reading.CAPPED, Reading.VON_MISES]
     assert third.rough.surface.yielding == "von-mises" and third.leak.leak_rate > 0
-    rates = {one.leak.leak_rate for one in load.readings.values()}
+    rates = {one.leak.leak_rate for one in (load, *load.others.values())}
     assert load.leak_range == Bounds(min(rates), max(rates))
     assert list(_Formed(load).others) == list(load.others)
 

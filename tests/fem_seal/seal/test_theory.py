@@ -104,7 +104,7 @@ def test_the_interval_beside_is_that_of_a_run_by_that_theory(name, changes, theo
     """With its own doubts: a lay, few channels, long waves."""
     other = OTHER[theory]
     here, there = (run_by(one, name, **changes) for one in (theory, other))
-    beside = here.highest.in_theory(other)
+    beside = here.highest.scenario(other)
     assert beside.leak_interval == pytest.approx(there.highest.leak_interval, rel=5e-3)
     assert beside.validity.leak_factor == pytest.approx(there.highest.validity.leak_factor, rel=1e-2)
 
@@ -274,13 +274,13 @@ def test_nothing_speaks_of_two_readings(tmp_path):
     result = fem_seal.run(case)
     rows = leak_rows(result)
     for load, row in zip(result.loads, rows, strict=True):
-        assert not load.yields and load.leak_range is None and load.reading(Reading.CAPPED) is load
+        assert not load.others and load.leak_range is None and load.scenario(Reading.CAPPED) is None
         assert not load.others and load.force_for_target is not None
         assert math.isnan(row["leak_rate_capped_m3_per_s"]) and math.isnan(
             row["leak_rate_conserved_m3_per_s"]
         )
         # asperities still remember the larger load
-        assert load.leak.leak_rate < 0.9 * load.first_loading.leak.leak_rate
+        assert load.leak.leak_rate < 0.9 * load.scenarios["first loading"].leak.leak_rate
     assert not result.uncertainty.others
     result.write(tmp_path)
     report = re.sub(r"<!--(.*?)-->", r" \1 ", (tmp_path / "report.html").read_text("utf-8"))

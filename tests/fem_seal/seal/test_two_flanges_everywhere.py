@@ -13,6 +13,7 @@ import pytest
 from flanges import BOTH, COARSE, CONE, DISC, FINE, STEEL, surface, tables
 
 from fem_seal import Case, SealResult, blow_off_pressures, calibrate, run
+from fem_seal.answers.case_load import SolvedSeal, case_loads, solved_seal
 from fem_seal.answers.leakage_class import nominal_size, seal_length
 from fem_seal.answers.pass_probability import pass_probabilities
 from fem_seal.answers.sensitivities import sensitivities
@@ -22,7 +23,6 @@ from fem_seal.explore.factors import factors_of
 from fem_seal.explore.live import Live
 from fem_seal.output.columns import COLUMNS
 from fem_seal.seal.evaluate import evaluate
-from fem_seal.seal.load_result import SolvedSeal
 from fem_seal.seal.problem import SealProblem
 from fem_seal.studies.responses import evaluate_design
 
@@ -46,20 +46,21 @@ def of_two_equal_faces(one: Case) -> SealProblem:
 
 @cache
 def seal_of(one: Case) -> SolvedSeal:
-    return evaluate(SealProblem.of(one)).seal(one)
+    return solved_seal(evaluate(SealProblem.of(one)), one)
 
 
 def rates(seal: SolvedSeal) -> list[float]:
-    return [one.leak.leak_rate for load in seal.loads for one in load.readings.values() if one.leak]
+    return [one.leak.leak_rate for load in seal.loads for one in (load, *load.others.values()) if one.leak]
 
 
 def test_two_equal_faces_leak_as_alike_ones() -> None:
-    (load,) = evaluate(of_two_equal_faces(UPPER)).loads
+    two = of_two_equal_faces(UPPER)
+    (load,) = case_loads(two, evaluate(two).loads)
     (alike,) = seal_of(UPPER).loads
     assert load.of_faces is not None and alike.of_faces is None
-    for reading, one in load.readings.items():
-        assert one.leak is not None and alike.reading(reading).leak is not None
-        assert one.leak.leak_rate == pytest.approx(alike.reading(reading).leak.leak_rate, rel=1e-9)
+    for one, same in ((load, alike), *((one, alike.scenarios[name]) for name, one in load.scenarios.items())):
+        assert one.leak is not None and same.leak is not None
+        assert one.leak.leak_rate == pytest.approx(same.leak.leak_rate, rel=1e-9)
 
 
 def test_faces_may_be_swapped() -> None:

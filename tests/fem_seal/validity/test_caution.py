@@ -13,6 +13,7 @@ from places import ROOT
 from sample_results import STEEL, ball, case, cone, rough_result, run_loads
 
 import fem_seal
+from fem_seal.answers.case_load import CaseLoad
 from fem_seal.answers.closed_forms import closed_form_limits, derive, nearly_open
 from fem_seal.case.case import Case
 from fem_seal.output.report.brief import first_line, second_line
@@ -20,7 +21,7 @@ from fem_seal.output.report.tables import comparison_note
 from fem_seal.profile import PressureProfile
 from fem_seal.result import run
 from fem_seal.seal.findings import NOT_JUDGED, VALID, Finding, Level, Validity, worst_first
-from fem_seal.seal.load_result import GivenContact, GivenLoad, LoadResult
+from fem_seal.seal.load_result import GivenContact, LoadResult
 from fem_seal.seal.problem import SealProblem
 from fem_seal.validity import checks as warnings
 from fem_seal.validity.checks import load_cautions, load_validity, profile_validity
@@ -393,7 +394,7 @@ def test_next_to_the_percolation_threshold_no_more_leaks_than_where_direct_resul
     assert 0.39 < float(result.surface.contact_area(peak)) < 0.42
     (load,) = result.loads
     rough = replace(load.rough, make=lambda flow, surface: flow.table_around(surface, [math.log10(peak)]))
-    given = GivenLoad(2e6, 0.0, GivenContact(profile), rough)
+    given = LoadResult(2e6, 0.0, GivenContact(profile), rough)
     validity = profile_validity(result.problem, given)
     (found,) = (one for one in validity.cautions if one.kind == "nearly sealed")
     # from A/A0 = 0.39 to 0.55 it fades in that nothing may leak
@@ -406,7 +407,10 @@ def test_next_to_the_percolation_threshold_no_more_leaks_than_where_direct_resul
     more = rough.leak(pressed, 2e6).leak_rate / given.leak.leak_rate
     assert found.leak_factor.high == pytest.approx(more, rel=1e-2) and more > 1.0
     assert validity.without("nearly sealed", "fluid opens").leak_factor.high == pytest.approx(3.3, rel=1e-2)
-    assert given.with_values(validity=validity).leak_interval.high > 3.3 * rough.leak(pressed, 2e6).leak_rate
+    assert (
+        CaseLoad.of(given).with_values(validity=validity).leak_interval.high
+        > 3.3 * rough.leak(pressed, 2e6).leak_rate
+    )
 
 
 def test_the_bound_next_to_the_threshold_falls_with_the_load():
@@ -424,7 +428,7 @@ def test_the_bound_next_to_the_threshold_falls_with_the_load():
         profile = PressureProfile(
             x, np.full_like(x, 0.014), pressure, np.full_like(x, np.nan), np.gradient(x)
         )
-        given = GivenLoad(2e6, 0.0, GivenContact(profile), rough)
+        given = LoadResult(2e6, 0.0, GivenContact(profile), rough)
         found = profile_validity(result.problem, given)
         assert not any(one.kind == "sealed" for one in found.cautions)
         at.append((given.leak.leak_rate, given.leak.leak_rate * found.leak_factor.high))

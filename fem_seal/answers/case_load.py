@@ -1,0 +1,516 @@
+"""Loads of a case: the nominal scenario, the scenarios beside it, and what answers found about them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, fields, replace
+from functools import partial
+from html import escape
+from typing import TYPE_CHECKING, Self
+
+from fem_seal.answers import interval
+from fem_seal.answers.judgement import BoltState, Judgement, PassProbability, Verdict, VerdictForce
+from fem_seal.seal.both_faces import joined_validity
+from fem_seal.seal.bounds import Bounds
+from fem_seal.seal.findings import VALID, Finding, Validity
+from fem_seal.seal.load_result import (
+    LoadResult,
+    MissingLoad,
+    by_face,
+    highest_load,
+    in_order,
+    strongest_load,
+)
+from fem_seal.seal.scenarios import SCENARIOS, alternatives_on_contact, names
+from fem_seal.units import DIGITS, digits_within, format_quantity, leak_range_text, quantity_worth
+
+if TYPE_CHECKING:
+    from fem_seal.case.case import Case
+    from fem_seal.contact.load_path import Imprint, Unloaded
+    from fem_seal.contact.model import ContactModel
+    from fem_seal.contact.solution import ContactSolution
+    from fem_seal.errors import LoadProblem
+    from fem_seal.profile import PressureProfile
+    from fem_seal.seal.evaluate import Evaluation
+    from fem_seal.seal.leak_model import LeakModel
+    from fem_seal.seal.problem import SealProblem
+    from leak import LeakResult, RoughContact
+    from meshes import SealMesh
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class CaseLoad(LoadResult):
+    """A load of a case in its nominal scenario, the scenarios beside it, and what answers found.
+
+    Parameters
+    ----------
+    scenarios : mapping
+        The load in each scenario that stands beside, by its name.
+    effective_radius : float or None
+        Radius of the circle whose area times the fluid pressure is the fluid's force on the closure [m]; None unless
+        the fluid gets between the surfaces.
+    blow_off_pressure : float or None
+        Fluid pressure that lifts the closure off at this applied force [Pa], infinite if none does; None if not asked.
+    force_for_target : float or None
+        Smallest applied force for which the leak rate stays below the target [N]; None if not asked or not found.
+    contact_force_for_target : float or None
+        Contact force F_N with it [N].
+    preload_for_target : float or None
+        Preload of all bolts with it [N]; None without bolts.
+    validity : Validity
+        How far the numbers can be trusted, and why no further; see guide/validity in the manual.
+    target_validity : Validity or None
+        The same of `force_for_target`; None without it.
+    sampled : Bounds or None
+        Ends of the samples of uncertain inputs, in all scenarios whose numbers are in the interval and with the
+        theory's own error [m^3/s]; None where none is sampled.
+    leak_rate_p50 : float or None
+        Median of the samples in the nominal scenario, with the theory's own error [m^3/s]; None where none is sampled.
+    tested : bool
+        Whether the samples are those that a leak test has left; the inputs as given are then none of them.
+    rougher : float
+        What the gaps of the roughest samples let through over that of the surface as given, by h^3/eta [-].
+    at_preload_ends : Bounds or None
+        Leak rate with the least and the largest preload of its bolts [m^3/s]; None where the preload is taken as given.
+    judgement : Judgement or None
+        Whether it keeps what [requirement] asks of it; None where nothing is asked.
+    verdict_force : VerdictForce or None
+        The force at which the verdict passes; None if not asked.
+    passing : PassProbability or None
+        How likely it keeps that; None where nothing is asked.
+    bolts : BoltState or None
+        What each bolt carries; None without bolts.
+    """
+
+    of_faces: tuple[CaseLoad, CaseLoad] | None = None
+    scenarios: Mapping[str, CaseLoad] = field(default_factory=dict)
+    effective_radius: float | None = None
+    blow_off_pressure: float | None = None
+    force_for_target: float | None = None
+    contact_force_for_target: float | None = None
+    preload_for_target: float | None = None
+    validity: Validity = VALID
+    target_validity: Validity | None = None
+    sampled: Bounds | None = None
+    leak_rate_p50: float | None = None
+    tested: bool = False
+    rougher: float = 1.0
+    at_preload_ends: Bounds | None = None
+    judgement: Judgement | None = None
+    verdict_force: VerdictForce | None = None
+    passing: PassProbability | None = None
+    bolts: BoltState | None = None
+
+    @classmethod
+    def of(cls, load: LoadResult, scenarios: Mapping[str, CaseLoad] | None = None) -> CaseLoad:
+        """A load with the scenarios beside it; what it has worked out already stays.
+
+        Parameters
+        ----------
+        load : LoadResult
+        scenarios : mapping, optional
+        """
+        made = object.__new__(cls)
+        vars(made).update(vars(load), scenarios=scenarios or {})
+        return made
+
+    def scenario(self, name: str) -> CaseLoad | None:
+        """The load in a scenario; itself where it is that one, None where it does not stand beside.
+
+        Parameters
+        ----------
+        name : str
+        """
+        rough = self.rough
+        own = names(None, None) if rough is None else names(rough.surface, rough.flow)
+        return self if name in own else self.scenarios.get(name)
+
+    def with_scenarios(self, known: Mapping[str, CaseLoad]) -> Self:
+        """A copy in which some scenarios are others, or stand beside as well.
+
+        Parameters
+        ----------
+        known : mapping
+            By their names.
+        """
+        return self.with_values(scenarios={**self.scenarios, **known})
+
+    @property
+    def others(self) -> dict[str, CaseLoad]:
+        """Scenarios of which a number stands beside wherever that of the load is told."""
+        return {name: load for name, load in self.scenarios.items() if SCENARIOS[name].condition}
+
+    @property
+    def leak_range(self) -> Bounds | None:
+        """Ends of the leak rates of the scenarios in the interval and the load's own [m^3/s]; None without others."""
+        beside = [load for name, load in self.scenarios.items() if SCENARIOS[name].in_interval]
+        leaks = [load.leak for load in (self, *beside)]
+        return Bounds.of(leak.leak_rate for leak in leaks if leak) if beside and all(leaks) else None
+
+    def known_in(self, name: str) -> CaseLoad | None:
+        """The load in a scenario on its contact, with what is known of the load itself; None where it is that one.
+
+        Parameters
+        ----------
+        name : str
+        """
+        other, ends = self.scenarios.get(name), self.at_preload_ends
+        if other is None:
+            return None
+        if (
+            self.leak is not None
+            and other.leak is not None
+            and ends is not None
+            and self.leak.leak_rate > 0.0
+        ):
+            # let through as much more as at the preload that is meant
+            ends = Bounds.of(one * other.leak.leak_rate / self.leak.leak_rate for one in ends)
+        return other.with_values(
+            at_preload_ends=ends,
+            rougher=self.rougher,
+            tested=self.tested,
+            validity=self.validity,
+            mesh_error=self.mesh_error,
+        )
+
+    def with_faces(self, upper: LoadResult, lower: LoadResult) -> Self:
+        """`beside` with all that is known of the whole seal already."""
+        made = super().with_faces(upper, lower)
+        if not isinstance(upper, CaseLoad) or not isinstance(lower, CaseLoad):
+            return made
+        opens = [face.blow_off_pressure for face in (upper, lower) if face.blow_off_pressure is not None]
+        return made.with_values(
+            effective_radius=upper.effective_radius,
+            blow_off_pressure=min(opens, default=None),
+            validity=joined_validity(upper.validity, lower.validity, made.upper_share),
+            scenarios={
+                name: self.scenarios[name].with_faces(face, lower.scenarios[name])
+                if name in self.scenarios and self.scenarios[name].of_faces
+                else face.beside(lower.scenarios[name])
+                for name, face in upper.scenarios.items()
+                if name in lower.scenarios
+            },
+        )
+
+    def __repr__(self) -> str:
+        pressure = format_quantity("fluid pressure", self.fluid_pressure)
+        force = format_quantity("force", self.applied_force)
+        return f"<CaseLoad at {pressure}, {force} applied: {self.in_brief}>"
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the same, a line for each number."""
+        load, _, numbers = escape(repr(self)[1:-1]).partition(": ")
+        return f"<p><b>{load}</b><br>{numbers.replace(', ', '<br>')}</p>"
+
+    @property
+    def in_brief(self) -> str:
+        """Peak pressure, width, leak rate and validity in a line, with units and no more digits than they are worth."""
+        parts = [
+            f"peak {quantity_worth('contact pressure', self.peak_pressure, self.pressure_digits)}",
+            f"FWHM {quantity_worth('length', self.fwhm, self.digits_of('fwhm'))}",
+        ]
+        # a line is not worth working the leak rate out
+        leak: LeakResult | None = vars(self).get("leak")
+        if leak is not None:
+            known = all("leak" in vars(load) for load in self.others.values()) and self.has_interval
+            told = self.leak_interval if known and self.leak_interval is not None else leak.leak_rate
+            claimed = not self.validity.outside
+            parts.append(f"leak rate {leak_range_text(told, self.leak_digits, claimed=claimed)}")
+        return ", ".join([*parts, str(self.validity.level)])
+
+    def digits_of(self, name: str) -> int:
+        """Significant digits that known errors leave of one of its numbers, four at most: the mesh's and the theory's.
+
+        Parameters
+        ----------
+        name : {"peak_pressure", "fwhm", "std", "leak_rate", "force_for_target"}
+            Stresses in the bodies are as good as the peak pressure.
+        """
+        of_theory = {"leak_rate": self.validity, "force_for_target": self.target_validity}.get(name)
+        theory = DIGITS if of_theory is None else digits_within(of_theory.leak_error)
+        # a leak rate off by orders of magnitude leaves more of the force, which stands beside its line load
+        least = 3 if name == "force_for_target" else 1
+        return max(min(theory, super().digits_of("leak_rate" if least > 1 else name)), least)
+
+    @property
+    def leak_digits(self) -> int:
+        """Significant digits of leak rates: what errors and the distance from opening leave."""
+        return min(self.digits, self.digits_of("leak_rate"))
+
+    @property
+    def theory_error(self) -> Bounds:
+        """Factors on the leak rate between which direct simulation finds it in nine of ten seals, see `flow_error`."""
+        return interval.theory_error(self)
+
+    @property
+    def leak_validity(self) -> Validity:
+        """The validity with what the mesh leaves uncertain of the leak rate: what its interval may be off by."""
+        return interval.doubts(self, self.validity, sampled=self.sampled is not None)
+
+    @property
+    def calculated_ends(self) -> Bounds | None:
+        """`leak_interval` without what the calculation may be off by [m^3/s]."""
+        if self.leak is None:
+            return None
+        known = [self.leak.leak_rate, *(self.leak_range or ()), *(self.sampled or ())]
+        if self.tested and self.sampled is not None:
+            known = [*self.sampled]
+        return Bounds.of([*known, *(self.at_preload_ends or ())])
+
+    @property
+    def leak_interval(self) -> Bounds | None:
+        """Ends of the leak rate, wherever they are told or judged [m^3/s]; None without a leak rate.
+
+        They hold the scenarios that are in the interval, the samples of uncertain inputs, the preload of bolts, and
+        what the calculation may be off by (`leak_validity`), but no more than physics lets through.
+        """
+        ends = self.calculated_ends
+        return None if ends is None else interval.combine(self, ends, self.leak_validity, self.rougher)
+
+    @property
+    def has_interval(self) -> bool:
+        """Whether the ends of `leak_interval` are told as two numbers, or made of what could be two."""
+        ends = self.leak_interval
+        made = any(one is not None for one in (self.leak_range, self.sampled, self.at_preload_ends))
+        return ends is not None and (made or ends.apart)
+
+    @property
+    def verdict(self) -> Verdict | None:
+        """What is claimed of the requirement, such as "pass"; None where nothing is required."""
+        return None if self.judgement is None else self.judgement.verdict
+
+    @property
+    def margin(self) -> float | None:
+        """Allowed over calculated leak rate, see `Judgement.margin`; None where nothing is required."""
+        return None if self.judgement is None else self.judgement.margin
+
+    @property
+    def pass_probability(self) -> float | None:
+        """Share of the samples that keep the requirement; None where nothing is required."""
+        return None if self.passing is None else self.passing.share
+
+    @property
+    def pass_probability_error(self) -> float | None:
+        """Its standard error; None where nothing is required."""
+        return None if self.passing is None else self.passing.error
+
+    @property
+    def batch_share_p05(self) -> float | None:
+        """Share of a batch that passes with 95 % confidence; None where nothing is required."""
+        return None if self.passing is None else self.passing.batch_low
+
+    @property
+    def force_for_verdict(self) -> float | None:
+        """Of `verdict_force` [N]; None if not asked, and where no force passes."""
+        return None if self.verdict_force is None else self.verdict_force.force
+
+
+AnyLoad = CaseLoad | MissingLoad
+Prepare = Callable[[str, "LeakModel"], "LeakModel"]
+
+
+def _as_it_is(name: str, model: LeakModel) -> LeakModel:
+    return model
+
+
+def case_loads(
+    problem: SealProblem,
+    loads: Sequence[LoadResult],
+    prepare: Prepare = _as_it_is,
+) -> list[CaseLoad]:
+    """Loads of a problem with the scenarios that share their contacts.
+
+    Parameters
+    ----------
+    problem : SealProblem
+    loads : sequence of LoadResult
+    prepare : callable
+        Given the name of a scenario, its surfaces and its fluid: may work out what all loads share.
+    """
+    if problem.lower_half is not None:
+        faces = zip(problem.halves, by_face(loads), strict=True)
+        upper, lower = (case_loads(half, own, prepare) for half, own in faces)
+        return list(map(CaseLoad.beside, upper, lower))
+    # a load that comes again is the same one, and so is its leak rate
+    different = {id(load): load for load in loads}
+    models = {id(load.rough): load.rough for load in loads}
+    ready = {key: model and prepare("", model) for key, model in models.items()}
+    known = [load.with_values(rough=ready[id(load.rough)]) for load in different.values()]
+    made = dict(zip(different, _beside(problem, known, prepare), strict=True))
+    return [made[id(load)] for load in loads]
+
+
+def _beside(
+    problem: SealProblem, loads: Sequence[LoadResult], prepare: Prepare, *, interval_alone: bool = False
+) -> list[CaseLoad]:
+    """Loads with the scenarios beside them, or with those alone of which the interval is made."""
+    beside: list[dict[str, CaseLoad]] = [{} for _ in loads]
+    for scenario in alternatives_on_contact(problem):
+        if interval_alone and not SCENARIOS[scenario.name].in_interval:
+            continue
+        others = scenario.on_contacts(loads, partial(prepare, scenario.name))
+        different = [number for number, other in enumerate(others) if other is not loads[number]]
+        changed = [others[number] for number in different]
+        if scenario.has_interval:
+            made = _beside(scenario.problem, changed, prepare, interval_alone=True)
+        else:
+            made = list(map(CaseLoad.of, changed))
+        for number, load in zip(different, made, strict=True):
+            beside[number][scenario.name] = load
+    return list(map(CaseLoad.of, loads, beside))
+
+
+def rate_of(load: CaseLoad) -> float | Bounds:
+    """The leak rate of a load as it is told: its interval, or the only number; NaN without one [m^3/s].
+
+    Parameters
+    ----------
+    load : CaseLoad
+    """
+    ends = load.leak_interval
+    if load.leak is None or ends is None:
+        return math.nan
+    return ends if ends.apart else load.leak.leak_rate
+
+
+@dataclass(frozen=True)
+class SolvedSeal:
+    """A case, its bodies on their mesh and its loads.
+
+    Parameters
+    ----------
+    case : Case
+        Without the loads that could not be calculated.
+    problem : SealProblem
+        The same as the calculation knows it.
+    seal_mesh : SealMesh
+    model : ContactModel
+    loads : tuple of CaseLoad
+        In the order of the case.
+    unloaded : Unloaded or None
+        Residual stress and imprint after the last load; None if all bodies are elastic.
+    earlier : ContactSolution or None
+        At the largest load before those of the case; None without one.
+    not_calculated : tuple of MissingLoad
+        The other loads of the case.
+    said_of_missing : tuple of Finding
+        Why, in words.
+    lower_half : SolvedSeal or None
+        With the lower flange on both faces of a gasket; None where the flanges are alike.
+    """
+
+    case: Case
+    problem: SealProblem = field(repr=False)
+    seal_mesh: SealMesh
+    model: ContactModel
+    loads: tuple[CaseLoad, ...]
+    unloaded: Unloaded | None = None
+    earlier: ContactSolution | None = None
+    not_calculated: tuple[MissingLoad, ...] = ()
+    said_of_missing: tuple[Finding, ...] = ()
+    lower_half: SolvedSeal | None = None
+
+    @property
+    def missing(self) -> dict[tuple[float, float], LoadProblem]:
+        """Fluid pressure [Pa] and applied force [N] of each load without a result, with the reason."""
+        return {one.point: one.problem for one in self.not_calculated}
+
+    @property
+    def every_load(self) -> list[AnyLoad]:
+        """The loads of the case in its order, with those that could not be calculated."""
+        return in_order([*self.loads], self.not_calculated, lambda one: one)
+
+    @property
+    def faces(self) -> tuple[SolvedSeal, ...]:
+        """The seal with each of two different flanges on both faces; only itself where they are alike."""
+        if self.lower_half is None:
+            return (self,)
+        upper, lower = by_face(self.loads)
+        known = {field.name: getattr(self, field.name) for field in fields(SolvedSeal)}
+        return (
+            SolvedSeal(**{**known, "loads": upper, "lower_half": None}),
+            replace(self.lower_half, loads=lower),
+        )
+
+    @property
+    def imprints(self) -> dict[str, Imprint]:
+        """Lasting imprints by body; "lower closure" and "lower seat" are another lower flange and its half."""
+        faces = zip(("", "lower "), (self, self.lower_half), strict=True)
+        known = [(face, one.unloaded) for face, one in faces if one is not None and one.unloaded is not None]
+        return {f"{face}{name}": imprint for face, one in known for name, imprint in one.imprints.items()}
+
+    def with_faces(self, upper: SolvedSeal, lower: SolvedSeal) -> Self:
+        """The same seal, of whose two faces more is known.
+
+        Parameters
+        ----------
+        upper, lower : SolvedSeal
+            Its `faces`.
+        """
+        each = zip(self.loads, upper.loads, lower.loads, strict=True)
+        return replace(self, loads=tuple(load.with_faces(*faces) for load, *faces in each), lower_half=lower)
+
+    def with_loads(self, loads: Sequence[CaseLoad]) -> Self:
+        """The same seal, whose loads know more."""
+        return replace(self, loads=tuple(loads))
+
+    @property
+    def of_profile(self) -> bool:
+        """Whether its contacts are given pressure profiles; it has no mesh and no model then."""
+        return self.loads[0].of_profile
+
+    @property
+    def surface(self) -> RoughContact | None:
+        """With the hardness if asperities yield; None without roughness."""
+        return self.problem.surface
+
+    @property
+    def strongest(self) -> CaseLoad:
+        """The load with the largest closing force; for it error, far field and interface laws are compared."""
+        return self.loads[strongest_load(self.loads)]
+
+    @property
+    def highest(self) -> CaseLoad:
+        """The load with the highest fluid pressure, which headline, report and terminal explain."""
+        return self.loads[highest_load(self.loads)]
+
+    @property
+    def profiles(self) -> tuple[PressureProfile, ...]:
+        """Pressure profile of each load."""
+        return tuple(load.contact.profile for load in self.loads)
+
+    @property
+    def contact(self) -> tuple[ContactSolution, ...]:
+        """Contact solution of each load."""
+        return tuple(load.contact for load in self.loads)
+
+    @property
+    def leak_ranges(self) -> tuple[tuple[float, float] | None, ...]:
+        """`CaseLoad.leak_interval` of each load [m^3/s]; None where nothing makes one."""
+        return tuple(load.leak_interval if load.has_interval else None for load in self.loads)
+
+
+def solved_seal(evaluation: Evaluation, case: Case, loads: Sequence[CaseLoad] | None = None) -> SolvedSeal:
+    """What answers are computed from; bodies that are shared have no mesh, which few of them ask for.
+
+    Parameters
+    ----------
+    evaluation : Evaluation
+    case : Case
+        Without the loads that could not be calculated.
+    loads : sequence of CaseLoad, optional
+        Those of the evaluation, where they are made already.
+    """
+    own = case_loads(evaluation.problem, evaluation.loads) if loads is None else loads
+    lower = evaluation.lower_half
+    return SolvedSeal(
+        case,
+        evaluation.problem,
+        evaluation.seal_mesh,  # type: ignore[arg-type]
+        evaluation.model,
+        tuple(own),
+        evaluation.solved.unloaded,
+        evaluation.solved.earlier,
+        lower_half=None if lower is None else solved_seal(lower, case.lower_half or case),
+    )

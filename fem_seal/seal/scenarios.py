@@ -1,0 +1,230 @@
+"""Scenarios: one seal in one state of knowledge, and those that belong beside the seal of a case."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import leak
+from fem_seal.files import own_tables
+from leak import Reading
+from leak.theory.plasticity import READINGS
+
+if TYPE_CHECKING:
+    from fem_seal.seal.leak_model import FlowModel, LeakModel
+    from fem_seal.seal.load_result import LoadResult
+    from fem_seal.seal.problem import SealProblem
+    from leak import Gas, RoughContact
+
+
+TEST_GAS = "test gas"
+"""Name of the scenario in which the gas of the standards' tests leaks."""
+FIRST_LOADING = "first loading"
+"""Name of the scenario in which no place has carried more before."""
+
+# The gases that the standards test with, at 5 to 40 °C (ISO 5208) [K], and what stands for them.
+TEST_GASES, TEST_TEMPERATURES, ROOM_TEMPERATURE = ("air", "nitrogen"), (278.15, 313.15), 293.15
+
+
+@dataclass(frozen=True)
+class ScenarioWords:
+    """What a scenario is called where, and whether its leak rate belongs in the interval.
+
+    Parameters
+    ----------
+    in_interval : bool
+    name : str
+        In a sentence.
+    asperities : str
+        A noun, such as "elastic asperities".
+    curve : str
+        In the legend of a picture.
+    short : str
+        The same beside a name.
+    condition : str
+        A clause that begins with "if"; only of scenarios whose numbers stand beside wherever one is told.
+    taken : str
+        What a number is calculated with.
+    column : str
+        Behind "leak rate" in the description of its column.
+    title : str
+        Behind "leak rate, " on an axis.
+    """
+
+    in_interval: bool = False
+    name: str = ""
+    asperities: str = ""
+    curve: str = ""
+    short: str = ""
+    condition: str = ""
+    taken: str = ""
+    column: str = ""
+    title: str = ""
+
+
+SCENARIOS = {name: ScenarioWords(**words) for name, words in own_tables("scenarios.toml").items()}
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """One seal in one state of knowledge: one theory, one surface, one fluid, one history.
+
+    Parameters
+    ----------
+    name : str
+        By which its number, its column and its words are found, such as "capped" or "test gas".
+    problem : SealProblem
+        Whose surface, flow and loads are those of the scenario.
+    own_contact : bool
+        Whether its contacts are its own, on the same bodies; else they are those of the seal beside which it stands,
+        and only what leaks through them is another.
+    """
+
+    name: str
+    problem: SealProblem
+    own_contact: bool = False
+
+    @property
+    def has_interval(self) -> bool:
+        """Whether its own interval is asked for, with the scenarios of which that is made."""
+        return self.own_contact or self.name in (TEST_GAS, FIRST_LOADING)
+
+    def on_contacts(
+        self,
+        loads: Sequence[LoadResult],
+        prepare: Callable[[LeakModel], LeakModel] = lambda model: model,
+    ) -> list[LoadResult]:
+        """What leaks in this scenario through the contacts of some loads; a load itself where nothing else does.
+
+        Parameters
+        ----------
+        loads : sequence of LoadResult
+            Of the seal beside which the scenario stands.
+        prepare : callable
+            Given the surfaces and the fluid of the scenario, once for all loads that share them.
+        """
+        if self.name == FIRST_LOADING:
+            return list(map(_on_first_loading, loads))
+        models: dict[int, LeakModel] = {}
+        for load in loads:
+            if load.rough is not None and id(load.rough) not in models:
+                models[id(load.rough)] = prepare(self._leak_model(load.rough))
+        return [load if load.rough is None else replace(load, rough=models[id(load.rough)]) for load in loads]
+
+    def _leak_model(self, beside: LeakModel) -> LeakModel:
+        """With tables over the same pressures as those of the seal beside which the scenario stands."""
+        assert self.problem.surface is not None  # of what leaks
+        return replace(beside, surface=self.problem.surface, flow=self.problem.flow)
+
+
+def _on_first_loading(load: LoadResult) -> LoadResult:
+    if load.of_profile or load.contact.first_loading is load.contact:
+        return load
+    formed = None if load.formed is None else load.formed.first_loading
+    return replace(load, contact=load.contact.first_loading, formed=formed)
+
+
+def alternatives(problem: SealProblem) -> tuple[Scenario, ...]:
+    """Scenarios that belong beside the seal of a problem; of two different flanges ask each half.
+
+    Parameters
+    ----------
+    problem : SealProblem
+    """
+    return (*alternatives_on_contact(problem), *theories(problem))
+
+
+def alternatives_on_contact(problem: SealProblem) -> Iterator[Scenario]:
+    """Those that share the contacts of a problem: other surfaces, the ends of a simulation, the gas of the tests.
+
+    Parameters
+    ----------
+    problem : SealProblem
+    """
+    surface, flow = problem.surface, problem.flow
+    if surface is None:
+        return
+    simulated = flow is not None and flow.simulated is not None
+    for reading in () if simulated else surface.readings:
+        if (read := surface.reading(reading)) is not surface:
+            yield Scenario(str(reading), replace(problem, surface=read))
+    elastic, of_elastic = surface.elastic, None if flow is None else flow.elastic
+    if elastic is not surface or of_elastic is not flow:
+        yield Scenario(str(Reading.ELASTIC), replace(problem, surface=elastic, flow=of_elastic))
+    if flow is None:
+        return
+    for end, name in {-1: "least simulated", 1: "most simulated"}.items() if simulated else ():
+        yield Scenario(name, replace(problem, flow=replace(flow, end=end)))
+    if (tested := with_test_gas(flow)) is not flow:
+        yield Scenario(TEST_GAS, replace(problem, flow=tested))
+    if surface.hardness is not None:
+        yield Scenario(FIRST_LOADING, replace(problem, loads=replace(problem.loads, earlier=None)))
+
+
+def theories(problem: SealProblem) -> Iterator[Scenario]:
+    """Those by the theories of the rough contact that a problem does not use, each with what it takes by default.
+
+    None without roughness or fluid; a simulation of the flow is of neither theory.
+
+    Parameters
+    ----------
+    problem : SealProblem
+    """
+    surface, flow = problem.surface, problem.flow
+    if surface is None or flow is None:
+        return
+    threshold = type(surface).percolation_threshold
+    for theory in READINGS:
+        if theory != surface.theory or flow.simulated is not None:
+            other = replace(
+                problem,
+                surface=replace(surface, theory=theory, yielding="", percolation_threshold=threshold),
+                interface=problem.interface.model_copy(update={"plastic": False}),
+                flow=replace(flow, simulated=None),
+                given_law=None,
+            )
+            yield Scenario(theory, other, own_contact=True)
+
+
+def names(surface: RoughContact | None, flow: FlowModel | None) -> tuple[str, ...]:
+    """What the seal of a problem is called among scenarios: its surface, and its theory unless it is simulated.
+
+    Parameters
+    ----------
+    surface : RoughContact or None
+    flow : FlowModel or None
+    """
+    if surface is None:
+        return (str(Reading.ELASTIC),)
+    if flow is not None and flow.simulated is not None:
+        same = surface.elastic is surface and flow.elastic is flow
+        return (str(Reading.ELASTIC),) if same else ()
+    return str(Reading.ELASTIC) if surface.hardness is None else surface.yielding, surface.theory
+
+
+def with_test_gas(flow: FlowModel) -> FlowModel:
+    """The same way for the gas that the standards test with; itself where that leaks, and for a liquid.
+
+    Parameters
+    ----------
+    flow : FlowModel
+    """
+    tested = None if flow.gas is None else gas_of_test(flow.fluid, flow.gas)
+    if tested is None or tested is flow.gas:
+        return flow
+    return replace(flow, fluid=tested.name, gas=tested, viscosity=tested.viscosity)
+
+
+def gas_of_test(name: str, gas: Gas) -> Gas:
+    """The gas itself where the standards test with it, air at room temperature for any other.
+
+    Parameters
+    ----------
+    name : str
+        What the case calls it.
+    gas : Gas
+    """
+    low, high = TEST_TEMPERATURES
+    own = name.lower() in TEST_GASES and low <= gas.temperature <= high
+    return gas if own else leak.gas(TEST_GASES[0], ROOM_TEMPERATURE)
