@@ -84,7 +84,7 @@ def row(result: SealSolution, n: int, name: str) -> tuple[str, ...]:
     """The cells of a load."""
     load = result.loads[n]
     conserved, capped, elastic = (
-        math.nan if (leak := load.reading(one).leak) is None else leak.leak_rate
+        math.nan if (read := load.scenario(one)) is None or read.leak is None else read.leak.leak_rate
         for one in (Reading.CONSERVED, Reading.CAPPED, Reading.ELASTIC)
     )
     assert result.surface is not None and result.surface.hardness is not None

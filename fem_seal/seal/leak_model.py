@@ -158,7 +158,6 @@ class FlowModel:
         return gas_through_gap(resistance, float(gap.min()), self.gas, high, self.outlet_pressure)
 
     @property
-    @property
     def elastic(self) -> FlowModel:
         """The same where nothing yields in a simulation; itself without one."""
         simulated = self.simulated
