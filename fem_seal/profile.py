@@ -146,12 +146,6 @@ class PressureProfile:
         parts = tuple(one.pressed_up_to(most) for one in self.parts)
         return replace(self, pressure=np.minimum(self.pressure, most), largest=largest, parts=parts)
 
-    def times(self, factor: float) -> PressureProfile:
-        """The same with all pressures, also those of larger loads before, times a factor."""
-        largest = None if self.largest is None else factor * self.largest
-        parts = tuple(one.times(factor) for one in self.parts)
-        return replace(self, pressure=factor * self.pressure, largest=largest, parts=parts)
-
     @property
     def touches(self) -> bool:
         """Whether a place carries pressure."""

@@ -82,11 +82,6 @@ class SealSolution(SolvedSeal):
         return self.loads[highest_load(self.loads)]
 
     @property
-    def verdicts(self) -> tuple[Judgement | None, ...]:
-        """What is said of each load; None of those of which nothing is required."""
-        return tuple(load.judgement for load in self.loads)
-
-    @property
     def verdict(self) -> Verdict | None:
         """The worst of the loads that are judged; None without a requirement."""
         return None if self.judgement is None else self.judgement.verdict

@@ -344,11 +344,6 @@ class Roughness(FinishKeys):
         )
 
     @property
-    def directed(self) -> bool:
-        """Whether the roughness has a lay that the flow feels."""
-        return self.along is not None or abs(self.combined()[1] - 1.0) > 1e-6
-
-    @property
     def cutoff(self) -> float | None:
         """Wave beyond which the finishes say nothing, and the user neither [m]; None without a finish."""
         faces = [one for one in self.finishes.values() if one.q_low is None]

@@ -261,15 +261,13 @@ def show_first(first: str, *others: str) -> None:
     say()
 
 
-def show_loads(case: Case, loads: Sequence[AnyLoad], title: str = "") -> None:
+def show_loads(case: Case, loads: Sequence[AnyLoad]) -> None:
     """Print the loads in brief.
 
     Parameters
     ----------
     case : Case
     loads : sequence of CaseLoad or MissingLoad
-    title : str
-        That of the case unless given.
     """
     from fem_seal.answers.leakage_class import volume_of
     from fem_seal.materials import ROOM_TEMPERATURE
@@ -284,7 +282,7 @@ def show_loads(case: Case, loads: Sequence[AnyLoad], title: str = "") -> None:
         words, _, unit = heading.rstrip("]").partition(" [")
         headings.append([*textwrap.wrap(words, _WORD), unit])
     most = max(map(len, headings))
-    tell(title or case.title)
+    tell(case.title)
     show(
         numbers_table(
             ["\n".join([""] * (most - len(one)) + one) for one in headings], [list(row) for row in table.rows]

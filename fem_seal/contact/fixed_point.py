@@ -18,6 +18,7 @@ _GROWTH = 3.0
 # A step beyond where the fixed point is expected, so that it comes to lie between two places; at most so far beyond the
 # image.
 _BEYOND, _FARTHEST = 1.2, 20.0
+_MOST_ITERATIONS = 60
 
 
 def fixed_point(
@@ -26,7 +27,7 @@ def fixed_point(
     *,
     tolerance: float,
     bounds: tuple[float, float],
-    max_iterations: int = 60,
+    max_iterations: int = _MOST_ITERATIONS,
 ) -> tuple[FloatArray, tuple[float, ...]]:
     """Find x = image(x).
 
@@ -79,7 +80,7 @@ def fixed_point(
 
 
 def first_fixed_point(
-    image: Callable[[float], float], start: float, *, tolerance: float, jump: float, max_iterations: int = 60
+    image: Callable[[float], float], start: float, *, tolerance: float, jump: float
 ) -> float:
     """Find the first x = image(x) that is met from `start` on in the direction of its image.
 
@@ -92,7 +93,6 @@ def first_fixed_point(
         How well x is found.
     jump : float
         Largest step of `image` at which its crossing x counts as a fixed point.
-    max_iterations : int
 
     Raises
     ------
@@ -100,7 +100,7 @@ def first_fixed_point(
         If none is found.
     """
     x, residual, slope = start, image(start) - start, 0.0
-    for _ in range(max_iterations):
+    for _ in range(_MOST_ITERATIONS):
         if abs(residual) <= tolerance:
             return x
         # The residual falls to zero after residual/(1 - slope of the image).

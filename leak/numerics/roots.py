@@ -101,7 +101,6 @@ def newton_between(
     low: FloatArray,
     high: FloatArray,
     close: float,
-    steps: int = 60,
 ) -> FloatArray:
     """Roots of many rising functions, each between two ends, by Newton's method; steps beyond the ends are halvings.
 
@@ -113,11 +112,9 @@ def newton_between(
         First guesses and ends.
     close : float
         The last step is no longer.
-    steps : int
-        Most steps.
     """
     x = start
-    for _ in range(steps):
+    for _ in range(60):
         value, slope = function(x)
         low, high = np.where(value < 0.0, x, low), np.where(value < 0.0, high, x)
         newton = x - value / slope

@@ -236,7 +236,7 @@ def three_numbers(result: SealSolution) -> list[Fact]:
     return list(dict.fromkeys([first, second, *third, *rest]))[:3]
 
 
-def loads_in_brief(case: Case, loads: Sequence[AnyLoad], most: int = _ROWS) -> tuple[ReadableTable, int]:
+def loads_in_brief(case: Case, loads: Sequence[AnyLoad]) -> tuple[ReadableTable, int]:
     """The loads with the columns that matter most, at most six, and the number of loads that are left out.
 
     Of many loads the first, the last and the one with the highest fluid pressure or the smallest margin are among those
@@ -246,11 +246,9 @@ def loads_in_brief(case: Case, loads: Sequence[AnyLoad], most: int = _ROWS) -> t
     ----------
     case : Case
     loads : sequence of CaseLoad or MissingLoad
-    most : int
-        Rows from which on the table is shortened.
     """
     kept = list(range(len(loads)))
-    if len(loads) > most:
+    if len(loads) > _ROWS:
         margins = [load.margin if isinstance(load, CaseLoad) else None for load in loads]
         known = [n for n in kept if margins[n] is not None and not math.isnan(margins[n] or 0.0)]
         worst = min(known, key=lambda n: margins[n] or 0.0) if known else highest_load(loads)
