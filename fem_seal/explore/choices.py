@@ -98,7 +98,7 @@ def choices_of(case: Case) -> dict[str, list[Choice]]:
     system: list[dict[str, str]] = _options(System.__args__)  # type: ignore[attr-defined]
     return {
         "units": [Choice("report.units", "units", case.report.units or "field", system)],
-        "surface": [*materials, *_finishes(case)],
+        "surface": [*materials, *_fluid(case), *_finishes(case)],
         "demand": [*_requirement(case), *_form(case, lower)],
     }
 
@@ -129,6 +129,8 @@ def changed(case: Case, key: str, value: str) -> Case:
         return _requiring(case, value)
     if key == "requirement.rated_capacity" and not (case.requirement and case.requirement.standard):
         return case.replace_written({**required_class(str(case), _OF_RATED_FLOW), key: value.strip() or None})
+    if key == "fluid.name":
+        return _with_fluid(case, value)
     if key.endswith(" height"):
         path = key.removesuffix(" height")
         table = _face(case, path)
@@ -151,6 +153,24 @@ def _materials(own: str) -> list[dict[str, str]]:
         for name, one in LIBRARY.items()
     ]
     return found if own in LIBRARY else [*_options([own]), *found]
+
+
+def _fluid(case: Case) -> Iterator[Choice]:
+    from leak import FLUIDS, GASES
+
+    if case.fluid is not None and case.roughness is not None:
+        own = case.fluid.name
+        yield Choice("fluid.name", "fluid", own, _options(list(dict.fromkeys([own, *FLUIDS, *GASES]))))
+
+
+def _with_fluid(case: Case, name: str) -> Case:
+    """The case with another fluid of the library, at the temperature of its own."""
+    from leak import is_gas
+
+    given = case.written.get("fluid", {})
+    stays = ("temperature", "particles", *(("outlet_pressure",) if is_gas(name) else ()))
+    table = dict.fromkeys(given) | {"name": name} | {key: given[key] for key in stays if key in given}
+    return case.replace_written({f"fluid.{key}": value for key, value in table.items()})
 
 
 def _face(case: Case, path: str) -> Mapping[str, Any]:

@@ -1,4 +1,4 @@
-"""Sliders and choices of the page: loads, roughness, hardness, dimensions, fluid.
+"""Sliders of the page: loads, roughness, hardness, dimensions.
 
 A slider goes over texts as they would stand in the case file, "20.5 bar", so that a file that is written has the very
 numbers of the screen.
@@ -103,33 +103,29 @@ class Factors:
     Parameters
     ----------
     sliders : tuple of Factor
-    fluids : tuple of str
-        Names to choose from, that of the case first; empty where the case has no fluid.
     left_out : tuple of str
         Sentences about what is not offered.
     """
 
     sliders: tuple[Factor, ...]
-    fluids: tuple[str, ...]
     left_out: tuple[str, ...]
 
     @property
     def given(self) -> dict[str, str]:
         """The design that is the case itself."""
-        own = {one.key: one.given for one in self.sliders}
-        return own | ({"fluid": self.fluids[0]} if self.fluids else {})
+        return {factor.key: factor.given for factor in self.sliders}
 
     @property
     def labels(self) -> dict[str, str]:
         """What all parts of a design are called, by their keys."""
-        return {one.key: one.label for one in self.sliders} | ({"fluid": "fluid"} if self.fluids else {})
+        return {factor.key: factor.label for factor in self.sliders}
 
     def named(self, entry: str) -> str:
         """Key of the factor that sets an entry of a case, by its path or its label; empty if none does."""
-        for one in self.sliders:
-            if entry == one.label or same_entry(entry) in map(same_entry, one.paths):
-                return one.key
-        return "fluid" if entry in ("fluid", "fluid.name") else ""
+        for factor in self.sliders:
+            if entry == factor.label or same_entry(entry) in map(same_entry, factor.paths):
+                return factor.key
+        return ""
 
     def wrong(self, texts: Mapping[str, str]) -> dict[str, str]:
         """What is wrong with texts, by the keys of their factors.
@@ -177,9 +173,6 @@ class Factors:
                     found["requirement.fluid_pressure"] = _at_loads(case, required, moved)
             else:
                 found |= dict.fromkeys(one.paths, text)
-        fluid = design.get("fluid", self.fluids[0] if self.fluids else "")
-        if self.fluids and fluid != self.fluids[0]:
-            found |= _other_fluid(case, fluid)
         if problems:
             raise InputError(*problems)
         return found
@@ -196,7 +189,7 @@ def factors_of(case: Case) -> Factors:
     system = case.report.units
     sliders = [_in_system(one, system) if system else one for one in found if isinstance(one, Factor)]
     left_out = [one for one in found if isinstance(one, str)]
-    return Factors(tuple(sliders), _fluids(case), tuple(left_out))
+    return Factors(tuple(sliders), tuple(left_out))
 
 
 def _in_system(factor: Factor, system: System) -> Factor:
@@ -430,22 +423,3 @@ def _at_loads(case: Case, required: Sequence[float], moved: str | list[str]) -> 
     return [text for one in required for known, text in loads if math.isclose(one, known, rel_tol=1e-9)][
         : len(loads)
     ]
-
-
-def _fluids(case: Case) -> tuple[str, ...]:
-    if case.fluid is None or case.roughness is None:
-        return ()
-    from leak import FLUIDS, GASES
-
-    return tuple(dict.fromkeys([case.fluid.name, *FLUIDS, *GASES]))
-
-
-def _other_fluid(case: Case, name: str) -> dict[str, Any]:
-    """Entries of another fluid of the library in place of the case's own, at its temperature."""
-    from leak import is_gas
-
-    kept = case.written.get("fluid", {})
-    stays = ("temperature", "particles", *(("outlet_pressure",) if is_gas(name) else ()))
-    table = {"name": name} | {key: kept[key] for key in stays if key in kept}
-    removed = dict.fromkeys(set(kept) - set(table))
-    return {f"fluid.{key}": value for key, value in {**removed, **table}.items()}

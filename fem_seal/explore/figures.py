@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
-from fem_seal.explore.screen import LEAK, Shown, preliminary_words
+from fem_seal.explore.screen import LEAK, ShownDesign, preliminary_words
 from fem_seal.files import own_tables
 from fem_seal.units import Unit, fixed_unit, flow_unit, number, unit_for
 
@@ -76,7 +76,7 @@ class Figure:
         return {"data": self.data, "layout": self.layout}
 
 
-def designs_shown(screen: Screen, pins: Sequence[Screen]) -> list[Shown]:
+def designs_shown(screen: Screen, pins: Sequence[Screen]) -> list[ShownDesign]:
     """The design on the screen and those pinned, with their names and colours.
 
     Parameters
@@ -84,15 +84,15 @@ def designs_shown(screen: Screen, pins: Sequence[Screen]) -> list[Shown]:
     screen : Screen
     pins : sequence of Screen
     """
-    return [Shown(screen, "now", LIVE), *map(Shown, pins, "ABCD", PINS)]
+    return [ShownDesign(screen, "now", LIVE), *map(ShownDesign, pins, "ABCD", PINS)]
 
 
-def figures(shown: Sequence[Shown], dark: bool) -> dict[str, Figure]:
+def figures(shown: Sequence[ShownDesign], dark: bool) -> dict[str, Figure]:
     """All pictures, "section", "leak", "profile" and "gap".
 
     Parameters
     ----------
-    shown : sequence of Shown
+    shown : sequence of ShownDesign
         That of the sliders first.
     dark : bool
         For a dark page.
@@ -207,12 +207,12 @@ def _over_force(screen: Screen) -> bool:
     return len(pressures) == 1 and len(forces) > 1
 
 
-def leak_figure(shown: Sequence[Shown], dark: bool) -> Figure:
+def leak_figure(shown: Sequence[ShownDesign], dark: bool) -> Figure:
     """Leak rate over the load, with the interval of each design, on a logarithmic axis.
 
     Parameters
     ----------
-    shown : sequence of Shown
+    shown : sequence of ShownDesign
         That of the sliders first.
     dark : bool
     """
@@ -250,7 +250,7 @@ def leak_figure(shown: Sequence[Shown], dark: bool) -> Figure:
     figure.update("yaxis", title, type="log", exponentformat="power", **ticks)
     figure.update("xaxis", f"{axis} [{load_unit.name}]", rangemode="tozero")
     if not rates:
-        figure.say_alone((now.waiting and "calculating ...") or "no leak rate")
+        figure.say_alone("calculating ..." if now.waiting else "no leak rate")
     elif preliminary := preliminary_words(now):
         figure.add_note(1, 0, preliminary, figure.ink, 11, **_PAPER, xanchor="right", yanchor="bottom")
     return figure
@@ -260,7 +260,7 @@ def _place(load: ShownLoad, force: bool) -> float:
     return load.applied_force if force else load.values["fluid_pressure_Pa"]
 
 
-def _add_leak(figure: Figure, one: Shown, unit: Unit, load_unit: Unit, force: bool) -> None:
+def _add_leak(figure: Figure, one: ShownDesign, unit: Unit, load_unit: Unit, force: bool) -> None:
     screen, chosen, colour = one.screen, one.screen.load, one.colour
     if chosen is None:
         return
@@ -292,7 +292,7 @@ def _positive(value: float) -> float | None:
     return value if math.isfinite(value) and value > 0 else None
 
 
-def _over_x(shown: Sequence[Shown], dark: bool, what: str) -> Figure:
+def _over_x(shown: Sequence[ShownDesign], dark: bool, what: str) -> Figure:
     """Contact pressure or gap across the contact."""
     figure = Figure(dark)
     profiles = [(one.screen.profile, one) for one in shown if one.screen.profile is not None]

@@ -129,11 +129,11 @@ def _layout(answers: Answers, title: str, name: str) -> Any:
     first = answers.first(_FIRST_WITHIN if request.path == "/_dash-layout" else 0.0)
     begins: dict[str, Any] = {}
     with shown_in(*session.given.shown):
-        if first is not None and first.load and not first.waiting:
+        if first is not None and first.load:
             state = _state(first, answers)
             begins = {
                 "now": (now := designs_shown(first, [])[0]),
-                "figures": {key: one.plain() for key, one in figures([now], dark=False).items()},
+                "figures": {key: figure.plain() for key, figure in figures([now], dark=False).items()},
                 "state": state,
                 "shown": {"signature": _signature(first, state), "number": 0, "design": first.design},
             }
@@ -198,7 +198,6 @@ def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
         Output("asked", "data"),
         Output("present", "data"),
         Input({"kind": "slider", "key": ALL}, "value"),
-        Input("fluid", "value"),
         Input("typed", "data"),
         Input("poke", "data"),
         State("meta", "data"),
@@ -267,6 +266,8 @@ def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
         screen = answers.answer(asked.design, asked.page, asked.number)
         if screen is None:
             raise PreventUpdate
+        if not screen.complete and not screen.problem:
+            _settle_later(answers, asked)
         pinned = [answers.screen(design) for design in known.values()]
         state, lost = _state(screen, answers), answers.lost
         signature = _signature(
@@ -279,8 +280,6 @@ def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
         unchanged = {n: [no_update] * several[n] if n in several else no_update for n in outputs}
         if signature == shown.get("signature"):
             return {**unchanged, "shown": now}
-        if not screen.complete and not screen.problem:
-            _settle_later(answers, asked)
         wrong = {**refused_words(screen, before), **factors.wrong(asked.wrong)}
         found = {
             **unchanged,
@@ -311,7 +310,7 @@ def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
                     now=designs[0],
                     pinned=designs[1:],
                     places=[*known],
-                    labels=factors.labels,
+                    rows=_input_rows(answers, [design.screen for design in designs]),
                     most=len(PINS),
                 ),
                 "problem": not_taken_words(factors, screen.design, asked.wrong),
@@ -320,14 +319,15 @@ def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
             }
 
 
+def _input_rows(answers: Answers, screens: Sequence[Screen]) -> dict[str, list[str]]:
+    """What is chosen and moved in several designs, by the labels for people."""
+    inputs = [answers.of(screen.design).inputs(screen.design) for screen in screens]
+    return {label: [own.get(label, "") for own in inputs] for each in inputs for label in each}
+
+
 def _settle_later(answers: Answers, asked: Asked) -> None:
     """Begin with the complete run when nothing newer was asked for a while."""
-
-    def begin() -> None:
-        if answers.is_newest(asked.page, asked.number):
-            answers.settle(asked.design)
-
-    timer = threading.Timer(_REST, begin)
+    timer = threading.Timer(_REST, answers.rest, (asked.design, asked.page, asked.number))
     timer.daemon = True
     timer.start()
 
@@ -337,11 +337,10 @@ def _state(screen: Screen, answers: Answers) -> str:
         return ""
     if screen.complete:
         return "the numbers of fem-seal run"
-    given_up = answers.given_up(screen.design)
-    if screen.waiting and (screen.loads or not given_up):
-        return f"calculating: {screen.waiting}"
-    if given_up:
+    if given_up := answers.given_up(screen.design):
         return f"live, without a complete run: {given_up}"
+    if screen.waiting:
+        return f"calculating: {screen.waiting}"
     return f"{preliminary_words(screen) or 'live'}; fem-seal run follows ..."
 
 
@@ -464,7 +463,7 @@ def _shown_controls(
     """Controls of a design, what scripts know of its case, and its texts."""
     factors = session.factors
     design = session.design(design)
-    if factors.wrong(design) or design.get("fluid", "") not in (*factors.fluids, ""):
+    if factors.wrong(design):
         refuse("design")
     at = {one.key: one.nearest(design[one.key]) for one in factors.sliders}
     typed = {key: {"at": place, "text": design[key]} for key, place in at.items()}
@@ -571,7 +570,6 @@ def _files(app: Dash, answers: Answers, folder: Path) -> None:
 
     @app.callback(
         Output("report-folder", "data"),
-        Output("report-again", "disabled", allow_duplicate=True),
         Output("report-said", "children", allow_duplicate=True),
         Input("report", "n_clicks"),
         State("name", "value"),
@@ -587,33 +585,32 @@ def _files(app: Dash, answers: Answers, folder: Path) -> None:
             session.case(present.design)
             target.mkdir(parents=True)
         except (SealError, OSError) as error:
-            return no_update, True, f"No report: {error}"
+            return None, f"No report: {error}"
         answers.report(present.design, target)
         not_taken = not_taken_words(session.factors, session.design(present.design), present.wrong)
-        return str(target), False, f"The report is being made in {target} ... {not_taken}".strip()
+        return str(target), f"The report is being made in {target} ... {not_taken}".strip()
 
     @app.callback(
         Output("report-said", "children"),
-        Output("report-again", "disabled"),
-        Input("report-again", "n_intervals"),
+        Input("news", "data"),
         State("report-folder", "data"),
         prevent_initial_call=True,
     )
     @answered
     def made(_: Any, target: Any) -> Any:
-        done = answers.written(Path(checked(str, target, "report"))) if target else None
-        if done is None:
+        problem = answers.written(Path(checked(str, target, "report"))) if target else None
+        if problem is None:
             raise PreventUpdate
-        if done.problem:
+        path = Path(target)
+        if problem:
             with suppress(OSError):
                 # nothing has been written into it
-                Path(target).rmdir()
-            return f"No report: {done.problem}", True
-        path = Path(target)
+                path.rmdir()
+            return f"No report: {problem}"
         if path not in reports:
             reports.append(path)
         link = html.A("open the report", href=f"/report/{reports.index(path)}", target="_blank")
-        return [f"Report in {target}: ", link], True
+        return [f"Report in {target}: ", link]
 
     @app.server.route("/report/<int:number>")
     def show_report(number: int) -> Response:

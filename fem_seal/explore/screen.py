@@ -46,7 +46,7 @@ class ShownLoad:
     Parameters
     ----------
     values : dict
-        Columns of leak.csv in SI; NaN where nothing was calculated.
+        Columns of leak.csv in SI.
     applied_force : float
         [N]
     level : str
@@ -63,11 +63,11 @@ class ShownLoad:
 
     values: dict[str, float]
     applied_force: float
-    level: str = str(Level.VALID)
-    reasons: tuple[str, ...] = ()
-    classes: tuple[str, ...] = ()
-    digits: dict[str, int] = field(default_factory=dict)
-    remarks: dict[str, str] = field(default_factory=dict)
+    level: str
+    reasons: tuple[str, ...]
+    classes: tuple[str, ...]
+    digits: dict[str, int]
+    remarks: dict[str, str]
 
 
 @dataclass(frozen=True)
@@ -271,29 +271,22 @@ def _judged(solution: SealSolution, *, complete: bool) -> dict[str, Any]:
     }
 
 
-def shown_load(load: CaseLoad, case: Case | None = None) -> ShownLoad:
+def shown_load(load: CaseLoad, case: Case) -> ShownLoad:
     """What is shown of one load.
 
     Parameters
     ----------
     load : CaseLoad
-    case : Case, optional
-        None while its leak rate, and with it validity and classes, is not there yet.
+    case : Case
     """
-    columns = [name for name in SHOWN if case or name not in LEAK]
-    found = ShownLoad(
-        dict.fromkeys(SHOWN, math.nan) | {name: COLUMNS[name].number(load) for name in columns},
+    return ShownLoad(
+        {name: COLUMNS[name].number(load) for name in SHOWN},
         load.applied_force,
-        digits={name: COLUMNS[name].digits(load) for name in SHOWN},
-        remarks=dict.fromkeys(("peak_pressure_Pa", "fwhm_m"), on_land(load)),
-    )
-    if case is None:
-        return found
-    return replace(
-        found,
-        level=str(load.validity.level),
-        reasons=load.validity.reasons,
-        classes=tuple(str(one) for one in leakage_classes(case, load)),
+        str(load.validity.level),
+        load.validity.reasons,
+        tuple(str(met) for met in leakage_classes(case, load)),
+        {name: COLUMNS[name].digits(load) for name in SHOWN},
+        dict.fromkeys(("peak_pressure_Pa", "fwhm_m"), on_land(load)),
     )
 
 
@@ -403,7 +396,7 @@ class Number:
 
 
 @dataclass(frozen=True)
-class Shown:
+class ShownDesign:
     """A design on the page, and what is said of it.
 
     Parameters
@@ -454,9 +447,7 @@ def numbers_of(screen: Screen) -> list[Number]:
     at = f"at {units.format_quantity('fluid pressure', values['fluid_pressure_Pa'])}"
     more = "; ".join(filter(None, [at, state_in_words(screen.volume), preliminary_words(screen)]))
     rate = values["leak_rate_m3_per_s"]
-    waits = screen.waiting and not math.isfinite(rate)
-    leak = "calculating ..." if waits else leak_words(load, screen.volume)
-    found = [Number("leak", "leak rate", leak, more, rate)]
+    found = [Number("leak", "leak rate", leak_words(load, screen.volume), more, rate)]
     for name, one in own_tables("explore.toml")["numbers"].items():
         column = one["column"]
         value = units.quantity_worth(COLUMNS[column].kind, values[column], load.digits[column])
@@ -509,27 +500,30 @@ def slow_words(seconds: float) -> str:
     return f"Each change takes about {units.duration(seconds)}; it is calculated when the sliders rest."
 
 
-def lost_words(code: int, again: bool, left: bool) -> str:
+def lost_words(code: int | None, *, again: bool) -> str:
     """What became of a process of the page.
 
     Parameters
     ----------
-    code : int
-        With which it ended; minus the number of the signal that killed it.
+    code : int or None
+        With which it ended, minus the number of the signal that killed it; None if it was ended because it hung.
     again : bool
-        Whether another one does its work again.
-    left : bool
-        Whether it is not tried again, since it has ended two.
+        Whether another one does its work.
     """
-    try:
-        how = f"was killed ({signal.Signals(-code).name})" if code < 0 else f"ended with code {code}"
-    except ValueError:
-        how = f"was killed (signal {-code})"
+    if code is None:
+        how = "did not come to an end and was stopped"
+    elif code >= 0:
+        how = f"ended with code {code}"
+    else:
+        known = signal.Signals.__members__.values()
+        how = f"was killed ({next((one.name for one in known if one == -code), f'signal {-code}')})"
     perhaps = "; the system does so where memory runs out" if code == -9 else ""
-    said = f"At {time.strftime('%H:%M:%S')} a process of this page {how}{perhaps}."
-    if left:
-        return f"{said} It was the second one over the same work, which is not tried again by itself."
-    return f"{said} Another one has taken its place{' and begins its work anew' if again else ''}."
+    follows = (
+        "Another one has taken its place and begins its work anew."
+        if again
+        else "Its work is not tried again by itself."
+    )
+    return f"At {time.strftime('%H:%M:%S')} a process of this page {how}{perhaps}. {follows}"
 
 
 def not_taken_words(factors: Factors, design: Mapping[str, str], wrong: Mapping[str, str]) -> str:

@@ -1,28 +1,29 @@
-"""Worker processes of the page: one prepares the next moves of the sliders, one runs complete cases.
+"""What is shown of designs, calculated in two processes: one follows the sliders, one makes complete runs and reports.
 
-They only see the newest design: what was asked before it and has not begun is dropped, and a run is left at its next
-step. Both end with the page; one that ends before it (killed, out of memory) is replaced, and what it was doing is done
-once more.
+A process that dies or hangs is replaced, and what it was doing is done once more. A run is left at its next step when
+another one is asked for; both processes end with the page.
 """
 
 from __future__ import annotations
 
+import math
 import signal
 import time
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from itertools import chain
+from itertools import islice
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from pathlib import Path
-from threading import Event, RLock, Thread
-from typing import TYPE_CHECKING, Any
+from threading import Lock, RLock, Thread
+from typing import TYPE_CHECKING, Any, TypeAlias
 
-from fem_seal.errors import unexpected
+from fem_seal.errors import InputError, SealError, unexpected
 from fem_seal.explore.screen import Screen, lost_words, screen_of, sensitivity_words, without_interval
-from fem_seal.explore.session import WRONG, Session
+from fem_seal.explore.session import WRONG, Calculate, Session
 from fem_seal.processes import can_copy
 from fem_seal.seal.kept import Kept
 from fem_seal.units import shown_in
@@ -32,280 +33,221 @@ if TYPE_CHECKING:
     from fem_seal.result import SealResult
     from fem_seal.seal.load_solver import Progress
 
-_SCREENS = 64
-# Processes that may end over the same work.
-_MOST_DEATHS = 2
+_SCREENS = 256
+# For so long a design of the sliders is calculated, and a run that is left goes on, before it is taken to hang [s].
+_PATIENCE = 60.0
 # For so long the page says that a process was replaced [s].
 _TOLD_FOR = 60.0
-# For so long what the first numbers were made with waits for a browser that shows them [s].
-_SHOWN_WITHIN = 10.0
+# Designs with another surface that are calculated ahead while the sliders rest: their conductivities take longest.
+_AHEAD = 40
 
 
 @dataclass(frozen=True)
-class Ask:
-    """A design to work for.
-
-    Parameters
-    ----------
-    design : dict
-    folder : str
-        Where the report of a complete run is to be written; empty for no report.
-    first : bool
-        Whether the page waits for its live numbers, too: its own process does not calculate yet.
-    case : Case, optional
-        That the design belongs to; that of the process unless given.
-    """
-
-    design: dict[str, str]
-    folder: str = ""
-    first: bool = False
-    case: Case | None = field(default=None, compare=False, repr=False)
-
-    def session(self, last: Session) -> Session:
-        """The session of its case, another one than the last where the case is."""
-        name = self.design.get("case", "")
-        return last if self.case is None or name == last.name else Session(self.case, name=name, like=last)
-
-
-@dataclass(frozen=True)
-class Made:
-    """Something made ahead, with its name."""
-
-    name: Hashable
-    what: Any
-
-
-@dataclass(frozen=True)
-class Written:
-    """A report, or why there is none."""
-
-    folder: str
-    problem: str = ""
-
-
-class _NewerAskedForError(BaseException):
-    """A newer design is waiting: the run of the old one is left."""
-
-
-@dataclass(frozen=True)
-class Lost:
-    """A process has ended that was not to; another one has its work, or nobody has.
-
-    Parameters
-    ----------
-    code : int
-        With which it ended; minus the number of the signal that killed it.
-    again : tuple of Ask
-        What the other one does again.
-    left : tuple of Ask
-        What is not tried again.
-    """
-
-    code: int
-    again: tuple[Ask, ...] = ()
-    left: tuple[Ask, ...] = ()
-
-
-class Worker:
-    """A process that works for the newest design; where it ends before its time, another one takes its place.
+class Calculation:
+    """A design to calculate.
 
     Parameters
     ----------
     case : Case
-    work : callable
-        `make_ahead` or `run_to_the_end`.
-    told : callable
-        Gets what the process gives and what becomes of it, from a thread of its own.
+        Of the design.
+    design : dict
+    folder : str
+        Where the report of a complete run is to be written; empty for no report.
     """
 
-    def __init__(
-        self, case: Case, work: Callable[[Connection, Case], None], told: Callable[[Any], None]
-    ) -> None:
-        self._case, self._work, self._told = case, work, told
-        self._lock = RLock()
-        self._mine: Connection | None = None
+    case: Case = field(compare=False, repr=False)
+    design: dict[str, str]
+    folder: str = ""
+
+
+# What a process makes of a calculation, piece by piece; it can ask whether it is to leave it.
+Work: TypeAlias = "Callable[[Calculation, Callable[[], bool]], Iterator[Screen]]"
+
+
+class LostError(SealError):
+    """Two processes have ended over the same calculation, or one has taken too long."""
+
+
+class LeftError(BaseException):
+    """Another run is asked for: this one is left."""
+
+
+class Calculator:
+    """A process that makes one calculation after the other.
+
+    Parameters
+    ----------
+    work : callable
+        Makes in the process what calculates: `live_work` or `complete_work`.
+    told : callable
+        Told in words when a process has ended that was not to.
+    """
+
+    def __init__(self, work: Callable[[], Work], told: Callable[[str], None]) -> None:
+        self._work, self._told = work, told
+        self._calculating, self._lock = Lock(), RLock()
+        self._connection: Connection | None = None
         self._process: BaseProcess | None = None
-        # what it has not answered, and how many processes have ended over it
-        self._open: list[tuple[Ask, int]] = []
-        # whether the process has proved that it can work
-        self._proved, self._closed = False, False
+        self._current: Calculation | None = None
+        self._deadline = math.inf
+        self._closed = False
 
-    def ask(self, ask: Ask) -> None:
-        """Work for a design from now on; the first time the process is started."""
+    def start(self) -> None:
+        """Start the process, if there is none: a copy of this one, where that may be."""
         with self._lock:
-            if self._closed or any(one == ask for one, _ in self._open):
-                return
-            # of designs the newest is left, of reports all
-            self._open = [one for one in self._open if ask.folder or one[0].folder] + [(ask, 0)]
-            if self._mine is None:
-                self._start()
-            else:
-                self._send(ask)
+            if self._closed:
+                raise LostError
+            if self._connection is None:
+                context = get_context("fork" if can_copy() else "spawn")
+                mine, theirs = context.Pipe()
+                given = (self._work, theirs, mine)
+                process = context.Process(target=_serve, args=given, daemon=True)  # type: ignore[attr-defined]
+                process.start()
+                theirs.close()
+                self._connection, self._process = mine, process
 
-    def _start(self) -> None:
-        """Start a process and give it all that is open: a copy of this one, where that may be, knows the case."""
-        context = get_context("fork" if can_copy() else "spawn")
-        mine, theirs = context.Pipe()
-        given = (self._work, mine, theirs, self._case)
-        self._process = context.Process(target=_begun, args=given, daemon=True)  # type: ignore[attr-defined]
-        self._process.start()
-        theirs.close()
-        self._mine, self._proved = mine, False
-        Thread(target=self._listen, args=(mine, self._process), daemon=True).start()
-        for ask, _ in self._open:
-            self._send(ask)
+    def screens(self, calculation: Calculation, within: float = math.inf) -> Iterator[Screen]:
+        """What a calculation gives, piece by piece.
 
-    def _send(self, ask: Ask) -> None:
-        assert self._mine is not None
-        # where it has ended just now, who listens to it gives the work to another one
-        with suppress(OSError, ValueError):
-            self._mine.send(ask)
+        Parameters
+        ----------
+        calculation : Calculation
+        within : float
+            Time after which the process is taken to hang [s].
+
+        Raises
+        ------
+        LostError
+            If two processes have ended over it, or one has taken too long.
+        LeftError
+            If it was left.
+        """
+        with self._calculating:
+            for last in (False, True):
+                try:
+                    self.start()
+                    self._send(calculation, within)
+                    while (got := self._received()) is not None:
+                        if isinstance(got, BaseException):
+                            raise got
+                        yield got
+                    return
+                except (EOFError, OSError):
+                    self._say_end(last=last or time.monotonic() > self._deadline)
+                finally:
+                    self._current = None
+
+    def leave(self) -> None:
+        """Leave a run that is going on, unless a report depends on it."""
+        if self._current is not None and not self._current.folder:
+            with suppress(OSError):
+                self._send(None, _PATIENCE)
 
     def close(self) -> None:
         """End the process."""
         with self._lock:
             self._closed = True
             if self._process is not None:
-                self._process.terminate()
+                self._process.kill()
                 self._process.join(2.0)
 
-    def _listen(self, mine: Connection, process: BaseProcess) -> None:
-        while True:
-            try:
-                got = mine.recv()
-            except (EOFError, OSError):
-                break
-            with self._lock:
-                self._proved = True
-                self._open = [one for one in self._open if not _answers(got, one[0])]
-            self._told(got)
-        process.join()
+    def _send(self, calculation: Calculation | None, within: float) -> None:
         with self._lock:
-            if not self._closed:
-                self._replace(process.exitcode or 0)
+            self._deadline = time.monotonic() + within
+            self._current = calculation or self._current
+            if self._connection is not None:
+                self._connection.send(calculation)
 
-    def _replace(self, code: int) -> None:
-        """Another process for one that has ended, with what it left undone but for what has ended several."""
-        mine, self._mine = self._mine, None
-        if mine is not None:
-            mine.close()
-        counted = [(ask, deaths + 1) for ask, deaths in self._open]
-        self._open = [one for one in counted if one[1] < _MOST_DEATHS]
-        left = tuple(ask for ask, deaths in counted if deaths >= _MOST_DEATHS)
-        again = tuple(ask for ask, _ in self._open)
-        # one that could do nothing at all is not started for nothing
-        try:
-            if again or self._proved:
-                self._start()
-        except OSError:
-            again, left, self._open = (), (*again, *left), []
-        self._told(Lost(code, again, left))
+    def _received(self) -> Any:
+        assert self._connection is not None and self._process is not None
+        while not self._connection.poll(1.0):
+            if time.monotonic() > self._deadline:
+                self._process.kill()
+        return self._connection.recv()
+
+    def _say_end(self, *, last: bool) -> None:
+        """Say that the process has ended, and after the last one raise it."""
+        with self._lock:
+            if self._closed or self._connection is None or self._process is None:
+                raise LostError("There is no process to calculate with.")
+            self._connection.close()
+            self._connection = None
+            self._process.join()
+            hung = time.monotonic() > self._deadline
+            said = lost_words(None if hung else self._process.exitcode or 0, again=not last)
+        self._told(said)
+        if last:
+            raise LostError(said)
 
 
-def _begun(
-    work: Callable[[Connection, Case], None], theirs: Connection, mine: Connection, case: Case
-) -> None:
-    """Work in a process that knows when the page has ended: no copy of its end of the connection stays."""
+def _serve(work: Callable[[], Work], mine: Connection, theirs: Connection) -> None:
+    """Calculate in a process that knows when the page has ended: no copy of its end of the connection stays."""
     theirs.close()
-    work(mine, case)
-
-
-def _answers(got: object, ask: Ask) -> bool:
-    """Whether something given by a process is what was asked for."""
-    if isinstance(got, Written):
-        return got.folder == ask.folder
-    return isinstance(got, Screen) and not ask.folder and got.design == ask.design
-
-
-def _next(conn: Connection, waiting: list[Ask]) -> Ask:
-    """What is to be done next of what waits and what was asked since: reports in their order, then the newest design.
-
-    It stays among what waits.
-    """
-    while not waiting or conn.poll():
-        got: Ask = conn.recv()
-        waiting[:] = [one for one in waiting if got.folder or one.folder] + [got]
-    return next((one for one in waiting if one.folder), waiting[-1])
-
-
-def make_ahead(conn: Connection, case: Case) -> None:
-    """Make what the newest design needs and then its neighbours.
-
-    Parameters
-    ----------
-    conn : Connection
-    case : Case
-    """
-    # Ctrl-C is for the page, which ends its workers
+    # Ctrl-C is for the page, which ends its processes
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    session = Session(case)
-    try:
+    with suppress(EOFError, OSError):
+        calculate = work()
         while True:
-            ask = _next(conn, [])
-            session = ask.session(session)
-            if ask.first:
-                made = [Made(name, session.make(name)) for name in session.needs(ask.design)]
-                for what in (session.answer(ask.design), *made):
-                    conn.send(what)
-            for name in chain.from_iterable(map(session.needs, session.neighbours(ask.design))):
-                if conn.poll():
-                    break
-                try:
-                    what = Made(name, session.make(name))
-                except Exception:
-                    # what goes wrong here does so again, and is said, where it is asked for
-                    continue
-                conn.send(what)
-    except (EOFError, OSError, KeyboardInterrupt):
-        return
+            if (calculation := mine.recv()) is None:
+                # what was to be left is done
+                continue
+            try:
+                for screen in calculate(calculation, mine.poll):
+                    mine.send(screen)
+            except (InputError, LeftError) as error:
+                mine.send(error)
+            except Exception as error:
+                # others may hold what cannot be sent
+                mine.send(SealError(_why(error)))
+            else:
+                mine.send(None)
 
 
-def run_to_the_end(conn: Connection, case: Case) -> None:
-    """Run the newest design as `fem-seal run` does, and write its report where one is asked for.
+def _why(error: Exception) -> str:
+    return str(error) if isinstance(error, (*WRONG, OSError)) else unexpected(error)
 
-    Parameters
-    ----------
-    conn : Connection
-    case : Case
-    """
+
+def live_work() -> Work:
+    """What calculates the designs of the sliders."""
+    from fem_seal.explore.live import live_screen
+
+    def calculate(calculation: Calculation, _: Callable[[], bool]) -> Iterator[Screen]:
+        with shown_in(*calculation.case.shown):
+            yield live_screen(calculation.case, calculation.design)
+
+    return calculate
+
+
+def complete_work() -> Work:
+    """What makes complete runs, as `fem-seal run` does, and writes reports."""
     from fem_seal.result import run
 
-    # Ctrl-C is for the page, which ends its workers
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    session = Session(case)
-    last: tuple[dict[str, str], SealResult] | None = None
-    waiting: list[Ask] = []
-    try:
-        while True:
-            ask = _next(conn, waiting)
-            session = ask.session(session)
+    last: dict[str, SealResult] = {}
 
-            def aside(_: str, ask: Ask = ask) -> None:
-                if not ask.folder and conn.poll():
-                    raise _NewerAskedForError
+    def calculate(calculation: Calculation, left: Callable[[], bool]) -> Iterator[Screen]:
+        def progress(_: str) -> None:
+            if not calculation.folder and left():
+                raise LeftError
 
-            try:
-                if last is None or last[0] != ask.design:
-                    last = None
-                    last = ask.design, run(session.case(ask.design), aside, sensitivities=False)
-                # of a path of loads they take too long
-                follow = last[1].problem.leaks and not last[1].problem.follows_path
-                conn.send(complete_screen(*last, follow=follow))
-                if follow:
-                    last = ask.design, with_sensitivities(last[1], aside)
-                    conn.send(complete_screen(*last))
-                if ask.folder:
-                    last[1].write(ask.folder)
-                    conn.send(Written(ask.folder))
-            except _NewerAskedForError:
-                continue
-            except Exception as error:
-                why = str(error) if isinstance(error, (*WRONG, OSError)) else unexpected(error)
-                failed = Screen(ask.design, complete=True, problem=why)
-                conn.send(Written(ask.folder, why) if ask.folder else failed)
-            waiting.remove(ask)
-    except (EOFError, OSError, KeyboardInterrupt):
-        return
+        design, name = calculation.design, str(calculation.design)
+        try:
+            if name not in last:
+                last.clear()
+                last[name] = run(calculation.case, progress, sensitivities=False)
+            # of a path of loads they take too long
+            follow = last[name].problem.leaks and not last[name].problem.follows_path
+            yield complete_screen(design, last[name], follow=follow)
+            if follow:
+                last[name] = with_sensitivities(last[name], progress)
+                yield complete_screen(design, last[name])
+            if calculation.folder:
+                last[name].write(calculation.folder)
+        except Exception as error:
+            if calculation.folder:
+                raise
+            yield Screen(design, complete=True, problem=_why(error))
+
+    return calculate
 
 
 def with_sensitivities(result: SealResult, progress: Progress) -> SealResult:
@@ -356,28 +298,30 @@ class Answers:
     Parameters
     ----------
     session : Session
+        Of the case with which the page was opened.
+    calculate : callable, optional
+        Calculates designs of the sliders; in a process of its own unless given.
     """
 
-    def __init__(self, session: Session) -> None:
+    def __init__(self, session: Session, calculate: Calculate | None = None) -> None:
         self.session = self.newest = session
         self._sessions = {"": session}
-        self._complete, self._pinned = Kept(_SCREENS), Kept(_SCREENS)
-        self._written: dict[str, Written] = {}
+        self._calculate = calculate or self._calculate_apart
+        self._live, self._complete = Kept(_SCREENS), Kept(_SCREENS)
         self._lock, self._answering = RLock(), RLock()
+        # the newest question of each page; grows with everything that a page may be waiting for
         self._newest: dict[str, int] = {}
-        # grows with everything that the page may be waiting for
         self.news = 0
-        self._waits = False
-        # the first numbers come from another process, which calculates while this one makes the page
-        self._awaited: dict[str, str] | None = None
-        self._first: Screen | None = None
-        self._first_there, self._first_shown = Event(), Event()
-        session.waits = False
-        # designs whose runs ended their process, and why; what the page says of it, and when it happened
+        # the design whose run has begun, and those whose runs ended their process, with the reason
+        self._settling: dict[str, str] = {}
         self._given_up: dict[tuple[tuple[str, str], ...], str] = {}
-        self._lost, self._lost_at = "", 0.0
-        self._ahead = Worker(session.given, make_ahead, self._told_ahead)
-        self._runner = Worker(session.given, run_to_the_end, self._receive)
+        # reports that are done: why there is none, or nothing
+        self._written: dict[str, str] = {}
+        self._lost, self._lost_at = "", -math.inf
+        self._designs, self._runs = Calculator(live_work, self._say), Calculator(complete_work, self._say)
+        self._first = Thread(target=self.screen, args=({},), daemon=True)
+        self._queue = ThreadPoolExecutor(1)
+        self._closed = False
 
     def of(self, design: Mapping[str, str]) -> Session:
         """The session of the case that a design belongs to.
@@ -393,12 +337,31 @@ class Answers:
         """The session of another case."""
         with self._lock:
             name = str(len(self._sessions))
-            made = self._sessions[name] = Session(case, name=name, like=self.session)
+            made = self._sessions[name] = Session(case, name)
             return made
 
     def has(self, design: Mapping[str, str]) -> bool:
         """Whether the case that a design belongs to is one of this page."""
         return design.get("case", "") in self._sessions
+
+    def begin(self) -> None:
+        """Calculate the first numbers in another process, while this one loads what the page needs."""
+        self._designs.start()
+        self._first.start()
+
+    def first(self, within: float) -> Screen | None:
+        """The first numbers, for a page that begins with the case's own design; None if they take longer.
+
+        Parameters
+        ----------
+        within : float
+            [s]
+        """
+        if self.newest is not self.session or self._first.ident is None:
+            return None
+        self._first.join(within)
+        first = self._live.known(_name(self.session.design({})))
+        return None if first is None else self._with_run(first)
 
     def answer(self, design: Mapping[str, str], page: str = "", number: int = 0) -> Screen | None:
         """What is shown of a design; None if the page has asked for a newer one.
@@ -411,105 +374,86 @@ class Answers:
         number : int
             Of its question, counted up.
         """
-        session = self.of(design)
-        design = session.design(design)
         with self._lock:
             # with which a page begins that is opened again
-            self.newest = session
+            self.newest = self.of(design)
             self._newest[page] = max(number, self._newest.get(page, 0))
-        if design == self._awaited:
-            return self._first_answer(design)
         with self._answering:
-            if number < self._newest[page]:
-                return None
-            live = self.of(design).answer(design)
-            self._waits = bool(live.waiting)
-        self._make_ahead(design)
+            return self.screen(design) if number >= self._newest[page] else None
+
+    def screen(self, design: Mapping[str, str]) -> Screen:
+        """What is shown of a design."""
+        session = self.of(design)
+        design = session.design(design)
+        with self._answering:
+            live: Screen | None = self._live.known(_name(design))
+            if live is None:
+                live = session.answer(design, self._calculate)
+                if not live.problem:
+                    self._live.put(_name(design), live)
         return self._with_run(live)
 
-    def _first_answer(self, design: dict[str, str]) -> Screen:
-        """What the other process has found of the case's own design; until then its section."""
-        if self._first is None:
-            return self.session.answer(design, waiting="the first numbers")
-        self._first_shown.set()
-        return self._with_run(self._first)
-
-    def first(self, within: float) -> Screen | None:
-        """The first numbers, for a page that begins with the case's own design; None if they take longer.
+    def rest(self, design: Mapping[str, str], page: str, number: int) -> None:
+        """Begin with the complete run of a design and calculate its neighbours, until the page asks for another one.
 
         Parameters
         ----------
-        within : float
-            [s]
+        design, page, number
+            See `answer`.
         """
-        if self._awaited is None or self.newest is not self.session:
-            return None
-        self._first_there.wait(within)
-        return None if self._first is None else self._with_run(self._first)
-
-    def screen(self, design: Mapping[str, str]) -> Screen:
-        """What is shown of a design that no slider moves, such as a pinned one."""
-        design = self.of(design).design(design)
-        live = self._pinned.known(_name(design))
-        if live is None:
-            with self._answering:
-                live = self.of(design).answer(design)
-            if not live.waiting:
-                self._pinned.put(_name(design), live)
-        return self._with_run(live)
-
-    def _make_ahead(self, design: dict[str, str]) -> None:
-        self._ahead.ask(Ask(design, case=self.of(design).given))
-
-    def is_newest(self, page: str, number: int) -> bool:
-        """Whether a page has asked for nothing newer."""
-        with self._lock:
-            return number >= self._newest.get(page, 0)
-
-    def given_up(self, design: Mapping[str, str]) -> str:
-        """Why no complete run of a design follows; empty if one may."""
-        with self._lock:
-            return self._given_up.get(_name(self.of(design).design(design)), "")
-
-    @property
-    def lost(self) -> str:
-        """What became of a process that ended a short while ago; empty if none did."""
-        with self._lock:
-            return self._lost if time.monotonic() - self._lost_at < _TOLD_FOR else ""
-
-    def begin(self) -> None:
-        """Calculate the first numbers in another process, while this one loads what the page needs."""
-        own = self.session.design({})
-        with suppress(*WRONG):
-            if not self.session.slow(self.session.case(own)):
-                self._awaited = own
-                self._ahead.ask(Ask(own, first=True))
+        if self._is_at_rest(page, number):
+            self.settle(design)
+        for neighbour in islice(self.of(design).neighbours(design), _AHEAD):
+            if not self._is_at_rest(page, number) or self.screen(neighbour).waiting:
+                break
 
     def settle(self, design: Mapping[str, str]) -> None:
         """Begin with the complete run of a design."""
-        design = self.of(design).design(design)
-        if self.complete(design) is None and not self.given_up(design):
-            self._runner.ask(Ask(design, case=self.of(design).given))
+        session = self.of(design)
+        design = session.design(design)
+        with self._lock:
+            if design == self._settling or self.complete(design) or self.given_up(design):
+                return
+            self._settling = design
+        self._begin(Calculation(session.case(design), design))
+
+    def report(self, design: Mapping[str, str], folder: Path) -> None:
+        """Begin with the report of a design."""
+        session = self.of(design)
+        self._begin(Calculation(session.case(design), session.design(design), str(folder)))
+
+    def written(self, folder: Path) -> str | None:
+        """Why there is no report of those that were asked for; empty if there is one, None while it is made."""
+        return self._written.get(str(folder))
 
     def complete(self, design: Mapping[str, str]) -> Screen | None:
         """The screen of a design's complete run, if it is there."""
         found: Screen | None = self._complete.known(_name(self.of(design).design(design)))
         return found
 
-    def report(self, design: Mapping[str, str], folder: Path) -> None:
-        """Begin with the report of a design."""
-        session = self.of(design)
-        self._runner.ask(Ask(session.design(design), str(folder), case=session.given))
+    def given_up(self, design: Mapping[str, str]) -> str:
+        """Why no complete run of a design follows; empty if one may."""
+        return self._given_up.get(_name(self.of(design).design(design)), "")
 
-    def written(self, folder: Path) -> Written | None:
-        """A report that was asked for, if it is there."""
-        with self._lock:
-            return self._written.get(str(folder))
+    @property
+    def lost(self) -> str:
+        """What became of a process that ended a short while ago; empty if none did."""
+        return self._lost if time.monotonic() - self._lost_at < _TOLD_FOR else ""
 
     def close(self) -> None:
         """End the processes."""
-        self._ahead.close()
-        self._runner.close()
+        self._closed = True
+        self._queue.shutdown(wait=False, cancel_futures=True)
+        self._designs.close()
+        self._runs.close()
+
+    def _is_at_rest(self, page: str, number: int) -> bool:
+        """Whether a page has asked for nothing newer."""
+        return not self._closed and number >= self._newest.get(page, 0)
+
+    def _calculate_apart(self, case: Case, design: Mapping[str, str]) -> Screen:
+        (screen,) = self._designs.screens(Calculation(case, dict(design)), _PATIENCE)
+        return screen
 
     def _with_run(self, live: Screen) -> Screen:
         complete = self.complete(live.design)
@@ -519,46 +463,37 @@ class Answers:
         between = tuple(map(without_interval, live.between)) if live.widens else live.between
         return replace(complete, between=between)
 
-    def _receive(self, got: object) -> None:
-        with self._lock:
-            if isinstance(got, Written):
-                self._written[got.folder] = got
-            elif isinstance(got, Screen):
-                self.news += 1
-                name = _name(got.design)
-                self._complete.put(name, got)
+    def _begin(self, calculation: Calculation) -> None:
+        """Run a design after what is going on, which is left unless it is a report."""
+        self._runs.leave()
+        if not self._closed:
+            self._queue.submit(self._run, calculation)
+
+    def _run(self, calculation: Calculation) -> None:
+        if not calculation.folder and calculation.design != self._settling:
+            return
+        name, problem = _name(calculation.design), ""
+        try:
+            for screen in self._runs.screens(calculation):
+                self._complete.put(name, screen)
                 self._given_up.pop(name, None)
-            elif isinstance(got, Lost):
-                self._say_lost(got)
-                for ask in got.left:
-                    if ask.folder:
-                        self._written[ask.folder] = Written(ask.folder, self._lost)
-                    else:
-                        self._given_up[_name(ask.design)] = self._lost
-
-    def _told_ahead(self, got: object) -> None:
-        with self._lock:
-            if isinstance(got, Made):
-                self.news += self._waits
-                self.session.live.keep(got.name, got.what)
-            elif isinstance(got, Screen):
-                self._first = got
-                self._first_there.set()
                 self.news += 1
-            elif isinstance(got, Lost):
-                self._say_lost(got)
-                if any(ask.first for ask in got.left):
-                    # it is this process's turn
-                    self._awaited, self.session.waits = None, True
-                    self._first_there.set()
-        if isinstance(got, Screen):
-            # what follows loads what calculates: not before the numbers are on their way
-            self._first_shown.wait(_SHOWN_WITHIN)
-            self.settle(got.design)
+        except LeftError:
+            # for a report, unless for another design
+            self._begin(calculation)
+            return
+        except SealError as error:
+            problem = str(error)
+            if not calculation.folder:
+                self._given_up[name] = problem
+        if calculation.folder:
+            self._written[calculation.folder] = problem
+        elif self._settling == calculation.design:
+            self._settling = {}
+        self.news += 1
 
-    def _say_lost(self, lost: Lost) -> None:
-        self._lost = lost_words(lost.code, bool(lost.again), bool(lost.left))
-        self._lost_at = time.monotonic()
+    def _say(self, lost: str) -> None:
+        self._lost, self._lost_at = lost, time.monotonic()
         self.news += 1
 
 

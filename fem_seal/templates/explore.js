@@ -1,4 +1,4 @@
-function gather(places, fluid, typed, _, meta, before) {
+function gather(places, typed, _, meta, before) {
     // Texts of all values from the places of the sliders. A typed text stays until its slider is moved, and so does an
     // invalid one: it stays in its field while the calculation uses the last valid value. While an answer is pending no
     // other is requested; the next request takes the latest sliders, so that the page moves on. What else is done with the
@@ -10,7 +10,6 @@ function gather(places, fluid, typed, _, meta, before) {
         design[key] = stands ? own.text : meta.stops[key][places[n]];
         if (stands && own.wrong !== undefined) { wrong[key] = own.wrong; }
     });
-    if (fluid) { design.fluid = fluid; }
     if (meta.case) { design.case = meta.case; }
     // a field that is being typed in is not changed
     meta.keys.forEach(key => {

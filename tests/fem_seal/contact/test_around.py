@@ -29,7 +29,7 @@ from fem_seal.contact.other_loads import BodyLoads
 from fem_seal.contact.sizing import element_sizes
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError
-from fem_seal.explore.live import _ROUNDING
+from fem_seal.explore.live import SOURCE
 from fem_seal.form import FormError, Wave, rigid_wave
 from fem_seal.materials import effective_modulus
 from fem_seal.profile import PressureProfile
@@ -848,6 +848,6 @@ def test_a_mesh_that_the_round_seal_wants_otherwise_is_not_followed_around(most,
     monkeypatch.setattr(Watched, "made", [])
     monkeypatch.setattr(Watched, "most", most)
     case = load_case(EXAMPLES / "tilted_poppet.toml").replace(seat={"angle": "8.43 deg"})
-    found = evaluate(SealProblem.of(case), Watched(_ROUNDING))
+    found = evaluate(SealProblem.of(case), Watched(SOURCE.rounding))
     assert (len(Watched.made), len(rings)) == (count, 1)
     assert found.loads[0].formed.line_load.mean() == pytest.approx(found.loads[0].contact.line_load, rel=1e-6)

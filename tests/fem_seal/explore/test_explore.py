@@ -6,9 +6,10 @@ import os
 import re
 import signal
 import sys
+import time
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from pathlib import Path
-from queue import Queue
 
 import numpy as np
 import pytest
@@ -18,14 +19,25 @@ from shape_tables import tables
 import fem_seal
 from fem_seal.case.case import input_tables, load_case
 from fem_seal.case.case_file import case_text, free_name, write_case
-from fem_seal.errors import InputError
+from fem_seal.errors import InputError, LimitLoadError, SealError
+from fem_seal.explore.choices import changed
 from fem_seal.explore.factors import factors_of
 from fem_seal.explore.figures import leak_figure, section_figure
-from fem_seal.explore.live import Missing, OwnTable, conductivity
-from fem_seal.explore.screen import SHOWN, Screen, Shown, numbers_of, validity_words
+from fem_seal.explore.live import SOURCE, live_loads, live_screen, solved
+from fem_seal.explore.screen import SHOWN, Screen, ShownDesign, lost_words, numbers_of, validity_words
 from fem_seal.explore.session import Session
-from fem_seal.explore.worker import Answers, Ask, Lost, Worker, Written, complete_screen, with_sensitivities
+from fem_seal.explore.worker import (
+    Answers,
+    Calculation,
+    Calculator,
+    LeftError,
+    LostError,
+    complete_screen,
+    with_sensitivities,
+)
 from fem_seal.output.report.words import headline
+from fem_seal.seal.kept import Kept
+from fem_seal.seal.problem import SealProblem
 
 BALL = {
     "title": "Ball on cone",
@@ -55,7 +67,6 @@ DESIGN = {
     "hardness": "3 GPa",
     "seat_angle": "50 deg",
     "closure_radius": "18 mm",
-    "fluid": "hydraulic oil ISO VG 32",
 }
 
 
@@ -65,7 +76,7 @@ def case_with(**tables):
 
 @pytest.fixture(scope="module")
 def session():
-    return Session(case_with())
+    return Session(case_with(fluid={"name": "hydraulic oil ISO VG 32"}))
 
 
 @pytest.fixture(scope="module")
@@ -129,10 +140,10 @@ def test_live_numbers_are_those_of_a_run_in_the_digits_that_are_shown(live, run)
 
 def test_between_edges_the_elements_are_far_fewer_and_the_numbers_those_of_a_run():
     case = load_case(EXAMPLES / "poppet_on_land.toml")
-    run, live = fem_seal.run(case), Session(case)
-    bodies = live.make(next(live.needs({})))
-    assert len(bodies.line.x) < 0.6 * len(run.model.line.x)
-    screen = live.answer({})
+    run, screen = fem_seal.run(case), Session(case).answer({})
+    problem = SealProblem.of(case)
+    evaluation, _ = solved(case, problem, live_loads(problem))
+    assert len(evaluation.model.line.x) < 0.6 * len(run.model.line.x)
     for number, load in enumerate(screen.loads):
         expected = columns(run, number)
         for name in ("leak_rate_m3_per_s", "peak_pressure_Pa", "fwhm_m"):
@@ -154,15 +165,12 @@ def test_all_that_was_chosen_stands_in_the_written_file(written):
 
 
 @pytest.mark.slow
-def test_the_way_to_a_design_does_not_matter(session, live):
-    fresh = Session(case_with())
-    for design in (
-        {"seat_angle": "40 deg"},
-        {**DESIGN, "finish_spectrum": "2 um"},
-        {**DESIGN, "fluid": "water"},
-    ):
-        fresh.answer(design)
-    again = fresh.answer(DESIGN)
+def test_the_way_to_a_design_does_not_matter(session, live, monkeypatch):
+    monkeypatch.setattr("fem_seal.explore.live.SOURCE", replace(SOURCE, light=Kept(9)))
+    for design in ({"seat_angle": "40 deg"}, {**DESIGN, "finish_spectrum": "2 um"}):
+        session.answer(design)
+    Session(changed(session.given, "fluid.name", "water")).answer(DESIGN)
+    again = session.answer(DESIGN)
     for one, other in zip(again.loads, live.loads, strict=True):
         assert one.values == pytest.approx(other.values, rel=1e-9, nan_ok=True)
     assert again.profile.pressure == pytest.approx(live.profile.pressure, rel=1e-9)
@@ -184,44 +192,11 @@ def test_the_curve_of_a_single_load_has_more_points_that_fall_with_pressure():
     assert rates == sorted(rates, reverse=True)
 
 
-@pytest.mark.parametrize("gas", [False, True])
-def test_tables_of_a_family_are_those_of_the_surface(gas):
-    session = Session(case_with(fluid={"name": "helium" if gas else "water"}, leak={"plasticity": False}))
-    problem, _ = session.live.problem(session.case({"finish_spectrum": "0.3 um"}))
-    made = conductivity(problem.flow, problem.surface, 8.0, lambda name: name.made())
-    own = OwnTable(problem.surface, -1, 9, gas).made()
-    log_p = np.log(np.geomspace(1e4, 1e8, 7))
-    # both are splines over other pressures; 1e-4 of u_eff is 3e-4 of the flow
-    assert made.at_log_pressure(log_p) == pytest.approx(own.at_log_pressure(log_p), rel=1e-4)
-    if gas:
-        assert made.rarefaction(log_p, 0.0 * log_p) == pytest.approx(
-            own.rarefaction(log_p, 0.0 * log_p), rel=1e-3
-        )
-
-
-def test_what_is_missing_is_left_open_and_comes_when_it_is_made(live):
-    session = Session(case_with(), waits=False)
-    first = session.answer(DESIGN)
-    assert first.waiting
-    assert math.isnan(first.load.values["leak_rate_m3_per_s"])
-    assert first.load.values["peak_pressure_Pa"] == pytest.approx(
-        live.load.values["peak_pressure_Pa"], rel=1e-9
-    )
-    for name in session.needs(DESIGN):
-        session.make(name)
-    then = session.answer(DESIGN)
-    assert not then.waiting
-    assert then.load.values == pytest.approx(live.load.values, rel=1e-9)
-    with pytest.raises(Missing):
-        problem, _ = session.live.problem(session.case({"fluid": "helium"}))
-        conductivity(problem.flow, problem.surface, 8.0, session.live.tables.known)
-
-
 def test_the_verdict_follows_the_sliders_and_what_is_required_goes_with_its_load(session):
     load = session.answer({}).load
     allowed = 2 * load.values["leak_rate_high_m3_per_s"]
     required = {"leak_rate": f"{allowed!r} m^3/s", "fluid_pressure": "20 bar"}
-    with_limit = Session(case_with(requirement=required))
+    with_limit = Session(case_with(requirement=required, fluid={"name": "hydraulic oil ISO VG 32"}))
     before, after = (
         with_limit.answer(design) for design in ({}, {"fluid_pressure": "30 bar", "finish_spectrum": "5 um"})
     )
@@ -244,7 +219,7 @@ def test_nothing_is_claimed_of_a_seal_before_all_of_it_is_known():
     assert validity.endswith(words)
     assert any(
         note["text"] == words
-        for note in leak_figure([Shown(screen, "now", "#123456")], False).layout["annotations"]
+        for note in leak_figure([ShownDesign(screen, "now", "#123456")], False).layout["annotations"]
     )
 
 
@@ -299,7 +274,9 @@ def test_the_curve_shows_the_whole_interval_of_the_load_that_is_shown():
     """A single load makes no band; a bar holds its interval."""
     screen = Session(case_with(load={"fluid_pressure": "20 bar"})).answer({})
     rate, low, high = (screen.load.values[f"leak_rate_{end}m3_per_s"] for end in ("", "low_", "high_"))
-    (bar,) = (one for one in leak_figure([Shown(screen, "now", "#123456")], False).data if one.get("error_y"))
+    (bar,) = (
+        one for one in leak_figure([ShownDesign(screen, "now", "#123456")], False).data if one.get("error_y")
+    )
     ends = bar["y"][0] - bar["error_y"]["arrayminus"][0], bar["y"][0] + bar["error_y"]["array"][0]
     assert [end / bar["y"][0] for end in ends] == pytest.approx([low / rate, high / rate], rel=1e-9)
     assert low < high
@@ -312,7 +289,6 @@ def test_the_curve_shows_the_whole_interval_of_the_load_that_is_shown():
         ({"fluid_pressure": "much"}, "fluid pressure"),
         ({"seat_angle": "89 deg"}, "the slider goes from 30 deg to 60 deg"),
         ({"closure_radius": "-3 mm"}, "the slider goes from"),
-        ({"fluid": "phlogiston"}, "not in the library"),
     ],
 )
 def test_what_cannot_be_is_said_in_a_sentence(session, design, words):
@@ -329,9 +305,8 @@ def test_an_impossible_geometry_is_said_in_a_sentence():
 
 def alone(session):
     """Answers without processes beside them, so that nothing becomes complete."""
-    answers = Answers(session)
+    answers = Answers(session, live_screen)
     answers.close()
-    session.waits = True
     return answers
 
 
@@ -711,9 +686,8 @@ def test_a_page_begins_with_the_first_numbers_and_draws_them_once(session):
     answers = alone(session)
     client = client_of(session, answers=answers)
     assert '"value-leak"' not in asked(client, "/_dash-layout").text
-    answers._awaited, first = session.design({}), session.answer({})
-    answers._first_shown.set()
-    answers._told_ahead(first)
+    first = answers.screen({})
+    answers._first.start()
     begun = asked(client, "/_dash-layout")
     parts = {str(part["props"].get("id")): part["props"] for part in parts_of(begun.json)}
     assert parts["value-leak"]["data-si"] == str(first.load.values["leak_rate_m3_per_s"])
@@ -746,62 +720,121 @@ def test_wrong_texts_are_all_named(session):
     }
 
 
-def dying(conn, case):
-    """A worker that some designs kill."""
-    try:
-        while True:
-            ask = conn.recv()
-            left = Path(ask.design["force"])
-            if left.is_file():
-                left.unlink()
-                os.kill(os.getpid(), signal.SIGKILL)
-            if ask.design["fluid"] == "deadly":
-                os.kill(os.getpid(), signal.SIGKILL)
-            conn.send(Written(ask.folder) if ask.folder else Screen(ask.design, complete=True))
-    except EOFError:
-        return
+def dying_work():
+    """What some designs kill, and one hangs."""
+
+    def calculate(calculation, left):
+        what = calculation.design["what"]
+        if what == "deadly" or (Path(what).is_file() and not Path(what).unlink()):
+            os.kill(os.getpid(), signal.SIGKILL)
+        if what == "wrong":
+            raise LimitLoadError("bears no more", "seat")
+        while what == "waits":
+            time.sleep(0.01)
+            if left():
+                raise LeftError
+        while what == "hangs":
+            time.sleep(1.0)
+        yield Screen(calculation.design, complete=True)
+
+    return calculate
+
+
+@pytest.fixture
+def told():
+    return []
+
+
+@pytest.fixture
+def calculator(told):
+    calculator = Calculator(dying_work, told.append)
+    yield calculator
+    calculator.close()
+
+
+def done(calculator, session, what, **more):
+    (screen,) = calculator.screens(Calculation(session.given, {"what": what}), **more)
+    return screen.design["what"]
 
 
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="processes are killed with SIGKILL")
-def test_work_of_a_killed_process_is_done_by_another_one_and_given_up_after_two(session, tmp_path):
-    got = Queue()
-    worker = Worker(session.given, dying, got.put)
-    mine = tmp_path / "once"
-    mine.touch()
-    once, deadly = {"force": str(mine), "fluid": "water"}, {"force": "", "fluid": "deadly"}
-    try:
-        worker.ask(Ask(once))
-        assert got.get(timeout=60) == Lost(-signal.SIGKILL, (Ask(once),))
-        assert got.get(timeout=60) == Screen(once, complete=True)
+def test_work_of_a_killed_process_is_done_by_another_one_and_given_up_after_two(
+    session, calculator, told, tmp_path
+):
+    once = tmp_path / "once"
+    once.touch()
+    assert done(calculator, session, str(once)) == str(once)
+    assert len(told) == 1 and "was killed (SIGKILL)" in told[0] and "Another one" in told[0]
+    with pytest.raises(LostError) as raised:
+        done(calculator, session, "deadly")
+    assert told[1:] == [told[1], str(raised.value)]
+    assert "Another one" in told[1] and "not tried again" in told[2]
+    # the next one finds a process, and so does one that comes when it was killed with nothing to do
+    for _ in range(2):
+        assert done(calculator, session, "alive") == "alive"
+        calculator._process.kill()
+    with pytest.raises(SealError, match="bears no more"):
+        done(calculator, session, "wrong")
+    assert done(calculator, session, "alive") == "alive"
 
-        worker.ask(Ask(deadly, "report"))
-        assert got.get(timeout=60) == Lost(-signal.SIGKILL, (Ask(deadly, "report"),))
-        assert got.get(timeout=60) == Lost(-signal.SIGKILL, (), (Ask(deadly, "report"),))
 
-        # the next one finds a process
-        worker.ask(Ask(once, "another report"))
-        assert got.get(timeout=60) == Written("another report")
-        # one that is killed while it has nothing to do is replaced, too
-        worker._process.kill()
-        assert got.get(timeout=60) == Lost(-signal.SIGKILL)
-        worker.ask(Ask(once))
-        assert got.get(timeout=60) == Screen(once, complete=True)
-    finally:
-        worker.close()
-    assert got.empty()
+@pytest.mark.slow
+def test_a_calculation_that_hangs_is_stopped_and_one_is_left_when_another_is_asked_for(
+    session, calculator, told
+):
+    with pytest.raises(LostError, match="was stopped"):
+        done(calculator, session, "hangs", within=1.5)
+    with ThreadPoolExecutor(1) as beside:
+        waits = beside.submit(done, calculator, session, "waits")
+        while not waits.done():
+            time.sleep(0.1)
+            calculator.leave()
+        with pytest.raises(LeftError):
+            waits.result()
+    assert done(calculator, session, "alive") == "alive"
+    assert len(told) == 1
+
+
+class Dying:
+    """A calculator whose processes end."""
+
+    def leave(self):
+        pass
+
+    def screens(self, calculation):
+        raise LostError(lost_words(-9, again=False))
 
 
 def test_what_was_given_up_is_refused_and_not_begun_again(session):
-    answers = alone(session)
-    design = session.design({})
-    answers._receive(Lost(-9, (), (Ask(design), Ask(design, "report.out"))))
-    assert "was killed (SIGKILL)" in answers.lost
-    assert "not tried again" in answers.given_up(design)
-    assert answers.written(Path("report.out")).problem == answers.lost
-    answers._runner = Worker(session.given, dying, print)
+    answers, design = Answers(session, live_screen), session.design({})
+    answers._runs = Dying()
     answers.settle(design)
-    assert answers._runner._process is None
+    answers.report(design, Path("report.out"))
+    answers._queue.shutdown()
+    why = answers.given_up(design)
+    assert "was killed (SIGKILL)" in why and "not tried again" in why
+    assert answers.written(Path("report.out"))[-30:] == why[-30:]
+    news = answers.news
+    answers.settle(design)
+    assert not answers._settling and answers.news == news
+
+
+def test_neighbours_of_a_design_at_rest_are_calculated_ahead(session):
+    answers, asked = Answers(session, live_screen), []
+    answers._runs = Dying()
+    answers._calculate = lambda case, design: asked.append(design) or Screen(design)
+    assert answers.answer({}, "page", 1) == answers.screen({})
+    answers.rest({}, "page", 1)
+    assert len(asked) == 41
+    # those of surfaces, whose conductivities take longest, the nearest first
+    stops = session.factors.sliders[-1].stops
+    assert all(one["fluid_pressure"] == session.factors.given["fluid_pressure"] for one in asked)
+    assert asked[1]["finish_spectrum"] == "1.04 um" and len(stops) > 40
+    answers.rest(asked[1], "page", 1)
+    answers.answer({"fluid_pressure": "21 bar"}, "page", 2)
+    answers.rest({}, "page", 1)
+    assert asked[-1]["fluid_pressure"] == "21 bar"
 
 
 def test_pictures_hold_what_is_on_the_screen_and_are_figures_of_plotly(session, live):
@@ -819,19 +852,22 @@ def test_pictures_hold_what_is_on_the_screen_and_are_figures_of_plotly(session, 
     assert marked[-1]["x"] == [pytest.approx(30.0)]
 
 
-def test_a_body_that_a_slider_leaves_as_it_is_is_not_condensed_again():
+def test_a_body_that_a_slider_leaves_as_it_is_is_not_condensed_again(monkeypatch):
     session = Session(load_case(EXAMPLES / "tilted_poppet.toml"))
-    heights = ["12.2 mm", "12.4 mm"]
-    alone = Session(session.given).answer({"seat_height": heights[1]})
-    after = [session.answer({"seat_height": height}) for height in heights][1]
-    assert after.loads == alone.loads
-    closures = [model.harmonics[0] for model in session.live.bodies._made.values()]
+    heights, found = ["12.2 mm", "12.4 mm"], []
+    for before in ([], heights[:1]):
+        source = replace(SOURCE, light=Kept(9))
+        monkeypatch.setattr("fem_seal.explore.live.SOURCE", source)
+        found.append([session.answer({"seat_height": height}) for height in [*before, heights[1]]][-1])
+    assert found[0].loads == found[1].loads
+    closures = [model.harmonics[0] for model in source.light._made.values()]
     assert len(closures) == 2 and closures[0] is closures[1]
 
 
 def test_a_load_that_comes_again_is_solved_once():
-    session = Session(load_case(EXAMPLES / "relief_valve.toml"))
-    evaluation, own = session.live._evaluated(session.base, waits=True)
+    case = load_case(EXAMPLES / "relief_valve.toml")
+    problem = SealProblem.of(case)
+    evaluation, own = solved(case, problem, live_loads(problem))
     contacts, loads = evaluation.solved.contacts[:own], evaluation.loads[:own]
     for first, again in ((0, 4), (1, 3)):
         assert contacts[first] is contacts[again] and loads[first] is loads[again]

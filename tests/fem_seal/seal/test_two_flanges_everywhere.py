@@ -20,7 +20,7 @@ from fem_seal.answers.sensitivities import sensitivities
 from fem_seal.answers.target import contacts_at_target
 from fem_seal.answers.verdict import seal_judgement, with_judgements
 from fem_seal.explore.factors import factors_of
-from fem_seal.explore.live import Live
+from fem_seal.explore.live import live_screen
 from fem_seal.output.columns import COLUMNS
 from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.problem import SealProblem
@@ -207,7 +207,7 @@ def test_the_verdict_passes_with_its_force_and_not_with_less() -> None:
 
 
 def test_the_live_page_shows_the_leak_of_both_faces() -> None:
-    screen = Live(one_shape=False).answer({}, UNLIKE, waits=True)
+    screen = live_screen(UNLIKE, {})
     assert screen.problem == "" and screen.waiting == ""
     shown = screen.loads[0].values["leak_rate_m3_per_s"]
     assert shown == pytest.approx(rates(seal_of(UNLIKE))[0], rel=5e-3)
