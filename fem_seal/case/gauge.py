@@ -18,8 +18,6 @@ from fem_seal.units import NUMBER, exact_quantity
 from leak.standards import STANDARD_PRESSURE
 
 _WRITTEN = re.compile(rf"\s*({NUMBER})\s*(m?bar|psi|[kM]?Pa)\s?(?:\(([ga])\)|([ga]))\s*")
-# As long as a quantity may be.
-_LONGEST = 60
 _DIFFERENCES = (
     ("load", "fluid_pressure"),
     ("load", "largest_earlier_pressure"),
@@ -183,7 +181,7 @@ def _texts(entry: object) -> Iterator[object]:
 
 
 def _match(entry: object) -> re.Match[str] | None:
-    return _WRITTEN.fullmatch(entry) if isinstance(entry, str) and len(entry) <= _LONGEST else None
+    return _WRITTEN.fullmatch(entry) if isinstance(entry, str) else None
 
 
 def _kind(match: re.Match[str]) -> str:
