@@ -316,7 +316,7 @@ def _along(step: _Step, contact: ContactGeometry) -> tuple[FloatArray, FloatArra
         return _of_points(found, step, contact, tail)
     name, x = places["arc"] if "arc" in places else found[0]
     understood = f'"{name}" is the arc length of the points, {tail}'
-    x, told = _from_touch(x, step.pressure, understood, contact)
+    x, told = _from_touch(x, step.pressure, understood)
     return x, None, told
 
 
@@ -335,7 +335,7 @@ def _arc_with_radius(
                 f"first radius with pressure to its last, x goes over {_mm(width)} ({understood})"
             )
         return x if _touches_at_zero(x, pressure) else x + float(np.median(offset))
-    x, _ = _from_touch(x, pressure, understood, contact)
+    x, _ = _from_touch(x, pressure, understood)
     own = contact.radius(x[pressed])
     # one radius for all points will do
     if abs(r[pressed].mean() / own.mean() - 1.0) > _SAME_RADIUS:
@@ -357,9 +357,7 @@ def _of_points(
         name, x = (moving or found)[0]
         if "arc" in step.places or x.min() < 0.0 or not _fits(x, contact):
             arc_name, x = step.places.get("arc", (name, x))
-            x, told = _from_touch(
-                x, step.pressure, f'"{arc_name}" is the arc length of the points, {tail}', contact
-            )
+            x, told = _from_touch(x, step.pressure, f'"{arc_name}" is the arc length of the points, {tail}')
             return x, None, told
         understood = f'"{name}" is the radius of points on the seat, {tail}'
         return _on_seat(x, step.pressure, contact, understood), None, understood
@@ -471,9 +469,7 @@ def _touches_at_zero(x: FloatArray, pressure: FloatArray) -> bool:
     return bool(pressed.min() <= 0.0 <= pressed.max())
 
 
-def _from_touch(
-    x: FloatArray, pressure: FloatArray, understood: str, contact: ContactGeometry
-) -> tuple[FloatArray, str]:
+def _from_touch(x: FloatArray, pressure: FloatArray, understood: str) -> tuple[FloatArray, str]:
     """Arc length from first touch; of a path that begins at zero, with its centre of pressure there."""
     if _touches_at_zero(x, pressure):
         return x, understood

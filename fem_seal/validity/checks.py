@@ -164,7 +164,7 @@ def _interface_cautions(
     problem: SealProblem, surface: RoughContact, loads: Sequence[LoadResult], sealing: float | None = None
 ) -> Iterator[Finding]:
     sealing = surface.sealing_pressure if sealing is None else sealing
-    yield from _sealed(problem, surface, loads, sealing)
+    yield from _sealed(surface, loads, sealing)
     yield from _nearly_sealed(problem, surface, loads, sealing)
     yield from _range(problem, surface, loads)
     yield from _long_waves(surface, loads)
@@ -648,9 +648,7 @@ def _is_sealed(load: LoadResult, sealing: float) -> bool:
     return profile.highest >= sealing and leak.leak_rate == 0.0
 
 
-def _sealed(
-    problem: SealProblem, surface: RoughContact, loads: Sequence[LoadResult], sealing: float
-) -> Iterator[Finding]:
+def _sealed(surface: RoughContact, loads: Sequence[LoadResult], sealing: float) -> Iterator[Finding]:
     tight = [load for load in loads if _is_sealed(load, sealing)]
     if tight:
         load = max(tight, key=lambda load: load.peak_pressure)
