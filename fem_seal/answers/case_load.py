@@ -122,9 +122,12 @@ class CaseLoad(LoadResult):
         ----------
         name : str
         """
-        rough = self.rough
-        own = names(None, None) if rough is None else names(rough.surface, rough.flow)
-        return self if name in own else self.scenarios.get(name)
+        return self if name in self.names else self.scenarios.get(name)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What its own scenario is called: by its surface, and by its theory unless it is simulated."""
+        return names(None, None) if self.rough is None else names(self.rough.surface, self.rough.flow)
 
     def with_scenarios(self, known: Mapping[str, CaseLoad]) -> Self:
         """A copy in which some scenarios are others, or stand beside as well.
@@ -352,7 +355,7 @@ def _beside(
         others = scenario.on_contacts(loads, partial(prepare, scenario.name))
         different = [number for number, other in enumerate(others) if other is not loads[number]]
         changed = [others[number] for number in different]
-        if scenario.has_interval:
+        if SCENARIOS[scenario.name].has_interval:
             made = _beside(scenario.problem, changed, prepare, interval_alone=True)
         else:
             made = list(map(CaseLoad.of, changed))

@@ -184,8 +184,8 @@ def form_answers(solver: LoadSolver, case: Case, load: CaseLoad, given: FormErro
         _goes_round(load) if case.form is not None and case.form.flow_around else None,
         _shallower([_deepest_scratch(case, load, one) for one in (asked, *asked.others.values())]),
         {
-            reading: allowed
-            for reading, one in asked.others.items()
+            name: allowed
+            for name, one in asked.others.items()
             if (allowed := _allowed(case, load, one, given)) is not None
         },
     )
@@ -223,13 +223,13 @@ class _Formed:
     @cached_property
     def others(self) -> dict[str, _Formed]:
         """In the other readings of yielding asperities."""
-        return {reading: _Formed(load) for reading, load in self.load.others.items()}
+        return {name: _Formed(load) for name, load in self.load.others.items()}
 
     def found(self, formed: Circumference) -> tuple[float | None, float, dict[str, float]]:
         """Leak rate [m^3/s], least line load over mean, and leak rates in the other readings [m^3/s]."""
-        leaks = {reading: one.leaks for reading, one in self.others.items()}
-        rates = {reading: _rate(formed.with_leak(one)) for reading, one in leaks.items() if one is not None}
-        others = {reading: rate for reading, rate in rates.items() if rate is not None}
+        leaks = {name: one.leaks for name, one in self.others.items()}
+        rates = {name: _rate(formed.with_leak(one)) for name, one in leaks.items() if one is not None}
+        others = {name: rate for name, rate in rates.items() if rate is not None}
         return _rate(formed), formed.least_over_mean, others
 
     def with_form(self, form: FormError) -> Circumference:

@@ -38,7 +38,7 @@ Shut = Callable[[LeakModel, float], LeakModel]
 
 @dataclass(frozen=True)
 class ShutGaps:
-    """A load whose gaps below a size are shut; the ranges are those of both readings of yielding asperities.
+    """A load whose gaps below a size are shut; the ranges are those of both scenarios of yielding asperities.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ class ShutGaps:
 
 @dataclass(frozen=True)
 class ParticleAnswers:
-    """What particles in the fluid do to the leak of a load, an estimate; least and most of both readings everywhere.
+    """What particles in the fluid do to the leak of a load, an estimate; least and most of both scenarios everywhere.
 
     Parameters
     ----------
@@ -151,7 +151,7 @@ def _shut() -> Shut:
 
 
 @dataclass(frozen=True)
-class _Reading:
+class _Scenario:
     """A load with one reading of its asperities, which leaks."""
 
     load: CaseLoad
@@ -160,8 +160,8 @@ class _Reading:
     shut: Shut
 
     @classmethod
-    def of(cls, load: CaseLoad, shut: Shut) -> list[_Reading]:
-        """Those of all readings that leak."""
+    def of(cls, load: CaseLoad, shut: Shut) -> list[_Scenario]:
+        """Those of all scenarios that leak."""
         return [
             cls(one, one.rough, one.leak.leak_rate, shut)
             for one in (load, *load.others.values())
@@ -207,30 +207,32 @@ class _Reading:
 
 
 def _answers(load: CaseLoad, counts: ParticleCounts, shut: Shut) -> ParticleAnswers | None:
-    readings = _Reading.of(load, shut)
+    scenarios = _Scenario.of(load, shut)
     # a scratch leaks where nothing else does, and is open to particles
-    if not readings or not all(one.largest_passing > 0.0 for one in readings):
+    if not scenarios or not all(one.largest_passing > 0.0 for one in scenarios):
         return None
-    sizes, shares = _curve(readings)
+    sizes, shares = _curve(scenarios)
     particles = counts.at_least(sizes)
     each = [leak.stopped(counts, sizes, share) for share in shares]
-    places = [one.places() for one in readings]
-    decays = [leak.cloggings(*one) for one in zip((r.leak_rate for r in readings), each, places, strict=True)]
+    places = [one.places() for one in scenarios]
+    decays = [
+        leak.cloggings(*one) for one in zip((r.leak_rate for r in scenarios), each, places, strict=True)
+    ]
     filter_size = counts.largest if math.isfinite(counts.largest) else None
-    left = None if filter_size is None else Bounds.of(one.remaining(filter_size) for one in readings)
+    left = None if filter_size is None else Bounds.of(one.remaining(filter_size) for one in scenarios)
     # a scratch stays open, whatever is shut beside it
     halved = max(0.0 if left is None else left[1], *(share[-1] for share in shares)) < 0.5
     keeping = [_size_that_leaves(KEPT, sizes, share) for share in shares]
     return ParticleAnswers(
         load.fluid_pressure,
         load.applied_force,
-        Bounds.of(one.leak_rate for one in readings),
-        Bounds.of(size for one in readings for size in one.narrowest),
+        Bounds.of(one.leak_rate for one in scenarios),
+        Bounds.of(size for one in scenarios for size in one.narrowest),
         tuple(
             ShutGaps(
                 float(size),
-                Bounds.of(one.below(float(size)) for one in readings),
-                Bounds.of(one.leak_rate * share[n] for one, share in zip(readings, shares, strict=True)),
+                Bounds.of(one.below(float(size)) for one in scenarios),
+                Bounds.of(one.leak_rate * share[n] for one, share in zip(scenarios, shares, strict=True)),
                 Bounds.of(share[n] for share in shares),
                 Bounds(float(particles.low[n]), float(particles.high[n])),
             )
@@ -246,13 +248,13 @@ def _answers(load: CaseLoad, counts: ParticleCounts, shut: Shut) -> ParticleAnsw
     )
 
 
-def _curve(readings: Sequence[_Reading]) -> tuple[FloatArray, list[FloatArray]]:
+def _curve(scenarios: Sequence[_Scenario]) -> tuple[FloatArray, list[FloatArray]]:
     """Round sizes, and the share of the leak that is left of each reading."""
 
     def shares(size: float) -> list[float]:
-        return [one.remaining(size) for one in readings]
+        return [one.remaining(size) for one in scenarios]
 
-    expected = _PASSING * min(one.largest_passing for one in readings)
+    expected = _PASSING * min(one.largest_passing for one in scenarios)
     first = int(np.searchsorted(_SIZES, expected))
     found = {_SIZES[first]: shares(_SIZES[first])}
     # almost sealed, the last paths are lost to particles far below the narrowest place

@@ -21,7 +21,6 @@ from fem_seal.seal.load_solver import (
 from fem_seal.seal.problem import SealProblem
 from fem_seal.seal.scenarios import theories
 from fem_seal.units import format_quantity
-from leak import Reading
 
 # Loads by theory, in the order of the result; None where a theory has no contact.
 ByTheory = Mapping[str, Sequence[CaseLoad | None]]
@@ -91,11 +90,11 @@ def _compute(seal: SolvedSeal, ask: Inquiry) -> Theories:
         load = settled(load, f"leak rate by the {theory} theory")
         if load.leak is None:
             return None
-        if number != highest or (elastic := load.scenarios.get(Reading.ELASTIC)) is None:
+        if number != highest or (elastic := load.scenarios.get("elastic")) is None:
             return load
         # of what yielding makes of it one load is told
         what = f"leak rate by the {theory} theory of elastic asperities"
-        return load.with_scenarios({Reading.ELASTIC: settled(elastic, what)})
+        return load.with_scenarios({"elastic": settled(elastic, what)})
 
     found = {
         theory: [None if load is None else known(theory, n, load) for n, load in enumerate(loads)]
@@ -154,7 +153,7 @@ def interface_variants(solver: LoadSolver, loads: Sequence[CaseLoad]) -> tuple[C
             bare = LoadResult(*load.point, contact, formed=formed)
             rough = LeakModel.of(surface, problem.flow, (*shown, *bare.contacts))
             (told,) = case_loads(changed, [replace(bare, rough=rough)])
-        others = {reading: one.leak.leak_rate for reading, one in told.others.items() if one.leak is not None}
+        others = {name: one.leak.leak_rate for name, one in told.others.items() if one.leak is not None}
         variants.append(replace(Comparison.of(name, contact, told.leak), others=others))
     return tuple(variants)
 

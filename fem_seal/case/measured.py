@@ -130,7 +130,7 @@ def _rows(case: Case, text: str) -> Iterator[MeasuredLeak]:
             name: (cell.replace(",", ".") if comma else cell, unit)
             for (name, unit), cell in zip(names, row, strict=True)
         }
-        yield _reading(case, line, entries)
+        yield _measured_leak(case, line, entries)
 
 
 def _name_and_unit(header: str) -> tuple[str, str]:
@@ -138,7 +138,7 @@ def _name_and_unit(header: str) -> tuple[str, str]:
     return (name, unit) if unit else split_unit(name)
 
 
-def _reading(case: Case, line: int, entries: Mapping[str, tuple[str, str]]) -> MeasuredLeak:
+def _measured_leak(case: Case, line: int, entries: Mapping[str, tuple[str, str]]) -> MeasuredLeak:
     """A row of the table, by its columns: text and unit of the header."""
     changes: dict[str, Any] = {"requirement": None, "load.target_leak_rate": None}
     less = entries["leak_rate"][0].startswith("<")

@@ -32,7 +32,7 @@ _NOT_A_DIMENSION = ("interference", "tolerance")
 
 def state_in_words(volume: LeakVolume) -> str:
     """State of the gas for its volumes; empty for a liquid."""
-    return phrase("readings.volume", "at", state=volume.state) if volume.state else ""
+    return phrase("interval.volume", "at", state=volume.state) if volume.state else ""
 
 
 def law_word(case: Case) -> str:

@@ -9,7 +9,7 @@ import difflib
 import math
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import partial
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any
@@ -19,9 +19,8 @@ import numpy as np
 from fem_seal.answers.case_load import AnyLoad, CaseLoad
 from fem_seal.files import own_tables
 from fem_seal.seal.load_result import MissingLoad
-from fem_seal.seal.readings import FURTHER, OWN, THEORIES, WORDS, force_column, leak_rate_column
+from fem_seal.seal.scenarios import BESIDE, SCENARIOS, force_column, leak_rate_column
 from fem_seal.units import DIGITS, Unit, fixed_unit, quantity_worth, split_unit
-from leak import Reading
 
 if TYPE_CHECKING:
     from fem_seal.answers.case_load import CaseLoad
@@ -130,18 +129,18 @@ class Column:
         return min(of_force, of_error, self.most_digits)
 
 
-def _leak_rate_read(reading: Reading, load: CaseLoad) -> float | None:
-    read = load.scenario(reading)
+def _leak_rate_in(scenario: str, load: CaseLoad) -> float | None:
+    read = load.scenario(scenario)
     return None if read is None else _rate(read.leak)
 
 
-def _force_read(reading: Reading, load: CaseLoad) -> float | None:
-    return load.others[reading].force_for_target if reading in load.others else None
+def _force_in(scenario: str, load: CaseLoad) -> float | None:
+    return load.scenarios[scenario].force_for_target if scenario in load.scenarios else None
 
 
-def _leak_rate_by(theory: str, load: CaseLoad) -> float | None:
-    read = load.scenario(theory)
-    return None if read is None else _rate(read.leak)
+def _critical_separation_in(scenario: str, load: CaseLoad) -> float | None:
+    read = load.scenario(scenario)
+    return None if read is None else read.critical_separation
 
 
 def _rate(leak: LeakResult | None) -> float | None:
@@ -220,10 +219,6 @@ _SAID = own_tables("columns.toml")
 _OF: dict[str, Callable[[CaseLoad], float | None]] = {
     "contact_radius_m": _contact_radius,
     "leak_rate_m3_per_s": lambda load: _rate(load.leak),
-    "leak_rate_elastic_m3_per_s": lambda load: _rate((load.scenario(Reading.ELASTIC) or load).leak),
-    "critical_separation_elastic_m": lambda load: (
-        (load.scenario(Reading.ELASTIC) or load).critical_separation
-    ),
     "leak_rate_low_m3_per_s": lambda load: _interval_end(load, 0),
     "leak_rate_high_m3_per_s": lambda load: _interval_end(load, 1),
     "leak_rate_kg_per_s": lambda load: getattr(load.leak, "mass_flow", None),
@@ -269,29 +264,32 @@ _OF: dict[str, Callable[[CaseLoad], float | None]] = {
 }
 
 
+_OF |= {leak_rate_column(scenario): partial(_leak_rate_in, scenario) for scenario in SCENARIOS}
+_OF |= {force_column(scenario): partial(_force_in, scenario) for scenario in SCENARIOS}
+_OF |= {
+    f"critical_separation_{scenario}_m": partial(_critical_separation_in, scenario) for scenario in SCENARIOS
+}
+
+
 def _columns() -> Iterator[Column]:
     for name, said in _SAID["loads"].items():
-        if name == "force_for_verdict_N":
-            for reading in (OWN, *FURTHER):
-                kind = "own_leak_rate" if reading == OWN else "leak_rate"
-                words = {"reading": str(reading), **asdict(WORDS[reading])}
-                yield _worded(leak_rate_column(reading), kind, partial(_leak_rate_read, reading), words)
-            for reading in FURTHER:
-                words = {"reading": str(reading), **asdict(WORDS[reading])}
-                yield _worded(force_column(reading), "force", partial(_force_read, reading), words)
+        yield from _of_scenarios(before=name)
         yield Column(name, of=_OF.get(name) or attrgetter(split_unit(name)[0]), **said)
-    for theory, meaning in THEORIES.items():
-        words = {"theory": theory, "meaning": meaning}
-        yield _worded(leak_rate_column(theory), "theory", partial(_leak_rate_by, theory), words)
+    yield from _of_scenarios(before="")
 
 
-def _worded(name: str, kind: str, of: Callable[[CaseLoad], float | None], words: dict[str, str]) -> Column:
-    """A column of a reading or a theory: the texts of its kind with its words filled in."""
-    said: dict[str, Any] = _SAID["of_each"][kind]
-    filled: dict[str, Any] = {
-        key: one.format(**words) if isinstance(one, str) else one for key, one in said.items()
-    }
-    return Column(name, of=of, **filled)
+def _of_scenarios(before: str) -> Iterator[Column]:
+    """Columns of scenarios that stand before another column: leak rates, then the others."""
+    here = {name: words for name, words in SCENARIOS.items() if words.columns and words.before == before}
+    for place in range(max((len(words.columns) for words in here.values()), default=0)):
+        for scenario, words in here.items():
+            for kind in words.columns[place : place + 1]:
+                name = force_column(scenario) if kind == "force" else leak_rate_column(scenario)
+                texts: dict[str, Any] = {
+                    key: text.format(scenario=scenario, words=words) if isinstance(text, str) else text
+                    for key, text in _SAID["of_each"][kind].items()
+                }
+                yield Column(name, of=_OF[name], **texts)
 
 
 # Names of the columns of each table; empty ones are left out.
@@ -359,9 +357,9 @@ def own_theory(loads: Sequence[CaseLoad]) -> set[str]:
     loads : sequence of CaseLoad
     """
     return {
-        leak_rate_column(theory)
-        for theory in THEORIES
-        if all(load.scenario(theory) is load for load in loads)
+        leak_rate_column(name)
+        for name, words in SCENARIOS.items()
+        if words.own_contact and all(load.scenario(name) is load for load in loads)
     }
 
 
@@ -380,7 +378,10 @@ def in_words(load: CaseLoad, name: str) -> str:
 
 LEAK_COLUMNS = tuple(COLUMNS)
 # Columns for the pressure profile of another program.
-PROFILE_LEAK_COLUMNS = (*SHOWN_COLUMNS["of_profiles"], *map(leak_rate_column, (OWN, *FURTHER, *THEORIES)))
+PROFILE_LEAK_COLUMNS = (
+    *SHOWN_COLUMNS["of_profiles"],
+    *(leak_rate_column(name) for name, words in SCENARIOS.items() if words.columns),
+)
 
 
 def known_columns(loads: Sequence[AnyLoad]) -> Sequence[str]:
@@ -408,8 +409,8 @@ CHECK_ON_TERMINAL = (
 # Names and meanings of the columns of the other tables; "words" are the columns of leak.csv after its numbers.
 MEANINGS: dict[str, dict[str, str]] = dict(_SAID["meanings"])
 MEANINGS["around"] = MEANINGS["around"] | {
-    f"leak_rate_{one}_m3_per_s_per_rad": f"the same with {WORDS[one].taken}; empty where none yields"
-    for one in FURTHER
+    f"leak_rate_{name}_m3_per_s_per_rad": f"the same with {SCENARIOS[name].taken}; empty where none yields"
+    for name in BESIDE
 }
 TEXT_COLUMNS, PROFILE_COLUMNS, IMPRINT_COLUMNS, AROUND_COLUMNS, PARTICLE_COLUMNS = (
     tuple(MEANINGS[table]) for table in ("words", "profile", "imprint", "around", "particles")

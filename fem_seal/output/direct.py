@@ -16,9 +16,9 @@ from fem_seal.files import as_json, write_bytes, write_text
 from fem_seal.output.prose import phrase, prose
 from fem_seal.output.tables import write_rows
 from fem_seal.seal.direct import QUANTILES, DirectRow, DirectSimulation, DirectTable
-from fem_seal.seal.readings import FURTHER, OWN
 from fem_seal.units import attributes, fixed_unit, number
 from leak import Reading
+from leak.theory.plasticity import READINGS
 
 if TYPE_CHECKING:
     from fem_seal.seal.direct_seal import SealRow
@@ -45,7 +45,7 @@ def _row(table: DirectTable, row: DirectRow, viscosity: float | None) -> dict[st
     def conductivity(gap: float) -> float:
         return nan if viscosity is None else gap**3 / (12.0 * viscosity)
 
-    readings = OWN, *FURTHER
+    readings = READINGS["paper"]
     return {
         **attributes(row, "branch", "pressure_Pa", "largest_pressure_Pa", "samples", "contact_area"),
         **attributes(row, "contact_area_scatter", "yielded_area", "mean_gap_m", "mean_gap_scatter_m"),
@@ -135,7 +135,8 @@ def direct_lines(table: DirectTable) -> list[str]:
         _asperities(simulation),
     ]
     theory = [row.theory for row in table.loading if row.theory is not None]
-    readings = [OWN] if len(simulation.surface.readings) == 1 else [*FURTHER, OWN]
+    own, *further = READINGS["paper"]
+    readings = [own] if len(simulation.surface.readings) == 1 else [*further, own]
     for reading in readings:
         cuts = [cut for one in theory if math.isfinite(cut := one.cut(reading))]
         if cuts:

@@ -20,7 +20,7 @@ from fem_seal.output.case_words import chosen_dimensions, derived_numbers
 from fem_seal.output.folders import replaced_together
 from fem_seal.output.report.page import write_report
 from fem_seal.output.report.words import far_field_sentence
-from fem_seal.output.shown import by_reading
+from fem_seal.output.shown import by_scenario
 from fem_seal.output.sources import sources
 from fem_seal.output.tables import (
     contact_rows,
@@ -150,7 +150,7 @@ def summary(result: SealSolution) -> dict[str, Any]:
         "convergence": [] if result.of_profile else [_convergence(load) for load in result.loads],
         "discretisation_error": None if result.of_profile else asdict(result.discretisation_error),
         "far_field": {
-            "changes": [by_reading(asdict(change)) for change in result.far_field],
+            "changes": [by_scenario(asdict(change)) for change in result.far_field],
             "says": far_field_sentence(result),
         },
         **{key: value for shown in shown_answers.SHOWN for key, value in shown.summary_of(result).items()},

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from fem_seal.files import own_tables
 from fem_seal.seal.load_names import load_name
-from fem_seal.seal.readings import OWN, WORDS
+from fem_seal.seal.scenarios import SCENARIOS
 from fem_seal.units import filled, unbroken, written
 
 if TYPE_CHECKING:
@@ -53,18 +53,18 @@ def template(name: str, *, escaped: bool = True) -> Template:
     return environment.get_template(name)
 
 
-def other_reading(reading: str, clause: str) -> str:
-    """A sentence about the result in another reading of yielding asperities.
+def in_scenario(scenario: str, own: str, clause: str) -> str:
+    """A sentence about the result in a scenario beside.
 
     Parameters
     ----------
-    reading : str
+    scenario, own : str
+        Names of the scenario and of the result's own.
     clause : str
-        The result in that reading.
+        The result in that scenario.
     """
-    return phrase(
-        "readings.load", "other", taken=WORDS[OWN].taken, condition=WORDS[reading].condition, clause=clause
-    )
+    taken, condition = SCENARIOS[own].taken, SCENARIOS[scenario].condition
+    return phrase("interval.load", "other", taken=taken, condition=condition, clause=clause)
 
 
 def phrase(where: str, *parts: str, **values: object) -> str:

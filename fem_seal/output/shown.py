@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from fem_seal.output.columns import COLUMNS, Column, known_columns
 from fem_seal.output.prose import filled, prose
-from fem_seal.seal.readings import FURTHER
+from fem_seal.seal.scenarios import BESIDE
 from fem_seal.units import LIQUID, LeakVolume, Unit, fixed_unit, format_digits, trimmed, unit_for
 
 if TYPE_CHECKING:
@@ -115,20 +115,20 @@ class Shown:
         return {name: value(result) if has else None for name, value in self.words.items()}
 
 
-# Field of a dataclass with the values of further readings -> name of the value in the file.
+# Field of a dataclass with the values of scenarios beside -> name of the value in the file.
 _READ = {"others": "leak_rate", "allowed_others": "allowed"}
 
 
-def by_reading(value: Any) -> Any:
-    """Entries of a dataclass, with a separate entry for each further reading of yielding asperities."""
+def by_scenario(value: Any) -> Any:
+    """Entries of a dataclass, with a separate entry for each scenario beside."""
     if isinstance(value, (list, tuple)):
-        return [by_reading(one) for one in value]
+        return [by_scenario(one) for one in value]
     if not isinstance(value, dict):
         return value
-    found = {name: by_reading(one) for name, one in value.items() if name not in _READ}
+    found = {name: by_scenario(one) for name, one in value.items() if name not in _READ}
     read = {name: value[name] for name in _READ if name in value}
     return found | {
-        f"{_READ[name]}_{one}": others.get(one) for name, others in read.items() for one in FURTHER
+        f"{_READ[name]}_{one}": others.get(one) for name, others in read.items() for one in BESIDE
     }
 
 

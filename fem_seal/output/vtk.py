@@ -187,7 +187,7 @@ def _around_the_axis(
         "gap_change_m": around.gap_change[::every],
         "local_line_load_N_per_m": around.line_load[::every],
     }
-    read = {"": load, **{f"_{reading}": one for reading, one in load.others.items()}}
+    read = {"": load, **{f"_{name}": one for name, one in load.others.items()}}
     for name, one in read.items():
         if one.around is not None and one.around.leak_rate is not None:
             of_angle[f"leak_rate{name}_m3_per_s_per_rad"] = one.around.leak_rate[::every]

@@ -29,15 +29,23 @@ TEST_GASES, TEST_TEMPERATURES, ROOM_TEMPERATURE = ("air", "nitrogen"), (278.15, 
 
 @dataclass(frozen=True)
 class ScenarioWords:
-    """What a scenario is called where, and whether its leak rate belongs in the interval.
+    """What a scenario is called where, and what becomes of its numbers.
 
     Parameters
     ----------
     in_interval : bool
-    name : str
-        In a sentence.
+        Whether its leak rate belongs in the interval.
+    own_contact : bool
+        Whether its contacts are its own, on the same bodies; else they are those of the seal beside which it stands,
+        and only what leaks through them is another.
+    has_interval : bool
+        Whether its own interval is asked for, with the scenarios of which that is made.
+    columns : tuple of str
+        Kinds of its columns, see of_each in templates/columns.toml.
+    before : str
+        Column of leak.csv before which they stand; empty at the end.
     asperities : str
-        A noun, such as "elastic asperities".
+        A noun, such as "elastic asperities"; only where its leak rate is worked out with every load.
     curve : str
         In the legend of a picture.
     short : str
@@ -53,7 +61,10 @@ class ScenarioWords:
     """
 
     in_interval: bool = False
-    name: str = ""
+    own_contact: bool = False
+    has_interval: bool = False
+    columns: tuple[str, ...] = ()
+    before: str = ""
     asperities: str = ""
     curve: str = ""
     short: str = ""
@@ -64,6 +75,32 @@ class ScenarioWords:
 
 
 SCENARIOS = {name: ScenarioWords(**words) for name, words in own_tables("scenarios.toml").items()}
+BESIDE = tuple(name for name, words in SCENARIOS.items() if "force" in words.columns)
+"""Scenarios whose numbers stand beside those of the case wherever they are told."""
+IN_INTERVAL = tuple(name for name, words in SCENARIOS.items() if words.in_interval and words.columns)
+"""Those with a column of which the interval is made."""
+
+
+def leak_rate_column(scenario: str) -> str:
+    """Column of the leak rate in a scenario.
+
+    Parameters
+    ----------
+    scenario : str
+        Its name.
+    """
+    return f"leak_rate_{scenario}_m3_per_s"
+
+
+def force_column(scenario: str) -> str:
+    """Column of the force for a target leak rate in a scenario.
+
+    Parameters
+    ----------
+    scenario : str
+        Its name.
+    """
+    return f"force_for_target_leak_{scenario}_N"
 
 
 @dataclass(frozen=True)
@@ -76,19 +113,10 @@ class Scenario:
         By which its number, its column and its words are found, such as "capped" or "test gas".
     problem : SealProblem
         Whose surface, flow and loads are those of the scenario.
-    own_contact : bool
-        Whether its contacts are its own, on the same bodies; else they are those of the seal beside which it stands,
-        and only what leaks through them is another.
     """
 
     name: str
     problem: SealProblem
-    own_contact: bool = False
-
-    @property
-    def has_interval(self) -> bool:
-        """Whether its own interval is asked for, with the scenarios of which that is made."""
-        return self.own_contact or self.name in (TEST_GAS, FIRST_LOADING)
 
     def on_contacts(
         self,
@@ -184,7 +212,7 @@ def theories(problem: SealProblem) -> Iterator[Scenario]:
                 flow=replace(flow, simulated=None),
                 given_law=None,
             )
-            yield Scenario(theory, other, own_contact=True)
+            yield Scenario(theory, other)
 
 
 def names(surface: RoughContact | None, flow: FlowModel | None) -> tuple[str, ...]:
@@ -199,7 +227,7 @@ def names(surface: RoughContact | None, flow: FlowModel | None) -> tuple[str, ..
         return (str(Reading.ELASTIC),)
     if flow is not None and flow.simulated is not None:
         same = surface.elastic is surface and flow.elastic is flow
-        return (str(Reading.ELASTIC),) if same else ()
+        return (str(Reading.ELASTIC),) if same else ("simulated",)
     return str(Reading.ELASTIC) if surface.hardness is None else surface.yielding, surface.theory
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from fem_seal.answers.judgement import Verdict
 from fem_seal.arrays import BoolArray, FloatArray
 from fem_seal.seal.findings import Level
-from fem_seal.seal.readings import FURTHER, OWN, leak_rate_column
+from fem_seal.seal.scenarios import BESIDE, IN_INTERVAL, leak_rate_column
 from fem_seal.studies.designs import MORRIS_LEVELS, SENSITIVITY, unit_points
 from fem_seal.studies.expressions import Constraint, Expression
 from fem_seal.studies.store import Store
@@ -30,7 +30,7 @@ CONFIDENT = 0.95
 # Part of a range that counts as its edge.
 _EDGE = 0.01
 # What a design leaks at most.
-_UPPER_ENDS = (LEAK_RATE, *map(leak_rate_column, (*FURTHER, OWN)), "leak_rate_high_m3_per_s")
+_UPPER_ENDS = (LEAK_RATE, *map(leak_rate_column, IN_INTERVAL), "leak_rate_high_m3_per_s")
 _QUANTILES = (0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99)
 # Columns that differ by less, relative to their size, are equal.
 _ROUND_OFF = 1e-9
@@ -298,8 +298,8 @@ def quantiles(values: FloatArray) -> dict[float, float]:
 
 
 def other_leak_rates(designs: Designs) -> dict[str, FloatArray]:
-    """Leak rates in the other readings of yielding asperities, as far as some design has them [m^3/s]."""
-    known = {one: column for one in FURTHER if (column := leak_rate_column(one)) in designs.done}
+    """Leak rates in the scenarios beside, as far as some design has them [m^3/s]."""
+    known = {one: column for one in BESIDE if (column := leak_rate_column(one)) in designs.done}
     found = {one: designs.done[column].dropna().to_numpy(dtype=float) for one, column in known.items()}
     return {one: rates for one, rates in found.items() if len(rates)}
 
@@ -308,7 +308,7 @@ def class_shares(designs: Designs) -> list[tuple[str, float, float]]:
     """Classes of the study's standard, the tightest first: name, allowed leak rate [m^3/s], share of the designs.
 
     A design that meets a class meets all wider ones as well; one outside the theory can claim none. A class is met if
-    every reading of yielding asperities that the study has meets it. Empty without leak rates, or if no class of the
+    every scenario of the interval that the study has meets it. Empty without leak rates, or if no class of the
     standard can be judged.
     """
     from leak import leakage_limits

@@ -17,7 +17,7 @@ from fem_seal.files import own_tables, write_text
 from fem_seal.output.prose import phrase, template
 from fem_seal.output.report.words import volumes_of_gas
 from fem_seal.seal.findings import Level
-from fem_seal.seal.readings import WORDS
+from fem_seal.seal.scenarios import SCENARIOS
 from fem_seal.studies import designs_table, plots
 from fem_seal.studies.designs import SENSITIVITY
 from fem_seal.studies.display import LOOKS, Display, share_text, short
@@ -307,12 +307,12 @@ def _distribution(display: Display) -> Iterator[Section]:
         for share, value in found.items()
     ]
     other = ""
-    for reading, others in designs_table.other_leak_rates(designs).items():
-        headings += (WORDS[reading].title, "[m³/s]")
+    for name, others in designs_table.other_leak_rates(designs).items():
+        headings += (SCENARIOS[name].title, "[m³/s]")
         ends = tuple(designs_table.quantiles(others).values())
         texts = [leak_range_text(end, beside=(*rates, *ends)) for end in ends]
         rows = [(*row, text, short(end)) for row, text, end in zip(rows, texts, ends, strict=True)]
-        other = phrase("readings.ends", "what")
+        other = phrase("interval.ends", "what")
     yield Section(
         "Distribution of the leak rate",
         _words().distribution(_counted(designs), designs.by_chance, other),

@@ -18,7 +18,7 @@ from fem_seal.case.words import problem
 from fem_seal.errors import InputError
 from fem_seal.output.columns import COLUMNS, LEAK_COLUMNS, in_full
 from fem_seal.sampling import LogNormal, Normal
-from fem_seal.seal.readings import FURTHER, OWN, force_column, leak_rate_column
+from fem_seal.seal.scenarios import BESIDE, IN_INTERVAL, force_column, leak_rate_column
 from fem_seal.studies.designs import SENSITIVITY
 from fem_seal.studies.expressions import Constraint, Expression, ExpressionError, unknown_name
 from fem_seal.studies.tables import Design, Optimise, Parameter, Report, Run, StudyTables, entries, named
@@ -154,19 +154,19 @@ def read_goals(study: StudyPlan, read: StudyTables) -> dict[str, Expression]:
     return goals
 
 
-# Where asperities yield in several readings, a leak rate never stands without the others.
-_LEAK_RATE, _BESIDE = "leak_rate_m3_per_s", tuple(map(leak_rate_column, FURTHER))
+# Where scenarios stand beside, a leak rate never stands without theirs.
+_LEAK_RATE, _BESIDE = "leak_rate_m3_per_s", tuple(map(leak_rate_column, BESIDE))
 # The verdict is a word, which stands in the table of the designs wherever its number does.
 _VERDICT, _MARGIN = "verdict", "margin"
-# Columns that one reading leaves empty, and those that uncertain inputs fill all the same.
-_OF_YIELDING = (*_BESIDE, leak_rate_column(OWN), *map(force_column, FURTHER))
+# Columns that stay empty where none does, and those that uncertain inputs fill all the same.
+_OF_YIELDING = (*map(leak_rate_column, IN_INTERVAL), *map(force_column, BESIDE))
 _SAMPLED = ("leak_rate_low_m3_per_s", "leak_rate_high_m3_per_s")
 _MEDIAN = "leak_rate_p50_m3_per_s"
 # Columns that are above zero and at most one.
 _SHARES = ("pass_probability", "batch_share_p05")
 
 
-def _missing_for_readings(study: StudyPlan) -> str:
+def _missing_beside(study: StudyPlan) -> str:
     """What no design has of what two readings of yielding asperities need; empty if some design has them."""
     leak = study.case.leak
     if not leak.plasticity and "leak.plasticity" not in study.names:
@@ -183,7 +183,7 @@ def needed_columns(study: StudyPlan, responses: Sequence[str]) -> tuple[tuple[st
     for formula in (*study.derived.values(), *study.constraints.values(), *study.goals.values()):
         asked.update(formula.names)
     beside = {_MARGIN} if _VERDICT in asked else set()
-    if _LEAK_RATE in asked and not _missing_for_readings(study):
+    if _LEAK_RATE in asked and not _missing_beside(study):
         beside.update(_BESIDE)
     needed = tuple(name for name in LEAK_COLUMNS if name in asked | beside)
     return needed, tuple(name for name in needed if name not in asked)
@@ -245,7 +245,7 @@ def _check_possible(key: str, name: str, study: StudyPlan) -> None:
     for table in () if column is None else column.needs:
         if getattr(study.case, table) is None:
             raise InputError.at(key, f"{name} needs a table [{table}] in the base case")
-    missing = _missing_for_readings(study)
+    missing = _missing_beside(study)
     if name == _MEDIAN and study.case.sampled is None:
         raise InputError.at(key, f"{name} needs a table [uncertainty] in the base case")
     told = name in _SAMPLED and (study.case.sampled is not None or study.case.leak.theory == "corrected")

@@ -16,7 +16,7 @@ from fem_seal.arrays import BoolArray, FloatArray
 from fem_seal.files import own_tables
 from fem_seal.output.notebook import table_html
 from fem_seal.output.pictures.style import style
-from fem_seal.seal.readings import WORDS
+from fem_seal.seal.scenarios import SCENARIOS
 from fem_seal.studies.designs_table import (
     LEAK_RATE,
     PASSES,
@@ -371,11 +371,11 @@ def distribution_plot(display: Display) -> Figure | None:
     others = [
         # in the unit of the other curve
         _trace(
-            "share_below_in_other_reading",
+            "share_below_beside",
             **below(np.sort(display.shown(LEAK_RATE, rates))),
-            name=f"share below, surface {WORDS[reading].title}",
+            name=f"share below, surface {SCENARIOS[name].title}",
         )
-        for reading, rates in other_leak_rates(display.designs).items()
+        for name, rates in other_leak_rates(display.designs).items()
     ]
     curve = _trace("share_below", **below(leak_rate))
     axis = display.axis(LEAK_RATE)

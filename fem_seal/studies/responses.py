@@ -36,18 +36,17 @@ from fem_seal.seal.evaluate import SILENT, Batch, Evaluation, evaluate_many
 from fem_seal.seal.findings import NOT_JUDGED, Finding, Level, Validity
 from fem_seal.seal.heating import warmed
 from fem_seal.seal.problem import SealProblem
-from fem_seal.seal.readings import FURTHER, leak_rate_column
+from fem_seal.seal.scenarios import BESIDE, SCENARIOS, leak_rate_column
 from fem_seal.seal.sources import EXACT, Shared, Source, family_or_own_table
 from fem_seal.studies.cost import FORCE_FOR_VERDICT, INTERVAL, PASSING, is_of_bolts, is_target
 from fem_seal.validity.checks import validity_of
 from leak import LeakError
-from leak.theory.plasticity import READINGS
 from meshes import GeometryError, MeshingError
 
 # A margin counts up to here: a sealed design, whose margin is infinite, can be compared with others.
 LARGEST_MARGIN = 1e6
-_BOTH_READINGS = {"margin", *PASSING, *(leak_rate_column(one) for one in FURTHER)}
-_THEORIES = set(map(leak_rate_column, READINGS))
+_BESIDE = {"margin", *PASSING, *map(leak_rate_column, BESIDE)}
+_OWN_CONTACTS = {leak_rate_column(name) for name, words in SCENARIOS.items() if words.own_contact}
 # What keeps one response from being calculated; the others of its design have nothing to do with it.
 _FAILURES = (SealError, LeakError, GeometryError, MeshingError, ArithmeticError)
 Load = TypeVar("Load", bound=CaseLoad)
@@ -131,7 +130,7 @@ def evaluate_designs(
     solved = evaluate_many(problems, sources, batch)
     loads = batch.each(solved, lambda number: _with_answers(solved[number], cases[number], columns))
     # for the checks alone the table would take too long
-    passing, both = not PASSING.isdisjoint(columns), not _BOTH_READINGS.isdisjoint(columns)
+    passing, both = not PASSING.isdisjoint(columns), not _BESIDE.isdisjoint(columns)
     leaks = passing or any(column.startswith(("leak_rate", "lift_off", "margin")) for column in columns)
     if leaks:
         for step in _leaks(other=both):
@@ -160,7 +159,7 @@ def _with_answers(found: Evaluation, case: Case, columns: Sequence[str]) -> Case
         answers.append(TARGET)
     if any(map(is_of_bolts, columns)):
         answers.append(BOLTS)
-    if not _THEORIES.isdisjoint(columns):
+    if not _OWN_CONTACTS.isdisjoint(columns):
         answers.append(THEORIES)
     if found.seal_mesh is not None and not INTERVAL.isdisjoint(columns):
         answers.append(ACCURACY)
@@ -225,15 +224,15 @@ def _validity(load: CaseLoad, columns: Sequence[str]) -> Validity:
 
 
 def _leaks(*, other: bool) -> Iterator[Callable[[CaseLoad], object]]:
-    """Leak rate of a load, and that of the other reading of yielding asperities, each kind of work by itself."""
+    """Leak rate of a load, and those of the scenarios beside, each kind of work by itself."""
 
-    def readings(load: CaseLoad) -> tuple[CaseLoad, ...]:
+    def every(load: CaseLoad) -> tuple[CaseLoad, ...]:
         return (load, *(load.others.values() if other else ()))
 
-    yield lambda load: [one.rough and one.rough.table for one in readings(load)]
+    yield lambda load: [one.rough and one.rough.table for one in every(load)]
     yield lambda load: [one.contact for one in load.profiles]
     yield lambda load: [one.contact.panels for one in load.profiles]
-    yield lambda load: [one.leak for one in readings(load)]
+    yield lambda load: [one.leak for one in every(load)]
 
 
 def _result(load: CaseLoad, columns: Sequence[str]) -> DesignResult:
@@ -254,6 +253,6 @@ def _result(load: CaseLoad, columns: Sequence[str]) -> DesignResult:
 
 def _with_verdict_force(case: Case, columns: Sequence[str]) -> DesignResult:
     """Of the force with which the verdict passes every force that is tried takes a run of its own."""
-    answers = _FOR_VERDICT if _THEORIES.isdisjoint(columns) else (THEORIES, *_FOR_VERDICT)
+    answers = _FOR_VERDICT if _OWN_CONTACTS.isdisjoint(columns) else (THEORIES, *_FOR_VERDICT)
     result = solve(case, wanted=Wanted(verdict_force=True), answers=answers)
     return _result(result.loads[0], columns)

@@ -334,7 +334,7 @@ def open_to_read(path: Path) -> Store:
     """
     try:
         check_file(path, sys.maxsize)
-        connection = _reading(path)
+        connection = _opened(path)
     except UnicodeDecodeError as error:
         raise damaged(path, error) from None
     except (sqlite3.Error, UnreadableFileError) as error:
@@ -349,7 +349,7 @@ def open_to_read(path: Path) -> Store:
     return Store(connection, path, inputs, outputs)
 
 
-def _reading(path: Path) -> sqlite3.Connection:
+def _opened(path: Path) -> sqlite3.Connection:
     """Connection that reads a study file, also one that is being written, and one where nothing can be written."""
     # a reader writes, too: it tells writers what it is reading
     connection = _connect(path, "mode=rw")

@@ -654,8 +654,7 @@ def _sealed(surface: RoughContact, loads: Sequence[LoadResult], sealing: float) 
         load = max(tight, key=lambda load: load.peak_pressure)
         peak = load.tightest.highest
         first = load_name(min(tight, key=lambda load: load.point), loads)
-        readings = () if surface.hardness is None else map(surface.reading, surface.readings)
-        leaky = any(one.sealing_pressure > peak for one in readings)
+        leaky = surface.hardness is not None and surface.latest_sealing_pressure > peak
         yield caution(
             "sealed",
             load,

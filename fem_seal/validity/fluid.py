@@ -200,8 +200,8 @@ def _inertia(flow: FlowModel, loads: Sequence[LoadResult]) -> Iterator[Finding]:
     fastest = _fastest_liquid if flow.gas is None else _fastest_gas
     # the other readings of yielding asperities only where their leak is already calculated
     others = [(load, other) for load in loads for other in load.others.values() if _leak_known(other)]
-    for end, readings in ((False, [(load, load) for load in loads]), (True, others)):
-        found = fastest(flow, loads, readings, end=end)
+    for end, pairs in ((False, [(load, load) for load in loads]), (True, others)):
+        found = fastest(flow, loads, pairs, end=end)
         if found is not None:
             yield found
             if found.text:
@@ -211,12 +211,12 @@ def _inertia(flow: FlowModel, loads: Sequence[LoadResult]) -> Iterator[Finding]:
 def _fastest_gas(
     flow: FlowModel,
     loads: Sequence[LoadResult],
-    readings: Sequence[tuple[LoadResult, LoadResult]],
+    pairs: Sequence[tuple[LoadResult, LoadResult]],
     *,
     end: bool,
 ) -> Finding | None:
     """Finding about the inertia of a gas; None below the limits. `end`: it concerns one end of the interval only."""
-    found = [(inertia, load) for load, read in readings if (inertia := _inertia_of(flow, read))]
+    found = [(inertia, load) for load, read in pairs if (inertia := _inertia_of(flow, read))]
     if not found:
         return None
     (numbers, reduced), load = max(found, key=lambda one: (one[0][0].acceleration, one[0][1]))
@@ -246,12 +246,12 @@ def _fastest_gas(
 def _fastest_liquid(
     flow: FlowModel,
     loads: Sequence[LoadResult],
-    readings: Sequence[tuple[LoadResult, LoadResult]],
+    pairs: Sequence[tuple[LoadResult, LoadResult]],
     *,
     end: bool,
 ) -> Finding | None:
     """`_fastest_gas` for a liquid."""
-    found = [(*numbers, load) for load, read in readings if (numbers := _of_liquid(flow, read))]
+    found = [(*numbers, load) for load, read in pairs if (numbers := _of_liquid(flow, read))]
     # a turbulent flow before any other
     worst = max(found, key=lambda one: (one[0] > _TURBULENT, one[1]), default=(0.0, 0.0, None))
     reynolds, reduced, load = worst

@@ -201,7 +201,7 @@ class RoughContact:
         if self.theory == "corrected":
             paper = replace(self, hardness=None, theory="paper", yielding="")
             return paper if self.peklenik == 1.0 else _OfEqualGap(**vars(paper))
-        return None if self.hardness is None or self._smoothed else self.elastic
+        return None if self.hardness is None or self.smoothed else self.elastic
 
     @property
     def wavelength_along_flow(self) -> float:
@@ -209,7 +209,12 @@ class RoughContact:
         return 2.0 * math.pi / self.spectrum.median_wavenumber * math.sqrt(self.peklenik)
 
     @property
-    def _smoothed(self) -> bool:
+    def latest_sealing_pressure(self) -> float:
+        """The largest `sealing_pressure` of all readings of metal that yields [Pa]."""
+        return max(self.reading(one).sealing_pressure for one in self.readings)
+
+    @property
+    def smoothed(self) -> bool:
         """Whether C_pl stands in for C."""
         return self.hardness is not None and self.yielding == Reading.CONSERVED
 
@@ -224,7 +229,7 @@ class RoughContact:
 
     def _elastic_pressure(self, p: FloatArray) -> FloatArray:
         """Pressure at which the surface without hardness has the same gaps, but where C_pl stands in for C [Pa]."""
-        return p if self.hardness is None or self._smoothed else self._equivalent(p)
+        return p if self.hardness is None or self.smoothed else self._equivalent(p)
 
     def _of_equal_gap(self, log_pressure: FloatArray) -> FloatArray:
         """ln p at which the paper's theory has the mean gap of the gap law at ln(p/Pa)."""
@@ -389,7 +394,7 @@ class RoughContact:
 
     def smoothing(self, pressure: ArrayLike, wavenumber: ArrayLike) -> FloatArray | float:
         """C_pl/C at nominal pressure p and wavenumber q; one without a hardness, and for a capped surface."""
-        if not self._smoothed:
+        if not self.smoothed:
             return _scalar(np.ones(np.broadcast_shapes(np.shape(pressure), np.shape(wavenumber))))
         return _scalar(remaining_fraction(*self._yield_variables(pressure, wavenumber)))
 
@@ -404,7 +409,7 @@ class RoughContact:
             Spacing of its nodes in ln q. At the default the log-log interpolation is good to 3e-4 even where C_pl
             has fallen by a hundred decades; `smoothing` is exact.
         """
-        if self.hardness is None or not self._smoothed:
+        if self.hardness is None or not self.smoothed:
             return self.spectrum
         if not 0.0 <= float(pressure) < self.hardness:
             raise SurfaceError(f"pressure = {pressure}: must be below the hardness {self.hardness} [Pa]")
@@ -631,7 +636,7 @@ class RoughContact:
         if self.hardness is None:
             return elastic
         low, high = 0.0, min(elastic, self.hardness)
-        if not self._smoothed:
+        if not self.smoothed:
             return self._reaches(elastic, low, high)
 
         hardness, most = self.hardness, min(high / self.hardness, 1.0 - 1e-12)
@@ -679,7 +684,7 @@ class RoughContact:
     # ---------------------------------------------------------------- inside
 
     def _seen(self, p: FloatArray) -> RoughnessSeen:
-        if self.hardness is None or not self._smoothed:
+        if self.hardness is None or not self.smoothed:
             return RoughnessSeen(self.spectrum.last_moment)
         return PlasticRoughness.at(
             p / self.hardness, self.effective_modulus, self.hardness, self.spectrum.last_moment

@@ -13,11 +13,11 @@ from fem_seal.answers.case_load import CaseLoad
 from fem_seal.answers.leakage_class import OF_LEAK_RATE, volume_of
 from fem_seal.answers.solution import SealSolution
 from fem_seal.output.columns import AROUND_COLUMNS
-from fem_seal.output.prose import other_reading, phrase
-from fem_seal.output.shown import ReadableTable, Section, Shown, by_reading, worded_section, worded_table
+from fem_seal.output.prose import in_scenario, phrase
+from fem_seal.output.shown import ReadableTable, Section, Shown, by_scenario, worded_section, worded_table
 from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.load_names import load_name
-from fem_seal.seal.readings import FURTHER
+from fem_seal.seal.scenarios import BESIDE
 from fem_seal.units import leak_range_text, number, quantity
 
 if TYPE_CHECKING:
@@ -117,13 +117,13 @@ def _allowed(allowed: Allowed, others: Mapping[str, Allowed], load: CaseLoad) ->
     if math.isfinite(allowed.factor):
         kind, factor = "larger" if allowed.factor > 1 else "smaller", _down(allowed.factor)
         yield phrase("form.allowed", kind, factor=factor, limit=limit, rate=allowed.leak_rate)
-    for reading, other in others.items():
+    for scenario, other in others.items():
         if other.factor is None:
-            yield other_reading(reading, "even the round seal leaks more")
+            yield in_scenario(scenario, load.names[0], "even the round seal leaks more")
         elif math.isfinite(other.factor):
             first, second = (number(_down(one), 2) for one in (allowed.factor, other.factor))
             if first != second:
-                yield other_reading(reading, f"the form error may be {second} times as large")
+                yield in_scenario(scenario, load.names[0], f"the form error may be {second} times as large")
     if load.around is not None and load.around.scratches is not None:
         yield phrase("form.allowed", "aside")
     if allowed.zone is not None and math.isfinite(allowed.zone):
@@ -134,11 +134,11 @@ def _allowed(allowed: Allowed, others: Mapping[str, Allowed], load: CaseLoad) ->
         share = normal if allowed.direction == "axial" else math.sqrt(1.0 - normal**2)
         now = float(np.ptp(load.formed.gap_change)) / share
         yield phrase("form.allowed", which, kind=kind, zone=zone, waves=allowed.waves, limit=limit, now=now)
-    for reading, other in others.items():
+    for scenario, other in others.items():
         if other.zone is not None and math.isfinite(other.zone):
             first, second = (quantity("length", _down(one or 0.0), 2) for one in (allowed.zone, other.zone))
             if first != second:
-                yield other_reading(reading, f"the tolerance is {second}")
+                yield in_scenario(scenario, load.names[0], f"the tolerance is {second}")
 
 
 def _scratches(answers: FormAnswers, load: CaseLoad) -> Iterator[str]:
@@ -153,7 +153,7 @@ def _scratches(answers: FormAnswers, load: CaseLoad) -> Iterator[str]:
         depth, width = map(_down, answers.deepest_scratch)
         yield phrase("form.scratches", "deepest", depth=depth, width=width)
         if len(known) > 1:
-            yield phrase("form.scratches", "both_readings")
+            yield phrase("form.scratches", "in_all")
 
 
 def _down(value: float) -> float:
@@ -293,7 +293,7 @@ def _angles_of(load: CaseLoad) -> list[tuple[float | str, ...]]:
     if around is None:
         return []
     angles = len(around.angle)
-    read = (around, *(load.others[one].around if one in load.others else None for one in FURTHER))
+    read = (around, *(load.others[one].around if one in load.others else None for one in BESIDE))
     leaks = [
         [""] * angles if one is None or one.leak_rate is None else one.leak_rate.tolist() for one in read
     ]
@@ -305,7 +305,7 @@ def _angles_of(load: CaseLoad) -> list[tuple[float | str, ...]]:
 
 SHOWN = Shown(
     ("form",),
-    summary=lambda result: {"form": None if result.form is None else by_reading(asdict(result.form))},
+    summary=lambda result: {"form": None if result.form is None else by_scenario(asdict(result.form))},
     absent={"form": None},
     tables={"around.csv": around_rows},
     section=_section,

@@ -12,7 +12,7 @@ from fem_seal.answers.solution import SealSolution
 from fem_seal.answers.target import TARGET
 from fem_seal.output.answers.verdict import force_to_pass, verdict_force_sentences
 from fem_seal.output.columns import SHOWN_COLUMNS
-from fem_seal.output.prose import other_reading, phrase
+from fem_seal.output.prose import in_scenario, phrase
 from fem_seal.output.shown import ReadableTable, Shown, columns_table, filled_column
 from fem_seal.units import format_digits, format_quantity, quantity, range_text, unit_for
 
@@ -84,8 +84,8 @@ def _target_reasons(result: SealSolution, load: CaseLoad) -> Iterator[str]:
         load=load,
     )
     others = [
-        other_reading(reading, f"{_target_force(load, one)} are needed")
-        for reading, one in _other_forces(load).items()
+        in_scenario(name, load.names[0], f"{_target_force(load, one)} are needed")
+        for name, one in _other_forces(load).items()
     ]
     yield " ".join([sentence, *others])
 
@@ -139,9 +139,9 @@ def _line_load(load: CaseLoad, contact_force: float) -> float:
 
 
 def _other_forces(load: CaseLoad) -> dict[str, float]:
-    """Force for the target in the other readings of yielding asperities, where one is found [N]."""
-    found = {reading: one.force_for_target for reading, one in load.others.items()}
-    return {reading: force for reading, force in found.items() if force is not None}
+    """Force for the target in the scenarios beside, where one is found [N]."""
+    found = {name: one.force_for_target for name, one in load.others.items()}
+    return {name: force for name, force in found.items() if force is not None}
 
 
 def target_text(result: SealSolution, leak_rate: float) -> str:

@@ -11,9 +11,8 @@ from fem_seal.output.prose import phrase
 from fem_seal.output.shown import Shown, worded_section
 from fem_seal.seal.bounds import EXACT, Bounds
 from fem_seal.seal.load_names import load_name
-from fem_seal.seal.readings import THEORIES
+from fem_seal.seal.scenarios import SCENARIOS
 from fem_seal.units import leak_range_text
-from leak import Reading
 
 # Factors closer to one count as no difference.
 _NOTICED = 1.02
@@ -55,7 +54,7 @@ def theories_in_words(result: SealSolution) -> list[str]:
     result : SealSolution
     """
     load = result.highest
-    others = {name: load.scenarios[name] for name in THEORIES if name in load.scenarios}
+    others = {name: one for name, one in load.scenarios.items() if SCENARIOS[name].own_contact}
     if not others:
         return []
     found = [_compared(result, load, theory, other) for theory, other in others.items()]
@@ -71,7 +70,7 @@ def _compared(result: SealSolution, load: CaseLoad, theory: str, other: CaseLoad
     return phrase(
         "theories.rate",
         kind,
-        theory=THEORIES[theory],
+        theory=SCENARIOS[theory].title,
         load=load_name(load, result.loads),
         inputs=_inputs(load),
         rate=_rate_text(result, other) if rate else "",
@@ -90,7 +89,7 @@ def _contact(result: SealSolution, theory: str, other: CaseLoad) -> Iterator[str
     yield phrase(
         "theories.why",
         "contact",
-        theory=THEORIES[theory],
+        theory=SCENARIOS[theory].title,
         gaps=same / own,
         contact=rate / same,
         other=other,
@@ -102,11 +101,11 @@ def _contact(result: SealSolution, theory: str, other: CaseLoad) -> Iterator[str
 def _yielding(load: CaseLoad, theory: str, other: CaseLoad) -> Iterator[str]:
     """Share of the elastic leak rate that remains with yielding asperities in each theory."""
     left = {}
-    for name, one in ((theory, other), (next(known for known in THEORIES if known != theory), load)):
-        elastic = _rate(one.scenario(Reading.ELASTIC) or one)
-        if not elastic or (one.scenario(Reading.ELASTIC) or one) is one:
+    for name, one in ((theory, other), (load.names[-1], load)):
+        elastic = one.scenarios.get("elastic")
+        if elastic is None or not _rate(elastic):
             return
-        left[name] = _rate(one) / elastic
+        left[name] = _rate(one) / _rate(elastic)
     yield phrase("theories.why", "yielding", **left)
 
 

@@ -9,7 +9,7 @@ from fem_seal.answers.accuracy import Comparison
 from fem_seal.answers.case_load import CaseLoad
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.answers.solution import SealSolution
-from fem_seal.output.shown import ReadableTable, Shown, by_reading, worded_table
+from fem_seal.output.shown import ReadableTable, Shown, by_scenario, worded_table
 from fem_seal.seal.bounds import Bounds
 
 
@@ -27,7 +27,7 @@ def variant_table(result: SealSolution) -> ReadableTable:
             {
                 "variant": variant,
                 "used": " (used)" if ("plastic" in variant.name) == used else "",
-                "leak_rate": _both_readings(variant, unit, load, volume),
+                "leak_rate": _rates_of(variant, unit, load, volume),
             }
             for variant in result.interface_variants
         ],
@@ -38,8 +38,8 @@ def variant_table(result: SealSolution) -> ReadableTable:
     )
 
 
-def _both_readings(variant: Comparison, unit: units.Unit, load: CaseLoad, volume: units.LeakVolume) -> str:
-    """The leak rate in both readings of yielding asperities, or the only one."""
+def _rates_of(variant: Comparison, unit: units.Unit, load: CaseLoad, volume: units.LeakVolume) -> str:
+    """The leak rate in all scenarios that stand beside each other, or the only one."""
     claimed = not load.validity.outside
     if variant.leak_rate is None:
         return "–"
@@ -54,7 +54,7 @@ def _both_readings(variant: Comparison, unit: units.Unit, load: CaseLoad, volume
 
 SHOWN = Shown(
     summary=lambda result: {
-        "interface_variants": [by_reading(asdict(variant)) for variant in result.interface_variants]
+        "interface_variants": [by_scenario(asdict(variant)) for variant in result.interface_variants]
     },
     words={"variants": variant_table},
 )

@@ -25,7 +25,7 @@ from fem_seal.output.prose import phrase
 from fem_seal.output.shown import Shown
 from fem_seal.seal.findings import ORDERS_OF_MAGNITUDE, YIELD_STRESS, Level
 from fem_seal.seal.load_names import load_name
-from fem_seal.seal.readings import THEORIES
+from fem_seal.seal.scenarios import SCENARIOS
 from leak import millilitres_per_minute
 
 if TYPE_CHECKING:
@@ -338,7 +338,7 @@ def _other_theory(result: SealSolution, found: SealJudgement) -> Iterator[str]:
         yield phrase(
             "verdict.sentences",
             "theory_as_given" if sampled else "theory",
-            theory=THEORIES[theory],
+            theory=SCENARIOS[theory].title,
             verdict=verdict_words(judged.verdict),
             own=verdict_words(own),
             rate=units.leak_range_text(judged.ends, 2, beside=(judged.limit.leak_rate,)),

@@ -174,7 +174,7 @@ def leak_around_picture(result: SealSolution) -> style.Picture | None:
         figure,
         "leak_around",
         "lines",
-        "readings" if any(_in_others(load) for load, _, _ in shown) else "",
+        "others" if any(_in_others(load) for load, _, _ in shown) else "",
         "sealed" if any((rate == 0).any() for rate in rates) else "",
         "scratches" if scratched else "",
     )

@@ -26,10 +26,8 @@ from fem_seal.output.pictures.style import (
 )
 from fem_seal.output.prose import phrase
 from fem_seal.seal.load_names import load_axis, load_name
-from fem_seal.seal.readings import FURTHER, OWN, WORDS
-from fem_seal.seal.scenarios import FIRST_LOADING
+from fem_seal.seal.scenarios import FIRST_LOADING, SCENARIOS
 from fem_seal.units import format_digits, percent, shared_flow_unit
-from leak import Reading
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -51,7 +49,7 @@ def leak_picture(result: SealSolution) -> Picture | None:
     if len(loads) == 1:
         return _single_leak(result, loads[0])
     over, rates = load_axis(loads), leak_rates(loads)
-    elastic = leak_rates([(load.scenario(Reading.ELASTIC) or load) for load in loads])
+    elastic = leak_rates([(load.scenario("elastic") or load) for load in loads])
     plastic = result.surface is not None and result.surface.hardness is not None
     two = any(load.others for load in loads)
     both = plastic and bool(((rates > 0) & (elastic > 0)).any())
@@ -60,9 +58,9 @@ def leak_picture(result: SealSolution) -> Picture | None:
     )
     draw_leak(axes, result, beside=True)
     for factor in reduction:
-        readings = [(WORDS[OWN].short if two else "", rates, BLUE)]
-        readings += [(WORDS[one].short, values, GREEN) for one, values in _further(loads)]
-        _reduction(factor, over.shown, elastic, readings, axes.get_xscale() == "log")
+        shares = [(SCENARIOS[loads[0].names[0]].short if two else "", rates, BLUE)]
+        shares += [(SCENARIOS[one].short, values, GREEN) for one, values in _further(loads)]
+        _reduction(factor, over.shown, elastic, shares, axes.get_xscale() == "log")
         label(factor, "Reduction by yielding asperities", over.label, "elastic over yielded")
     words = ("plastic_both" if two else "plastic", "plastic_elastic") if plastic else ()
     return captioned(figure, "leak", "all", over.order, *words, over=over.name)
@@ -125,10 +123,7 @@ def draw_leak(axes: Axes, result: SealSolution, *, beside: bool = False) -> bool
 def _curves(result: SealSolution, loads: Sequence[CaseLoad]) -> list[tuple[str, FloatArray, str, float]]:
     """Names, leak rates [m^3/s], colours and widths of the result, first, and of what is compared with it."""
     rates = leak_rates(loads)
-    elastic = leak_rates([(load.scenario(Reading.ELASTIC) or load) for load in loads])
-    plastic = result.surface is not None and result.surface.hardness is not None
-    own = WORDS[OWN].curve if any(load.others for load in loads) else "asperities yield"
-    yielded = own if plastic else "elastic asperities"
+    yielded = SCENARIOS[loads[0].names[0]].curve
     curves = [(f"{yielded} (result)", rates, BLUE, 2.2)]
     if loads[0].tested:
         medians = np.array([load.leak_rate_p50 or 0.0 for load in loads])
@@ -136,16 +131,18 @@ def _curves(result: SealSolution, loads: Sequence[CaseLoad]) -> list[tuple[str, 
             ("median after the leak test", medians, BLUE, 2.2),
             (f"{yielded} (before it)", rates, GREY, 1.5),
         ]
-    curves += [(WORDS[one].curve, values, GREEN, 1.5) for one, values in _further(loads)]
-    if plastic and np.isfinite(elastic).any():
-        curves.append(("elastic asperities, for comparison", elastic, ORANGE, 1.5))
+    curves += [(SCENARIOS[one].curve, values, GREEN, 1.5) for one, values in _further(loads)]
+    for name in loads[0].scenarios:
+        words = SCENARIOS[name]
+        values = leak_rates([load.scenarios[name] for load in loads])
+        if words.curve and not words.condition and np.isfinite(values).any():
+            curves.append((f"{words.curve}, for comparison", values, ORANGE, 1.5))
     return curves
 
 
-def _further(loads: Sequence[CaseLoad]) -> list[tuple[Reading, FloatArray]]:
-    """The other readings of asperities that yield, with their leak rates [m^3/s]."""
-    known = FURTHER if any(load.others for load in loads) else ()
-    found = [(one, leak_rates([load.scenarios[one] for load in loads])) for one in known]
+def _further(loads: Sequence[CaseLoad]) -> list[tuple[str, FloatArray]]:
+    """The scenarios beside, with their leak rates [m^3/s]."""
+    found = [(one, leak_rates([load.scenarios[one] for load in loads])) for one in loads[0].others]
     return [(one, values) for one, values in found if np.isfinite(values).any()]
 
 
@@ -219,11 +216,11 @@ def _reduction(
     axes: Axes,
     x: FloatArray,
     elastic: FloatArray,
-    readings: Sequence[tuple[str, FloatArray, str]],
+    curves: Sequence[tuple[str, FloatArray, str]],
     log_x: bool,
 ) -> None:
     factors = []
-    for name, rates, colour in readings:
+    for name, rates, colour in curves:
         with np.errstate(divide="ignore", invalid="ignore"):
             factors.append(np.where((rates > 0) & (elastic > 0), elastic / rates, np.nan))
         axes.plot(x, factors[-1], "o-", color=colour, ms=3.8, label=name)

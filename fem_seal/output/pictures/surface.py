@@ -11,9 +11,8 @@ from fem_seal.output.pictures.colours import BLUE, FILL, GREEN, GREY, ORANGE, PU
 from fem_seal.output.pictures.style import Picture, captioned, draw_marks, inches, label, panels, positive
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.problem import exponential_law
-from fem_seal.seal.readings import FURTHER, OWN, WORDS
+from fem_seal.seal.scenarios import SCENARIOS, alternatives_on_contact
 from fem_seal.units import number, percent, unit_for
-from leak import Reading
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -43,17 +42,20 @@ def separation_picture(result: SealSolution) -> Picture | None:
         high = min(high, max(0.98 * surface.hardness, 1.01 * peaks.max()))
     p = np.geomspace(low, high, 30)
     pressure = unit_for("contact pressure", float(peaks.max()))
-    two = any(load.others for load in result.loads)
-    curves = [(WORDS[one].curve, one, GREEN) for one in (FURTHER if two else ())]
-    curves.append((WORDS[Reading.ELASTIC].curve, Reading.ELASTIC, ORANGE))
-    if surface.hardness is not None:
-        curves.insert(0, (WORDS[OWN].curve if two else "asperities yield", surface.readings[0], BLUE))
-    values = [np.asarray(surface.reading(one).critical_separation(p)) for _, one, _ in curves]
+    own = result.loads[0]
+    two = bool(own.others)
+    curves = [(own.names[0], surface, ORANGE if surface.hardness is None else BLUE)]
+    curves += [
+        (scenario.name, scenario.problem.surface or surface, GREEN if words.condition else ORANGE)
+        for scenario in alternatives_on_contact(result.problem.halves[0])
+        if (words := SCENARIOS[scenario.name]).curve
+    ]
+    values = [np.asarray(of.critical_separation(p)) for _, of, _ in curves]
     unit = unit_for("length", float(max(u.max() for u in values)))
     figure, (axes, shares) = panels(2, height=3.5)
-    for (name, reading, colour), u in zip(curves, values, strict=True):
-        axes.plot(p / pressure.size, positive(u) / unit.size, color=colour, label=name)
-        dots = [(load.scenario(reading) or load).critical_separation for load in result.loads]
+    for (name, _, colour), u in zip(curves, values, strict=True):
+        axes.plot(p / pressure.size, positive(u) / unit.size, color=colour, label=SCENARIOS[name].curve)
+        dots = [(load.scenario(name) or load).critical_separation for load in result.loads]
         axes.plot(peaks / pressure.size, positive(dots) / unit.size, "o", color=colour, ms=3.8)
     axes.set_ylim(0.0)
     over = f"contact pressure  [{pressure.name}]"
@@ -64,7 +66,7 @@ def separation_picture(result: SealSolution) -> Picture | None:
         figure,
         "separation",
         "all",
-        "readings" if two else "",
+        "others" if two else "",
         "memory" if any(load.remembers for load in result.loads) else "",
         threshold=percent(surface.percolation_threshold),
     )
@@ -105,7 +107,7 @@ def surface_picture(result: SealSolution, load: CaseLoad) -> Picture | None:
         wavelength_axis(view, 1.0 if view is spectrum else surface.spectrum.q_low)
     plastic = surface.hardness is not None
     share = float(surface.plastic_area(peak)) / float(surface.contact_area(peak)) if plastic else 0.0
-    smoothed = plastic and surface.yielding == Reading.CONSERVED
+    smoothed = surface.smoothed
     return captioned(
         figure,
         "surface",
@@ -169,7 +171,7 @@ def draw_spectrum(axes: Axes, surface: RoughContact, peak: float, above: float =
     C = np.asarray(surface.spectrum(q))
     axes.plot(q, C, color=BLUE, linewidth=2.0, label="as measured or given")
     bottom = float(C[C > 0].min())
-    if surface.hardness is not None and surface.yielding == Reading.CONSERVED and peak < surface.hardness:
+    if surface.hardness is not None and surface.smoothed and peak < surface.hardness:
         smoothed = C * np.asarray(surface.smoothing(peak, q))
         bottom *= 0.05
         axes.plot(q, np.where(smoothed > bottom, smoothed, np.nan), color=PURPLE, label="after yielding")

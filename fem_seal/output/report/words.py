@@ -26,7 +26,7 @@ from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.findings import Level, Validity
 from fem_seal.seal.load_names import load_name, load_values
 from fem_seal.seal.load_result import highest_load
-from fem_seal.seal.readings import OWN, WORDS
+from fem_seal.seal.scenarios import SCENARIOS
 from fem_seal.units import (
     LIQUID,
     LeakVolume,
@@ -41,7 +41,7 @@ from fem_seal.units import (
     written,
 )
 from fem_seal.validity.checks import FLUID_OPENS
-from leak import CoupledLeakResult, LeakResult, Reading, drops_per_minute
+from leak import CoupledLeakResult, LeakResult, drops_per_minute
 
 if TYPE_CHECKING:
     from fem_seal.answers.case_load import CaseLoad
@@ -126,11 +126,11 @@ def _leak_facts(case: Case, load: CaseLoad) -> Iterator[Fact]:
     remarks = [
         state_in_words(volume),
         _least(load) or (per_day(rate, load.leak_digits, volume) if volume.state == volume.gas else ""),
-        readings_in_words(load, volume),
+        scenarios_in_words(load, volume),
         *([] if sampled else accuracy_in_words(load)),
     ]
     which = "tested" if load.tested else "finish" if has_finish(case) else "inputs"
-    name = phrase("readings.fact", which if sampled else "only")
+    name = phrase("interval.fact", which if sampled else "only")
     text = leak_range_text(rate, load.leak_digits, claimed=not load.validity.outside, volume=volume)
     yield Fact(name, text, "; ".join(filter(None, remarks)))
     if load.leak.leak_rate > 0:
@@ -203,35 +203,32 @@ def volume_notes(volume: LeakVolume, units: Sequence[str], *, unmeasured: bool) 
     unmeasured : bool
         Whether some of them are too small to be measured.
     """
-    found = [phrase("readings.volume", "least", least=volume.least_name)] if unmeasured else []
+    found = [phrase("interval.volume", "least", least=volume.least_name)] if unmeasured else []
     if volume.gas:
         # pressure times volume, two words, has no state
         volumes = [unit for unit in dict.fromkeys(units) if " " not in unit]
-        found += [phrase("readings.volume", "column", unit=unit, state=volume.gas) for unit in volumes]
+        found += [phrase("interval.volume", "column", unit=unit, state=volume.gas) for unit in volumes]
     return found
 
 
 def volumes_of_gas(gas: bool) -> str:
     """State of gas volumes where the temperature differs from row to row, " (...)"; empty for a liquid."""
-    return f" ({phrase('readings.volume', 'heading')})" if gas else ""
+    return f" ({phrase('interval.volume', 'heading')})" if gas else ""
 
 
-def readings_in_words(load: CaseLoad, volume: LeakVolume = LIQUID) -> str:
+def scenarios_in_words(load: CaseLoad, volume: LeakVolume = LIQUID) -> str:
     """Leak rate in each reading of yielding asperities; empty with only one reading."""
     if not load.others or load.leak_range is None:
         return ""
     if not _two_numbers(load):
-        return phrase("readings.load", "same")
+        return phrase("interval.load", "same")
     digits, claimed = min(load.leak_digits, 2), not load.validity.outside
-    rates = {
-        reading: one.leak.leak_rate
-        for reading, one in {OWN: load, **load.others}.items()
-        if one.leak is not None
-    }
+    every_one = {load.names[0]: load, **load.others}
+    rates = {name: one.leak.leak_rate for name, one in every_one.items() if one.leak is not None}
     every = tuple(rates.values())
     return ", ".join(
-        f"{leak_range_text(rate, digits, claimed=claimed, beside=every, volume=volume)} {WORDS[reading].condition}"
-        for reading, rate in rates.items()
+        f"{leak_range_text(rate, digits, claimed=claimed, beside=every, volume=volume)} {SCENARIOS[name].condition}"
+        for name, rate in rates.items()
     )
 
 
@@ -426,11 +423,11 @@ def held_in_words(case: Case, load: CaseLoad) -> list[str]:
     if load.sampled is not None:
         held = [_samples_in_words(case, load)]
     elif load.leak_range is not None and (not load.others or _two_numbers(load)):
-        held = [phrase("readings.ends", "what" if load.others else "simulated")]
+        held = [phrase("interval.ends", "what" if load.others else "simulated")]
     else:
         held = []
     off = accuracy_in_words(load)
-    return [*held, *(phrase("readings.accuracy", "also" if held else "alone", off=one) for one in off)]
+    return [*held, *(phrase("interval.accuracy", "also" if held else "alone", off=one) for one in off)]
 
 
 # Error factors that are not seen in two digits.
@@ -452,7 +449,7 @@ def accuracy_in_words(load: CaseLoad) -> list[str]:
     ]
     reasons = list(dict.fromkeys(one.reason for _, found in ways for one in found))
     together = f"together a factor {' or '.join(factor for factor, _ in ways)}: " if len(reasons) > 1 else ""
-    return [phrase("readings.accuracy", "what", reason=together + "; ".join(reasons))] if reasons else []
+    return [phrase("interval.accuracy", "what", reason=together + "; ".join(reasons))] if reasons else []
 
 
 def _samples_in_words(case: Case, load: CaseLoad) -> str:
@@ -460,7 +457,7 @@ def _samples_in_words(case: Case, load: CaseLoad) -> str:
     assert case.sampled is not None
     what = uncertain_in_words(case, load)
     also = "_both" if load.others else "" if load.flow_error is None else "_own"
-    return phrase("readings.sampled", what + also, share=case.sampled.confidence)
+    return phrase("interval.sampled", what + also, share=case.sampled.confidence)
 
 
 def far_field_sentence(result: SealSolution) -> str:
@@ -568,12 +565,12 @@ def _asperity_reasons(result: SealSolution, load: CaseLoad) -> Iterator[str]:
     factor, effect = _yielding_factor(load)
     yield phrase("reasons.asperities", "yielded", effect, area=area, share=share, factor=factor)
     if load.others and _two_numbers(load):
-        yield phrase("readings.load", "why", readings=readings_in_words(load))
+        yield phrase("interval.load", "why", scenarios=scenarios_in_words(load))
 
 
 def _yielding_factor(load: CaseLoad) -> tuple[str, str]:
     """Factor by which yielding lowers the leak rate, in both readings, and key of its sentence; empty if unknown."""
-    own, never = load.leak, (load.scenario(Reading.ELASTIC) or load).leak
+    own, never = load.leak, (load.scenario("elastic") or load).leak
     if own is None or never is None:
         return "", ""
     low, high = (separate_ends(load) if load.others else None) or (own.leak_rate, own.leak_rate)
@@ -660,7 +657,7 @@ def judged_as(case: Case, load: CaseLoad) -> str:
     if is_flange(case):
         return ""
     fluid, ratio = test_of(case.fluid, load.fluid_pressure, load)
-    return phrase("readings.classes", "test_fluid", fluid=fluid, ratio=tuple(sorted(ratio))) if fluid else ""
+    return phrase("interval.classes", "test_fluid", fluid=fluid, ratio=tuple(sorted(ratio))) if fluid else ""
 
 
 def leakage_lines(case: Case, load: CaseLoad, loads: Sequence[CaseLoad]) -> list[str]:
@@ -697,4 +694,4 @@ def _as_given(case: Case, load: CaseLoad) -> str:
     # in the unit of the line above
     rate = leakage_text(load, volume_of(case), usual_rate_of(load)).split(" = ")[0]
     finish, inputs = ("tested_finish", "tested_inputs") if load.tested else ("finish", "inputs")
-    return phrase("readings.as_given", finish if has_finish(case) else inputs, rate=rate)
+    return phrase("interval.as_given", finish if has_finish(case) else inputs, rate=rate)

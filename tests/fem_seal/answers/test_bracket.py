@@ -28,7 +28,7 @@ from fem_seal.output.report.words import (
     headline,
     leakage_lines,
     leakage_text,
-    readings_in_words,
+    scenarios_in_words,
 )
 from fem_seal.output.tables import leak_rows, leakage_table
 from fem_seal.seal.bounds import Bounds
@@ -417,4 +417,4 @@ def test_readings_that_are_read_as_one_number_are_not_told_as_two():
     load = rough_result().highest
     for higher, same in ((1.27e-9, True), (1.9e-9, False)):
         one = with_capped(load.with_values(leak=load.leak.scaled(1.26e-9)), load.leak.scaled(higher))
-        assert ("agree" in readings_in_words(one)) == same
+        assert ("agree" in scenarios_in_words(one)) == same

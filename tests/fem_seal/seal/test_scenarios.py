@@ -10,17 +10,16 @@ from fem_seal.answers.form import _Formed
 from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.leak_model import LeakModel
 from fem_seal.seal.load_result import LoadResult
-from fem_seal.seal.readings import FURTHER, OWN, WORDS
-from fem_seal.seal.scenarios import SCENARIOS
+from fem_seal.seal.scenarios import BESIDE, SCENARIOS
 from leak import Reading
 from leak.theory.plasticity import READINGS
 
 
 @pytest.mark.parametrize("reading", Reading)
 def test_every_reading_has_its_words(reading):
-    words = WORDS[reading]
+    words = SCENARIOS[reading]
     assert words.asperities and words.curve
-    if reading in (OWN, *FURTHER):
+    if reading == "conserved" or reading in BESIDE:
         assert words.condition.startswith("if ") and words.taken and words.column and words.title
 
 
