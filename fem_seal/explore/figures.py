@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 Values = Sequence[float | None]
 # Of the design on the screen and of those pinned, fit for light and dark, told apart by the colour-blind, too.
 LIVE, PINS = "#2f7fd6", ("#e07b39", "#2f9e6e", "#b264c8", "#c9a227")
+PIN_NAMES = "ABCD"
 _GREY, _LIMIT = "#7b838f", "#c8443b"
 # What an annotation gives its place in: the whole picture.
 _PAPER = {"xref": "paper", "yref": "paper"}
@@ -84,7 +85,7 @@ def designs_shown(screen: Screen, pins: Sequence[Screen]) -> list[ShownDesign]:
     screen : Screen
     pins : sequence of Screen
     """
-    return [ShownDesign(screen, "now", LIVE), *map(ShownDesign, pins, "ABCD", PINS)]
+    return [ShownDesign(screen, "now", LIVE), *map(ShownDesign, pins, PIN_NAMES, PINS)]
 
 
 def figures(shown: Sequence[ShownDesign], dark: bool) -> dict[str, Figure]:

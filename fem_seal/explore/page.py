@@ -20,7 +20,7 @@ from flask import Response, abort, request, send_file
 from fem_seal.case.case_file import case_text, free_name, write_case
 from fem_seal.errors import SealError
 from fem_seal.explore.choices import ROWS, changed, choices_of, pictures_of
-from fem_seal.explore.figures import PINS, designs_shown, figures
+from fem_seal.explore.figures import PIN_NAMES, PINS, designs_shown, figures
 from fem_seal.explore.gate import Asked, Design, Entered, answered, checked, place_of, refuse
 from fem_seal.explore.screen import not_taken_words, preliminary_words, refused_words, slow_words, still_words
 from fem_seal.files import own_tables
@@ -259,8 +259,6 @@ def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
         asked = checked(Asked, sent, "asked")
         session = _session(answers, asked.design)
         factors = session.factors
-        # a tab may have pinned some of a page that was here before
-        known = {n: one for n, one in enumerate(_pinned(pins)) if answers.has(one)}
         shown = checked(dict[str, Any], shown or {}, "shown")
         before = checked(Design, shown.get("design") or {}, "shown")
         screen = answers.answer(asked.design, asked.page, asked.number)
@@ -268,7 +266,7 @@ def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
             raise PreventUpdate
         if not screen.complete and not screen.problem:
             _settle_later(answers, asked)
-        pinned = [answers.screen(design) for design in known.values()]
+        pinned = [answers.screen(design) for design in _known_pins(answers, pins).values()]
         state, lost = _state(screen, answers), answers.lost
         signature = _signature(
             screen, state, wrong=asked.wrong, lost=lost, pins=pins or (), dark=dark, pinned=pinned
@@ -309,7 +307,6 @@ def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
                     "compare",
                     now=designs[0],
                     pinned=designs[1:],
-                    places=[*known],
                     rows=_input_rows(answers, [design.screen for design in designs]),
                     most=len(PINS),
                 ),
@@ -486,6 +483,11 @@ def _pinned(sent: Any) -> list[Design]:
     return pinned
 
 
+def _known_pins(answers: Answers, sent: Any) -> dict[int, Design]:
+    """Pinned designs by their places; a tab may have pinned some of a page that was here before."""
+    return {number: design for number, design in enumerate(_pinned(sent)) if answers.has(design)}
+
+
 def _done() -> list[tuple[Any, Any]]:
     """Elements with which something was done, ids with their values: those that were clicked before choices.
 
@@ -521,12 +523,17 @@ def _pin(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
         # the fifth takes the place of the first
         return pins if design in pins else [*pins, design][-len(PINS) :]
 
-    # The buttons are made anew with every answer, and dash forgets their clicks with them: the browser keeps the click.
+    @app.callback(Output("pinned", "children"), Input("pins", "data"))
+    @answered
+    def show_buttons(pins: Any) -> Any:
+        return elements("pinned", names=list(zip(_known_pins(answers, pins), PIN_NAMES, PINS, strict=False)))
+
     app.clientside_callback(
         scripts["pinned"],
         Output("back", "data", allow_duplicate=True),
         Output("pins", "data", allow_duplicate=True),
-        Input("pressed", "data"),
+        Input({"kind": "take", "number": ALL}, "n_clicks"),
+        Input({"kind": "remove", "number": ALL}, "n_clicks"),
         State("pins", "data"),
         prevent_initial_call=True,
     )

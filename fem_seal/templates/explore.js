@@ -103,11 +103,13 @@ function step(undo, redo, history) {
     return [{...history, designs: designs, at: at, moved: ""}, design];
 }
 
-function pinned(pressed, pins) {
-    // Controls of a pinned design, or the pinned designs without one.
+function pinned(_take, _remove, pins) {
+    // Controls of a pinned design, or the pinned designs without one; buttons that are made anew have no clicks.
     const none = window.dash_clientside.no_update;
+    const pressed = window.dash_clientside.callback_context.triggered.find(one => one.value);
     if (!pressed) { return [none, none]; }
-    return pressed.kind === "take" ? [pins[pressed.number], none] : [none, pins.filter((_, number) => number !== pressed.number)];
+    const id = JSON.parse(pressed.prop_id.slice(0, pressed.prop_id.lastIndexOf(".")));
+    return id.kind === "take" ? [pins[id.number], none] : [none, pins.filter((_, number) => number !== id.number)];
 }
 
 function answered(shown) {
@@ -138,23 +140,6 @@ function named(_) {
     if (!window.naming) {
         window.naming = new MutationObserver(name);
         window.naming.observe(document.body, {childList: true, subtree: true});
-        document.addEventListener("click", event => {
-            const button = event.target.closest("#compare button");
-            if (button) { window.dash_clientside.set_props("pressed", {data: {...JSON.parse(button.id), at: Date.now()}}); }
-        });
-        // A button that is made anew between press and release gets no click from the browser: its successor is clicked.
-        let held;
-        const press = one => { held = one && one.closest("button[id]"); };
-        const release = one => {
-            const now = one && one.closest("button[id]");
-            if (held && !held.isConnected && now && now.id === held.id) { now.click(); }
-            held = undefined;
-        };
-        document.addEventListener("pointerdown", event => press(event.target));
-        document.addEventListener("pointerup", event => release(event.target));
-        document.addEventListener("pointercancel", () => { held = undefined; });
-        document.addEventListener("keydown", event => { if (event.key === " " && !event.repeat) { press(event.target); } });
-        document.addEventListener("keyup", event => { if (event.key === " ") { release(document.activeElement); } });
         document.addEventListener("focusin", event => {
             const home = event.target.closest("[id]");
             last = home && {element: event.target, home: home.id, place: [...home.querySelectorAll("*")].indexOf(event.target)};
