@@ -5,8 +5,7 @@ from __future__ import annotations
 import gc
 import os
 import sys
-from collections import Counter
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Callable, Iterator
 from functools import cache
 from pathlib import Path
 
@@ -30,74 +29,6 @@ hypothesis.settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "repeatabl
 
 # All that is loaded while tests are collected stays: looking for what could go is a fifth of the time.
 gc.disable()
-
-# Files whose tests are long and share nothing but what is quickly made again: each of their tests goes to whichever
-# process is free. All other files stay whole, with what their fixtures have made.
-APART = (
-    "tests/system/test_examples.py",
-    "tests/fem_seal/answers/test_uncertainty.py",
-    "tests/verification/test_contact.py",
-)
-
-# Files that share what is too dear to be had in several processes: results, and CoolProp, which takes seconds to load.
-TOGETHER = {
-    "tests/fem_seal/output/test_around_report.py": "tests/fem_seal/output/test_around_files.py",
-    **{
-        f"tests/{name}.py": "CoolProp"
-        for name in (
-            "fem_seal/seal/test_fluid",
-            "fem_seal/answers/test_leak_map",
-            "leak/test_fluids",
-            "leak/test_gases",
-            "leak/test_pressure_law",
-            "leak/test_real_gas",
-        )
-    },
-}
-
-# Files whose tests mostly wait, for clusters that start and designs that never end. They come first and one after the
-# other, so that one process waits while the others compute.
-WAITING = (
-    "tests/fem_seal/studies/test_faults.py",
-    "tests/fem_seal/studies/test_processes.py",
-    "tests/system/test_cluster_recipes.py",
-    "tests/fem_seal/explore/test_browser.py",
-)
-
-
-@pytest.hookimpl(wrapper=True)
-def pytest_collect_file() -> Generator[None, list[pytest.Collector], list[pytest.Collector]]:
-    """Files of tests hold no examples of their own: nobody looks for any in them."""
-    found = yield
-    return [one for one in found if type(one) is pytest.Module]
-
-
-@pytest.hookimpl(wrapper=True)
-def pytest_make_collect_report(
-    collector: pytest.Collector,
-) -> Generator[None, pytest.CollectReport, pytest.CollectReport]:
-    """Each of several processes begins with another file, so that most files are compiled by one of them only."""
-    report = yield
-    if isinstance(collector, pytest.Directory) and report.passed:
-        process = int(os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw"))
-        first = process * len(report.result) // int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1"))
-        report.result = [*report.result[first:], *report.result[:first]]
-    return report
-
-
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Files that wait come first, then those of many tests; what fills the gaps at the end comes last."""
-    tests = Counter(_file(one.nodeid) for one in items)
-
-    def place(item: pytest.Item) -> tuple[int, int, str]:
-        file = _file(item.nodeid)
-        return (-1 if file in WAITING else int(file in APART)), -tests[file], file
-
-    items.sort(key=place)
-
-
-def _file(test: str) -> str:
-    return test.split("::", 1)[0]
 
 
 def pytest_collection_finish() -> None:
@@ -136,35 +67,6 @@ def forgotten_afterwards(request: pytest.FixtureRequest, made_once: MadeOnce) ->
     gc.collect()
     # what is left stays: the next file need not look through it again
     gc.freeze()
-
-
-@pytest.hookimpl(optionalhook=True)
-def pytest_xdist_auto_num_workers() -> int | None:
-    """With ``-n auto`` a process for each core, and one that waits."""
-    if "PYTEST_XDIST_AUTO_NUM_WORKERS" in os.environ:
-        return None
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
-    return (cores or 1) + 1
-
-
-@pytest.hookimpl(optionalhook=True)
-def pytest_xdist_make_scheduler(config: pytest.Config, log: object) -> object:
-    """Tests by file, those that wait as one, those of some files one by one."""
-    if config.getoption("dist") != "loadfile":
-        return None
-    from xdist.scheduler import LoadFileScheduling
-
-    # the order is that of `pytest_collection_modifyitems`
-    config.option.loadscopereorder = False
-
-    class Scheduling(LoadFileScheduling):  # type: ignore[misc]
-        def _split_scope(self, nodeid: str) -> str:
-            file = _file(nodeid)
-            if file in WAITING:
-                return "waiting"
-            return nodeid if file in APART else TOGETHER.get(file, file)
-
-    return Scheduling(config, log)
 
 
 @pytest.fixture(scope="session")
