@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 
 from fem_seal.answers import opening, target
-from fem_seal.answers.answer import Wanted
 from fem_seal.answers.chain import solve
 from fem_seal.answers.solution import SealSolution
 from fem_seal.arrays import FloatArray
@@ -323,7 +322,7 @@ def run(
     """
     case = case_of(case)
     with given_back(), shown_in(*case.shown):
-        solution = solve(case, progress, Wanted(sensitivities, verdict_force))
+        solution = solve(case, progress, sensitivities=sensitivities, verdict_force=verdict_force)
     return SealResult(**{field.name: getattr(solution, field.name) for field in fields(solution)})
 
 

@@ -8,7 +8,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 
-from fem_seal.answers.answer import Answer, Inquiry
+from fem_seal.answers.answer import Answer, Request
 from fem_seal.answers.case_load import SolvedSeal
 from fem_seal.bodies.supports import Supports
 from fem_seal.contact.load_path import yielding_bodies
@@ -218,15 +218,15 @@ class Accuracy:
     far_field: tuple[Comparison, ...] = ()
 
 
-def _compute(seal: SolvedSeal, ask: Inquiry) -> Accuracy:
+def _compute(seal: SolvedSeal, request: Request) -> Accuracy:
     # the bodies on coarser elements are gone when this is done
     sizing, strongest = seal.seal_mesh.sizing, strongest_load(seal.loads)
-    with ask.clock.step("error", "estimating the discretisation error"):
+    with request.clock.step("error", "estimating the discretisation error"):
         coarser = on_coarser_mesh(seal.problem, sizing, strongest)
         estimate = partial(discretisation_error, seal.loads[strongest].contact, coarser, sizing)
-        error = ask.steps.compute(ACCURACY.what, estimate, NOT_ESTIMATED)
-    with ask.clock.step("far field", "comparing sizes and supports far from the contact"):
-        far = ask.steps.compute("influence of the far field", partial(far_field, coarser), ())
+        error = request.steps.compute(ACCURACY.what, estimate, NOT_ESTIMATED)
+    with request.clock.step("far field", "comparing sizes and supports far from the contact"):
+        far = request.steps.compute("influence of the far field", partial(far_field, coarser), ())
     return Accuracy(error, far)
 
 

@@ -16,24 +16,7 @@ T = TypeVar("T")
 
 
 @dataclass(frozen=True)
-class Wanted:
-    """What is asked for beside what the case itself asks; None leaves it to the answer.
-
-    Parameters
-    ----------
-    sensitivities, verdict_force : bool or None
-        See `fem_seal.run`.
-    """
-
-    sensitivities: bool | None = None
-    verdict_force: bool | None = None
-
-
-NOTHING_ELSE = Wanted()
-
-
-@dataclass(frozen=True)
-class Inquiry:
+class Request:
     """What an answer may use besides the solved seal.
 
     Parameters
@@ -41,26 +24,28 @@ class Inquiry:
     solver : LoadSolver
         Of the seal's model, shared by all answers.
     clock : Clock
-    wanted : Wanted
+    sensitivities, verdict_force : bool or None
+        Whether they are asked for, see `fem_seal.run`; None leaves it to the answer.
     steps : OptionalSteps
         For parts of an answer that may fail by themselves.
     answers : dict
         Those before it, by name.
     solve : callable
         Solves another case, `fem_seal.answers.chain.solve`, as a run of its own would.
-    lower_half : list of Inquiry
+    lower_half : list of Request
         The one about a lower flange of its own, once it was asked anything.
     """
 
     solver: LoadSolver
     clock: Clock
-    wanted: Wanted = NOTHING_ELSE
+    sensitivities: bool | None = None
+    verdict_force: bool | None = None
     steps: OptionalSteps = field(default_factory=OptionalSteps)
     answers: dict[str, Any] = field(default_factory=dict)
     solve: Callable[..., SolvedSeal] | None = None
-    lower_half: list[Inquiry] = field(default_factory=list)
+    lower_half: list[Request] = field(default_factory=list)
 
-    def of_lower_half(self, seal: SolvedSeal) -> Inquiry:
+    def of_lower_half(self, seal: SolvedSeal) -> Request:
         """The one about a lower flange of its own, with its own answers, made on first use.
 
         Parameters
@@ -88,7 +73,7 @@ class Answer(Generic[T]):
     what : str
         Subject of the sentence where it fails.
     compute : callable
-        Gives the answer to a solved seal and an `Inquiry`.
+        Gives the answer to a solved seal and an `Request`.
     otherwise : object
         The answer where it does not apply or fails.
     applies : callable
@@ -96,7 +81,7 @@ class Answer(Generic[T]):
     of_load : callable
         Gives a load, of a number, with what the answer knows of it; the same load unless given.
     doing : str
-        Told while it is computed, and then it is timed; empty where `compute` sees to that with `Inquiry.clock`.
+        Told while it is computed, and then it is timed; empty where `compute` sees to that with `Request.clock`.
     clock : str
         Name of its time; `name` unless given.
     of_face : bool
@@ -104,48 +89,48 @@ class Answer(Generic[T]):
         joins what is known of its loads, and the answer that is kept is that of the upper one.
     needs : tuple of str
         Attributes of the solved seal, such as "case.form", none of which may be None or False where it applies.
-    request : str
-        Field of what is wanted beside the case; empty of an answer that follows from the case alone.
+    asked_by : str
+        Field of the request that asks for it; empty of an answer that follows from the case alone.
     needs_unrequested : tuple of str
         As `needs`, where that field is None.
     """
 
     name: str
     what: str
-    compute: Callable[[SolvedSeal, Inquiry], T]
+    compute: Callable[[SolvedSeal, Request], T]
     otherwise: T
-    applies: Callable[[SolvedSeal, Wanted], bool] = lambda seal, wanted: True
+    applies: Callable[[SolvedSeal, Request], bool] = lambda seal, request: True
     of_load: Callable[[CaseLoad, int, T], CaseLoad] = lambda load, number, found: load
     doing: str = ""
     clock: str = ""
     of_face: bool = False
     needs: tuple[str, ...] = ()
-    request: str = ""
+    asked_by: str = ""
     needs_unrequested: tuple[str, ...] = ()
 
-    def is_asked_of(self, seal: SolvedSeal, wanted: Wanted) -> bool:
+    def is_asked_of(self, seal: SolvedSeal, request: Request) -> bool:
         """Whether it applies to a solved seal.
 
         Parameters
         ----------
         seal : SolvedSeal
-        wanted : Wanted
+        request : Request
         """
-        requested = getattr(wanted, self.request) if self.request else None
+        requested = getattr(request, self.asked_by) if self.asked_by else None
         needs = self.needs if requested else (*self.needs, *self.needs_unrequested)
         has_all = requested is not False and all(_has(seal, attribute) for attribute in needs)
-        return has_all and self.applies(seal, wanted)
+        return has_all and self.applies(seal, request)
 
-    def found(self, seal: SolvedSeal, ask: Inquiry) -> T:
+    def found(self, seal: SolvedSeal, request: Request) -> T:
         """The answer to a seal of which it is asked; a failure becomes a warning.
 
         Parameters
         ----------
         seal : SolvedSeal
-        ask : Inquiry
+        request : Request
         """
-        with ask.clock.step(self.clock or self.name, self.doing) if self.doing else nullcontext():
-            return ask.steps.compute(self.what, partial(self.compute, seal, ask), self.otherwise)
+        with request.clock.step(self.clock or self.name, self.doing) if self.doing else nullcontext():
+            return request.steps.compute(self.what, partial(self.compute, seal, request), self.otherwise)
 
     def of(self, answers: Mapping[str, Any]) -> T:
         """Itself among the answers of a result."""
@@ -165,13 +150,13 @@ class Answer(Generic[T]):
 Seal = TypeVar("Seal", bound=SolvedSeal)
 
 
-def answered(seal: Seal, ask: Inquiry, answers: Sequence[Answer[Any]]) -> Seal:
+def answered(seal: Seal, request: Request, answers: Sequence[Answer[Any]]) -> Seal:
     """A solved seal with what answers know of its loads; they themselves are kept by the inquiry.
 
     Parameters
     ----------
     seal : SolvedSeal
-    ask : Inquiry
+    request : Request
     answers : sequence of Answer
         In their order.
     """
@@ -179,14 +164,14 @@ def answered(seal: Seal, ask: Inquiry, answers: Sequence[Answer[Any]]) -> Seal:
     if of_face and seal.lower_half is not None:
         upper, lower = seal.faces
         seal = seal.with_faces(
-            answered(upper, ask, of_face), answered(lower, ask.of_lower_half(lower), of_face)
+            answered(upper, request, of_face), answered(lower, request.of_lower_half(lower), of_face)
         )
         answers = [one for one in answers if not one.of_face]
     for answer in answers:
-        if not answer.is_asked_of(seal, ask.wanted):
-            ask.answers[answer.name] = answer.otherwise
+        if not answer.is_asked_of(seal, request):
+            request.answers[answer.name] = answer.otherwise
             continue
-        ask.answers[answer.name] = found = answer.found(seal, ask)
+        request.answers[answer.name] = found = answer.found(seal, request)
         seal = seal.with_loads([answer.of_load(load, n, found) for n, load in enumerate(seal.loads)])
     return seal
 

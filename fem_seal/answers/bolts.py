@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from fem_seal.answers.answer import Answer, Inquiry
+from fem_seal.answers.answer import Answer, Request
 from fem_seal.answers.case_load import CaseLoad, SolvedSeal
 from fem_seal.answers.judgement import BoltState
 from fem_seal.bolts import Bolts
@@ -35,7 +35,7 @@ class BoltAnswers:
     leak_rates: tuple[Bounds | None, ...]
 
 
-def _compute(seal: SolvedSeal, ask: Inquiry) -> BoltAnswers:
+def _compute(seal: SolvedSeal, request: Request) -> BoltAnswers:
     bolts, preloads = seal.problem.bolts, [force for _, force in seal.case.load.points]
     assert bolts is not None  # of `applies`
     material = None if seal.case.bolts is None else seal.case.bolts.material
@@ -47,8 +47,8 @@ def _compute(seal: SolvedSeal, ask: Inquiry) -> BoltAnswers:
     ends = (
         nothing
         if bolts.scatter == 0.0
-        else ask.steps.compute(
-            "leak rate at the ends of the preload", lambda: _leak_at_ends(seal, ask, bolts), nothing
+        else request.steps.compute(
+            "leak rate at the ends of the preload", lambda: _leak_at_ends(seal, request, bolts), nothing
         )
     )
     return BoltAnswers(bolts, states, tuple(ends))
@@ -70,16 +70,16 @@ def _state(bolts: Bolts, preload: float, load: CaseLoad, strength: float | None)
     )
 
 
-def _leak_at_ends(seal: SolvedSeal, ask: Inquiry, bolts: Bolts) -> Sequence[Bounds | None]:
+def _leak_at_ends(seal: SolvedSeal, request: Request, bolts: Bolts) -> Sequence[Bounds | None]:
     """Leak rate of each load with all bolts at the least and at the largest preload."""
     factors = [1.0 + end * bolts.scatter for end in (-1.0, 1.0)]
-    rates = [_leak_rates(seal, ask, bolts, factor) for factor in factors]
+    rates = [_leak_rates(seal, request, bolts, factor) for factor in factors]
     return [
         None if math.isnan(low + high) else Bounds.of((low, high)) for low, high in zip(*rates, strict=True)
     ]
 
 
-def _leak_rates(seal: SolvedSeal, ask: Inquiry, bolts: Bolts, factor: float) -> list[float]:
+def _leak_rates(seal: SolvedSeal, request: Request, bolts: Bolts, factor: float) -> list[float]:
     """Leak rate of each load with another preload, infinite where it opens the seal [m^3/s]; NaN where not found."""
     problem, loads = seal.problem, seal.problem.loads
     preloads = [factor * one for _, one in seal.case.load.points]
@@ -95,7 +95,7 @@ def _leak_rates(seal: SolvedSeal, ask: Inquiry, bolts: Bolts, factor: float) -> 
         return [math.inf] * len(preloads)
     left = [number for number in range(len(preloads)) if number not in opened]
     solver = LoadSolver(replace(problem, loads=loads.without(opened)), seal.model)
-    solved = solve_loads(solver, ask.clock.progress, unload=False)
+    solved = solve_loads(solver, request.clock.progress, unload=False)
     numbers = [n for n in range(len(left)) if n not in solved.failures]
     found = [
         LoadResult(*solved.points[number], contact, formed=formed)

@@ -19,7 +19,7 @@ import numpy as np
 
 from fem_seal.answers import measurements
 from fem_seal.answers.accuracy import ACCURACY
-from fem_seal.answers.answer import Inquiry, answered
+from fem_seal.answers.answer import Request, answered
 from fem_seal.answers.case_load import CaseLoad, solved_seal
 from fem_seal.answers.conflict import Conflict, Data, conflict_of, data_p_value
 from fem_seal.answers.judgement import PassProbability
@@ -427,7 +427,7 @@ def _judged(case: Case, y: FloatArray, weights: FloatArray, progress: Progress) 
     progress("verdict after the test")
     case = warmed(case)
     found = evaluate(SealProblem.of(case))
-    seal = answered(solved_seal(found, case), Inquiry(found.solver, SILENT), [ACCURACY, OPENING])
+    seal = answered(solved_seal(found, case), Request(found.solver, SILENT), [ACCURACY, OPENING])
     outside, loads = 0.5 - 0.5 * (case.sampled or Uncertainty()).confidence, []
     shares = outside, 0.5, 1.0 - outside
     for load, own in zip(seal.loads, y.T, strict=True):

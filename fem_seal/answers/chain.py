@@ -10,7 +10,7 @@ from functools import partial
 from typing import Any, TypeVar
 
 from fem_seal.answers.accuracy import ACCURACY
-from fem_seal.answers.answer import NOTHING_ELSE, Answer, Inquiry, Wanted, answered
+from fem_seal.answers.answer import Answer, Request, answered
 from fem_seal.answers.bolts import BOLTS
 from fem_seal.answers.case_load import CaseLoad, SolvedSeal, case_loads, solved_seal
 from fem_seal.answers.compression import COMPRESSION
@@ -97,7 +97,9 @@ def _simulate(problem: SealProblem, clock: Clock) -> None:
 def solve(
     case: Case,
     progress: Progress | None = None,
-    wanted: Wanted = NOTHING_ELSE,
+    *,
+    sensitivities: bool | None = None,
+    verdict_force: bool | None = None,
     answers: Sequence[Answer[Any]] | None = None,
 ) -> SealSolution:
     """Solve every load of a case and answer all that is asked of it; `fem_seal.run` says what can go wrong.
@@ -107,19 +109,21 @@ def solve(
     case : Case
     progress : callable, optional
         Called with a status message before each step.
-    wanted : Wanted
+    sensitivities, verdict_force : bool, optional
+        Whether they are asked for; see `fem_seal.run`.
     answers : sequence of Answer, optional
         In their order; all of them unless given.
     """
     clock, steps = Clock(progress or (lambda text: None)), OptionalSteps()
     seal = _solved(case, clock, steps, told=progress is not None)
-    ask = Inquiry(LoadSolver(seal.problem, seal.model), clock, wanted, steps, solve=solve)
-    return _answered(seal, ask, ANSWERS if answers is None else answers)
+    solver = LoadSolver(seal.problem, seal.model)
+    request = Request(solver, clock, sensitivities, verdict_force, steps, solve=solve)
+    return _answered(seal, request, ANSWERS if answers is None else answers)
 
 
 # What is asked of given contacts: all that needs no bodies.
 _OF_PROFILES: tuple[Answer[Any], ...] = (
-    replace(FINDINGS, compute=lambda seal, ask: findings_of_profiles(seal)),
+    replace(FINDINGS, compute=lambda seal, request: findings_of_profiles(seal)),
     UNCERTAINTY,
     ERROR_SHARES,
     PASS_PROBABILITY,
@@ -154,20 +158,22 @@ def solve_profiles(
         ]
     nothing: Any = None  # of what has no bodies
     seal = SolvedSeal(case, problem, nothing, nothing, tuple(loads))
-    ask = Inquiry(nothing, clock, steps=steps, answers={"profiles": tuple(profiles)})
-    return _answered(seal, ask, _OF_PROFILES)
+    request = Request(nothing, clock, steps=steps, answers={"profiles": tuple(profiles)})
+    return _answered(seal, request, _OF_PROFILES)
 
 
-def _answered(seal: SolvedSeal, ask: Inquiry, answers: Sequence[Answer[Any]]) -> SealSolution:
-    seal = answered(seal, ask, answers)
-    texts = [caution.text for caution in all_cautions(ask.answers)]
-    warnings = (*texts, *_of_lower_half(ask, texts), *ask.steps.failures)
-    return SealSolution(**vars(seal), answers=ask.answers, warnings=warnings, timings=ask.clock.timings)
+def _answered(seal: SolvedSeal, request: Request, answers: Sequence[Answer[Any]]) -> SealSolution:
+    seal = answered(seal, request, answers)
+    texts = [caution.text for caution in all_cautions(request.answers)]
+    warnings = (*texts, *_of_lower_half(request, texts), *request.steps.failures)
+    return SealSolution(
+        **vars(seal), answers=request.answers, warnings=warnings, timings=request.clock.timings
+    )
 
 
-def _of_lower_half(ask: Inquiry, said: Collection[str]) -> Iterator[str]:
+def _of_lower_half(request: Request, said: Collection[str]) -> Iterator[str]:
     """What is said against the lower flange, where it is another one, and not against the upper."""
-    for one in ask.lower_half:
+    for one in request.lower_half:
         for text in (*(caution.text for caution in FINDINGS.of(one.answers).cautions), *one.steps.failures):
             if text not in said:
                 yield sentence("lower_flange", said=text)

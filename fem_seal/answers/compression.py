@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fem_seal.answers.answer import Answer, Inquiry
+from fem_seal.answers.answer import Answer, Request
 from fem_seal.answers.case_load import SolvedSeal
 
 
@@ -82,7 +82,7 @@ class Compression:
         return Compression(tuple(steps), left)
 
 
-def _compute(seal: SolvedSeal, ask: Inquiry) -> Compression:
+def _compute(seal: SolvedSeal, request: Request) -> Compression:
     upper, *lower = map(_of_both_faces, seal.faces)
     return upper.mean(*lower) if lower else upper
 

@@ -300,10 +300,10 @@ def _of_inputs(interval: LeakInterval, number: int) -> dict[str, float]:
 ERROR_SHARES = Answer[tuple[ErrorShares, ...]](
     "error_shares",
     "what makes the interval of the leak rates",
-    lambda seal, ask: all_error_shares(seal, UNCERTAINTY.of(ask.answers)),
+    lambda seal, request: all_error_shares(seal, UNCERTAINTY.of(request.answers)),
     (),
     # the ends of the preload of bolts have no share, nor has one of two different faces
-    lambda seal, wanted: (
+    lambda seal, request: (
         seal.case.lower_half is None and (seal.case.bolts is None or seal.case.bolts.torque_scatter == 0.0)
     ),
 )

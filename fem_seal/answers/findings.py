@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
-from fem_seal.answers.answer import Answer, Inquiry
+from fem_seal.answers.answer import Answer, Request
 from fem_seal.answers.case_load import CaseLoad, SolvedSeal
 from fem_seal.answers.leakage_class import NominalSize, nominal_size
 from fem_seal.answers.target import TARGET
@@ -43,8 +43,8 @@ class Findings:
     by_theory: tuple[Mapping[str, Validity], ...] = ()
 
 
-def _compute(seal: SolvedSeal, ask: Inquiry) -> Findings:
-    problem, compute = seal.problem, ask.steps.compute
+def _compute(seal: SolvedSeal, request: Request) -> Findings:
+    problem, compute = seal.problem, request.steps.compute
     checks = compute("checks of what the theory allows", partial(contact_cautions, problem, seal.loads), ())
     find = partial(earlier_cautions, problem, seal.earlier, seal.loads[0].mesh_error)
     before = compute("checks of the largest earlier load", find, ())

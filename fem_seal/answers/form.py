@@ -9,7 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
-from fem_seal.answers.answer import Answer, Inquiry
+from fem_seal.answers.answer import Answer, Request
 from fem_seal.answers.case_load import CaseLoad, SolvedSeal
 from fem_seal.answers.leakage_class import leakage_classes, limits, test_of
 from fem_seal.case.case import Case
@@ -409,11 +409,11 @@ def _largest(leak_rate: Callable[[float], float], allowed: float, start: float, 
     return math.exp(root_between(excess, low, above, xtol=_ACCURACY))
 
 
-def _compute(seal: SolvedSeal, ask: Inquiry) -> FormAnswers:
+def _compute(seal: SolvedSeal, request: Request) -> FormAnswers:
     case = seal.case
     assert case.form is not None  # of `applies`
     given = case.form.error(case.contact.angle, case.initial_contact_radius)
-    return form_answers(ask.solver, case, seal.highest, given)
+    return form_answers(request.solver, case, seal.highest, given)
 
 
 FORM = Answer[FormAnswers | None](

@@ -9,7 +9,7 @@ from functools import partial
 
 import numpy as np
 
-from fem_seal.answers.answer import Answer, Inquiry
+from fem_seal.answers.answer import Answer, Request
 from fem_seal.answers.case_load import CaseLoad, SolvedSeal
 from fem_seal.arrays import FloatArray
 from fem_seal.contact.penetration import effective_radius
@@ -35,20 +35,20 @@ class Opening:
     opening: OpeningMargin | None
 
 
-def _compute(seal: SolvedSeal, ask: Inquiry) -> tuple[Opening, ...]:
-    solver, of = ask.solver, seal.problem.loads
+def _compute(seal: SolvedSeal, request: Request) -> tuple[Opening, ...]:
+    solver, of = request.solver, seal.problem.loads
     penetrates = of.closing == "penetration"
 
     def key(load: CaseLoad) -> tuple[float, int | None]:
         """What the pressure depends on: the applied force, and of bodies that yield the contact."""
         return load.applied_force, id(load.contact) if solver.yields else None
 
-    with ask.clock.step("questions", "blow-off and force for the target leak rate"):
+    with request.clock.step("questions", "blow-off and force for the target leak rate"):
         asked = penetrates or of.pressure_side == "inner"
         # elastic bodies are the same after every load
         different = {key(load): load for load in reversed(seal.loads)} if asked else {}
         opens = {
-            one: ask.steps.compute(
+            one: request.steps.compute(
                 f"pressure that opens the seal under {load.applied_force:.6g} N",
                 partial(solver.blow_off_pressure, load.applied_force, load.contact),
                 None,
@@ -62,7 +62,7 @@ def _compute(seal: SolvedSeal, ask: Inquiry) -> tuple[Opening, ...]:
             )
             for load in seal.loads
         )
-        loads = ask.steps.compute(OPENING.what, partial(with_margins, solver, loads), loads)
+        loads = request.steps.compute(OPENING.what, partial(with_margins, solver, loads), loads)
     return tuple(Opening(one.effective_radius, one.blow_off_pressure, one.opening) for one in loads)
 
 

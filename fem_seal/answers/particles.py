@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 import leak
-from fem_seal.answers.answer import Answer, Inquiry
+from fem_seal.answers.answer import Answer, Request
 from fem_seal.answers.case_load import CaseLoad, SolvedSeal
 from fem_seal.arrays import FloatArray
 from fem_seal.profile import PressureProfile
@@ -284,7 +284,7 @@ def _size_that_leaves(kept: float, sizes: FloatArray, share: FloatArray) -> floa
     return math.exp(float(at))
 
 
-def _compute(seal: SolvedSeal, ask: Inquiry) -> tuple[ParticleAnswers, ...]:
+def _compute(seal: SolvedSeal, request: Request) -> tuple[ParticleAnswers, ...]:
     fluid = seal.case.fluid
     assert fluid is not None and fluid.particles is not None  # of `applies`
     return particle_answers(seal.loads, fluid.particles.counts)

@@ -347,10 +347,10 @@ def _ln_ratio(ln_most: FloatArray, rates: FloatArray) -> FloatArray:
 PASS_PROBABILITY = Answer[Sequence[PassProbability | None]](
     "pass_probability",
     "share of the samples that keep the requirement",
-    lambda seal, ask: pass_probabilities(seal, ask.clock.progress),
+    lambda seal, request: pass_probabilities(seal, request.clock.progress),
     (),
     # the preload of bolts is not among what is sampled
-    lambda seal, wanted: seal.case.bolts is None or seal.case.bolts.torque_scatter == 0.0,
+    lambda seal, request: seal.case.bolts is None or seal.case.bolts.torque_scatter == 0.0,
     lambda load, number, found: load.with_values(passing=found[number]) if found else load,
     "samples that keep the requirement",
     needs=("case.requirement", "problem.leaks"),

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any
 
-from fem_seal.answers.answer import Answer, Inquiry
+from fem_seal.answers.answer import Answer, Request
 from fem_seal.answers.case_load import CaseLoad, SolvedSeal, case_loads
 from fem_seal.answers.uncertainty import changed_surface, stiffer_bodies
 from fem_seal.answers.verdict import VERDICT
@@ -573,11 +573,11 @@ def _exponents(before: Rates, after: Rates, factor: float) -> tuple[float, float
     return found[0], found[-1]
 
 
-def _compute(seal: SolvedSeal, ask: Inquiry) -> tuple[Sensitivity, ...]:
-    judged = VERDICT.of(ask.answers).seal
+def _compute(seal: SolvedSeal, request: Request) -> tuple[Sensitivity, ...]:
+    judged = VERDICT.of(request.answers).seal
     if judged is None:
-        return sensitivities(seal, None, ask.clock.progress, range(len(seal.loads)))
-    return sensitivities(seal, judged.number, ask.clock.progress, judged.judged)
+        return sensitivities(seal, None, request.clock.progress, range(len(seal.loads)))
+    return sensitivities(seal, judged.number, request.clock.progress, judged.judged)
 
 
 SENSITIVITIES = Answer[tuple[Sensitivity, ...]](
@@ -586,10 +586,10 @@ SENSITIVITIES = Answer[tuple[Sensitivity, ...]](
     _compute,
     (),
     # of a path of loads they take as long as some twenty paths: only if they are asked for
-    lambda seal, wanted: bool(wanted.sensitivities) or not seal.problem.follows_path,
+    lambda seal, request: bool(request.sensitivities) or not seal.problem.follows_path,
     doing=_DOING,
     # among the times of summary.json
     clock="levers",
-    request="sensitivities",
+    asked_by="sensitivities",
     needs_unrequested=("case.requirement",),
 )

@@ -9,7 +9,7 @@ from functools import partial
 from typing import Any
 
 from fem_seal.answers.accuracy import ACCURACY
-from fem_seal.answers.answer import Answer, Inquiry
+from fem_seal.answers.answer import Answer, Request
 from fem_seal.answers.case_load import SolvedSeal
 from fem_seal.answers.findings import FINDINGS
 from fem_seal.answers.judgement import Judgement, Limit, Verdict, VerdictReason
@@ -159,9 +159,9 @@ def _load_of(written: Mapping[str, Any], pressures: Sequence[float], force: floa
     return {**kept, "fluid_pressure": [f"{one!r} Pa" for one in pressures], "applied_force": f"{force!r} N"}
 
 
-def _solved(case: Case, test: str, ask: Inquiry) -> tuple[SolvedSeal, tuple[TestedLoad, ...]]:
-    assert ask.solve is not None and case.fluid is not None
-    seal, name = ask.solve(case, answers=_ANSWERS), case.fluid.name
+def _solved(case: Case, test: str, request: Request) -> tuple[SolvedSeal, tuple[TestedLoad, ...]]:
+    assert request.solve is not None and case.fluid is not None
+    seal, name = request.solve(case, answers=_ANSWERS), case.fluid.name
     found = [
         TestedLoad(
             test,
@@ -181,18 +181,18 @@ def _solved(case: Case, test: str, ask: Inquiry) -> tuple[SolvedSeal, tuple[Test
     return seal, tuple(sorted(found, key=lambda one: one.fluid_pressure))
 
 
-def _tests(seal: SolvedSeal, ask: Inquiry) -> tuple[TestedLoad, ...]:
+def _tests(seal: SolvedSeal, request: Request) -> tuple[TestedLoad, ...]:
     case = seal.case
     assert case.requirement is not None and case.fluid is not None
 
     def pressed(test: ClosureTest) -> tuple[TestedLoad, ...]:
         try:
-            return _solved(under_test(case, test), test.name, ask)[1]
+            return _solved(under_test(case, test), test.name, request)[1]
         except NoLoadLeftError as error:
             return (_without_result(case, test, error),)
 
     def found(test: ClosureTest) -> tuple[TestedLoad, ...]:
-        rows = ask.steps.compute(f"the {test.name} of the standard", partial(pressed, test), ())
+        rows = request.steps.compute(f"the {test.name} of the standard", partial(pressed, test), ())
         return rows or (_without_result(case, test, SealError()),)
 
     return tuple(
@@ -205,13 +205,13 @@ STANDARD_TESTS = Answer[tuple[TestedLoad, ...]](
     "tests of the standard",
     _tests,
     (),
-    lambda seal, wanted: seal.case.requirement is not None and seal.case.requirement.test == "standard",
+    lambda seal, request: seal.case.requirement is not None and seal.case.requirement.test == "standard",
     doing="tests of the standard",
     needs=("case.requirement",),
 )
 
 
-def _up_to_opening(seal: SolvedSeal, ask: Inquiry) -> SetPressure:
+def _up_to_opening(seal: SolvedSeal, request: Request) -> SetPressure:
     case, pressure = seal.case, seal.case.set_pressure
     assert pressure is not None
     force = max(one for _, one in case.load.points)
@@ -224,7 +224,7 @@ def _up_to_opening(seal: SolvedSeal, ask: Inquiry) -> SetPressure:
         tables["requirement"] = {"standard": RELIEF} | {
             key: given[key] for key in given if key == "bubble_volume"
         }
-    solved, loads = _solved(Case(**{**tables, "load": load}), "", ask)
+    solved, loads = _solved(Case(**{**tables, "load": load}), "", request)
     opens = solved.loads[-1].blow_off_pressure
     return SetPressure(pressure, case.initial_contact_radius, force, opens, loads)
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial, reduce
 
-from fem_seal.answers.answer import Answer, Inquiry
+from fem_seal.answers.answer import Answer, Request
 from fem_seal.answers.case_load import CaseLoad, SolvedSeal
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError, InputError
@@ -252,13 +252,15 @@ class TargetForces:
     others: Mapping[str, Sequence[float | None]] = field(default_factory=dict)
 
 
-def _compute(seal: SolvedSeal, ask: Inquiry) -> TargetForces:
+def _compute(seal: SolvedSeal, request: Request) -> TargetForces:
     none = [None] * len(seal.loads)
 
     def compute(what: str, reading: Reading | None = None) -> TargetForces:
-        return ask.steps.compute(what, partial(_forces, seal, reading), TargetForces(none, none, none, none))
+        return request.steps.compute(
+            what, partial(_forces, seal, reading), TargetForces(none, none, none, none)
+        )
 
-    with ask.clock.step("questions", ""):
+    with request.clock.step("questions", ""):
         own = compute(TARGET.what)
         others = {
             name: compute(f"{TARGET.what} of {SCENARIOS[name].asperities}", Reading(name))

@@ -1178,10 +1178,10 @@ def _reshaped(case: Case, key: str, factors: Mapping[str, float]) -> PowerSpectr
 UNCERTAINTY = Answer[LeakInterval | None](
     "uncertainty",
     "interval of the leak rates",
-    lambda seal, ask: leak_interval(seal, progress=ask.clock.progress),
+    lambda seal, request: leak_interval(seal, progress=request.clock.progress),
     None,
     # each sample repeats a path of loads: minutes for an interval of which nothing would be claimed
-    lambda seal, wanted: not (curves(seal.case) and all(load.validity.outside for load in seal.loads)),
+    lambda seal, request: not (curves(seal.case) and all(load.validity.outside for load in seal.loads)),
     lambda load, number, found: load if found is None else found.of_load(load, number),
     "leak rates of uncertain inputs",
     needs=("case.sampled",),

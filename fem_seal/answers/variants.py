@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from fem_seal.answers.accuracy import Comparison
-from fem_seal.answers.answer import Answer, Inquiry
+from fem_seal.answers.answer import Answer, Request
 from fem_seal.answers.case_load import CaseLoad, SolvedSeal, case_loads
 from fem_seal.contact.newton import solve_many
 from fem_seal.seal.leak_model import LeakModel
@@ -79,12 +79,12 @@ def _loads_in_theory(seal: SolvedSeal, problem: SealProblem) -> list[CaseLoad | 
     return [made.get(number) for number in range(len(seal.loads))]
 
 
-def _compute(seal: SolvedSeal, ask: Inquiry) -> Theories:
+def _compute(seal: SolvedSeal, request: Request) -> Theories:
     highest = highest_load(seal.loads)
 
     def settled(load: CaseLoad, what: str) -> CaseLoad:
         at = format_quantity("fluid pressure", load.fluid_pressure)
-        return ask.steps.compute_values(load, {"leak": f"{what} at {at}"})
+        return request.steps.compute_values(load, {"leak": f"{what} at {at}"})
 
     def known(theory: str, number: int, load: CaseLoad) -> CaseLoad | None:
         load = settled(load, f"leak rate by the {theory} theory")
@@ -118,7 +118,7 @@ THEORIES = Answer[Theories](
     "leak rates by the other theory",
     _compute,
     Theories(),
-    lambda seal, wanted: any(theories(seal.problem)),
+    lambda seal, request: any(theories(seal.problem)),
     _of_load,
     "contacts and leak rates by the other theory",
     of_face=True,
@@ -161,7 +161,7 @@ def interface_variants(solver: LoadSolver, loads: Sequence[CaseLoad]) -> tuple[C
 INTERFACE_VARIANTS = Answer[tuple[Comparison, ...]](
     "interface_variants",
     "comparison of elastic and plastic interface law",
-    lambda seal, ask: interface_variants(ask.solver, seal.loads),
+    lambda seal, request: interface_variants(request.solver, seal.loads),
     (),
     doing="comparing elastic and plastic interface law",
     clock="variants",

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial, reduce
 
 from fem_seal.answers.accuracy import discretisation_error, on_coarser_mesh
-from fem_seal.answers.answer import Answer, Inquiry
+from fem_seal.answers.answer import Answer, Request
 from fem_seal.answers.case_load import CaseLoad, SolvedSeal, case_loads, solved_seal
 from fem_seal.answers.judgement import (
     Judgement,
@@ -185,9 +185,9 @@ class Judgements:
     by_theory: Mapping[str, tuple[int, Judgement, Verdict]] = field(default_factory=dict)
 
 
-def _compute(seal: SolvedSeal, ask: Inquiry) -> Judgements:
+def _compute(seal: SolvedSeal, request: Request) -> Judgements:
     open_inputs = seal.problem.usual_only or seal.case.sampled is not None
-    sampled = UNCERTAINTY.of(ask.answers) is not None or not open_inputs
+    sampled = UNCERTAINTY.of(request.answers) is not None or not open_inputs
     loads = with_judgements(seal.case, seal.loads, sampled=sampled)
     found = seal_judgement(seal.case, loads, seal.missing, seal.problem.hardness)
     return Judgements(found, tuple(load.judgement for load in loads), _by_theory(seal))
@@ -520,12 +520,12 @@ def _excess(judged: Judgement) -> float:
     return min(-math.log(judged.margin), _FAR)
 
 
-def _forces(seal: SolvedSeal, ask: Inquiry) -> Sequence[VerdictForce]:
-    if ask.wanted.verdict_force is None and seal.problem.follows_path:
+def _forces(seal: SolvedSeal, request: Request) -> Sequence[VerdictForce]:
+    if request.verdict_force is None and seal.problem.follows_path:
         # where a body yields the force takes minutes
         return [VerdictForce(None, sentence("verdict_force", "too_dear"), looked_for=False)] * len(seal.loads)
-    progress = ask.clock.progress
-    with ask.clock.step("verdict force", VERDICT_FORCE.what):
+    progress = request.clock.progress
+    with request.clock.step("verdict force", VERDICT_FORCE.what):
         return forces_for_verdict(seal, partial(_alone, seal, progress), progress=progress)
 
 
@@ -557,8 +557,8 @@ VERDICT_FORCE = Answer[Sequence[VerdictForce]](
     _forces,
     (),
     # with bolts the force is none that somebody applies
-    lambda seal, wanted: seal.case.bolts is None,
+    lambda seal, request: seal.case.bolts is None,
     lambda load, number, found: load.with_values(verdict_force=found[number]) if found else load,
     needs=("case.load.target_leak_rate", "problem.leaks"),
-    request="verdict_force",
+    asked_by="verdict_force",
 )

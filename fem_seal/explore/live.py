@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from fem_seal.answers.answer import Inquiry, answered
+from fem_seal.answers.answer import Request, answered
 from fem_seal.answers.case_load import solved_seal
 from fem_seal.answers.opening import OPENING
 from fem_seal.answers.solution import SealSolution
@@ -53,7 +53,7 @@ def live_screen(case: Case, design: Mapping[str, str]) -> Screen:
     numbers = live_loads(whole)
     found, own = solved(case, whole, numbers)
     # the interval of every load is as wide as what its checks find
-    seal = answered(solved_seal(found, case), request := Inquiry(found.solver, SILENT), [OPENING])
+    seal = answered(solved_seal(found, case), request := Request(found.solver, SILENT), [OPENING])
     loads = [load.with_values(validity=validity_of(found, load)) for load in seal.loads]
     failed = {numbers[n]: one for n, one in found.solved.problems.items() if n < len(numbers)}
     missing = [

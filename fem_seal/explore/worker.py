@@ -259,17 +259,17 @@ def with_sensitivities(result: SealResult, progress: Progress) -> SealResult:
     progress : callable
         Called before each.
     """
-    from fem_seal.answers.answer import Inquiry, Wanted
+    from fem_seal.answers.answer import Request
     from fem_seal.answers.sensitivities import SENSITIVITIES
     from fem_seal.seal.load_solver import Clock, LoadSolver
 
-    ask = Inquiry(
+    request = Request(
         LoadSolver(result.problem, result.model),
         Clock(progress),
-        Wanted(sensitivities=True),
+        sensitivities=True,
         answers=dict(result.answers),
     )
-    return result.answered(sensitivities=SENSITIVITIES.found(result, ask))
+    return result.answered(sensitivities=SENSITIVITIES.found(result, request))
 
 
 def complete_screen(design: Mapping[str, str], result: SealResult, *, follow: bool = False) -> Screen:

@@ -17,7 +17,7 @@ from typing import Any, TypeVar
 import scipy.interpolate  # noqa: F401
 
 from fem_seal.answers.accuracy import ACCURACY
-from fem_seal.answers.answer import Answer, Inquiry, Wanted, answered
+from fem_seal.answers.answer import Answer, Request, answered
 from fem_seal.answers.bolts import BOLTS
 from fem_seal.answers.case_load import CaseLoad, solved_seal
 from fem_seal.answers.chain import solve
@@ -163,7 +163,7 @@ def _with_answers(found: Evaluation, case: Case, columns: Sequence[str]) -> Case
         answers.append(THEORIES)
     if found.seal_mesh is not None and not INTERVAL.isdisjoint(columns):
         answers.append(ACCURACY)
-    return answered(solved_seal(found, case), Inquiry(found.solver, SILENT), answers).loads[0]
+    return answered(solved_seal(found, case), Request(found.solver, SILENT), answers).loads[0]
 
 
 def _checked(
@@ -183,9 +183,9 @@ def _checked(
     load = load.with_values(validity=_if_any(partial(judged_by, usual_only=usual_only), NOT_JUDGED))
     known = True
     if sampled:
-        ask, seal = Inquiry(found.solver, SILENT), solved_seal(found, case).with_loads([load])
-        (load,) = answered(seal, ask, [UNCERTAINTY]).loads
-        known = UNCERTAINTY.of(ask.answers) is not None
+        request, seal = Request(found.solver, SILENT), solved_seal(found, case).with_loads([load])
+        (load,) = answered(seal, request, [UNCERTAINTY]).loads
+        known = UNCERTAINTY.of(request.answers) is not None
         if not known:
             load = load.with_values(validity=_if_any(partial(judged_by, usual_only=True), NOT_JUDGED))
     judgement = _if_any(partial(judged, case, load, sampled=known), None) if "margin" in columns else None
@@ -254,5 +254,5 @@ def _result(load: CaseLoad, columns: Sequence[str]) -> DesignResult:
 def _with_verdict_force(case: Case, columns: Sequence[str]) -> DesignResult:
     """Of the force with which the verdict passes every force that is tried takes a run of its own."""
     answers = _FOR_VERDICT if _OWN_CONTACTS.isdisjoint(columns) else (THEORIES, *_FOR_VERDICT)
-    result = solve(case, wanted=Wanted(verdict_force=True), answers=answers)
+    result = solve(case, verdict_force=True, answers=answers)
     return _result(result.loads[0], columns)

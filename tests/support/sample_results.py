@@ -11,7 +11,7 @@ import pytest
 
 import fem_seal
 from fem_seal.answers.accuracy import NOT_ESTIMATED
-from fem_seal.answers.answer import Inquiry
+from fem_seal.answers.answer import Request
 from fem_seal.answers.verdict import VERDICT
 from fem_seal.case.case import Case
 from fem_seal.result import SealResult
@@ -119,7 +119,7 @@ def gasket_result() -> SealResult:
 
 def judged_anew(result: SealResult) -> SealResult:
     """A result whose case or loads were changed, judged as a run does."""
-    found = VERDICT.compute(result, Inquiry(Mock(), Mock(), answers=dict(result.answers)))
+    found = VERDICT.compute(result, Request(Mock(), Mock(), answers=dict(result.answers)))
     return replace(
         result.answered(verdict=found),
         loads=tuple(VERDICT.of_load(load, n, found) for n, load in enumerate(result.loads)),

@@ -15,7 +15,7 @@ import pytest
 
 import leak
 from fem_seal import Case, SealResult, run
-from fem_seal.answers.answer import Inquiry
+from fem_seal.answers.answer import Request
 from fem_seal.answers.case_load import solved_seal
 from fem_seal.answers.compression import COMPRESSION
 from fem_seal.answers.target import contacts_at_target
@@ -175,7 +175,7 @@ def test_a_yielding_ring_springs_back_by_less_than_it_was_pressed() -> None:
     }
     given = tables(COPPER, load=loads, **others)
     found, case = solved(given), Case(**given)
-    compression = COMPRESSION.compute(solved_seal(found, case), Inquiry(found.solver, SILENT))
+    compression = COMPRESSION.compute(solved_seal(found, case), Request(found.solver, SILENT))
     loaded, partly, free = compression.steps
     assert (loaded.load_step, partly.load_step, free.load_step) == (1, 2, 3)
     assert loaded.compression > partly.compression > free.compression == compression.left > 0
