@@ -1,4 +1,4 @@
-"""Forked processes, a single BLAS thread, memory returned to the system."""
+"""Processes that calculate for this one, a single BLAS thread, memory returned to the system."""
 
 from __future__ import annotations
 
@@ -11,15 +11,13 @@ import sys
 import threading
 import warnings
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from contextlib import contextmanager, nullcontext, suppress
 from functools import cache, wraps
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, ParamSpec, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, ParamSpec, Self, TypeVar
 
 if TYPE_CHECKING:
-    from multiprocessing.connection import Connection
-    from multiprocessing.context import ForkProcess
+    from concurrent.futures import Future
 
     from threadpoolctl import ThreadpoolController
 
@@ -33,21 +31,140 @@ def usable_cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
+class Processes:
+    """Processes that calculate for this one: Ctrl-C is for this one alone, with which they end.
+
+    They start with the first call. Where one dies, all calls that have no result yet end with BrokenProcessPool.
+
+    Parameters
+    ----------
+    count : int
+    begin : callable
+        Called in each of them first.
+    *arguments
+        Handed to it.
+    copies : bool
+        Whether they are copies of this process as it is then (see `can_copy`); others load what they need.
+    memory : float
+        What one of them may take [bytes].
+    loaded : sequence of str
+        Modules that they find loaded on Linux, where they are copies of one process that has loaded them.
+
+    Examples
+    --------
+    >>> with Processes(1) as processes:
+    ...     processes.submit(abs, -3).result()
+    3
+    """
+
+    def __init__(
+        self,
+        count: int,
+        begin: Callable[..., None] = gc.freeze,
+        *arguments: Any,
+        copies: bool = False,
+        memory: float = math.inf,
+        loaded: Sequence[str] = (),
+    ) -> None:
+        from concurrent.futures import ProcessPoolExecutor
+        from multiprocessing import get_context
+
+        # on macOS a copy may crash in the system's own libraries
+        method = "fork" if copies else "forkserver" if sys.platform == "linux" else "spawn"
+        about = (memory, begin, arguments)
+        self._executor = ProcessPoolExecutor(count, get_context(method), _begin, about)
+        self._copies, self._loaded = copies, loaded
+
+    def submit(self, function: Callable[P, T], /, *arguments: P.args, **options: P.kwargs) -> Future[T]:
+        """Future of a call by one of them.
+
+        Raises
+        ------
+        BrokenProcessPool
+            If one of them has died.
+        """
+        with nullcontext() if self._copies else _undisturbed(self._loaded):
+            return self._executor.submit(function, *arguments, **options)
+
+    def end(self) -> None:
+        """End them, whatever they are doing."""
+        # Python 3.14 calls this kill_workers
+        for process in list((self._executor._processes or {}).values()):
+            process.kill()
+        self._executor.shutdown()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.end()
+
+
+@contextmanager
+def _undisturbed(loaded: Sequence[str]) -> Iterator[None]:
+    """Processes that are started here have one thread each for BLAS, and they and their successors never hear Ctrl-C.
+
+    A terminal sends the signal to all of them, but it is the one that started them that ends them.
+    """
+    from multiprocessing import resource_tracker, set_forkserver_preload
+
+    set_forkserver_preload(list(loaded))
+    names = [f"{library}_NUM_THREADS" for library in ("OMP", "OPENBLAS", "MKL")]
+    missing = [name for name in names if name not in os.environ]
+    os.environ.update(dict.fromkeys(missing, "1"))
+    masks = hasattr(signal, "pthread_sigmask")
+    if masks:
+        # threads and processes inherit what is blocked, but where Python starts this helper, it is let through again
+        resource_tracker.ensure_running()
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        if masks:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        for name in missing:
+            del os.environ[name]
+
+
+def _begin(memory: float, begin: Callable[..., None], arguments: tuple[Any, ...]) -> None:
+    """What a process does first."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_guard, args=(memory,), daemon=True).start()
+    begin(*arguments)
+
+
+# So often a process looks whether it is to end; where a library lets no thread have its turn for so long it does [s].
+_LOOK, DEAF = 1.0, 300.0
+
+
+def _guard(memory: float) -> None:
+    """End this process with the one that started it, or where it takes more than it may."""
+    from multiprocessing import parent_process
+    from multiprocessing.connection import wait
+
+    parent = parent_process()
+    assert parent is not None
+    while _peak_memory() <= memory:
+        if hasattr(signal, "setitimer"):
+            # the system ends the process unless this thread has its turn again
+            signal.setitimer(signal.ITIMER_REAL, DEAF)
+        if wait([parent.sentinel], timeout=_LOOK):
+            break
+    os._exit(1)
+
+
 def usable_memory() -> float:
     """What this machine, or the container around this process, has [bytes]; infinite where it is not known."""
     limits = [math.inf]
     with suppress(AttributeError, ValueError, OSError):
         limits.append(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
-    for file in _MEMORY_OF_CONTAINER:
+    for file in ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"):
         with suppress(ValueError, OSError):
             limits.append(int(Path(file).read_text()))
     return min(limits)
 
 
-_MEMORY_OF_CONTAINER = ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes")
-
-
-def peak_memory() -> float:
+def _peak_memory() -> float:
     """What this process has taken at most [bytes]; zero on Windows, which does not say it."""
     try:
         import resource
@@ -86,16 +203,14 @@ def fork_map(function: Callable[[T], R], items: Sequence[T], processes: int | No
         processes = min(usable_cores(), _MOST) if can_copy() else 1
     count = max(min(processes, len(items)), 1)
     shares = [items[k::count] for k in range(count)]
-    copies: list[_Copy] = []
-    try:
-        copies += [_Copy.of(function, share) for share in shares[1:]]
-        outcomes = [_outcome(function, shares[0]), *(copy.outcome() for copy in copies)]
-    finally:
-        for copy in copies:
-            copy.end()
-    failed = [(len(one.results) * count + k, one.error) for k, one in enumerate(outcomes) if one.error]
-    if failed:
-        raise min(failed, key=lambda one: one[0])[1]
+    outcomes = _in_copies(function, shares) if count > 1 else [_outcome(function, items)]
+    errors = [
+        (len(outcome.results) * count + k, outcome.error)
+        for k, outcome in enumerate(outcomes)
+        if outcome.error
+    ]
+    if errors:
+        raise min(errors, key=lambda error: error[0])[1]
     return [outcomes[n % count].results[n // count] for n in range(len(items))]
 
 
@@ -109,7 +224,7 @@ def can_copy() -> bool:
     Not on macOS and Windows. Not beside other threads, whose locks a fork could wait for without end, except the
     progress spinner's thread. Not in a worker, which shares the cores with other workers.
     """
-    if sys.platform != "linux" or any(_calculates(one) for one in threading.enumerate()):
+    if sys.platform != "linux" or any(_calculates(thread) for thread in threading.enumerate()):
         return False
     from multiprocessing import parent_process
 
@@ -127,58 +242,47 @@ class _Outcome(NamedTuple):
 
 
 def _outcome(function: Callable[[T], R], share: Sequence[T]) -> _Outcome:
-    found: list[R] = []
+    results: list[R] = []
     try:
         # several processes with several threads each would wait for each other
-        single_threaded(lambda: found.extend(map(function, share)))()
+        single_threaded(lambda: results.extend(map(function, share)))()
     except Exception as error:
-        return _Outcome(found, error)
-    return _Outcome(found, None)
+        return _Outcome(results, error)
+    return _Outcome(results, None)
 
 
-@dataclass(frozen=True)
-class _Copy:
-    """A process with a share of the items. It ends when that is done, even if nobody asks for it any more."""
+def _in_copies(function: Callable[[T], R], shares: Sequence[Sequence[T]]) -> list[_Outcome]:
+    """Outcome of each share, the first of them found here."""
+    from concurrent.futures.process import BrokenProcessPool
 
-    function: Callable[[Any], Any]
-    share: Sequence[Any]
-    process: ForkProcess
-    reader: Connection
-
-    @classmethod
-    def of(cls, function: Callable[[T], R], share: Sequence[T]) -> _Copy:
-        from multiprocessing import get_context
-
-        context = get_context("fork")
-        reader, writer = context.Pipe(duplex=False)
-        process = context.Process(target=_answer, args=(function, share, writer), daemon=True)
+    with Processes(len(shares) - 1, _inherit, function, shares, copies=True) as copies:
         with warnings.catch_warnings():
             # of threads in libraries, as OpenBLAS has them, which knows how to be copied
             warnings.simplefilter("ignore", DeprecationWarning)
-            process.start()
-        writer.close()
-        return cls(function, share, process, reader)
-
-    def outcome(self) -> _Outcome:
-        """What it has found; calculated here if it has died, for want of memory."""
-        try:
-            found: _Outcome = self.reader.recv()
-        except EOFError:
-            return _outcome(self.function, self.share)
-        return found
-
-    def end(self) -> None:
-        self.reader.close()
-        self.process.terminate()
-        self.process.join()
+            futures = [copies.submit(_inherited_outcome, k) for k in range(1, len(shares))]
+        outcomes = [_outcome(function, shares[0])]
+        for share, future in zip(shares[1:], futures, strict=True):
+            try:
+                outcomes.append(future.result())
+            except BrokenProcessPool:  # a copy has died, for want of memory
+                outcomes.append(_outcome(function, share))
+    return outcomes
 
 
-def _answer(function: Callable[[T], R], share: Sequence[T], writer: Connection) -> None:
-    # a terminal interrupts all processes; it is the first one that ends the others
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+# Of a copy: a function need not be one that can be pickled.
+_inherited: tuple[Callable[[Any], Any], Sequence[Any]]
+
+
+def _inherit(function: Callable[[T], R], shares: Sequence[Sequence[T]]) -> None:
+    global _inherited
+    _inherited = function, shares
     # what is there already is not looked through for rubbish, which would make it a copy in memory, too
     gc.freeze()
-    writer.send(_outcome(function, share))
+
+
+def _inherited_outcome(share: int) -> _Outcome:
+    function, shares = _inherited
+    return _outcome(function, shares[share])
 
 
 def single_threaded(function: Callable[P, T]) -> Callable[P, T]:
@@ -191,7 +295,9 @@ def single_threaded(function: Callable[P, T]) -> Callable[P, T]:
     @wraps(function)
     def limited(*args: P.args, **kwargs: P.kwargs) -> T:
         controller = _controller()
-        if all(one.num_threads == 1 for one in controller.lib_controllers if one.user_api == "blas"):
+        if all(
+            library.num_threads == 1 for library in controller.lib_controllers if library.user_api == "blas"
+        ):
             return function(*args, **kwargs)
         with controller.limit(limits=1, user_api="blas"):
             return function(*args, **kwargs)

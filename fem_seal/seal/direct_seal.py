@@ -118,11 +118,6 @@ class SealSimulation:
     asperities: tuple[Asperities, ...]
     settings: DirectSettings
 
-    @property
-    def takes_minutes(self) -> bool:
-        """Whether a piece does: a path of metal that flows."""
-        return "von-mises" in self.asperities
-
     def pieces(self) -> list[StripPiece]:
         """All strips."""
         return [

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import signal
 from collections.abc import Callable, Generator, Hashable, Iterator, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, wait
 from contextlib import closing, suppress
 from itertools import islice
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
 from fem_seal.files import as_json, parse_json, read_text, write_text
+from fem_seal.processes import Processes
 from leak import LeakError
 
 
@@ -29,10 +29,6 @@ Kept = TypeVar("Kept", bound=Record, covariant=True)
 
 class Simulation(Protocol[Asked, Kept]):
     """What is cut into pieces; it goes to other processes."""
-
-    @property
-    def takes_minutes(self) -> bool:
-        """Whether one piece does, so that an interruption does not wait for it."""
 
     def keys(self, piece: Asked) -> list[str]:
         """Hash of all that each record of a piece depends on."""
@@ -105,31 +101,17 @@ def _calculated(
             if error is not None:
                 return
         return
-    from multiprocessing import active_children, get_context
-
-    # no more of them wait than processes can take: an interruption waits for those that have begun, and for no other
-    left, others = iter(pieces), set(active_children())
-    with ProcessPoolExecutor(
-        jobs,
-        mp_context=get_context("spawn"),
-        initializer=signal.signal,
-        initargs=(signal.SIGINT, signal.SIG_IGN),
-    ) as pool:
-        try:
-            waiting = {pool.submit(_attempt, simulation, piece): piece for piece in islice(left, jobs)}
-            while waiting:
-                for future in wait(waiting, return_when=FIRST_COMPLETED).done:
-                    piece, (records, error) = waiting.pop(future), future.result()
-                    left = left if error is None else iter(())
-                    for following in islice(left, 1):
-                        waiting[pool.submit(_attempt, simulation, following)] = following
-                    yield piece, records, error
-        except BaseException:
-            if simulation.takes_minutes:
-                # half of a piece is nothing
-                for process in set(active_children()) - others:
-                    process.terminate()
-            raise
+    # no more of them wait than processes can take; half of a piece is nothing, and ends with its process
+    left = iter(pieces)
+    with Processes(jobs) as processes:
+        waiting = {processes.submit(_attempt, simulation, piece): piece for piece in islice(left, jobs)}
+        while waiting:
+            for future in wait(waiting, return_when=FIRST_COMPLETED).done:
+                piece, (records, error) = waiting.pop(future), future.result()
+                left = left if error is None else iter(())
+                for following in islice(left, 1):
+                    waiting[processes.submit(_attempt, simulation, following)] = following
+                yield piece, records, error
 
 
 def _attempt(simulation: Simulation[Piece, Found], piece: Piece) -> tuple[list[Found], LeakError | None]:

@@ -308,9 +308,9 @@ def test_a_worker_whose_library_keeps_all_of_its_threads_waiting_is_ended():
 
 
 def be_impatient(seconds):
-    from fem_seal.studies import machine
+    from fem_seal import processes
 
-    machine._DEAF = seconds
+    processes.DEAF = seconds
     time.sleep(2.0)
 
 
