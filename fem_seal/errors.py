@@ -89,7 +89,7 @@ class LoadProblem(Problem):
         The fluid or the spring opens the seal; it is more than the faces can carry, or than a body that yields; a load
         before it on the path of such a body cannot be calculated; no solution was found.
     body : str
-        Which yields through: "closure" or "seat".
+        Which yields through, by what it is called.
     """
 
     kind: str = "open"
@@ -199,7 +199,7 @@ class LimitLoadError(ConvergenceError):
     ----------
     message : str
     body : str
-        "closure" or "seat".
+        By what it is called.
     """
 
     def __init__(self, message: str, body: str) -> None:

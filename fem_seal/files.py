@@ -105,30 +105,6 @@ def sentence(name: str, /, **values: object) -> str:
     return text.format(**values)
 
 
-# The bodies in a sentence, but not in keys such as seat.angle or [seat].
-_BODY = re.compile(r"""(?<![\w.\["'/-])(closure|seat)(?![\w\]"/-]|'(?!s)|\.\w)""")
-
-
-def told_of(text: str, *, faces: int) -> str:
-    """A sentence about the closure and the seat of a contact in the words for its bodies.
-
-    Parameters
-    ----------
-    text : str
-    faces : int
-        Sealing faces: 1 of a valve seat, 2 of a gasket, whose flange is the closure and whose upper half the seat.
-
-    Examples
-    --------
-    >>> told_of("the closure moves outwards relative to the seat, see seat.angle", faces=2)
-    'the flange moves outwards relative to the gasket, see seat.angle'
-    """
-    if faces == 1:
-        return text
-    names: dict[str, str] = own_tables("problems.toml")["bodies_of_gasket"]
-    return _BODY.sub(lambda found: names[found[1]], text)
-
-
 def _wrong_table(name: str, /, **values: object) -> TextTableError:
     return TextTableError(sentence(name, **values))
 

@@ -650,7 +650,7 @@ def creep_remarks(materials: Mapping[str, Material]) -> list[str]:
     Parameters
     ----------
     materials : mapping
-        From "closure" and "seat" to their materials.
+        From what the bodies are called to their materials.
     """
     return [
         f"{name}: {material.name} creeps. Its contact grows with time and temperature, and what is lost of the "

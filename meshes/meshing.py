@@ -159,8 +159,9 @@ def _check_zone(contact: ContactGeometry, sizing: Sizing) -> None:
     if sizing.zone[0] < start - slack or sizing.zone[1] > end + slack:
         r = contact.radius(np.array([*sizing.zone, start, end]))
         raise GeometryError(
-            f"the contact zone from r = {mm(r[0])} to {mm(r[1])} does not fit where the faces of closure and seat "
-            f"stand in front of each other, from r = {mm(r[2])} to {mm(r[3])}"
+            f"the contact zone from r = {mm(r[0])} to {mm(r[1])} does not fit where the faces of "
+            f"{contact.closure.label} and {contact.seat.label} stand in front of each other, from r = {mm(r[2])} to "
+            f"{mm(r[3])}"
         )
 
 

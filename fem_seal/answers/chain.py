@@ -41,7 +41,7 @@ from fem_seal.seal.load_solver import Clock, LoadSolver, Progress
 from fem_seal.seal.problem import SealProblem
 from fem_seal.seal.scenarios import SCENARIOS
 from fem_seal.units import format_quantity
-from fem_seal.validity.words import not_calculated, of_bodies, sentence
+from fem_seal.validity.words import not_calculated, sentence
 from leak import LeakError
 
 # All that is asked of a solved seal, each after those whose answers it uses.
@@ -216,7 +216,7 @@ def _solved(case: Case, clock: Clock, steps: OptionalSteps, *, told: bool = Fals
             MissingLoad(number, *whole.loads.points[number], missing[number], whole.bolts is not None)
             for number in sorted(missing)
         ),
-        said_of_missing=tuple(of_bodies(whole, not_calculated(whole.loads, missing))),
+        said_of_missing=tuple(not_calculated(whole.loads, missing)),
     )
 
 

@@ -11,7 +11,6 @@ import numpy as np
 from fem_seal.answers.closed_forms import Derived, derive_problem
 from fem_seal.case.load_limits import MOST_TURNED, turning
 from fem_seal.case.material_library import CURVES, library_name
-from fem_seal.files import told_of
 from fem_seal.loads import CONSTRAINT, LARGEST_EXCESS, plastic_half_width
 from fem_seal.materials import HARDNESS_OVER_YIELD_STRESS, HardeningCurve, Material
 from fem_seal.seal.cost import about, path_seconds
@@ -38,9 +37,7 @@ def foreseen(problem: SealProblem, derived: Derived | None = None) -> Iterator[s
         Of the same problem.
     """
     yield from (one.text for one in not_calculated(problem.loads, problem.loads.refused))
-    yield from (
-        told_of(text, faces=problem.faces) for text in yielding(problem, derived or derive_problem(problem))
-    )
+    yield from yielding(problem, derived or derive_problem(problem))
 
 
 def run_seconds(problem: SealProblem, *, sampled: bool = False, target: bool = False) -> float | None:
@@ -99,7 +96,7 @@ def yielding(problem: SealProblem, derived: Derived) -> Iterator[str]:
             worth=sentence("foreseen", "outside" if excess > LARGEST_EXCESS else "doubtful"),
             run=_with_curve(problem, name, material, limit, line_load),
         )
-        said.setdefault(text, []).append(name)
+        said.setdefault(text, []).append(problem.contact.label_of(name))
     for text, names in said.items():
         yield f"{' and '.join(names)}: {text}"
 

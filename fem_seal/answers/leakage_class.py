@@ -11,7 +11,6 @@ from fem_seal.case.case import Case
 from fem_seal.case.fields import Bubbles
 from fem_seal.case.fluid import Fluid
 from fem_seal.case.tables import RELIEF, Requirement
-from fem_seal.files import told_of
 from fem_seal.seal.scenarios import (
     ROOM_TEMPERATURE,
     TEST_GAS,
@@ -91,7 +90,7 @@ def nominal_size(case: Case) -> NominalSize:
     bores = [getattr(one.closure if case.gasket else one.seat, "bore_radius", None) for one in _faces(case)]
     bore = min((one for one in bores if one is not None), default=None)
     diameter = 2.0 * (min(one.initial_contact_radius for one in _faces(case)) if bore is None else bore)
-    of = told_of("bore of the seat" if case.gasket is None else "bore of the closure", faces=case.faces)
+    of = "bore of the seat" if case.gasket is None else "bore of the flange"
     circle = "circle of first touch" if bore is None else of
     if case.leak.nominal_size is not None:
         given = str(case.written.get("leak", {}).get("nominal_size", "")).strip().upper()

@@ -309,7 +309,7 @@ def _along(step: _Step, contact: ContactGeometry) -> tuple[FloatArray, FloatArra
         if arc is not None:
             understood = f'"{arc[0]}" is the arc length of the points, "{name}" their radius, {tail}'
             return _arc_with_radius(arc[1], r, step.pressure, contact, understood), r, understood
-        understood = f'"{name}" is the radius of points on the seat, {tail}'
+        understood = f'"{name}" is the radius of points on the {contact.seat.label}, {tail}'
         return _on_seat(r, step.pressure, contact, understood), None, understood
     found = [places[role] for role in ("x", "y", "z") if role in places]
     if len(found) > 1:
@@ -331,8 +331,9 @@ def _arc_with_radius(
         width = float(np.ptp(x[pressed]))
         if np.ptp(offset) > _FAR * width + _NARROWEST * contact.initial_contact_radius:
             raise TextTableError(
-                f"r contradicts the case: along the seat it takes {_mm(float(np.ptp(by_radius[pressed])))} from its "
-                f"first radius with pressure to its last, x goes over {_mm(width)} ({understood})"
+                f"r contradicts the case: along the {contact.seat.label} it takes "
+                f"{_mm(float(np.ptp(by_radius[pressed])))} from its first radius with pressure to its last, x goes "
+                f"over {_mm(width)} ({understood})"
             )
         return x if _touches_at_zero(x, pressure) else x + float(np.median(offset))
     x, _ = _from_touch(x, pressure, understood)
@@ -341,7 +342,8 @@ def _arc_with_radius(
     if abs(r[pressed].mean() / own.mean() - 1.0) > _SAME_RADIUS:
         raise TextTableError(
             f"r contradicts the case: it goes from {_mm(float(r[pressed].min()))} to {_mm(float(r[pressed].max()))}, "
-            f"the seat at these x from {_mm(float(own.min()))} to {_mm(float(own.max()))} ({understood})"
+            f"the {contact.seat.label} at these x from {_mm(float(own.min()))} to {_mm(float(own.max()))} "
+            f"({understood})"
         )
     return x
 
@@ -359,7 +361,7 @@ def _of_points(
             arc_name, x = step.places.get("arc", (name, x))
             x, told = _from_touch(x, step.pressure, f'"{arc_name}" is the arc length of the points, {tail}')
             return x, None, told
-        understood = f'"{name}" is the radius of points on the seat, {tail}'
+        understood = f'"{name}" is the radius of points on the {contact.seat.label}, {tail}'
         return _on_seat(x, step.pressure, contact, understood), None, understood
     pressed = step.pressure > _PRESSED * step.pressure.max()
     if len(moving) == 2 and not _on_one_curve(moving[0][1][pressed], moving[1][1][pressed]):
@@ -377,14 +379,16 @@ def _of_points(
         raise TextTableError(
             f"{names}: {_MAP}"
             if over_a_surface
-            else f"the points of {names} ({spans}) do not lie on the face of the seat, whose radius goes from "
-            f"{_mm(float(face.min()))} to {_mm(float(face.max()))}; check unit and case, or name the arc length s"
+            else f"the points of {names} ({spans}) do not lie on the face of the {contact.seat.label}, "
+            f"whose radius goes from {_mm(float(face.min()))} to {_mm(float(face.max()))}; check unit and case, "
+            "or name the arc length s"
         )
     _, axis, r = best
     others = " and ".join(f'"{name}"' for n, (name, _) in enumerate(moving) if n != axis)
     gives = "give" if len(moving) > 2 else "gives"
     understood = (
-        f'{others} {gives} the radius of points on the seat, "{moving[axis][0]}" lies along the axis, {tail}'
+        f"{others} {gives} the radius of points on the {contact.seat.label}, "
+        f'"{moving[axis][0]}" lies along the axis, {tail}'
     )
     return _on_seat(r, step.pressure, contact, understood), None, understood
 
@@ -442,14 +446,14 @@ def _on_seat(r: FloatArray, pressure: FloatArray, contact: ContactGeometry, unde
     x = _x_of_radius(contact, r)
     if x is None:
         raise TextTableError(
-            f"on this seat a radius does not tell the place ({understood}); give arc lengths"
+            f"on this {contact.seat.label} a radius does not tell the place ({understood}); give arc lengths"
         )
     pressed = pressure > _PRESSED * pressure.max()
     if np.isnan(x[pressed]).any():
         face = contact.seat_face.point(np.array([0.0, contact.seat_face.length]))[0]
         raise TextTableError(
             f"r contradicts the case: the contact pressure goes from r = {_mm(float(r[pressed].min()))} to "
-            f"{_mm(float(r[pressed].max()))}, the face of the seat from {_mm(float(face.min()))} to "
+            f"{_mm(float(r[pressed].max()))}, the face of the {contact.seat.label} from {_mm(float(face.min()))} to "
             f"{_mm(float(face.max()))}, first touch is at {_mm(contact.initial_contact_radius)} ({understood}); "
             "check unit and case"
         )
@@ -457,8 +461,9 @@ def _on_seat(r: FloatArray, pressure: FloatArray, contact: ContactGeometry, unde
     gap, touch = contact.gap(x[peak : peak + 1]), contact.initial_contact_radius
     if abs(r[peak] / touch - 1.0) > _FAR and not gap[0] < 1e-3 * touch:
         raise TextTableError(
-            f"r contradicts the case: the contact pressure is highest at r = {_mm(float(r[peak]))}, closure and seat "
-            f"of the case touch first at {_mm(touch)} ({understood}); check unit and case"
+            f"r contradicts the case: the contact pressure is highest at r = {_mm(float(r[peak]))}, "
+            f"{contact.closure.label} and {contact.seat.label} of the case touch first at {_mm(touch)} ({understood}); "
+            "check unit and case"
         )
     return x
 

@@ -73,6 +73,8 @@ class ConstrainedBody:
         Strain at the nodes that takes no stress [-], of a unit of each way to be heated.
     temperature : ndarray, shape (nodes,), or None
         Where it was calculated [K].
+    label : str
+        What errors call the body.
     """
 
     name: str
@@ -88,6 +90,7 @@ class ConstrainedBody:
     wall: IntArray
     free_strain: Mapping[str, FloatArray] = field(default_factory=dict)
     temperature: FloatArray | None = None
+    label: str = ""
 
     @property
     def size(self) -> int:
@@ -242,6 +245,7 @@ def constrained_body(
         wall,
         free_strain,
         None if heat is None else heat.temperature,
+        contact.label_of(name),
     )
 
 

@@ -28,7 +28,7 @@ from fem_seal.case.temperature import with_film_temperature
 from fem_seal.case.tightening import closed_by
 from fem_seal.case.words import problem
 from fem_seal.errors import InputError, LoadProblem, NoLoadLeftError, Problem
-from fem_seal.files import read_toml, told_of
+from fem_seal.files import read_toml
 from fem_seal.materials import ROOM_TEMPERATURE
 from fem_seal.units import DIMENSIONS
 from meshes import GeometryError
@@ -157,10 +157,7 @@ class Case(CaseTables):
         for name, table in {**told, **self.bodies_at(*warm)}.items():
             # set during construction, before the model is shared
             object.__setattr__(self, name, table)
-        contradicting = [
-            as_written(replace(one, message=told_of(one.message, faces=self.faces)), tables)
-            for one in contradictions(self)
-        ]
+        contradicting = [as_written(one, tables) for one in contradictions(self)]
         if contradicting:
             none_left = all(isinstance(one, LoadProblem) for one in contradicting)
             raise (NoLoadLeftError if none_left else InputError)(*contradicting)
@@ -192,6 +189,10 @@ class Case(CaseTables):
             return None
         if found := list(of_unlike_flanges(self)):
             raise InputError(*(as_written(one, tables) for one in found))
+        for half, label in ((self, "upper flange"), (lower, "lower flange")):
+            half._flange = label
+            # it is made anew where it is asked for, with this label
+            vars(half).pop("contact", None)
         return lower
 
     @property

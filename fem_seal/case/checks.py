@@ -18,7 +18,7 @@ from fem_seal.case.temperature import Temperature
 from fem_seal.case.tightening import problems_of_bolts
 from fem_seal.case.words import problem, sentence
 from fem_seal.errors import InputError, Problem
-from fem_seal.files import UnreadableFileError, check_file, told_of
+from fem_seal.files import UnreadableFileError, check_file
 from fem_seal.units import briefly
 from fem_seal.units import format_quantity as written
 from meshes import GeometryError
@@ -210,9 +210,9 @@ def _geometry_problem(message: str, case: CaseTables) -> Problem:
         body, what = drawn[1] if drawn[1] == "closure" else case.key_of("seat"), drawn[2]
         table = case.closure if body == "closure" else case.lower
         source = "outline" if getattr(table, "outline", None) is not None else "file"
-        return Problem(f"{body}.{source}", told_of(what, faces=case.faces))
+        return Problem(f"{body}.{source}", what)
     if named is None:
-        return Problem(case.key_of("seat"), told_of(message, faces=case.faces))
+        return Problem(case.key_of("seat"), message)
     body, key, value, what = named.groups()
     return Problem(f"{body}.{key}", what, value)
 
@@ -333,15 +333,15 @@ def _lands(case: CaseTables) -> Iterator[Problem]:
     """What does not go together with several lands, or only with them."""
     count, given = len(case.contact.chambers), case.load.chamber_pressure
     if given is not None and len(given) not in {1, count}:
-        yield problem("chamber_count", given=len(given), count=count)
+        yield problem("chamber_count", given=len(given), count=count, **case.labels)
     if not count:
         if given is not None:
-            yield problem("no_chamber")
+            yield problem("no_chamber", **case.labels)
         return
     if case.form is not None:
-        yield problem("lands_form")
+        yield problem("lands_form", **case.labels)
     if case.leak.fluid_in_gap == "local":
-        yield problem("lands_local")
+        yield problem("lands_local", **case.labels)
 
 
 def _earlier(case: CaseTables) -> Iterator[Problem]:
@@ -355,7 +355,7 @@ def _earlier(case: CaseTables) -> Iterator[Problem]:
         if load.largest_earlier_force is not None:
             yield problem("two_earlier_loads", value=value)
         elif load.pressure_side == "inner":
-            yield problem("earlier_lifts", value=value)
+            yield problem("earlier_lifts", value=value, **case.labels)
         elif len({force for _, force in load.points}) > 1:
             yield problem("earlier_forces", value=value)
     missing = _missing(case)
@@ -562,7 +562,7 @@ def face_remarks(case: CaseTables) -> Iterator[tuple[str, str, str]]:
         face = named_face(body)
         if face is not None and not face.holds(radius):
             side, end = ("inside", face.inner) if radius < face.inner else ("outside", face.outer)
-            words = {"body": name, "shape": table.shape, "face": face.name}
+            words = {"key": case.key_of(name), "shape": table.shape, "face": face.name}
             yield "touched_beside", name, sentence(f"touched_{side}", **words, radius=mm(radius), end=mm(end))
         if (
             name == "seat"
@@ -578,8 +578,13 @@ def face_remarks(case: CaseTables) -> Iterator[tuple[str, str, str]]:
             ):
                 ends = (mm(one) for one in (face.inner, face.outer, other.inner, other.outer))
                 words = dict(zip(("inner", "outer", "closure_inner", "closure_outer"), ends, strict=True))
-                text = sentence("land_beyond_face", shape=table.shape, face=other.name, **words)
+                named = {"key": case.key_of(name), "shape": table.shape, "upper": case.label_of("closure")}
+                text = sentence("land_beyond_face", face=other.name, **named, **words)
                 yield "land_beyond_face", name, text
         if facets := facets_at(curve, radius):
             length = mm(sum(s.length for s in facets) / len(facets))
-            yield "facets", name, sentence("facets", body=name, count=len(facets), length=length)
+            yield (
+                "facets",
+                name,
+                sentence("facets", body=case.label_of(name), count=len(facets), length=length),
+            )

@@ -90,7 +90,8 @@ def _open(case: CaseTables, fluid_pressure: float, applied_force: float) -> Load
     return load_problem(
         "lifted" if penetrates else "open",
         pressure=fluid_pressure,
-        how="lifts the closure with" if lifts else "closes with",
+        **case.labels,
+        how=f"lifts the {case.label_of('closure')} with" if lifts else "closes with",
         force=briefly("force", abs(needed)),
         radius=mm(r0),
         needed=needed,

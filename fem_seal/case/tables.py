@@ -365,6 +365,7 @@ class CaseTables(Table):
 
     _file: Path | None = PrivateAttr(default=None)
     _warm: dict[str, float] = PrivateAttr(default_factory=dict)
+    _flange: str = PrivateAttr(default="flange")
 
     @property
     def shown(self) -> tuple[System | None, bool, Unit | None]:
@@ -401,6 +402,19 @@ class CaseTables(Table):
     def faces(self) -> int:
         """Sealing faces, through which fluid leaks side by side: 1 of a valve seat, 2 of a gasket."""
         return 1 if self.gasket is None else 2
+
+    @property
+    def labels(self) -> dict[str, Any]:
+        """What the body above and the one below are called: values of {upper} and {lower} in sentences."""
+        if self.gasket is None:
+            return {"upper": "closure", "lower": "seat"}
+        return {"upper": self._flange, "lower": "gasket"}
+
+    def label_of(self, body: str) -> str:
+        """What a body is called: "closure" or "seat", also in "lower closure" and, of several contacts, "closure 1"."""
+        upper = "flange" if body.startswith("lower ") else self.labels["upper"]
+        labels = {"closure": upper, "seat": self.labels["lower"]}
+        return " ".join(labels.get(word, word) for word in body.split())
 
     def key_of(self, body: str) -> str:
         """Table of a body of the contact, "closure" or "seat": of a gasket its upper half is the latter."""
@@ -447,7 +461,8 @@ class CaseTables(Table):
     @cached_property
     def contact(self) -> ContactGeometry:
         """Closure and seat in first touch."""
-        return ContactGeometry.of(*(body.outline for body in self.bodies))
+        named = zip(self.bodies, self.labels.values(), strict=True)
+        return ContactGeometry.of(*(replace(body.outline, label=label) for body, label in named))
 
     @cached_property
     def bodies(self) -> tuple[Shape, Shape]:
@@ -467,7 +482,8 @@ class CaseTables(Table):
 
     def _take_bodies(self, like: CaseTables) -> None:
         """Know those of a case with the same closure and seat."""
-        vars(self).update({key: vars(like)[key] for key in ("bodies", "contact") if key in vars(like)})
+        keys = ("bodies", "contact") if like._flange == self._flange else ("bodies",)
+        vars(self).update({key: vars(like)[key] for key in keys if key in vars(like)})
 
     def bodies_at(self, closure: float, seat: float) -> dict[str, Any]:
         """The tables of closure and seat with the materials' numbers at their temperatures.

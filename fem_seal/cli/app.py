@@ -241,7 +241,7 @@ def check(
             terminal.tell(f"  {name:30}{text}", indent=32)
         if numbers["run_time_s"] is not None:
             terminal.tell(f"  {'time of a run':30}{about(numbers['run_time_s'])}, in load steps", indent=32)
-        terminal.show_derived(numbers, details=details)
+        terminal.show_derived(case, numbers, details=details)
     terminal.warn([*_remarks(case), *filter(None, limits)], "" if details or quiet or json else "--details")
     if drawn is not None and not (json or quiet):
         terminal.say(f"picture in {drawn}")
@@ -441,7 +441,6 @@ def _remarks(case: Case) -> list[str]:
     from fem_seal.materials import creep_remarks
     from fem_seal.seal.problem import SealProblem
     from fem_seal.validity.materials import temperature_cautions
-    from fem_seal.validity.words import of_bodies
 
     remarks = []
     if case.roughness is None:
@@ -455,8 +454,8 @@ def _remarks(case: Case) -> list[str]:
         remarks.extend(case.form.without_effect(case.contact.angle))
     problem = SealProblem.of(case)
     remarks.extend(text for _, _, text in problem.face_remarks)
-    remarks.extend(creep_remarks(problem.materials))
-    remarks.extend(one.text for one in of_bodies(problem, temperature_cautions(problem)))
+    remarks.extend(creep_remarks(problem.labelled_materials))
+    remarks.extend(one.text for one in temperature_cautions(problem))
     if case.load.target_leak_rate is not None:
         from fem_seal.answers.target import target_remarks
 

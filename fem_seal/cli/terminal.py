@@ -20,7 +20,7 @@ import typer
 
 import fem_seal
 from fem_seal.errors import printable
-from fem_seal.files import as_json, own_tables, told_of
+from fem_seal.files import as_json, own_tables
 from fem_seal.units import DIGITS, LIQUID, LeakVolume, Unit, fixed_unit, rounded, show_in
 from leak.standards import STANDARD_PRESSURE
 
@@ -245,7 +245,7 @@ def show_result(result: SealSolution, *, details: bool) -> None:
 
     case = result.case
     says = brief.first_line, *brief.ANSWERS, brief.second_line
-    show_first(*(told_of(line(result), faces=case.faces) for line in says))
+    show_first(*(line(result) for line in says))
     if not details:
         show_loads(case, result.every_load)
         return
@@ -411,7 +411,7 @@ def show_answers(result: SealSolution) -> None:
 
     groups = (remembered(result), *(shown.lines(result) for shown in shown_answers.shown_of(result)))
     for line in chain.from_iterable(groups):
-        tell(told_of(line, faces=result.case.faces))
+        tell(line)
 
 
 def show_table(title: str, headings: Sequence[str], rows: Sequence[Sequence[str]], keys: int = 1) -> None:
@@ -486,15 +486,15 @@ def case_of_command(path: Path) -> Case:
     return case
 
 
-def show_derived(numbers: Mapping[str, Any], *, details: bool = False) -> None:
+def show_derived(case: Case, numbers: Mapping[str, Any], *, details: bool = False) -> None:
     """Print the derived numbers of a case, of the loads six columns or all that are known."""
     from fem_seal.output.case_words import section_text
     from fem_seal.output.columns import CHECK_OF_CASE, CHECK_ON_TERMINAL, MOST_COLUMNS, SHOWN_COLUMNS
 
-    lower, faces = numbers.get("lower_flange"), 1 + ("gasket" in numbers["dimensions"])
-    bodies = [(told_of(one, faces=faces), one, numbers) for one in numbers["dimensions"]]
-    if lower:
-        bodies.append(("lower flange", "closure", lower))
+    lower = numbers.get("lower_flange")
+    bodies = [(case.label_of(body), body, numbers) for body in numbers["dimensions"]]
+    if case.lower_half is not None and lower is not None:
+        bodies.append((case.lower_half.label_of("closure"), "closure", lower))
     for name, body, its in bodies:
         shown = [its["materials"][body]] if lower else []
         shown += [f"{key} {_dimension(key, value)}" for key, value in its["dimensions"][body].items()]

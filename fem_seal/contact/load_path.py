@@ -482,7 +482,7 @@ class _Walk:
                     continue
                 raise self._gave_up(begin.between(end, way), load, here, error) from error
             if reached.plastic_strain > _COLLAPSED:
-                raise _yielded_through(begin.between(end, way), reached)
+                raise self._yielded_through(begin.between(end, way), reached)
             if reached.flowed and reached.came_nearer(here) * self.settings.steps > _LEAP * (
                 self.model.stop - self.model.touch
             ):
@@ -553,7 +553,7 @@ class _Walk:
     def _gave_up(self, at: PathLoad, aim: PathLoad, here: Equilibrium, error: Exception) -> ConvergenceError:
         """What is said of a load step that is as small as can be and not solved."""
         if self._gives_way(at, aim, here):
-            return _yielded_through(at, here)
+            return self._yielded_through(at, here)
         why = error if isinstance(error, ConvergenceError) else "what flows has no stiffness left"
         return ConvergenceError(
             f"elastoplastic contact: the load step from {at} to {aim} does not converge: {why}. The body may be "
@@ -566,11 +566,12 @@ class _Walk:
     ) -> ConvergenceError:
         """What is said of a way whose load steps have become so short that it would never end."""
         if self._gives_way(at, at.between(end, step), here):
-            return _yielded_through(at, here)
+            return self._yielded_through(at, here)
         flows = ""
         if (strain := here.plastic_strain) > 0:
             body = max(here.states, key=lambda name: float(here.states[name].plastic.accumulated.max()))
-            flows = f"The {body} flows in one place there, to a plastic strain of {100 * strain:.2g} %. "
+            label = self.model.bodies[body].held.label
+            flows = f"The {label} flows in one place there, to a plastic strain of {100 * strain:.2g} %. "
         return LongPathError(
             f"{briefly('force', at.force)} of {briefly('force', end.force)} are reached after {tried} load steps that "
             f"were tried, {100 * way:.2g} % of the way; the next one could be no longer than {100 * step:.2g} % of it. "
@@ -590,6 +591,15 @@ class _Walk:
         whole = max(_yielded_share(state) for state in here.states.values()) > _WHOLE
         return springy > 0 and flowing > (_GIVES_WAY_WHOLE if whole else _GIVES_WAY) * springy
 
+    def _yielded_through(self, at: PathLoad, here: Equilibrium) -> LimitLoadError:
+        body = max(here.states, key=lambda name: _yielded_share(here.states[name]))
+        label = self.model.bodies[body].held.label
+        return LimitLoadError(
+            f"the {label} yields through: it bears {briefly('force', at.force)} and flows without limit under more. "
+            "Lower the load, give a stress_strain table that hardens, or take a thicker body",
+            label,
+        )
+
 
 class _Opened(Exception):
     """A load opens the seal on the way to it; `reached` is where the bodies last touched."""
@@ -598,15 +608,6 @@ class _Opened(Exception):
         super().__init__(str(load.error))
         self.load = load
         self.reached = reached
-
-
-def _yielded_through(at: PathLoad, here: Equilibrium) -> LimitLoadError:
-    body = max(here.states, key=lambda name: _yielded_share(here.states[name]))
-    return LimitLoadError(
-        f"the {body} yields through: it bears {briefly('force', at.force)} and flows without limit under more. Lower "
-        "the load, give a stress_strain table that hardens, or take a thicker body",
-        body,
-    )
 
 
 def _yielded_share(state: BodyState) -> float:

@@ -590,7 +590,7 @@ def contact_near_blow_off(
     way = _way_to_blow_off(seal, applied_force)
     if fluid_pressure >= way[-1].pressure:
         raise OpenSealError(
-            f"the fluid lifts the closure off: an applied force of {applied_force:.6g} N holds "
+            f"the fluid lifts the {seal.model.closure.held.label} off: an applied force of {applied_force:.6g} N holds "
             f"{way[-1].pressure / 1e5:.6g} bar, not {fluid_pressure / 1e5:.6g} bar",
             way[-1].pressure,
         )

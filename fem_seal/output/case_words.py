@@ -11,7 +11,6 @@ from fem_seal.answers.closed_forms import Derived, derive, widths
 from fem_seal.answers.leakage_class import limits
 from fem_seal.case.drawing_words import words_of
 from fem_seal.case.drawn import ProfileSource
-from fem_seal.files import told_of
 from fem_seal.output.prose import phrase, prose, worded_rows, written
 from fem_seal.units import LeakVolume, attributes, format_quantity, number, quantity, trimmed, unit_for
 
@@ -218,11 +217,11 @@ def finish_rows(case: Case) -> list[tuple[str, str]]:
     """
     faces: dict[FinishTable, list[str]] = {}
     for key, one in ({} if case.roughness is None else case.roughness.finishes).items():
-        name = "both faces together" if key == "spectrum" else told_of(key, faces=case.faces)
+        name = "both faces together" if key == "spectrum" else case.label_of(key)
         faces.setdefault(one, []).append(name)
     lower = case.lower_half
     if lower is not None and lower.roughness is not None and "closure" in lower.roughness.finishes:
-        faces.setdefault(lower.roughness.finishes["closure"], []).append("lower flange")
+        faces.setdefault(lower.roughness.finishes["closure"], []).append(lower.label_of("closure"))
     alike = len(faces) == 1 and len(*faces.values()) > 1
     return [
         row
@@ -289,9 +288,7 @@ def temperature_rows(
     calculated = problem.heating is not None
     for name, temperature in problem.temperatures.items():
         yield (
-            f"{name} at the contact"
-            if calculated
-            else f"temperature of the {told_of(name, faces=case.faces)}",
+            f"{name} at the contact" if calculated else f"temperature of the {case.label_of(name)}",
             in_degrees(temperature),
         )
     yield "dimensions hold at", in_degrees(case.temperature.reference)
@@ -308,7 +305,7 @@ def temperature_rows(
         yield "contact conducts", "perfectly" if conductance is None else f"{trimmed(conductance)} W/(m² K)"
         return
     yield (
-        told_of("closure grows more than seat", faces=case.faces),
+        "{upper} grows more than {lower}".format(**case.labels),
         f"{number(1e6 * problem.expansion, 4)}·10⁻⁶",
     )
     if problem.supports.wall == "fixed":

@@ -5,7 +5,6 @@ from __future__ import annotations
 from html import escape
 from typing import TYPE_CHECKING
 
-from fem_seal.files import told_of
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.load_result import MissingLoad
 from fem_seal.validity.words import why_missing
@@ -35,8 +34,7 @@ def result_text(result: SealSolution) -> str:
         heading += f", {_counted(len(result.warnings), 'warning')}"
     # of many loads the first ones and the last
     shown = loads if len(loads) <= _NAMED else (*loads[: _NAMED - 1], loads[-1])
-    faces = result.case.faces
-    lines = [f"  {load_name(load, loads)}: {told_of(_in_brief(load), faces=faces)}" for load in shown]
+    lines = [f"  {load_name(load, loads)}: {_in_brief(load)}" for load in shown]
     if len(shown) < len(loads):
         lines.insert(-1, f"  ... {_counted(len(loads) - len(shown), 'load')} more")
     return "\n".join([heading, *lines])

@@ -365,6 +365,11 @@ class SealProblem:
             "sealed-area" if self.on_sealed_area else "penetration",
         )
 
+    @property
+    def labelled_materials(self) -> dict[str, Material]:
+        """The materials by what their bodies are called."""
+        return {self.contact.label_of(name): material for name, material in self.materials.items()}
+
     @cached_property
     def effective_modulus(self) -> float:
         """E* of both bodies [Pa]."""

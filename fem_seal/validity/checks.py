@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -35,7 +35,7 @@ from fem_seal.units import (
 from fem_seal.validity.fluid import fluid_cautions, molecule_cautions, opening_factor
 from fem_seal.validity.form import form_cautions
 from fem_seal.validity.materials import temperature_cautions
-from fem_seal.validity.words import caution, fading, of_bodies, sentence
+from fem_seal.validity.words import caution, fading, sentence
 from leak import ConductivityTable
 
 if TYPE_CHECKING:
@@ -120,7 +120,7 @@ def contact_cautions(problem: SealProblem, loads: Sequence[LoadResult]) -> tuple
     if problem.faces > 1:
         near.append(replace(caution("without_friction"), level=Level.VALID))
     own = (*_of_surface(problem), *load_cautions(problem, loads), *_coarse(loads[0]))
-    return (*(one for one in own if one.text), *of_bodies(problem, near))
+    return (*(one for one in own if one.text), *near)
 
 
 def load_cautions(
@@ -155,7 +155,8 @@ def load_cautions(
         _flanges_meet,
         form_cautions,
     )
-    yield from of_bodies(problem, (one for check in bodies for one in check(problem, loads)))
+    for check in bodies:
+        yield from check(problem, loads)
     if problem.surface is not None:
         yield from _interface_cautions(problem, problem.surface, loads, sealing)
 
@@ -274,7 +275,7 @@ def earlier_cautions(
             one, reason=f"largest earlier load: {one.reason}", text=f"at the largest earlier load: {one.text}"
         )
         for check in bodies
-        for one in of_bodies(problem, check(problem, [load]))
+        for one in check(problem, [load])
     )
 
 
@@ -320,7 +321,8 @@ def _at_target(problem: SealProblem, answers: Sequence[LoadResult]) -> Iterator[
         _above_hardness,
         _flanges_meet,
     )
-    yield from of_bodies(problem, (one for check in bodies for one in check(problem, answers)))
+    for check in bodies:
+        yield from check(problem, answers)
     if problem.surface is not None and problem.flow is not None:  # of a leak rate
         sealing = problem.surface.sealing_pressure
         yield from _nearly_sealed(problem, problem.surface, answers, sealing)
@@ -336,7 +338,7 @@ def _of_surface(problem: SealProblem) -> Iterator[Finding]:
 
 def _face_cautions(problem: SealProblem) -> Iterator[Finding]:
     for name, body, text in problem.face_remarks:
-        found = caution(name, body=body, text=text)
+        found = caution(name, body=problem.contact.label_of(body), text=text, **problem.contact.labels)
         # a land that is wider than the closure is calculated as it is
         yield replace(found, level=Level.VALID) if name == "land_beyond_face" else found
 
@@ -382,7 +384,7 @@ def _yielding(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Fin
             load,
             loads,
             outside=zone.excess > LARGEST_EXCESS,
-            name=name,
+            name=problem.contact.label_of(name),
             excess=_times(zone.excess, load, 3),
             stress=_stress(zone.von_mises, load, zone.yield_stress),
             limit=fixed_quantity("MPa", zone.yield_stress),
@@ -423,7 +425,8 @@ def _yielded_before(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterat
             load,
             loads,
             outside=excess > LARGEST_EXCESS,
-            name=name,
+            name=problem.contact.label_of(name),
+            lower=problem.contact.seat.label,
             excess=_times(excess, load),
             limit=fixed_quantity("MPa", problem.materials[name].yield_stress or 0.0),
             load=load,
@@ -447,12 +450,13 @@ def _may_yield(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Fi
             flows, which = _SOFT * material.youngs_modulus, "soft"
         limit = _HERTZ_YIELDS * flows
         if peak > limit:
-            called = material.name or name
+            label = problem.contact.label_of(name)
+            called = material.name or label
             yield caution(
                 "may_yield",
                 load,
                 loads,
-                name=name,
+                name=label,
                 pressure=_named_pressure(load),
                 peak=_stress(peak, load, limit),
                 limit=fixed_beside("MPa", limit, peak, 2),
@@ -463,7 +467,7 @@ def _may_yield(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Fi
 
 def _beyond_curve(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
     for name, material in problem.materials.items():
-        curve = material.hardening
+        curve, label = material.hardening, problem.contact.label_of(name)
         if curve is None:
             continue
         found = [(load, yielding_of(load.contact, problem.materials).get(name)) for load in loads]
@@ -477,7 +481,7 @@ def _beyond_curve(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator
                 load,
                 loads,
                 outside=True,
-                name=name,
+                name=label,
                 strain=zone.strain,
                 last=100 * curve.last_strain,
                 stress=curve.stress[-1],
@@ -485,7 +489,7 @@ def _beyond_curve(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator
         if zone.strain > _LARGE_STRAIN:
             limit = 100 * _LARGE_STRAIN
             yield caution(
-                "large_strain", load, loads, outside=True, name=name, strain=zone.strain, limit=limit
+                "large_strain", load, loads, outside=True, name=label, strain=zone.strain, limit=limit
             )
 
 
@@ -499,8 +503,9 @@ def _cut_off(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Find
             load = loads[shares.index(max(shares))]
             # conforming faces always end inside the contact
             conforming = math.isinf(load.contact.model.relative_radius)
-            much, x = max(shares) > _MUCH_CUT_OFF and not conforming, ends[0].x[end]
-            yield caution("cut_off", load, loads, outside=much, side=side, share=max(shares), x=x)
+            much = max(shares) > _MUCH_CUT_OFF and not conforming
+            values = {"side": side, "share": max(shares), "x": ends[0].x[end]}
+            yield caution("cut_off", load, loads, outside=much, lower=problem.contact.seat.label, **values)
 
 
 def _over(name: str, share: Callable[[LoadResult], float], limit: float, much: float = math.inf) -> Check:
@@ -510,10 +515,13 @@ def _over(name: str, share: Callable[[LoadResult], float], limit: float, much: f
         load = max(loads, key=share)
         worst = share(load)
         if worst > limit:
-            apart, outside = _gap_at_peak(load), worst > much
-            yield caution(
-                name, load, loads, outside=outside, share=worst, limit=limit, largest=much, apart=apart
-            )
+            numbers: dict[str, Any] = {
+                "share": worst,
+                "limit": limit,
+                "largest": much,
+                "apart": _gap_at_peak(load),
+            }
+            yield caution(name, load, loads, outside=worst > much, **numbers, **problem.contact.labels)
 
     return check
 
@@ -558,7 +566,8 @@ def _moved_by_heat(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterato
     turn = 0.0 if contact.normal_turns else slide * bends * min(contact.relative_radius, 1 / _TINY)
     ends = min(abs(end) for end in contact.reach)
     if turn > _TURNS or slide > _NEAR_END * ends:
-        yield caution("heat", slide=slide, beyond=beyond, turn=math.degrees(turn), ends=ends)
+        numbers: dict[str, Any] = {"slide": slide, "beyond": beyond, "turn": math.degrees(turn), "ends": ends}
+        yield caution("heat", **numbers, **contact.labels)
 
 
 def _flanges_meet(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
@@ -576,9 +585,9 @@ def _flanges_meet(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator
 
 
 def _creeps(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
-    creeping = [name for name, material in problem.materials.items() if material.creeps]
-    for name, text in zip(creeping, creep_remarks(problem.materials), strict=True):
-        yield Finding("creep", Level.DOUBTFUL, f"{name}: {problem.materials[name].name} creeps", text)
+    creeping = {name: one for name, one in problem.labelled_materials.items() if one.creeps}
+    for (name, material), text in zip(creeping.items(), creep_remarks(creeping), strict=True):
+        yield Finding("creep", Level.DOUBTFUL, f"{name}: {material.name} creeps", text)
 
 
 def _hot(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from typing import Any
 
 from fem_seal.materials import ROOM_TEMPERATURE, Material, in_degrees
 from fem_seal.seal.findings import Finding, Level
@@ -24,6 +25,8 @@ _WORDS = {
     "thermal_conductivity": ("thermal conductivity", " W/(m K)", 1.0),
 }
 _OF_SURFACE = ("youngs_modulus", "hardness")
+# Table of a case in which a body stands that is called otherwise.
+_TABLES = {"flange": "closure", "upper flange": "closure", "lower flange": "seat", "gasket": "gasket"}
 
 
 def temperature_cautions(problem: SealProblem, *, bodies: bool = True) -> Iterator[Finding]:
@@ -39,8 +42,8 @@ def temperature_cautions(problem: SealProblem, *, bodies: bool = True) -> Iterat
     """
     yield from _film(problem)
     for name, temperature in problem.temperatures.items():
-        material = problem.materials[name]
-        plain = []
+        material, label, plain = problem.materials[name], problem.contact.label_of(name), []
+        named: dict[str, Any] = {"name": label, "table": _TABLES.get(label, name)}
         for key in _used(problem, material) if bodies else _OF_SURFACE:
             value = getattr(material, key)
             # asperities yield at the hardness of the softer body alone
@@ -52,13 +55,13 @@ def temperature_cautions(problem: SealProblem, *, bodies: bool = True) -> Iterat
                 continue
             at = max(_reached(problem, key, temperature), key=table.beyond)
             if table.nearest and table.beyond(at) > _NEAR:
-                yield _beyond(name, material, key, at)
+                yield _beyond(named, material, key, at)
         away = abs(temperature - ROOM_TEMPERATURE)
         if plain and away > _NEAR:
-            yield _plain(name, material, plain, temperature)
+            yield _plain(named, material, plain, temperature)
         curves = material.hardening_over_temperature
         if bodies and curves is not None and curves.nearest and curves.beyond(temperature) > _NEAR:
-            found = caution("library_curve", name=name, material=material.name, at=in_degrees(temperature))
+            found = caution("library_curve", **named, material=material.name, at=in_degrees(temperature))
             yield found if away >= _FAR else replace(found, level=Level.VALID)
 
 
@@ -112,7 +115,7 @@ def _table(key: str, known: float, at: float, value: str) -> str:
     return f"{key} = {{ temperature = [{', '.join(ends[order])}], value = [{', '.join(values[order])}] }}"
 
 
-def _beyond(name: str, material: Material, key: str, at: float) -> Finding:
+def _beyond(named: Mapping[str, Any], material: Material, key: str, at: float) -> Finding:
     table = material.table(key)
     assert table is not None  # only keys with a table are checked
     end = table.temperature[0] if at < table.temperature[0] else table.temperature[-1]
@@ -120,11 +123,11 @@ def _beyond(name: str, material: Material, key: str, at: float) -> Finding:
     pressure = unit.endswith("Pa")
     found = caution(
         "beyond_temperatures",
-        name=name,
+        **named,
         key=key,
         number=_WORDS[key][0],
         material=material,
-        table=table,
+        known=table,
         value=written(value, f".4g {unit}") if pressure else _with_unit(key, value),
         end=in_degrees(end),
         at=in_degrees(at),
@@ -133,11 +136,11 @@ def _beyond(name: str, material: Material, key: str, at: float) -> Finding:
     return found if table.beyond(at) >= _FAR else replace(found, level=Level.VALID)
 
 
-def _plain(name: str, material: Material, keys: list[str], temperature: float) -> Finding:
+def _plain(named: Mapping[str, Any], material: Material, keys: list[str], temperature: float) -> Finding:
     value, several = _with_unit(keys[0], getattr(material, keys[0])), len(keys) > 1
     found = caution(
         "no_temperature",
-        name=name,
+        **named,
         numbers=" and ".join(filter(None, (", ".join(keys[:-1]), keys[-1]))),
         have="have" if several else "has",
         are="are" if several else "is",

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Literal
 
 from fem_seal.errors import LoadProblem
-from fem_seal.files import own_tables, told_of
+from fem_seal.files import own_tables
 from fem_seal.seal.bounds import EXACT, Bounds
 from fem_seal.seal.findings import Finding, Level
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.load_result import LoadResult
-from fem_seal.seal.problem import Loads, SealProblem
+from fem_seal.seal.problem import Loads
 from fem_seal.units import briefly, filled
 
 
@@ -74,22 +73,6 @@ def fading(leak_factor: Bounds, over: float) -> Bounds:
     """
     share = min(max(2.0 * over - 1.0, 0.0), 1.0)
     return Bounds(leak_factor.low**share, leak_factor.high**share)
-
-
-def of_bodies(problem: SealProblem, findings: Iterable[Finding]) -> Iterator[Finding]:
-    """Findings about the closure and the seat of a problem in the words for its bodies, see `told_of`.
-
-    Parameters
-    ----------
-    problem : SealProblem
-    findings : iterable of Finding
-    """
-    for one in findings:
-        kind, reason, text = (told_of(said, faces=problem.faces) for said in (one.kind, one.reason, one.text))
-        if problem.faces > 1:
-            # a key is that of the case, where the gasket has a table of its own
-            text = text.replace("seat.material", "gasket.material")
-        yield replace(one, kind=kind, reason=reason, text=text)
 
 
 def sentence(name: str, part: str = "text", /, **values: object) -> str:

@@ -187,7 +187,7 @@ def _named_closure(pieces: list[Segment]) -> list[Segment]:
     pieces = [replace(s, name="closure_axis") if s.start[0] == s.end[0] == 0.0 else s for s in pieces]
     if not any(s.name == "closure_axis" for s in pieces):
         raise GeometryError(
-            "closure outline: must have a straight piece on the axis, r = 0; a closure with a hole cannot hold the "
+            "closure outline: must have a straight piece on the axis, r = 0; a body with a hole cannot hold the "
             "pressure"
         )
     if not any(s.name == "closure_top" for s in pieces):
@@ -230,7 +230,7 @@ def _smooth(before: Segment, after: Segment) -> bool:
 
 def _named_seat(pieces: list[Segment], *, walled: bool) -> list[Segment]:
     if any(min(s.start[0], s.end[0]) <= 0.0 for s in pieces):
-        raise GeometryError("seat outline: touches the axis, r = 0; a seat needs a bore for the fluid")
+        raise GeometryError("seat outline: touches the axis, r = 0; the fluid needs a bore")
     size = _size(pieces)
     lowest, widest = min(s.start[1] for s in pieces), max(s.start[0] for s in pieces)
 

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import groupby
+from typing import Any
 
 import numpy as np
 
@@ -62,11 +63,11 @@ class ContactGeometry:
             If they touch on the axis, at a sharp corner, or where a face ends, or do not meet at all.
         """
         closure, seat = with_faces(closure, seat)
-        touch = first_touch(closure.face, seat.face)
+        touch = first_touch(closure.face, seat.face, (closure.label, seat.label))
         if touch.radius <= 1e-9 * seat.largest_radius:
             raise GeometryError(
-                "closure and seat touch first on the axis; a seal needs a circle of contact: give the seat a bore, or "
-                "choose shapes that touch away from the axis"
+                f"{closure.label} and {seat.label} touch first on the axis; a seal needs a circle of contact: give the "
+                f"{seat.label} a bore, or choose shapes that touch away from the axis"
             )
         s = seat.face.project_radius(touch.radius)
         level = float(seat.face.point(np.asarray(s))[1])
@@ -75,31 +76,42 @@ class ContactGeometry:
         return geometry
 
     def _check_touch(self) -> None:
-        for name, face in (("closure", self.closure_face), ("seat", self.seat_face)):
+        both = f"{self.closure.label} and {self.seat.label}"
+        for body in (self.closure, self.seat):
+            face, label = body.face, body.label
             s = float(face.project(np.array(self.initial_contact_radius), np.array(0.0)))
             if min(s, face.length - s) < 1e-9 * face.length:
                 edge = face.point(np.array([0.0, face.length]))[0]
-                rounded = ', such as "sharp-edge" or "conical-land"' if name == "seat" else ""
+                rounded = ', such as "sharp-edge" or "conical-land"' if body is self.seat else ""
                 raise GeometryError(
-                    f"closure and seat would touch first at r = {mm(self.initial_contact_radius)}, where the face "
-                    f"of the {name} ends: it reaches from {mm(edge[0])} to {mm(edge[1])}; change the radii, "
+                    f"{both} would touch first at r = {mm(self.initial_contact_radius)}, where the face "
+                    f"of the {label} ends: it reaches from {mm(edge[0])} to {mm(edge[1])}; change the radii, "
                     f"the angle or the bore, or take a shape whose edge is round{rounded}"
                 )
             if at_a_corner(face, s):
-                corner = f"first at r = {mm(self.initial_contact_radius)} at a sharp corner of the {name}"
+                corner = f"first at r = {mm(self.initial_contact_radius)} at a sharp corner of the {label}"
                 facets = facets_at(face, self.initial_contact_radius)
                 remedy = (
                     f"where {len(facets)} short lines in a row stand for a curve; draw arcs or a spline there"
                     if facets
                     else "give it an edge radius"
                 )
-                raise GeometryError(f"closure and seat touch {corner}{',' if facets else ';'} {remedy}")
+                raise GeometryError(f"{both} touch {corner}{',' if facets else ';'} {remedy}")
 
         if any(start < self._origin < end for start, end in self._chambers):
             raise GeometryError(
-                f"closure and seat touch first at r = {mm(self.initial_contact_radius)}, in a chamber between two "
+                f"{both} touch first at r = {mm(self.initial_contact_radius)}, in a chamber between two "
                 "lands; make the chamber deeper, or the lands closer to each other"
             )
+
+    @property
+    def labels(self) -> dict[str, Any]:
+        """What the body above and the one below are called: values of {upper} and {lower} in sentences."""
+        return {"upper": self.closure.label, "lower": self.seat.label}
+
+    def label_of(self, name: str) -> str:
+        """What a body is called, by its name "closure" or "seat"."""
+        return self.closure.label if name == "closure" else self.seat.label
 
     @property
     def has_ready_mesh(self) -> bool:

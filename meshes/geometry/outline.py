@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -25,8 +25,10 @@ class Outline:
     Parameters
     ----------
     name : str
-        Name of the body ("closure", "seat").
+        Name of the body ("closure", "seat"), with which the names of its segments begin.
     segments : tuple of Segment
+    label : str, optional
+        What errors and sentences call the body, such as "lower flange"; its name unless given.
 
     Examples
     --------
@@ -38,6 +40,12 @@ class Outline:
 
     name: str
     segments: tuple[Segment, ...]
+    label: str = field(default="", kw_only=True, compare=False)
+
+    def __post_init__(self) -> None:
+        if not self.label:
+            # set during construction, before the outline is shared
+            object.__setattr__(self, "label", self.name)
 
     @property
     def ready_mesh(self) -> MeshTri | None:
@@ -97,11 +105,11 @@ class Outline:
         first = replace(pieces[0], start=self.segments[at[0]].start)
         last = replace(pieces[-1], end=self.segments[at[-1]].end)
         inner = (first, *pieces[1:-1], last) if len(pieces) > 1 else (replace(first, end=last.end),)
-        return Outline(self.name, (*before, *inner, *after))
+        return Outline(self.name, (*before, *inner, *after), label=self.label)
 
     def shifted(self, dz: float) -> Outline:
         """The outline moved by dz [m] along the axis."""
-        return Outline(self.name, tuple(s.shifted(dz) for s in self.segments))
+        return replace(self, segments=tuple(s.shifted(dz) for s in self.segments))
 
     @property
     def extent(self) -> tuple[tuple[float, float], tuple[float, float]]:

@@ -35,7 +35,7 @@ class Touch:
     drop: float
 
 
-def first_touch(closure: Curve, seat: Curve) -> Touch:
+def first_touch(closure: Curve, seat: Curve, labels: tuple[str, str] = ("closure", "seat")) -> Touch:
     """Find the circle on which two faces touch first, in closed form for every pair of segments.
 
     Along a line or an arc that is run outwards the sine of the inclination is linear in r, so the places where two
@@ -45,6 +45,8 @@ def first_touch(closure: Curve, seat: Curve) -> Touch:
     ----------
     closure, seat : Curve
         Faces, run from smaller to larger radius.
+    labels : tuple of str, optional
+        What an error calls the two bodies.
 
     Returns
     -------
@@ -66,13 +68,13 @@ def first_touch(closure: Curve, seat: Curve) -> Touch:
     >>> print(f"{touch.radius * 1e3:.2f} mm")
     14.14 mm
     """
-    upper, lower = _graph(closure, "closure"), _graph(seat, "seat")
+    (above, below), upper, lower = labels, _graph(closure, labels[0]), _graph(seat, labels[1])
     places = [(r, c.height(r) - s.height(r)) for c in upper for s in lower for r in _candidates(c, s)]
     if not places:
         raise GeometryError(
-            f"closure and seat do not meet: the closure's face reaches from r = {mm(upper[0].start)} to "
-            f"{mm(upper[-1].end)}, the seat's from {mm(lower[0].start)} to {mm(lower[-1].end)}; change the radii, the "
-            "angle or the bore so that they overlap"
+            f"{above} and {below} do not meet: the {above}'s face reaches from r = {mm(upper[0].start)} to "
+            f"{mm(upper[-1].end)}, the {below}'s from {mm(lower[0].start)} to {mm(lower[-1].end)}; change the radii, "
+            "the angle or the bore so that they overlap"
         )
     drop = min(distance for _, distance in places)
     slack = 1e-13 * max(closure.length, seat.length)
@@ -200,7 +202,7 @@ def with_faces(closure: Outline, seat: Outline) -> tuple[Outline, Outline]:
     pairs = []
     for c, s in chains:
         try:
-            pairs.append((first_touch(c.face, s.face).drop, c, s))
+            pairs.append((first_touch(c.face, s.face, (c.label, s.label)).drop, c, s))
         except GeometryError as error:
             refusal = error
     if not pairs:
@@ -243,4 +245,4 @@ def named_beside(outline: Outline) -> Outline:
 def _renamed(outline: Outline, names: Mapping[int, str]) -> Outline:
     """The outline with new names of some of its segments, by their numbers."""
     pieces = (replace(s, name=names.get(n, s.name)) for n, s in enumerate(outline.segments))
-    return Outline(outline.name, tuple(pieces))
+    return Outline(outline.name, tuple(pieces), label=outline.label)

@@ -66,8 +66,9 @@ def _section(result: SealSolution) -> Section | None:
         return None
     alike, (columns, contacts) = result.highest.of_faces is None, contact_rows(result)
     rows = [dict(zip(columns, row, strict=True)) for row in contacts]
-    for row in () if alike else rows:
-        row["contact"] = _FACES.get(str(row["contact"]), row["contact"])
+    for row in rows:
+        name = str(row["contact"])
+        row["contact"] = result.case.label_of(name) if alike else _FACES.get(name, name)
     table = worded_table("lands", rows)
     if alike:
         return worded_section("lands", [*sentences, phrase("lands.result", "meaning")], table)

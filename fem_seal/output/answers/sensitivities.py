@@ -101,7 +101,7 @@ def _body_of(case: Case, key: str) -> tuple[str, str]:
     if name == "seat" and case.gasket is not None:
         return "lower flange", (case.lower_half or case).closure.material.name
     own = getattr(case, name).material.name
-    return ("upper flange" if name == "closure" and case.lower_half is not None else name), own
+    return case.label_of(name), own
 
 
 def _finish(case: Case) -> str:

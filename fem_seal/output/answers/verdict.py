@@ -19,7 +19,6 @@ from fem_seal.answers.judgement import (
     worst_of,
 )
 from fem_seal.case.fields import Bubbles, NormalVolume
-from fem_seal.files import told_of
 from fem_seal.materials import ROOM_TEMPERATURE
 from fem_seal.output.prose import phrase
 from fem_seal.output.shown import Shown
@@ -387,7 +386,7 @@ def used_in_words(result: SealSolution, shares: Utilisation) -> str:
     shares : Utilisation
     """
     return ", ".join(
-        phrase("verdict.used", name, share=share, body=told_of(shares.body, faces=result.case.faces))
+        phrase("verdict.used", name, share=share, body=result.case.label_of(shares.body))
         for name, share in _shares(result, shares).items()
     )
 
@@ -425,7 +424,7 @@ def verdict_facts(result: SealSolution) -> list[tuple[str, str, str]]:
     if likely is not None and likely.passing is not None and not likely.passing.why_none:
         facts.append(("Passes", _in_percent(likely.passing.share), phrase("verdict.facts", "passes")))
     for name, share in _shares(result, shares).items():
-        body = told_of(shares.body, faces=result.case.faces)
+        body = result.case.label_of(shares.body)
         facts.append((_USED[name], share, phrase("verdict.facts", name, body=body)))
     return facts
 

@@ -97,7 +97,9 @@ def line_load_picture(result: SealSolution) -> style.Picture | None:
     loads.legend(title=over.name, loc="center left", bbox_to_anchor=(1.14, 0.5), handlelength=1.4)
     around = shown[-1][1]
     _form_error(form, around, circle)
-    return style.captioned(figure, "line_load_around", "both", "" if around.form.guided else "free")
+    return style.captioned(
+        figure, "line_load_around", "both", "" if around.form.guided else "free", **result.case.labels
+    )
 
 
 def _form_error(axes: Axes, around: Circumference, circle: FloatArray) -> None:

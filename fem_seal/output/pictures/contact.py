@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem_seal.files import told_of
 from fem_seal.output.case_words import law_word
 from fem_seal.output.pictures import style
 from fem_seal.output.pictures.colours import BLUE, GREEN, GREY, INK, ORANGE
@@ -290,7 +289,7 @@ def contact_picture(result: SealSolution, load: CaseLoad) -> style.Picture:
     pressed = load.tightest.x[load.tightest.pressure > 0.5 * load.peak_pressure]
     middle = (float(pressed.mean()) - low) / (high - low)
     for at, name in ((0.93, "closure"), (0.06, "seat")):
-        below.text(middle, at, told_of(name, faces=result.case.faces), ha="center", color=INK, **how)
+        below.text(middle, at, result.case.label_of(name), ha="center", color=INK, **how)
     if flows:
         name = format_quantity("fluid pressure", load.fluid_pressure)
         inside = share[0] > share[-1]
@@ -306,7 +305,8 @@ def contact_picture(result: SealSolution, load: CaseLoad) -> style.Picture:
     name = load_name(load, result.loads)
     how_much = "alike" if 0.95 < times < 1.05 else "heights" if times > 1.0 else "widths"
     enlarged = phrase("captions.contact", how_much, times=times, less=1.0 / times)
-    return style.captioned(figure, "contact", "all", "flow" if flows else "", load=name, enlarged=enlarged)
+    values = {"load": name, "enlarged": enlarged, **result.case.labels}
+    return style.captioned(figure, "contact", "all", "flow" if flows else "", **values)
 
 
 def _shown(loads: Sequence[CaseLoad]) -> tuple[float, float]:

@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from fem_seal.bodies.fields import BodyField, ElastoplasticField
 from fem_seal.contact.solution import plastic_zone
-from fem_seal.files import told_of
 from fem_seal.output.columns import in_words
 from fem_seal.output.pictures.colours import BLUE, INK, ORANGE
 from fem_seal.output.pictures.style import Picture, captioned, label, panels
@@ -27,7 +26,7 @@ if TYPE_CHECKING:
     from fem_seal.answers.solution import SealSolution
     from fem_seal.arrays import FloatArray
     from fem_seal.contact.load_path import Unloaded
-    from meshes import SealMesh
+    from meshes import ContactGeometry, SealMesh
 
 IntArray = NDArray[np.int64]
 
@@ -108,7 +107,8 @@ def stress_picture(result: SealSolution, load: CaseLoad) -> Picture:
         "stress",
         "all",
         largest=in_words(load, "max_von_mises_Pa"),
-        body=body,
+        body=result.case.label_of(body),
+        **result.case.labels,
         load=load_name(load, result.loads),
         depth=abs(depth),
         digits=load.digits_of("fwhm"),
@@ -274,24 +274,32 @@ def imprint_picture(result: SealSolution) -> Picture | None:
     face, unloaded = faces[0], faces[0].unloaded
     assert unloaded is not None
     figure, (depth, strain) = panels(2, height=4.0, side=SCALE_ROOM)
-    _imprints(depth, unloaded, result.case.faces)
+    _imprints(depth, unloaded, face.problem.contact)
     strains = _strains(strain, face, unloaded)
     digits = result.strongest.digits_of("fwhm")
     imprints = "; ".join(
-        phrase("captions.imprint", "one", body=name, imprint=imprint, digits=digits)
+        phrase(
+            "captions.imprint",
+            "one",
+            body=face.problem.contact.label_of(name),
+            imprint=imprint,
+            digits=digits,
+        )
         for name, imprint in unloaded.imprints.items()
     )
-    return captioned(figure, "imprint", "all", imprints=imprints, strains=strains)
+    return captioned(
+        figure, "imprint", "all", imprints=imprints, strains=strains, **face.problem.contact.labels
+    )
 
 
-def _imprints(axes: Axes, unloaded: Unloaded, faces: int) -> None:
+def _imprints(axes: Axes, unloaded: Unloaded, contact: ContactGeometry) -> None:
     imprints = unloaded.imprints
     reach = max(_WIDTHS * imprint.width + abs(imprint.deepest_at) for imprint in imprints.values())
     length = unit_for("length", reach)
     height = unit_for("length", max(imprint.deepest for imprint in imprints.values()))
     for name, imprint in imprints.items():
-        told = told_of(name, faces=faces)
-        axes.plot(imprint.x / length.size, imprint.depth / height.size, color=_COLOURS[name], label=told)
+        label_of = contact.label_of(name)
+        axes.plot(imprint.x / length.size, imprint.depth / height.size, color=_COLOURS[name], label=label_of)
     axes.axhline(0.0, color=INK, linewidth=0.8)
     axes.set_xlim(-reach / length.size, reach / length.size)
     axes.invert_yaxis()
@@ -317,6 +325,8 @@ def _strains(axes: Axes, result: SolvedSeal, unloaded: Unloaded) -> str:
     scale_of_colours([axes], bands, f"accumulated plastic strain  [{unit}]", lowest="0")
     digits = result.strongest.digits_of("fwhm")
     return " ".join(
-        phrase("captions.imprint", "zone", body=name, zone=zone, digits=digits)
+        phrase(
+            "captions.imprint", "zone", body=result.problem.contact.label_of(name), zone=zone, digits=digits
+        )
         for name, zone in zones.items()
     )

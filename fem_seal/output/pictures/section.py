@@ -16,7 +16,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fem_seal.errors import InputError
-from fem_seal.files import told_of
 from fem_seal.output.case_words import chosen_dimensions, listed_dimensions, section, section_text
 from fem_seal.output.pictures.colours import BLUE, FILL, GREY, INK, ORANGE
 from fem_seal.output.pictures.style import INCH, WIDTH, Picture, captioned, inches, outside_text, style
@@ -131,14 +130,14 @@ def _draw_whole(axes: Axes, case: Case) -> None:
         _diameter(axes, one, low - _ROW * scale * row, scale)
     size = 1e3 * contact.closure.largest_radius
     at = max((s.start for s in contact.closure.segments), key=lambda p: (p[0], p[1]))
-    widest_of_closure = _Diameter(size, told_of("closure", faces=case.faces), 1e3 * at[1], INK)
+    widest_of_closure = _Diameter(size, case.label_of("closure"), 1e3 * at[1], INK)
     _diameter(axes, widest_of_closure, high + _ROW * scale * 0.9, scale)
     angle = getattr(case.seat, "angle", None)
     if angle is not None:
         _included_angle(axes, contact, angle, scale)
     text = f"dimensions in {fixed_unit('mm').name}; grey: left open by the case, chosen by the program"
     axes.text(0.02, 0.0, text, transform=axes.transAxes, color=GREY, fontsize=8)
-    _names(axes, contact, case.faces)
+    _names(axes, contact)
     _pressures(axes, case, (0.97 * widest, high), (0.0, low), scale)
 
 
@@ -167,19 +166,18 @@ def _frame(axes: Axes, reach: float, low: float, high: float) -> None:
     axes.axis("off")
 
 
-def _names(axes: Axes, contact: ContactGeometry, faces: int) -> None:
+def _names(axes: Axes, contact: ContactGeometry) -> None:
     """Dots at first touch, and the names of both bodies."""
     r0 = 1e3 * contact.initial_contact_radius
     axes.plot([-r0, r0], [0, 0], "o", color=ORANGE, ms=4.5, zorder=6)
     closure, seat = contact.closure, contact.seat
     inner, outer = seat.extent[0]
-    for name, r, z in (
-        ("closure", -0.5 * closure.largest_radius, 0.7 * closure.extent[1][1]),
-        ("seat", -0.5 * (inner + outer), 0.75 * seat.extent[1][0]),
+    for label, r, z in (
+        (closure.label, -0.5 * closure.largest_radius, 0.7 * closure.extent[1][1]),
+        (seat.label, -0.5 * (inner + outer), 0.75 * seat.extent[1][0]),
     ):
         place = 1e3 * r, 1e3 * z
-        words = told_of(name, faces=faces)
-        _note(axes, place, words, INK, 1.0, 0.8, fontsize=9.0, ha="center", va="center", zorder=5)
+        _note(axes, place, label, INK, 1.0, 0.8, fontsize=9.0, ha="center", va="center", zorder=5)
 
 
 def _seat_diameters(case: Case) -> Iterator[_Diameter]:
@@ -330,9 +328,9 @@ def _list(axes: Axes, case: Case) -> None:
     """All dimensions of both bodies below each other."""
     axes.axis("off")
     lines: list[tuple[str, str, str, str]] = []
-    listed = [(case, name, told_of(name, faces=case.faces)) for name in ("closure", "seat")]
+    listed = [(case, name, case.label_of(name)) for name in ("closure", "seat")]
     if case.lower_half is not None:
-        listed.append((case.lower_half, "closure", "lower flange"))
+        listed.append((case.lower_half, "closure", case.lower_half.label_of("closure")))
     for case, name, called in listed:
         body = case.table_of(name)
         made_of = f"{body.shape}, {outside_text(body.material.name)}"
@@ -413,6 +411,7 @@ def sketch(result: SealSolution) -> Picture:
         angle=number(math.degrees(contact.angle)),
         radius=quantity("length", contact.initial_contact_radius),
         side=case.load.pressure_side,
+        **case.labels,
     )
 
 

@@ -223,7 +223,7 @@ def seal_picture(result: SealSolution, image: bytes | None) -> Picture | None:
     bar.set_label(f"contact pressure  [{unit.name}]")
     bar.outline.set_linewidth(0.5)
     name = load_name(load, result.loads)
-    return captioned(figure, "seal", "scene", load=name)
+    return captioned(figure, "seal", "scene", load=name, **result.case.labels)
 
 
 def _without_margins(image: FloatArray) -> FloatArray:

@@ -6,7 +6,6 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import fields, is_dataclass, replace
 from datetime import UTC, datetime
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +15,7 @@ from fem_seal.answers.closed_forms import Derived, Sizes, derive_beside, profile
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.case.tables import curves
 from fem_seal.contact.laws import HardContact
-from fem_seal.files import told_of, write_text
+from fem_seal.files import write_text
 from fem_seal.output import case_words, shown_answers
 from fem_seal.output.answers import verdict
 from fem_seal.output.pictures.contact import contact_picture, profile_picture, size_picture
@@ -57,35 +56,33 @@ def report(result: SealSolution) -> str:
     """
     derived = derive_beside(result)
     sizes = profile_sizes(result, derived)
-    told = partial(_told, faces=result.case.faces)
     return template("report.html.j2").render(
         title=result.case.title or "fem-seal",
         in_css=_in_css,
         version=__version__,
         created=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
-        picture={picture.name: told(picture) for picture in pictures(result, derived, sizes)},
+        picture={picture.name: _unbroken(picture) for picture in pictures(result, derived, sizes)},
         sources=sources(result),
         result=result,
-        told=told,
         **_of_case(result),
-        **told(_words(result, derived, sizes)),
+        **_unbroken(_words(result, derived, sizes)),
         words=prose(),
     )
 
 
-def _told(said: Any, faces: int) -> Any:
-    """Everything that is said, in the words for the bodies and with whole units: texts, and whatever they are in."""
+def _unbroken(said: Any) -> Any:
+    """Everything that is said with whole units: texts, and whatever they are in."""
     if type(said) is str:
-        return unbroken(told_of(said, faces=faces))
+        return unbroken(said)
     if isinstance(said, dict):
-        return {key: _told(one, faces) for key, one in said.items()}
+        return {key: _unbroken(text) for key, text in said.items()}
     if isinstance(said, (list, tuple)):
-        found = [_told(one, faces) for one in said]
+        found = [_unbroken(text) for text in said]
         # of named tuples the same
         return type(said)(*found) if hasattr(said, "_fields") else type(said)(found)
     if is_dataclass(said) and not isinstance(said, type):
         texts = {one.name: getattr(said, one.name) for one in fields(said) if one.init}
-        return replace(said, **{name: _told(one, faces) for name, one in texts.items()})
+        return replace(said, **{name: _unbroken(text) for name, text in texts.items()})
     return said
 
 

@@ -97,7 +97,7 @@ def imprint_in_words(result: SealSolution) -> tuple[str, str] | None:
         return None
     name, imprint = max(imprints.items(), key=lambda item: item[1].deepest)
     digits = result.strongest.digits_of("fwhm")  # with the accuracy of the width of the contact
-    where = phrase("facts.remark", "imprint", imprint=imprint, body=name, digits=digits)
+    where = phrase("facts.remark", "imprint", imprint=imprint, body=result.case.label_of(name), digits=digits)
     return quantity_worth("length", imprint.deepest, digits), where
 
 
@@ -110,7 +110,8 @@ def yielding_reasons(result: SealSolution, load: CaseLoad) -> Iterator[str]:
     if not zones:
         yield phrase("reasons.yielding", "none")
     for zone in zones:
-        yield phrase("reasons.yielding", "zone", zone=zone, digits=load.digits_of("fwhm"))
+        values = {"body": result.case.label_of(zone.body), "zone": zone, "digits": load.digits_of("fwhm")}
+        yield phrase("reasons.yielding", "zone", **values)
 
 
 def yielding_table(result: SealSolution) -> ReadableTable:
@@ -122,7 +123,11 @@ def yielding_table(result: SealSolution) -> ReadableTable:
         zones, digits = yielding_of(load.contact), load.digits_of("fwhm")
         for body in load.contact.bodies:
             name = load_name(whole, result.loads)
-            row = {"load": name, "body": f"{face}{body}", "steps": load.contact.load_steps}
+            row = {
+                "load": name,
+                "body": result.case.label_of(f"{face}{body}"),
+                "steps": load.contact.load_steps,
+            }
             zone = zones.get(body)
             if isinstance(zone, PlasticZone):
                 depth = (

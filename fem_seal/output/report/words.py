@@ -109,7 +109,7 @@ def _facts(result: SealSolution, load: CaseLoad) -> Iterator[tuple[Fact, Validit
     if load.critical_separation is not None:
         yield Fact("Narrowest point of the leak path", *_narrowest(load)), leaks
     if not load.of_profile:
-        where = f"von Mises, in the {load.max_von_mises_at[0]}"
+        where = f"von Mises, in the {result.case.label_of(load.max_von_mises_at[0])}"
         where += ", at the mean line load" if uneven else ""
         yield Fact("Largest stress in the bodies", in_words(load, "max_von_mises_Pa"), where), contact
     if imprint := imprint_in_words(result):

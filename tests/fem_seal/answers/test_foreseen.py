@@ -20,7 +20,6 @@ from fem_seal.output.case_words import temperature_rows
 from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.problem import SealProblem
 from fem_seal.validity.materials import temperature_cautions
-from fem_seal.validity.words import of_bodies
 
 SOFT = {
     "name": "copper Cu-ETP R220",
@@ -56,7 +55,7 @@ def test_a_hot_gasket_is_named_by_its_own_words_and_keys():
         *rows
     }
     problem = SealProblem.of(case)
-    told = [one.text for one in of_bodies(problem, temperature_cautions(problem))]
+    told = [one.text for one in temperature_cautions(problem)]
     assert any(one.startswith("gasket.material.hardness: ") for one in told)
     assert not any("seat" in one for one in told)
 

@@ -14,7 +14,6 @@ from fem_seal.case import shapes
 from fem_seal.case.case_file import write_case
 from fem_seal.case.schema import case_schema
 from fem_seal.cli.app import main
-from fem_seal.files import told_of
 from fem_seal.output.case_words import chosen_dimensions, listed_dimensions
 
 STEEL = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3, "hardness": "3 GPa"}
@@ -248,14 +247,6 @@ def test_the_schema_wants_a_seat_or_a_gasket() -> None:
     schema = case_schema()
     assert "gasket" in schema["properties"]
     assert {"if": {"not": {"required": ["seat"]}}, "then": {"required": ["gasket"]}} in schema["allOf"]
-
-
-def test_bodies_are_called_by_their_names_but_not_in_keys() -> None:
-    said = 'closure and seat, "seat", [seat], seat.angle, the seat\'s face, closure.'
-    assert told_of(said, faces=1) == said
-    assert (
-        told_of(said, faces=2) == 'flange and gasket, "seat", [seat], seat.angle, the gasket\'s face, flange.'
-    )
 
 
 def test_the_template_is_a_gasket() -> None:

@@ -240,7 +240,7 @@ def test_bodies_from_files_are_named_with_what_was_read(tmp_path, capsys) -> Non
     # extents as drawn, an arc included
     assert numbers["sections"]["closure"]["r_m"] == pytest.approx((0, 0.017))
     assert numbers["sections"]["closure"]["file"] is None
-    show_derived(numbers | {"contact_size_m": None})
+    show_derived(case, numbers | {"contact_size_m": None})
     shown = capsys.readouterr().out
     assert "  closure   r 0 to 17 mm, z 0 to 25 mm\n" in shown
     assert "  seat      seat.dxf, layer ring, unit 25.4 mm, r 10 to 40 mm, z 0 to 30 mm\n" in shown

@@ -382,7 +382,7 @@ def test_what_changes_nothing_is_said(tmp_path: Path, capsys: pytest.CaptureFixt
     (tmp_path / "case.toml").write_text("\n".join(lines).replace("'", '"'))
     assert main(["check", str(tmp_path / "case.toml")]) == 0
     warned = " ".join(capsys.readouterr().err.split())
-    assert "a free closure moves until this has no effect" in warned
+    assert "the face moves until this has no effect" in warned
     assert "the numbers below are for the round seal" in warned
 
 
