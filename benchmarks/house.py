@@ -81,7 +81,6 @@ AXES = {
     "face": Axis(
         (
             r"lower_half",
-            r"told_of",
             r"of_faces?$",
             r"each_face",
             r"both_faces?$",
@@ -92,7 +91,7 @@ AXES = {
             r"_faces_as",
             r"of_all_faces",
         ),
-        r"lower_half|of_faces|each_face|told_of|lower flange",
+        r"lower_half|of_faces|each_face|lower flange",
     ),
     # loads that the seal has carried before
     "memory": Axis(

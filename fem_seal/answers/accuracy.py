@@ -19,7 +19,7 @@ from fem_seal.errors import ConvergenceError, InputError
 from fem_seal.profile import tightest
 from fem_seal.seal.load_result import DiscretisationError, strongest_load
 from fem_seal.seal.load_solver import LoadSolver, solve_load
-from fem_seal.seal.problem import SealProblem, condensed
+from fem_seal.seal.problem import SealProblem, condensed, larger_housing
 from leak import LeakResult
 from meshes import GeometryError, MeshingError, SealMesh, Sizing, build_contact
 
@@ -159,12 +159,14 @@ def discretisation_error(
     return DiscretisationError(peak, fwhm, std, rate)
 
 
-def far_field(load: CoarserLoad) -> tuple[Comparison, ...]:
+def far_field(load: CoarserLoad, seal: SolvedSeal) -> tuple[Comparison, ...]:
     """Solve one load with a housing twice as large, and with its wall held if it is free and free if it is held.
 
     Parameters
     ----------
     load : CoarserLoad
+    seal : SolvedSeal
+        With the case that has the shape of the housing.
     """
 
     def change(name: str, model: ContactModel) -> Comparison:
@@ -173,7 +175,7 @@ def far_field(load: CoarserLoad) -> tuple[Comparison, ...]:
         return load.compared(name, changed).relative_to(load.as_it_is)
 
     changes = []
-    for name, condense in _variations(load.solver, load.mesh):
+    for name, condense in _variations(load.solver, load.mesh, seal):
         # Close to blow-off the seal may open with another support: that is told by the blow-off pressure. The larger
         # housing is no question of this seal if it cannot be built.
         with suppress(InputError, ConvergenceError, GeometryError, MeshingError):
@@ -181,14 +183,16 @@ def far_field(load: CoarserLoad) -> tuple[Comparison, ...]:
     return tuple(changes)
 
 
-def _variations(solver: LoadSolver, mesh: SealMesh) -> Iterator[tuple[str, Callable[[], ContactModel]]]:
+def _variations(
+    solver: LoadSolver, mesh: SealMesh, seal: SolvedSeal
+) -> Iterator[tuple[str, Callable[[], ContactModel]]]:
     """Other bodies, made one after the other: each takes as much memory as those of the result."""
     problem, known = solver.problem, solver.model
-    if problem.interference or problem.faces > 1:
+    if problem.at_rest.interference or problem.faces > 1:
         # another size or support is another fit: that is no question of the far field; a gasket has neither
         return
     with suppress(GeometryError, MeshingError):
-        larger = problem.larger_housing()
+        larger = larger_housing(seal.case)
         if larger is not None:
             wider = replace(problem, contact=larger)
             yield (
@@ -226,7 +230,7 @@ def _compute(seal: SolvedSeal, request: Request) -> Accuracy:
         estimate = partial(discretisation_error, seal.loads[strongest].contact, coarser, sizing)
         error = request.steps.compute(ACCURACY.what, estimate, NOT_ESTIMATED)
     with request.clock.step("far field", "comparing sizes and supports far from the contact"):
-        far = request.steps.compute("influence of the far field", partial(far_field, coarser), ())
+        far = request.steps.compute("influence of the far field", partial(far_field, coarser, seal), ())
     return Accuracy(error, far)
 
 

@@ -36,7 +36,7 @@ class BoltAnswers:
 
 
 def _compute(seal: SolvedSeal, request: Request) -> BoltAnswers:
-    bolts, preloads = seal.problem.bolts, [force for _, force in seal.case.load.points]
+    bolts, preloads = seal.problem.loads.bolts, [force for _, force in seal.case.load.points]
     assert bolts is not None  # of `applies`
     material = None if seal.case.bolts is None else seal.case.bolts.material
     strength = None if material is None else material.yield_stress
@@ -88,6 +88,7 @@ def _leak_rates(seal: SolvedSeal, request: Request, bolts: Bolts, factor: float)
         points=tuple(zip(loads.fluid_pressure, preloads, strict=True)),
         earlier=None if loads.earlier is None else (0.0, preloads[0]),
         bolts=bolts,
+        solved=False,
         tightened=tuple(factor * one for one in loads.tightened),
     )
     opened = [n for n, point in enumerate(loads.points) if not problem.expected_force(*point) > 0]
@@ -126,5 +127,5 @@ BOLTS = Answer[BoltAnswers | None](
     None,
     of_load=_of_load,
     doing="bolts",
-    needs=("problem.bolts",),
+    needs=("problem.loads.bolts",),
 )

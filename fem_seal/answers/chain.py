@@ -213,7 +213,7 @@ def _solved(case: Case, clock: Clock, steps: OptionalSteps, *, told: bool = Fals
     return replace(
         solved_seal(found, case.without_loads(missing), loads),
         not_calculated=tuple(
-            MissingLoad(number, *whole.loads.points[number], missing[number], whole.bolts is not None)
+            MissingLoad(number, *whole.loads.points[number], missing[number], whole.loads.bolts is not None)
             for number in sorted(missing)
         ),
         said_of_missing=tuple(not_calculated(whole.loads, missing)),

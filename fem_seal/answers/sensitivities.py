@@ -278,7 +278,7 @@ class _ChangedSeal:
         points = tuple((every[n][0], every[n][1] + more.get(n, 0.0)) for n in self._solved(problem))
         # bolts keep the force that they have at this load
         loads = replace(problem.loads, points=points, refused={}, target_leak_rate=None)
-        return replace(problem, loads=replace(loads, bolts=None, tightened=()))
+        return replace(problem, loads=replace(loads, solved=True, tightened=()))
 
     def _solved(self, problem: SealProblem) -> tuple[int, ...]:
         """Numbers of the loads that are solved, those in question at the end.
@@ -356,7 +356,7 @@ class _ChangedSeal:
             return False
         finish = change.key.startswith("roughness.") or (change.key == "rms_height" and self._drawn)
         # remarks are about heights that are not usual for their process
-        return not (finish and change.problem(factor).remarks)
+        return not (finish and change.problem(factor).origin.remarks)
 
     @cached_property
     def _not_drawn(self) -> tuple[str, ...]:

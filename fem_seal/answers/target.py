@@ -192,11 +192,12 @@ def contacts_at_target(
     def contacts(solver: LoadSolver, loads: Sequence[LoadResult]) -> list[ContactSolution]:
         before = () if solver.earlier is None else (solver.earlier,)
         known = [contact for one in loads for contact in one.contacts]
-        tight = [one.earlier for one in known if problem.loads.bolts is not None and one.earlier is not None]
+        bolted = problem.loads.unsolved_bolts is not None
+        tight = [one.earlier for one in known if bolted and one.earlier is not None]
         return [*known, *tight, *before]
 
     forces = [*expected.values()]
-    if problem.loads.bolts is not None:
+    if problem.loads.unsolved_bolts is not None:
         # before the fluid acts they are as large as the preload
         r0, side = problem.initial_contact_radius, problem.loads.pressure_side
         forces += [force - contact_force(r0, pressure, 0.0, side) for pressure, force in expected.items()]
@@ -275,9 +276,9 @@ def _compute(seal: SolvedSeal, request: Request) -> TargetForces:
 def _forces(seal: SolvedSeal, reading: Reading | None) -> TargetForces:
     """Forces in a reading of yielding asperities; how good they are is looked at in that of the problem alone."""
     problem, none = seal.problem, [None] * len(seal.loads)
-    if problem.bolts is not None:
+    if problem.loads.bolts is not None:
         # each force is looked for with its own preload before it
-        loads = replace(problem.loads, earlier=None, tightened=(), bolts=problem.bolts)
+        loads = replace(problem.loads, earlier=None, tightened=(), solved=False)
         problem = replace(problem, loads=loads)
     try:
         found = contacts_at_target(problem, reading=reading)
@@ -459,7 +460,7 @@ def _on_model(
         why = ""
     load = trials.load(root)
     loads, preload = solver.problem.loads, None
-    if loads.bolts is not None:
+    if loads.unsolved_bolts is not None:
         r0 = solver.problem.initial_contact_radius
         preload = max(math.exp(root) - contact_force(r0, fluid_pressure, 0.0, loads.pressure_side), 0.0)
     return load.with_values(preload_for_target=preload), math.exp(root), why

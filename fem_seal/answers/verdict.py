@@ -186,7 +186,7 @@ class Judgements:
 
 
 def _compute(seal: SolvedSeal, request: Request) -> Judgements:
-    open_inputs = seal.problem.usual_only or seal.case.sampled is not None
+    open_inputs = seal.problem.origin.usual_only or seal.case.sampled is not None
     sampled = UNCERTAINTY.of(request.answers) is not None or not open_inputs
     loads = with_judgements(seal.case, seal.loads, sampled=sampled)
     found = seal_judgement(seal.case, loads, seal.missing, seal.problem.hardness)
@@ -320,7 +320,9 @@ class _Search:
 
     def found(self) -> VerdictForce:
         """The smallest force that passes, or why there is none."""
-        if self.problem.usual_only or (self.result.case.sampled is not None and self.load.sampled is None):
+        if self.problem.origin.usual_only or (
+            self.result.case.sampled is not None and self.load.sampled is None
+        ):
             return VerdictForce(None, sentence("verdict_force", "no_interval"))
         start = self._start()
         if start is None:

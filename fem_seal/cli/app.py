@@ -453,7 +453,7 @@ def _remarks(case: Case) -> list[str]:
         remarks.append(sentence("check_of_round_seal"))
         remarks.extend(case.form.without_effect(case.contact.angle))
     problem = SealProblem.of(case)
-    remarks.extend(text for _, _, text in problem.face_remarks)
+    remarks.extend(text for _, _, text in problem.origin.face_remarks)
     remarks.extend(creep_remarks(problem.labelled_materials))
     remarks.extend(one.text for one in temperature_cautions(problem))
     if case.load.target_leak_rate is not None:

@@ -197,6 +197,11 @@ class ContactModel:
         )
 
     @property
+    def knows_stress(self) -> bool:
+        """Whether the stress inside of the bodies can be calculated: not of those that many designs share."""
+        return self.closure.solve is not None
+
+    @property
     def bodies(self) -> dict[str, CondensedBody]:
         """By name."""
         return {"closure": self.closure, "seat": self.seat}

@@ -57,7 +57,7 @@ def live_screen(case: Case, design: Mapping[str, str]) -> Screen:
     loads = [load.with_values(validity=validity_of(found, load)) for load in seal.loads]
     failed = {numbers[n]: one for n, one in found.solved.problems.items() if n < len(numbers)}
     missing = [
-        MissingLoad(n, *whole.loads.points[n], one, whole.bolts is not None)
+        MissingLoad(n, *whole.loads.points[n], one, whole.loads.bolts is not None)
         for n, one in sorted({**whole.loads.refused, **failed}.items())
     ]
     seal = answered(

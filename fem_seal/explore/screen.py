@@ -215,7 +215,7 @@ def screen_of(solution: SealSolution, design: Mapping[str, str], **more: Any) ->
     case, loads = solution.case, solution.loads
     number = highest_load(loads)
     # what is not known of a case widens the interval of a complete run, so that no verdict comes before it
-    bolts, finishes = solution.problem.bolts, case.roughness and case.roughness.finishes
+    bolts, finishes = solution.problem.loads.bolts, case.roughness and case.roughness.finishes
     unknown = case.uncertainty is not None or bool(finishes or (bolts and bolts.scatter))
     widens = unknown and not more.get("complete")
     return Screen(

@@ -285,8 +285,8 @@ def temperature_rows(
     """
     if case.temperature is None:
         return
-    calculated = problem.heating is not None
-    for name, temperature in problem.temperatures.items():
+    calculated = problem.at_rest.heating is not None
+    for name, temperature in problem.at_rest.temperatures.items():
         yield (
             f"{name} at the contact" if calculated else f"temperature of the {case.label_of(name)}",
             in_degrees(temperature),
@@ -306,10 +306,10 @@ def temperature_rows(
         return
     yield (
         "{upper} grows more than {lower}".format(**case.labels),
-        f"{number(1e6 * problem.expansion, 4)}·10⁻⁶",
+        f"{number(1e6 * problem.at_rest.expansion, 4)}·10⁻⁶",
     )
     if problem.supports.wall == "fixed":
-        yield "wall of the seat moves inwards", format_quantity("length", problem.interference)
+        yield "wall of the seat moves inwards", format_quantity("length", problem.at_rest.interference)
 
 
 def in_degrees(temperature: float) -> str:

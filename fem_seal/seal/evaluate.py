@@ -406,7 +406,9 @@ def _pressed(asked: Mapping[int, Mapping[int, ContactProblem]], batch: Batch) ->
 
 def _solved_part(problem: SealProblem, solved: SolvedLoads) -> SealProblem:
     """The problem of the loads that have a contact."""
-    loads = problem.loads if problem.loads.bolts is None else problem.loads.found(solved.points)
+    loads = problem.loads
+    if loads.unsolved_bolts is not None:
+        loads = loads.with_forces(solved.points)
     if solved.failures:
         loads = loads.without(solved.failures)
     if loads is not problem.loads:

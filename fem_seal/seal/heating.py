@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, TypeVar
 
@@ -24,9 +24,11 @@ from meshes import SealMesh, build_contact
 
 if TYPE_CHECKING:
     from fem_seal.arrays import FloatArray
-    from fem_seal.bodies.constrained_body import ConstrainedBody, Heat
+    from fem_seal.bodies.constrained_body import ConstrainedBody, Heat, LoadName
     from fem_seal.case.tables import CaseTables
     from fem_seal.contact.conduction import Surroundings, TemperatureField
+    from fem_seal.contact.model import ContactModel
+    from fem_seal.contact.other_loads import BodyLoads
 
 AnyCase = TypeVar("AnyCase", bound="CaseTables")
 
@@ -80,15 +82,13 @@ class Heating:
                 _check_curves(name, materials[name], nodes)
         return heat
 
-    def wall_motion(self, seat: ConstrainedBody, material: Material) -> float:
+    def wall_motion(self, seat: ConstrainedBody) -> float:
         """How far a held wall is moved inwards because the bore grows less than the seat at the contact [m].
 
         Parameters
         ----------
         seat : ConstrainedBody
             With its temperature.
-        material : Material
-            Of the seat.
         """
         if not len(seat.wall) or seat.temperature is None:
             return 0.0
@@ -96,16 +96,79 @@ class Heating:
         strain = seat.free_strain["heat"]
         mean = float(np.mean(strain[positions]))
         warm = float(np.mean(seat.temperature[positions]))
-        grown = material.thermal_strain(seat.temperature, self.reference)
+        grown = seat.material.thermal_strain(seat.temperature, self.reference)
         base = float(np.mean(grown - strain))
         housing = warm if self.housing is None else self.housing
         if self.housing is None and self.housing_expansion is None:
             around = base + mean
         elif self.housing_expansion is None:
-            around = material.thermal_strain(housing, self.reference)
+            around = seat.material.thermal_strain(housing, self.reference)
         else:
             around = self.housing_expansion * (housing - self.reference)
         return (base - around) * float(seat.mesh.p[0].max())
+
+
+@dataclass(frozen=True)
+class AtRest:
+    """What acts on the bodies of a seal without any load: a press fit, and heat.
+
+    Parameters
+    ----------
+    interference : float
+        How far a held wall is moved inwards, by a press fit and by heat [m]; zero without.
+    expansion : float
+        Thermal strain of the closure beyond that of the seat [-].
+    temperatures : mapping
+        Of "closure" and "seat", or of their faces where it is calculated [K]; empty where they are not given.
+    fluid_temperature : float or None
+        At which the library's properties of the fluid are taken [K]; None where the fluid is the case's own.
+    heating : Heating or None
+        What warms the seal, where its temperature is calculated.
+    """
+
+    interference: float = 0.0
+    expansion: float = 0.0
+    temperatures: Mapping[str, float] = field(default_factory=dict)
+    fluid_temperature: float | None = None
+    heating: Heating | None = None
+
+    @classmethod
+    def of(cls, case: CaseTables) -> AtRest:
+        """What acts on the bodies of a case, which is `warmed`."""
+        of_library = case.fluid is not None and case.fluid.library_entry is not None
+        return cls(
+            case.wall_motion,
+            case.thermal_strain("closure") - case.thermal_strain("seat") if case.expands else 0.0,
+            case.body_temperatures,
+            case.fluid.temperature if case.fluid is not None and of_library else None,
+            heating(case),
+        )
+
+    def on(self, model: ContactModel) -> BodyLoads:
+        """The loads of condensed bodies.
+
+        All is counted from a seal that has grown as the seat does, at the contact: that changes its scale only, by
+        less than what is neglected elsewhere.
+
+        Parameters
+        ----------
+        model : ContactModel
+            Condensed with these temperatures.
+        """
+        from fem_seal.contact.other_loads import BodyLoads
+
+        if self.heating is None:
+            expansion: dict[LoadName, float] = {"expansion": self.expansion} if self.expansion else {}
+            fit = BodyLoads.press_fit(self.interference)
+            return BodyLoads(expansion, fit.seat, temperature=self.temperatures)
+        seat = model.seat.held
+        wall = self.interference + self.heating.wall_motion(seat)
+        nodes = {body.held.name: body.held.temperature for body in (model.closure, model.seat)}
+        return BodyLoads(
+            {"heat": 1.0},
+            {"heat": 1.0, **BodyLoads.press_fit(wall if len(seat.wall) else 0.0).seat},
+            temperature={name: warm for name, warm in nodes.items() if warm is not None},
+        )
 
 
 @contextmanager

@@ -171,9 +171,9 @@ class LoadSolver:
 
     def pressings(self) -> dict[int, ContactProblem]:
         """What is to be pressed of each load, where each is a question of its own: no path, no way of the fluid."""
-        if self.yields or not self._on_sealed_area or self.problem.loads.bolts is not None:
+        if self.yields or not self._on_sealed_area or self.problem.loads.unsolved_bolts is not None:
             return {}
-        at_rest = self.problem.at_rest(self.model)
+        at_rest = self.problem.at_rest.on(self.model)
         forces = [applied + self._closes(pressure) for pressure, applied in self.problem.loads.points]
         # what is no force says so where its load is solved
         return {
@@ -261,7 +261,7 @@ class LoadSolver:
 
         With bolts the applied force is their preload.
         """
-        at_rest = self.problem.at_rest(self.model)
+        at_rest = self.problem.at_rest.on(self.model)
         end_force = self._closes(fluid_pressure) if self._on_sealed_area else 0.0
         held = None if bolts is None else HeldByBolts(bolts, applied_force, end_force)
         if self._on_sealed_area:
@@ -306,7 +306,7 @@ class LoadSolver:
         ConvergenceError
         """
         preload = contact_force - self._closes(fluid_pressure)
-        if self.problem.loads.bolts is not None and preload > 0.0:
+        if self.problem.loads.unsolved_bolts is not None and preload > 0.0:
             return self._tightened(fluid_pressure, preload, progress)
         if self.yields:
             return _end_of_path(
@@ -328,8 +328,9 @@ class LoadSolver:
         own = replace(loads, points=(point,), refused={}, earlier=tight, tightened=())
         solver = replace(self, problem=replace(self.problem, loads=own))
         if not self.yields:
-            assert loads.bolts is not None  # of all who ask
-            (_, force), contact = solver.held_by_bolts(0, loads.bolts)
+            bolts = loads.unsolved_bolts
+            assert bolts is not None  # of all who ask
+            (_, force), contact = solver.held_by_bolts(0, bolts)
             return contact, force
         end = _end_of_path(solver, [point], progress=progress, first=self.first_loading)
         return end, self.point_of(fluid_pressure, end)[1]
@@ -337,11 +338,11 @@ class LoadSolver:
     @cached_property
     def first_loading(self) -> FirstLoading:
         """Of bodies that yield, under one force each."""
-        return FirstLoading(self.model, self.problem.law, self.problem.at_rest(self.model))
+        return FirstLoading(self.model, self.problem.law, self.problem.at_rest.on(self.model))
 
     def reached(self, fluid_pressure: float) -> float | None:
         """Largest force F_N of `at_contact_force` to which first loading came [N]; None if it is not asked there."""
-        highest, bolts = self.first_loading.highest, self.problem.loads.bolts
+        highest, bolts = self.first_loading.highest, self.problem.loads.unsolved_bolts
         return highest if highest is None or bolts is None else highest + self._closes(fluid_pressure)
 
     def blow_off_pressure(self, applied_force: float, contact: ContactSolution | None = None) -> float:
@@ -414,7 +415,7 @@ class LoadSolver:
     @cached_property
     def _first_seal(self) -> CoupledContact:
         """The same before any load."""
-        at_rest = self.problem.at_rest(self.model)
+        at_rest = self.problem.at_rest.on(self.model)
         return CoupledContact(self.model, self.problem.law, self._path, at_rest, self.settings)
 
     @cached_property
@@ -452,7 +453,7 @@ class LoadSolver:
         return [before - after for before, after, _ in lands] or [inner - outer]
 
     def _sealed_area(self, force: float, start: ContactSolution | None) -> ContactSolution:
-        at_rest = self.problem.at_rest(self.model)
+        at_rest = self.problem.at_rest.on(self.model)
         return solve(self.model, self.problem.law, contact_force=force, loads=at_rest, start=start)
 
     def _closes(self, fluid_pressure: float) -> float:
@@ -544,7 +545,7 @@ def solve_loads(
     # the number of waves that hurts most is one for all loads, that of the highest fluid pressure; a load that comes
     # again finds elastic bodies as they were
     found: dict[int, tuple[ContactSolution, Circumference | None]] = {}
-    bolts, held = problem.loads.bolts, dict[int, tuple[float, float]]()
+    bolts, held = problem.loads.unsolved_bolts, dict[int, tuple[float, float]]()
     for point in sorted(set(points), reverse=True):
         alike = [number for number, one in enumerate(points) if one == point]
         try:
@@ -582,7 +583,7 @@ def _solved_path(
         failures.update(_beyond(unsolved, points, path.stopped))
     not_unloaded = None if unsolved or path.unloaded is not None else path.stopped
     held = {}
-    if solver.problem.loads.bolts is not None:
+    if solver.problem.loads.unsolved_bolts is not None:
         solved = zip(closed, path.contacts, strict=False)
         held = {number: solver.point_of(points[number][0], contact) for number, contact in solved}
     failures = dict(sorted(failures.items()))
@@ -672,7 +673,8 @@ def _path(
     way = list(_way(problem.loads, points))
     before = [place for place, (number, _) in enumerate(way) if number is None]
     loads = [
-        solver.on_path(*point, bolts=None if number is None else problem.loads.bolts) for number, point in way
+        solver.on_path(*point, bolts=None if number is None else problem.loads.unsolved_bolts)
+        for number, point in way
     ]
     if steps is not None:
         settings = replace(settings, steps=steps)
@@ -686,7 +688,7 @@ def _path(
             solver.model,
             problem.law,
             loads,
-            at_rest=problem.at_rest(solver.model),
+            at_rest=problem.at_rest.on(solver.model),
             settings=settings,
             partial=True,
             unload=unload,
@@ -738,7 +740,7 @@ _TOLD_EVERY = 5.0
 
 def _before(problem: SealProblem) -> str:
     """What comes before the loads of a problem, in words."""
-    return "the largest earlier load" if problem.bolts is None else "tightening the bolts"
+    return "the largest earlier load" if problem.loads.bolts is None else "tightening the bolts"
 
 
 def _now_and_then(

@@ -7,7 +7,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, fields, is_dataclass, replace
 from functools import cached_property, partial
 from pathlib import Path
@@ -25,18 +25,16 @@ from fem_seal.errors import InputError, LoadProblem, Problem
 from fem_seal.loads import LARGEST_TURNING, PressureSide, expected_force, line_load, plastic_half_width
 from fem_seal.materials import HardeningCurve, Material, effective_modulus
 from fem_seal.profile import PressureProfile, joined, remembered
-from fem_seal.seal.heating import Heating, heating, warmed
+from fem_seal.seal.heating import AtRest, warmed
 from fem_seal.seal.leak_model import MARGIN, Conductivity, FlowModel, ProfileLeak, as_first_loaded
 from fem_seal.units import written
 from meshes import ContactGeometry, SealMesh, Sizing, build_contact
 
 if TYPE_CHECKING:
     from fem_seal.arrays import FloatArray
-    from fem_seal.bodies.constrained_body import LoadName
     from fem_seal.bolts import Bolts
     from fem_seal.case.tables import CaseTables, Direct, Interface
     from fem_seal.contact.model import ContactModel
-    from fem_seal.contact.other_loads import BodyLoads
     from fem_seal.contact.solution import ContactSolution
     from fem_seal.form import FormError
     from fem_seal.seal.circumference import Circumference
@@ -109,9 +107,11 @@ class Loads:
         Fluid pressure [Pa] and force of spring or actuator [N] of the largest load before all of them; None if none is
         known.
     bolts : Bolts or None
-        Whose force under each load is to be found; None without bolts, and once it stands in the points.
+        That close the seal; None where a force is applied.
     tightened : tuple of float
         Preload of bolts for each load [N], where each load has its own; the bodies go through it before the fluid acts.
+    solved : bool
+        Whether the forces of the bolts stand in the points; their preloads do before.
     """
 
     points: tuple[tuple[float, float], ...]
@@ -122,6 +122,7 @@ class Loads:
     earlier: tuple[float, float] | None = None
     bolts: Bolts | None = None
     tightened: tuple[float, ...] = ()
+    solved: bool = False
 
     @classmethod
     def of(cls, case: CaseTables) -> Loads:
@@ -163,7 +164,12 @@ class Loads:
         tightened = tuple(self.tightened[number] for number in kept) if self.tightened else ()
         return replace(self, points=points, refused=refused, tightened=tightened)
 
-    def found(self, points: Mapping[int, tuple[float, float]]) -> Loads:
+    @property
+    def unsolved_bolts(self) -> Bolts | None:
+        """Bolts whose force under each load is still to be found; None without bolts, and once they are solved."""
+        return None if self.solved else self.bolts
+
+    def with_forces(self, points: Mapping[int, tuple[float, float]]) -> Loads:
         """The same with the forces that bolts have under some of them.
 
         Parameters
@@ -172,14 +178,58 @@ class Loads:
             Fluid pressure [Pa] and force [N] by the number of the load.
         """
         each = tuple(points.get(number, point) for number, point in enumerate(self.points))
-        return replace(self, points=each, bolts=None)
+        return replace(self, points=each, solved=True)
 
 
-_FREE = Supports()
+_FREE, _NO_REST = Supports(), AtRest()
 
 
-def _no_larger_housing() -> ContactGeometry | None:
-    return None
+@dataclass(frozen=True)
+class SurfaceOrigin:
+    """Where the surfaces of a seal come from, and what is said against their use.
+
+    Parameters
+    ----------
+    remarks : tuple of str
+        What the scans themselves say against it.
+    face_remarks : tuple
+        What is said of the faces that touch: name of the finding, body and text.
+    of_finish : bool
+        Whether the surface comes from the finish of a drawing.
+    usual_only : bool
+        Whether it does and its range is not sampled.
+    cutoff : float or None
+        Wave beyond which a finish says nothing of the surface [m]; None without a finish.
+    """
+
+    remarks: tuple[str, ...] = ()
+    face_remarks: tuple[tuple[str, str, str], ...] = ()
+    of_finish: bool = False
+    usual_only: bool = False
+    cutoff: float | None = None
+
+    @classmethod
+    def of(cls, case: CaseTables) -> SurfaceOrigin:
+        """That of the surfaces of a case."""
+        rough, remarks = case.roughness, tuple(face_remarks(case))
+        if rough is None:
+            return cls(face_remarks=remarks)
+        of_finish = bool(rough.finishes)
+        usual_only = of_finish and case.fluid is not None and case.sampled is None
+        return cls(tuple(rough.remarks()), remarks, of_finish, usual_only, rough.cutoff)
+
+
+@dataclass(frozen=True)
+class Gasket:
+    """A gasket between two flanges.
+
+    Parameters
+    ----------
+    stop : float
+        Way of one face until the flanges meet at a stop, all at the temperature of assembly [m]; infinite without one.
+    """
+
+    stop: float = math.inf
 
 
 @dataclass(frozen=True, eq=False)
@@ -202,47 +252,19 @@ class SealProblem:
         None for a seal that is round.
     supports : Supports
         How the seat is held.
-    interference : float
-        How far a held wall is moved inwards, by a press fit and by heat [m]; zero without.
-    expansion : float
-        Thermal strain of the closure beyond that of the seat [-].
-    temperatures : mapping
-        Of "closure" and "seat", or of their faces where it is calculated [K]; empty where they are not given.
-    fluid_temperature : float or None
-        At which the library's properties of the fluid are taken [K]; None where the fluid is the case's own.
-    heating : Heating or None
-        What warms the seal, where its temperature is calculated.
+    at_rest : AtRest
+        What acts without any load.
     contact_size : float or None
         Size of the elements along the contact line, if the user gives it [m].
-    hardness : float or None
-        Penetration hardness of the softer body, whether asperities yield or not [Pa].
-    asperities_yield : bool
-        Whether the asperities are meant to yield.
-    remarks : tuple of str
-        What the scans themselves say against their use.
-    face_remarks : tuple
-        What is said of the faces that touch: name of the finding, body and text.
-    of_finish : bool
-        Whether the surface comes from the finish of a drawing.
-    usual_only : bool
-        Whether it does and its range is not sampled.
-    stress_known : bool
-        Whether the stress inside of the bodies can be calculated: not of those that a live page shares.
-    cutoff : float or None
-        Wave beyond which a finish says nothing of the surface [m]; None without a finish.
-    larger_housing : callable
-        Gives the contact in a seat twice as wide and high, None if the seat has no such lengths; may raise
-        GeometryError. Not made before it is asked for, because it takes as long as the contact itself.
-    bolts : Bolts or None
-        That close the seal; None where a force is applied.
+    origin : SurfaceOrigin
+        Where the surface comes from, and what is said against it.
     file : Path or None
         That errors name.
-    faces : int
-        Sealing faces, through which fluid leaks side by side: 1 of a valve seat, 2 of a gasket. The bodies are those of
-        one face: of a gasket a flange, as closure, and the upper half of the gasket, as seat.
-    stop : float
-        Way of one face until the flanges of a gasket meet at a stop, all at the temperature of assembly [m]; infinite
-        without one.
+    given_law : Law or None
+        That of a family of surfaces in place of the interface's own.
+    gasket : Gasket or None
+        Of two sealing faces, through which fluid leaks side by side; None of a valve seat. The bodies are those of one
+        face: a flange, as closure, and the upper half of the gasket, as seat.
     lower_half : SealProblem or None
         With the lower flange on both faces of a gasket, under the same loads; None where the flanges are alike.
     beside_path : bool
@@ -257,26 +279,12 @@ class SealProblem:
     flow: FlowModel | None = None
     form: FormError | None = None
     supports: Supports = _FREE
-    interference: float = 0.0
-    expansion: float = 0.0
-    temperatures: Mapping[str, float] = field(default_factory=dict)
-    fluid_temperature: float | None = None
-    heating: Heating | None = None
+    at_rest: AtRest = _NO_REST
     contact_size: float | None = None
-    hardness: float | None = None
-    asperities_yield: bool = False
-    remarks: tuple[str, ...] = ()
-    face_remarks: tuple[tuple[str, str, str], ...] = ()
-    of_finish: bool = False
-    usual_only: bool = False
-    stress_known: bool = True
-    cutoff: float | None = None
-    larger_housing: Callable[[], ContactGeometry | None] = _no_larger_housing
-    bolts: Bolts | None = None
+    origin: SurfaceOrigin = SurfaceOrigin()
     file: Path | None = None
     given_law: Law | None = None
-    faces: int = 1
-    stop: float = math.inf
+    gasket: Gasket | None = None
     lower_half: SealProblem | None = None
     beside_path: bool = False
 
@@ -290,7 +298,6 @@ class SealProblem:
             Whose tables fit together, as those of a `Case` do.
         """
         case, lower = warmed(case), case.lower_half
-        of_finish = case.roughness is not None and bool(case.roughness.finishes)
         return cls(
             contact=case.contact,
             materials={name: case.table_of(name).material for name in ("closure", "seat")},
@@ -302,26 +309,11 @@ class SealProblem:
             if case.form is None
             else case.form.error(case.contact.angle, case.initial_contact_radius),
             supports=Supports(wall=case.lower.wall),
-            interference=case.wall_motion,
-            expansion=case.thermal_strain("closure") - case.thermal_strain("seat") if case.expands else 0.0,
-            temperatures=case.body_temperatures,
-            fluid_temperature=None
-            if case.fluid is None or case.fluid.library_entry is None
-            else case.fluid.temperature,
-            heating=heating(case),
+            at_rest=AtRest.of(case),
             contact_size=case.mesh.contact_size,
-            hardness=case.hardness,
-            asperities_yield=case.leak.plasticity and case.roughness is not None,
-            remarks=tuple(case.roughness.remarks()) if case.roughness else (),
-            face_remarks=tuple(face_remarks(case)),
-            of_finish=of_finish,
-            usual_only=of_finish and case.fluid is not None and case.sampled is None,
-            cutoff=case.roughness.cutoff if case.roughness else None,
-            larger_housing=partial(_larger_housing, case),
-            bolts=bolts_of(case),
+            origin=SurfaceOrigin.of(case),
             file=case.file,
-            faces=case.faces,
-            stop=math.inf if case.gasket is None else (case.gasket.stop or math.inf) / case.faces,
+            gasket=None if case.gasket is None else Gasket((case.gasket.stop or math.inf) / case.faces),
             lower_half=None if lower is None else cls.of(lower),
         )
 
@@ -366,6 +358,17 @@ class SealProblem:
         )
 
     @property
+    def hardness(self) -> float | None:
+        """Penetration hardness of the softer body, whether asperities yield or not [Pa]; None where none is known."""
+        known = (material.hardness for material in self.materials.values() if material.hardness is not None)
+        return min(known, default=None)
+
+    @property
+    def faces(self) -> int:
+        """Sealing faces, through which fluid leaks side by side: 1 of a valve seat, 2 of a gasket."""
+        return 1 if self.gasket is None else 2
+
+    @property
     def labelled_materials(self) -> dict[str, Material]:
         """The materials by what their bodies are called."""
         return {self.contact.label_of(name): material for name, material in self.materials.items()}
@@ -375,36 +378,10 @@ class SealProblem:
         """E* of both bodies [Pa]."""
         return effective_modulus(self.materials["closure"], self.materials["seat"])
 
-    def at_rest(self, model: ContactModel) -> BodyLoads:
-        """What acts on the bodies without any load: a press fit and heat.
-
-        All is counted from a seal that has grown as the seat does, at the contact: that changes its scale only, by
-        less than what is neglected elsewhere.
-
-        Parameters
-        ----------
-        model : ContactModel
-            Its bodies, condensed with the temperatures of the problem.
-        """
-        from fem_seal.contact.other_loads import BodyLoads
-
-        bodies = (model.closure, model.seat)
-        found = {body.held.name: body.held.temperature for body in bodies}
-        if self.heating is None:
-            expansion: dict[LoadName, float] = {"expansion": self.expansion} if self.expansion else {}
-            fit = BodyLoads.press_fit(self.interference)
-            return BodyLoads(expansion, fit.seat, temperature=self.temperatures)
-        wall = self.interference + self.heating.wall_motion(model.seat.held, self.materials["seat"])
-        return BodyLoads(
-            {"heat": 1.0},
-            {"heat": 1.0, **BodyLoads.press_fit(wall if len(model.seat.held.wall) else 0.0).seat},
-            temperature={name: nodes for name, nodes in found.items() if nodes is not None},
-        )
-
     def meeting(self, model: ContactModel, way: float) -> float:
         """Approach at which flanges meet whose faces, at the temperature of assembly, meet after a way of one face [m].
 
-        Warm flanges grow from where they are pressed towards each other, and more than the gasket by `expansion`.
+        Warm flanges grow from where they are pressed towards each other, and more than the gasket by their expansion.
 
         Parameters
         ----------
@@ -416,7 +393,7 @@ class SealProblem:
 
         held = model.closure.held
         height = float(held.balance @ grown_by_one(held.mesh)) - self.contact.seat.extent[1][0]
-        return way + self.expansion * (way - height) if math.isfinite(way) else way
+        return way + self.at_rest.expansion * (way - height) if math.isfinite(way) else way
 
     @property
     def curves(self) -> list[HardeningCurve]:
@@ -561,13 +538,21 @@ _LARGER = 2.0
 _LENGTHS = ("outer_radius", "height")
 
 
-def _larger_housing(case: CaseTables) -> ContactGeometry | None:
-    if case.gasket is not None:
-        return None
-    closure, found = case.bodies
-    seat: Any = found
+def larger_housing(case: CaseTables) -> ContactGeometry | None:
+    """The contact in a seat twice as wide and high; None if the seat has no such lengths.
+
+    Parameters
+    ----------
+    case : CaseTables
+
+    Raises
+    ------
+    GeometryError
+    """
+    closure, shape = case.bodies
+    seat: Any = shape
     known = {field.name for field in fields(seat)} if is_dataclass(seat) else set()
-    if not set(_LENGTHS) <= known:
+    if case.gasket is not None or not set(_LENGTHS) <= known:
         return None
     larger = replace(seat, **{name: _LARGER * getattr(seat, name) for name in _LENGTHS})
     return ContactGeometry.of(closure.outline, larger.outline)
@@ -630,7 +615,8 @@ def condensed(problem: SealProblem, seal_mesh: SealMesh, known: ContactModel | N
     """
     from fem_seal.contact.model import condense
 
-    heat = None if problem.heating is None else problem.heating.of_bodies(seal_mesh, problem.materials)
+    heating = problem.at_rest.heating
+    heat = None if heating is None else heating.of_bodies(seal_mesh, problem.materials)
     model = condense(seal_mesh, problem.materials, problem.supports, heat, known=known)
     return with_stop(problem, model)
 
@@ -648,16 +634,16 @@ def with_stop(problem: SealProblem, model: ContactModel) -> ContactModel:
     InputError
         If warm flanges meet before they touch the gasket.
     """
-    if problem.faces == 1:
+    if problem.gasket is None:
         return model
-    touch = problem.at_rest(model).touch(model)
-    stop = problem.meeting(model, problem.stop)
+    touch = problem.at_rest.on(model).touch(model)
+    stop = problem.meeting(model, problem.gasket.stop)
     if stop <= touch:
         problem_of_stop = Problem(
             "gasket.stop",
             "the warm flanges meet before they touch the gasket, because they grow by "
-            f"{written(problem.faces * (touch - stop + problem.stop), '.4g um')} more than it does; give more",
-            written(problem.faces * problem.stop, ".6g um"),
+            f"{written(problem.faces * (touch - stop + problem.gasket.stop), '.4g um')} more than it does; give more",
+            written(problem.faces * problem.gasket.stop, ".6g um"),
         )
         raise InputError(problem_of_stop, file=problem.file)
     return model.with_stop(stop, touch)

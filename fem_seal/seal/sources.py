@@ -166,7 +166,7 @@ class Shared(Source):
 
     def suited(self, problem: SealProblem) -> Source:
         """That of a run for bodies that yield, whose path takes longer than their mesh, and for heat of their own."""
-        return EXACT if problem.follows_path or problem.heating is not None else self
+        return EXACT if problem.follows_path or problem.at_rest.heating is not None else self
 
     def problem(self, problem: SealProblem) -> SealProblem:
         """With the law of its surface's family, made once for all surfaces of one shape."""

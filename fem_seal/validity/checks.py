@@ -215,10 +215,8 @@ def validity_of(
         upper, lower = (validity_of(*one, by_table=by_table, usual_only=usual_only) for one in each)
         return joined_validity(upper, lower, load.upper_share)
     problem, before, sealing = found.problem, found.solved.earlier, None
-    if usual_only and problem.of_finish:
-        problem = replace(problem, usual_only=True)
-    if found.model.closure.solve is None:
-        problem = replace(problem, stress_known=False)
+    if usual_only and problem.origin.of_finish:
+        problem = replace(problem, origin=replace(problem.origin, usual_only=True))
     table = None if load.rough is None or load.rough.flow is None else load.rough.table
     # a gas percolates where a liquid does
     table = getattr(table, "liquid", table)
@@ -330,14 +328,14 @@ def _at_target(problem: SealProblem, answers: Sequence[LoadResult]) -> Iterator[
 
 
 def _of_surface(problem: SealProblem) -> Iterator[Finding]:
-    if problem.usual_only:
+    if problem.origin.usual_only:
         yield caution("finish", leak_factor=Bounds.factor_bounds(10.0), found=False)
-    for text in problem.remarks:
+    for text in problem.origin.remarks:
         yield Finding("roughness", Level.DOUBTFUL, text, text, of_contact=False)
 
 
 def _face_cautions(problem: SealProblem) -> Iterator[Finding]:
-    for name, body, text in problem.face_remarks:
+    for name, body, text in problem.origin.face_remarks:
         found = caution(name, body=problem.contact.label_of(body), text=text, **problem.contact.labels)
         # a land that is wider than the closure is calculated as it is
         yield replace(found, level=Level.VALID) if name == "land_beyond_face" else found
@@ -369,7 +367,7 @@ def _near_opening(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator
 
 
 def _yielding(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
-    if not problem.stress_known:
+    if not loads[0].contact.model.knows_stress:
         return
     zones = [(load, zone) for load in loads for zone in yielding_of(load.contact, problem.materials).values()]
     elastic = [(load, zone) for load, zone in zones if isinstance(zone, YieldedZone)]
@@ -402,7 +400,8 @@ def _yielded_before(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterat
     A stress grows at least with the root of the force, as in Hertz's line contact; what spreads the pressure at small
     forces, and faces that conform, make it grow faster.
     """
-    if problem.loads.earlier is not None or problem.loads.bolts is not None or not problem.stress_known:
+    before = problem.loads.earlier is not None or problem.loads.unsolved_bolts is not None
+    if before or not loads[0].contact.model.knows_stress:
         return
     found: dict[str, tuple[float, LoadResult]] = {}
     for name, material in problem.materials.items():
@@ -442,7 +441,7 @@ def _may_yield(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Fi
     peak = _highest_pressure(load)
     for name, material in problem.materials.items():
         flows, hardness, which = material.yield_stress, material.hardness, "known"
-        if flows is not None and problem.stress_known:
+        if flows is not None and load.contact.model.knows_stress:
             continue
         if flows is None and hardness is not None:
             flows, which = hardness / HARDNESS_OVER_YIELD_STRESS, "hard"
@@ -551,10 +550,10 @@ _slides = _over("steep_seat", _shift_by_gap, _SLIDES)
 
 def _moved_by_heat(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
     """Heat slides the faces along each other, but the contact is calculated at its place on the drawing."""
-    if not problem.temperatures:
+    if not problem.at_rest.temperatures:
         return
     model = loads[0].contact.model
-    at_rest, outwards = problem.at_rest(model), []
+    at_rest, outwards = problem.at_rest.on(model), []
     for body in (model.closure, model.seat):
         touch = body.held.contact_dofs[0, np.argmin(np.abs(body.held.contact_x))]
         outwards.append(float(at_rest.displacement(body, model)[touch]))
@@ -631,7 +630,8 @@ def _named_pressure(load: LoadResult) -> str:
 def _above_hardness(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
     load = max(loads, key=_highest_pressure)
     peak, hardness = _highest_pressure(load), problem.hardness
-    if hardness is None or peak <= (_NEAR_HARDNESS if problem.asperities_yield else 1.0) * hardness:
+    yield_too = problem.surface is not None and problem.surface.hardness is not None
+    if hardness is None or peak <= (_NEAR_HARDNESS if yield_too else 1.0) * hardness:
         return
     share = peak / hardness
     yield caution(
@@ -808,8 +808,8 @@ def _lay_factor(area: float, peklenik: float) -> float:
 def _range(problem: SealProblem, surface: RoughContact, loads: Sequence[LoadResult]) -> Iterator[Finding]:
     load = max(loads, key=lambda load: load.std)
     std, q_low = load.std, surface.spectrum.q_low
-    if q_low * std > 1 and problem.cutoff is not None:
-        yield caution("waviness", load, loads, cutoff=problem.cutoff, width=_um(2 * np.pi * std, load))
+    if q_low * std > 1 and problem.origin.cutoff is not None:
+        yield caution("waviness", load, loads, cutoff=problem.origin.cutoff, width=_um(2 * np.pi * std, load))
     elif q_low * std > 1:
         yield caution(
             "roughness_range", load, loads, longest=2 * np.pi / q_low, std=_um(std, load), q=1 / std

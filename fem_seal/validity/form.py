@@ -107,7 +107,7 @@ def _fluid_opens(problem: SealProblem, loads: Sequence[LoadResult], formed: _For
 def _crest(problem: SealProblem, loads: Sequence[LoadResult], formed: _Formed) -> Iterator[Finding]:
     """Stress at the largest line load: that at the mean line load, scaled with the peak pressure."""
     limits = [one.yield_stress for one in problem.materials.values() if one.yield_stress is not None]
-    if not (limits and problem.stress_known):
+    if not (limits and loads[0].contact.model.knows_stress):
         return
     load, around = max(formed, key=lambda one: float(one[1].peak_pressure.max()))
     ratio = float(around.peak_pressure.max()) / load.peak_pressure

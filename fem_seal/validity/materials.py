@@ -41,7 +41,7 @@ def temperature_cautions(problem: SealProblem, *, bodies: bool = True) -> Iterat
         Whether the bodies themselves are solved; otherwise only the contact of the rough surfaces is checked.
     """
     yield from _film(problem)
-    for name, temperature in problem.temperatures.items():
+    for name, temperature in problem.at_rest.temperatures.items():
         material, label, plain = problem.materials[name], problem.contact.label_of(name), []
         named: dict[str, Any] = {"name": label, "table": _TABLES.get(label, name)}
         for key in _used(problem, material) if bodies else _OF_SURFACE:
@@ -67,12 +67,12 @@ def temperature_cautions(problem: SealProblem, *, bodies: bool = True) -> Iterat
 
 def _film(problem: SealProblem) -> Iterator[Finding]:
     """A fluid whose given temperature is not that of the faces, which a film of micrometres takes at once."""
-    given = problem.fluid_temperature
+    given = problem.at_rest.fluid_temperature
     if given is None:
         return
     name, film, near = "film_temperature", ROOM_TEMPERATURE, _NEAR
-    if problem.temperatures:
-        film = math.fsum(problem.temperatures.values()) / len(problem.temperatures)
+    if problem.at_rest.temperatures:
+        film = math.fsum(problem.at_rest.temperatures.values()) / len(problem.at_rest.temperatures)
     else:
         # oil of 50 degC is usual in a valve whose metals are those of a table at 20 degC
         name, near = "body_temperature", 2 * _NEAR
@@ -86,15 +86,15 @@ def _used(problem: SealProblem, material: Material) -> Iterator[str]:
     yield from _OF_SURFACE
     if material.hardening is None:
         yield "yield_stress"
-    if problem.expansion or problem.heating is not None or problem.supports.wall == "fixed":
+    if problem.at_rest.expansion or problem.at_rest.heating is not None or problem.supports.wall == "fixed":
         yield "thermal_expansion"
-    if problem.heating is not None:
+    if problem.at_rest.heating is not None:
         yield "thermal_conductivity"
 
 
 def _reached(problem: SealProblem, key: str, temperature: float) -> list[float]:
     """Temperatures at which a number is used [K]; those of a body that conducts heat lie between those around it."""
-    heating = problem.heating
+    heating = problem.at_rest.heating
     if heating is None or key in ("youngs_modulus", "hardness", "yield_stress"):
         return [temperature]
     return [temperature, *(face.temperature for face in heating.surroundings.faces.values())]

@@ -63,6 +63,7 @@ def load(
         fields={name: field(name) for name in ("closure", "seat")} | {body.name: body for body in bodies},
         model=SimpleNamespace(
             bodies={"closure": None, "seat": None},
+            knows_stress=True,
             initial_contact_radius=0.014,
             touch_normal_z=0.7,
             relative_radius=0.02,

@@ -132,7 +132,7 @@ def temperature_picture(result: SealSolution, load: CaseLoad) -> Picture | None:
         for name, f in fields.items()
         if f.temperature is not None
     }
-    if result.problem.heating is None or len(degrees) < len(fields):
+    if result.problem.at_rest.heating is None or len(degrees) < len(fields):
         return None
     low, high = (end(float(end(values)) for values in degrees.values()) for end in (min, max))
     # a uniform temperature has one colour

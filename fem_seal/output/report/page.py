@@ -168,7 +168,7 @@ def _of_case(result: SealSolution) -> dict[str, Any]:
     """Texts of the groups of the case that the result does not contain in this form."""
     case, problem = result.case, result.problem
     drawn = {name: case_words.section(case, name) for name in case_words.BODIES}
-    heating = problem.heating
+    heating = problem.at_rest.heating
     field = (
         None if heating is None or result.of_profile else heating.field(result.seal_mesh, problem.materials)
     )

@@ -38,7 +38,7 @@ INDENTATION = Answer(
     "share of the hardness",
     _compute,
     (),
-    needs=("problem.asperities_yield",),
+    needs=("problem.surface.hardness",),
     doing="how near the asperities are to an indentation",
 )
 

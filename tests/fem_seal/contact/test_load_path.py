@@ -30,7 +30,7 @@ from fem_seal.output.report.words import far_field_sentence, headline, leakage_l
 from fem_seal.output.tables import write_profile_csv
 from fem_seal.seal.load_names import different, load_axis, load_name
 from fem_seal.seal.load_result import LoadResult
-from fem_seal.seal.problem import SealProblem
+from fem_seal.seal.problem import SealProblem, larger_housing
 from leak import LeakResult, Reading
 
 VALVE = {
@@ -451,7 +451,7 @@ def test_a_closure_that_is_the_same_is_not_factorised_anew(larger):
     mesh = valve().seal_mesh
     known = condense(mesh, problem.materials)
     if larger:
-        mesh = meshes.build_contact(problem.larger_housing(), mesh.sizing)
+        mesh = meshes.build_contact(larger_housing(valve().case), mesh.sizing)
     supports = None if larger else Supports(wall="fixed")
     anew = condense(mesh, problem.materials, supports)
     reused = condense(mesh, problem.materials, supports, known=known)

@@ -367,7 +367,7 @@ def test_what_changes_nothing_is_said(tmp_path: Path, capsys: pytest.CaptureFixt
     free = sealed(eccentricity="2 um", tilt="0.01 deg").form
     assert free is not None
     said = free.without_effect(ANGLE45)
-    assert len(said) == 2 and all('guide = "guided" holds the closure' in one for one in said)
+    assert len(said) == 2 and all('"guided" holds it' in one for one in said)
     guided = sealed(eccentricity="2 um", guide="guided").form
     assert guided is not None and not guided.without_effect(ANGLE45)
     shifted = sealed(seat={"harmonics": [{**OVAL, "waves": 1}]}).form

@@ -199,7 +199,7 @@ def test_a_seal_that_grows_evenly_only_changes_its_scale() -> None:
     assert both == pytest.approx(scaled + rigid * way, abs=strain * sagitta)
     # which is what is left out: counted from the seat there is no motion at all
     even = SealProblem.of(heated(temperature={"uniform": "200 degC"}))
-    assert even.at_rest(model).opening(model) == pytest.approx(0.0)
+    assert even.at_rest.on(model).opening(model) == pytest.approx(0.0)
 
 
 # ---------------------------------------------------------------- the seal
@@ -215,7 +215,7 @@ def test_equal_expansion_and_uniform_temperature_load_nothing(warm: float, refer
         except InputError as error:
             assert "would grow by" in str(error)  # over 2 %
             continue
-        assert problem.expansion == 0.0 and problem.interference == 0.0
+        assert problem.at_rest.expansion == 0.0 and problem.at_rest.interference == 0.0
 
 
 def test_only_the_fluid_notices_a_uniform_temperature() -> None:
@@ -267,7 +267,7 @@ def test_a_shrink_fit_by_temperature_is_the_same_interference() -> None:
     held = {"wall": "fixed", "outer_radius": "25 mm"}
     hot = heated(seat=held, temperature={"uniform": "120 degC", "housing_expansion": "4e-6 1/K"})
     fitted = heated(seat={**held, "interference": "15 um"})  # (10 - 4) 1e-6 times 100 K on 25 mm
-    assert SealProblem.of(hot).interference == pytest.approx(15e-6, rel=1e-12)
+    assert SealProblem.of(hot).at_rest.interference == pytest.approx(15e-6, rel=1e-12)
     hot_contact, fitted_contact = contact_of(hot), contact_of(fitted)
     assert hot_contact.pressure == pytest.approx(fitted_contact.pressure, rel=1e-9)
     for name in ("closure", "seat"):
@@ -352,7 +352,7 @@ def test_numbers_of_a_material_over_temperature() -> None:
         "thermal_expansion": "10.2e-6 1/K",
     }
     same = heated(plain, STEADY, temperature={"closure": "120 degC", "seat": "60 degC"})
-    assert SealProblem.of(hot).expansion == pytest.approx(10.2e-6 * 100 - 10e-6 * 40, rel=1e-12)
+    assert SealProblem.of(hot).at_rest.expansion == pytest.approx(10.2e-6 * 100 - 10e-6 * 40, rel=1e-12)
     assert contact_of(hot).pressure == pytest.approx(contact_of(same).pressure, rel=1e-9)
     # another temperature of the same case takes other numbers; at 20 degC nobody asks for the expansion
     assert hot.replace({"temperature.closure": "170 degC"}).closure.material.youngs_modulus == pytest.approx(
@@ -577,7 +577,7 @@ def test_what_a_conducting_seal_lacks_is_suggested_from_the_library() -> None:
     # with names alone it runs, at the conductivity of each place
     case = hot(temperature={"inner": {"temperature": "200 degC"}, "wall": {"temperature": "100 degC"}})
     field = SealProblem.of(case)
-    assert field.heating is not None and 373.15 < field.temperatures["seat"] < 473.15
+    assert field.at_rest.heating is not None and 373.15 < field.at_rest.temperatures["seat"] < 473.15
 
 
 SLIPS = [
@@ -604,7 +604,7 @@ def test_what_is_missing_or_cannot_hold_is_said() -> None:
         heated(plain, STEADY, temperature={"uniform": "80 degC"})
     assert error.value.key == "closure.material.thermal_expansion"
     # the same material at the same temperature needs none
-    assert not SealProblem.of(heated(plain, plain, temperature={"uniform": "80 degC"})).expansion
+    assert not SealProblem.of(heated(plain, plain, temperature={"uniform": "80 degC"})).at_rest.expansion
     held = {"wall": "fixed", "outer_radius": "25 mm"}
     with pytest.raises(InputError, match="the bore grows 15 um more than the seat"):
         heated(seat=held, temperature={"uniform": "120 degC", "housing_expansion": "16e-6 1/K"})
@@ -888,7 +888,7 @@ def test_surroundings_of_one_temperature_are_a_uniform_temperature() -> None:
     assert first.pressure == pytest.approx(second.pressure, rel=1e-6)
     assert first.fields["seat"].temperature == pytest.approx(473.15, abs=1e-6)
     problem = SealProblem.of(calculated)
-    assert problem.temperatures == pytest.approx({"closure": 473.15, "seat": 473.15}, abs=1e-6)
+    assert problem.at_rest.temperatures == pytest.approx({"closure": 473.15, "seat": 473.15}, abs=1e-6)
 
 
 def test_two_held_bodies_without_contact_heat_are_bodies_of_two_temperatures() -> None:
@@ -924,7 +924,7 @@ def test_a_calculated_temperature_goes_through_case_results_and_study(tmp_path: 
     assert at is not None and 333.15 < at < 473.15
     # that at which fluid and materials are taken comes from a mesh of its own, without the contact pressure
     assert result.case.fluid is not None and result.case.fluid.temperature == pytest.approx(at, abs=1.0)
-    closure = result.problem.temperatures["closure"]
+    closure = result.problem.at_rest.temperatures["closure"]
     modulus = np.interp(closure, [293.15, 493.15], [210e9, 190e9])
     assert result.problem.materials["closure"].youngs_modulus == pytest.approx(modulus, rel=1e-12)
     assert "temperature_K" in (tmp_path / "contact_000.vtu").read_text(encoding="utf-8", errors="ignore")
