@@ -98,6 +98,8 @@ def _problem(details: ErrorDetails, case: type[BaseModel]) -> Problem:
     key, name = ".".join(path), path[-1] if path else ""
     if kind == "missing":
         return Problem(key, missing(table, name).message)
+    if kind == "extra_forbidden" and (remedy := gone_entry(key)):
+        return Problem(key, remedy, shown(value))
     if kind == "extra_forbidden":
         return Problem(key, _UnknownKey(path, value, table, case).message)
     if kind == "union_tag_not_found":
@@ -197,8 +199,6 @@ class _UnknownKey:
 
     @property
     def message(self) -> str:
-        if remedy := gone_entry(".".join(self.path)):
-            return remedy
         known = _keys(self.table) if self.table else []
         return f"unknown key; {self._hint(known)}known keys here are {', '.join(known)}"
 
