@@ -11,7 +11,7 @@ import json
 import shutil
 import sqlite3
 import sys
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from operator import attrgetter
@@ -46,8 +46,7 @@ LARGEST, SMALLEST = 1e100, 1e-290
 _LARGEST_READ = 1e150
 DONE, FAILED = "done", "failed"
 TRUTH = "BOOLEAN"
-# Columns of a row besides parameters and outputs. Files of before validity or a verdict was told do not have the last
-# ones.
+# Columns of a row besides parameters and outputs.
 ABOUT_ROW = ("key", "status", "reason", "seconds")
 TOLD = ("validity", "validity_reasons", "verdict")
 # Files that were looked through by this process, by device and inode: in which state, and their columns.
@@ -240,9 +239,7 @@ class Store:
         """Designs that have a row, in the order of the study: number, status, reason, validity, parameters, outputs."""
         import pandas as pd
 
-        there = _all_columns(self._connection)
-        told = [name for name in TOLD if name in there]
-        columns = self._query_columns("number", "status", "reason", *told)
+        columns = self._query_columns("number", "status", "reason", *TOLD)
         query = f"SELECT {columns} FROM design JOIN point USING (key) ORDER BY number"
         table = pd.read_sql_query(query, self._connection)
         outputs = list(self.outputs)
@@ -302,7 +299,7 @@ def create(path: Path, inputs: Mapping[str, str], outputs: Sequence[str]) -> Sto
 
 
 def _lay_out(connection: sqlite3.Connection, inputs: Mapping[str, str], outputs: Sequence[str]) -> None:
-    """Make the tables that are not there, in present words."""
+    """Make the tables that are not there."""
     connection.execute("PRAGMA journal_mode = WAL")
     # In the write-ahead log this is safe against any death of the process; only a power cut costs the last rows.
     connection.execute("PRAGMA synchronous = NORMAL")
@@ -318,10 +315,6 @@ def _lay_out(connection: sqlite3.Connection, inputs: Mapping[str, str], outputs:
             "CREATE TABLE IF NOT EXISTS point (key TEXT PRIMARY KEY, status TEXT NOT NULL, reason TEXT, "
             f"seconds REAL NOT NULL, {', '.join(listed)}) WITHOUT ROWID"
         )
-        there_already = _all_columns(connection)
-        for name in TOLD:
-            if name not in there_already:
-                connection.execute(f"ALTER TABLE point ADD COLUMN {name} TEXT")
 
 
 def open_to_read(path: Path) -> Store:
@@ -446,14 +439,9 @@ def _connect(path: Path, how: str) -> sqlite3.Connection:
     return sqlite3.connect(f"{path.absolute().as_uri()}?{how}", uri=True, timeout=60.0)
 
 
-def _all_columns(connection: sqlite3.Connection) -> dict[str, str]:
-    """Columns of the rows, with their types."""
-    return {row[1]: row[2] for row in connection.execute("PRAGMA table_info(point)")}
-
-
 def _columns(connection: sqlite3.Connection) -> dict[str, str]:
     """Columns of parameters and outputs, with their types."""
-    listed = _all_columns(connection)
+    listed = {row[1]: row[2] for row in connection.execute("PRAGMA table_info(point)")}
     return {name: kind for name, kind in listed.items() if name not in (*ABOUT_ROW, *TOLD)}
 
 
@@ -574,10 +562,9 @@ def check_rows(connection: sqlite3.Connection, kinds: Mapping[str, str], inputs:
     inputs : int
         So many first ones of them are parameters.
     """
-    there = _all_columns(connection)
-    texts = [name for name in ("key", "status", "reason", *TOLD) if name in there]
+    texts = ["key", "status", "reason", *TOLD]
     texts += [name for name, kind in list(kinds.items())[:inputs] if kind == "TEXT"]
-    conditions = list(_wrong(there, kinds, inputs))
+    conditions = list(_wrong(kinds, inputs))
     missed = ", ".join(f"MAX(NOT ({one}))" for one in conditions)
     for one, found in zip(conditions, *connection.execute(f"SELECT {missed} FROM point"), strict=True):
         if found:
@@ -591,17 +578,15 @@ def check_rows(connection: sqlite3.Connection, kinds: Mapping[str, str], inputs:
         raise StoredError("a design has no number or no key")
 
 
-def _wrong(there: Collection[str], kinds: Mapping[str, str], inputs: int) -> Iterator[str]:
+def _wrong(kinds: Mapping[str, str], inputs: int) -> Iterator[str]:
     """What holds of every row, in SQL."""
     yield "typeof(key) = 'text'"
     yield f"(status = '{DONE}' AND reason IS NULL) OR (status = '{FAILED}' AND typeof(reason) = 'text')"
     yield f"{_number('seconds')} AND seconds >= 0"
     for name, words in (("validity", [*Level]), ("verdict", [*Verdict])):
-        if name in there:
-            listed = ", ".join(f"'{word}'" for word in words)
-            yield f"{name} IS NULL OR {name} IN ({listed})"
-    if "validity_reasons" in there:
-        yield "typeof(validity_reasons) IN ('null', 'text')"
+        listed = ", ".join(f"'{word}'" for word in words)
+        yield f"{name} IS NULL OR {name} IN ({listed})"
+    yield "typeof(validity_reasons) IN ('null', 'text')"
     for place, (name, kind) in enumerate(kinds.items()):
         column = quoted(name)
         if place >= inputs:

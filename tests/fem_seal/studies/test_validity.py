@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import json
 import math
-import sqlite3
 from contextlib import closing
 from html import escape
 
@@ -157,25 +156,6 @@ def test_strength_counts_although_bodies_are_shared():
     )
     assert weak.values == strong.values
     assert weak.validity.outside and strong.validity.level is Level.VALID
-
-
-def test_designs_of_before_are_shown_without_a_verdict(calculated, tmp_path):
-    """A file that knows nothing of validity, as earlier versions wrote it."""
-    old = tmp_path / "old"
-    old.mkdir()
-    with sqlite3.connect(calculated.folder / store.FILE) as source, sqlite3.connect(old / store.FILE) as file:
-        source.backup(file)
-        columns = [row[1] for row in file.execute("PRAGMA table_info(point)") if "validity" not in row[1]]
-        quoted = ", ".join(f'"{name}"' for name in columns)
-        file.execute(f"CREATE TABLE before AS SELECT {quoted} FROM point")
-        file.execute("DROP TABLE point")
-        file.execute("ALTER TABLE before RENAME TO point")
-        file.execute("DELETE FROM about WHERE name = 'outside_theory'")
-    result = fem_seal.StudyResult(old)
-    assert "validity" not in result.table
-    assert result.best().index.tolist() == [1, 0]
-    page = result.report().read_text()
-    assert "left out" not in page and "outside the theory" not in page
 
 
 @pytest.mark.slow
