@@ -3,30 +3,26 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial, reduce
+from functools import partial
 
 from fem_seal.answers.answer import Answer, Request
 from fem_seal.answers.case_load import CaseLoad, SolvedSeal
-from fem_seal.contact.solution import ContactSolution
-from fem_seal.errors import ConvergenceError, InputError
+from fem_seal.answers.force_search import End, Trials, Zero, find_zero, search_forces, sensible_forces
+from fem_seal.errors import ConvergenceError, InputError, OpenSealError
 from fem_seal.loads import LARGEST_TURNING, contact_force
 from fem_seal.seal.findings import Finding, Level, Validity
-from fem_seal.seal.leak_model import LeakModel
-from fem_seal.seal.load_result import LoadResult, by_face
-from fem_seal.seal.load_solver import LoadSolver
-from fem_seal.seal.problem import SealFlow, SealProblem, expected_forces, largest_force
+from fem_seal.seal.load_result import by_face
+from fem_seal.seal.problem import SealFlow, SealProblem, expected_forces
 from fem_seal.seal.scenarios import SCENARIOS
 from fem_seal.units import briefly, format_quantity, quantity
 from fem_seal.validity.checks import target_cautions, target_validity
 from fem_seal.validity.words import sentence
 from leak import Reading
-from leak.numerics.roots import root_between
 
-# Step of the force while a target is looked for, and how far down from the largest sensible force.
-_STEP = 4.0
-_LEAST = 1e-9
+# First step from where the fluid closes the seal alone.
+_STEP = math.log(4.0)
 # Leak rates are compared within this factor of the target: sealed and blown open have to be something, too.
 _FARTHEST = 1e6
 
@@ -48,28 +44,23 @@ def expected_contact_force(flow: SealFlow, fluid_pressure: float, target: float)
         If no sensible force does.
     """
     problem = flow.problem
+    lowest, highest = sensible_forces(problem)
+    area = math.pi * problem.initial_contact_radius**2
+    fluid_force = abs(contact_force(problem.initial_contact_radius, fluid_pressure)) + 1e-12 * area
 
     def excess(log_force: float) -> float:
         return log_excess(flow.expected_rate(math.exp(log_force), fluid_pressure), target)
 
-    highest = math.log(largest_force(problem))
-    area = math.pi * problem.initial_contact_radius**2
-    at = min(
-        math.log(abs(contact_force(problem.initial_contact_radius, fluid_pressure)) + 1e-12 * area), highest
-    )
-    step = math.log(_STEP) * (1 if excess(at) > 0 else -1)
-    while True:
-        ahead = min(at + step, highest)
-        if excess(ahead) * step <= 0:
-            return math.exp(root_between(excess, at, ahead, xtol=1e-3))
-        if ahead == highest:
-            least = flow.expected_rate(math.exp(highest), fluid_pressure)
-            force = briefly("force", largest_force(problem))
-            values = {"force": force, "leaves": _rate(least, target), "pressure": fluid_pressure}
-            raise target_problem(problem, "too_small", target, **values)
-        if ahead < highest + math.log(_LEAST):
-            raise target_problem(problem, "always_met", target, pressure=fluid_pressure)
-        at = ahead
+    start = math.log(fluid_force)
+    zero = find_zero(excess, start, lowest=lowest, highest=highest, step=_STEP, accuracy=1e-3)
+    assert zero is not None  # it is known everywhere
+    if zero.end is None:
+        return math.exp(zero.place)
+    name = "too_small" if zero.end is End.HIGHEST else "always_met"
+    largest = math.exp(highest)
+    least = _rate(flow.expected_rate(largest, fluid_pressure), target)
+    values = {"force": briefly("force", largest), "leaves": least, "pressure": fluid_pressure}
+    raise target_problem(problem, name, target, **values)
 
 
 def target_remarks(problem: SealProblem) -> tuple[str, ...]:
@@ -128,10 +119,6 @@ def _rate(rate: float, target: float) -> str:
 
 # Relative accuracy of the force.
 _ACCURACY = 1e-6
-# Relative accuracy of the largest force that small strains describe.
-_NEAR_STRAINS = 0.01
-# Forces for which the mesh is sized, in units of the one that is expected.
-_MARGIN = (0.7, 1.4)
 
 
 def contacts_at_target(
@@ -176,41 +163,68 @@ def contacts_at_target(
     if reading is not None:
         flow = flow.reading(reading)
     # up and down again, or under several forces, a pressure may come more than once
-    pressures = dict.fromkeys(problem.loads.fluid_pressure)
-    expected = {pressure: _first_guess(flow, pressure, target) for pressure in pressures}
-    found: dict[float, CaseLoad] = {}
-    near, unmet = dict(expected), dict[float, str]()
+    starts = {pressure: _first_guess(flow, pressure, target) for pressure in problem.loads.fluid_pressure}
+    lowest, highest = sensible_forces(problem)
 
-    def solve(solver: LoadSolver) -> list[list[ContactSolution]]:
-        for pressure, force in near.items():
-            found[pressure], at, unmet[pressure] = _on_model(solver, flow, pressure, force, target)
-            if solver.yields:
-                # on a better mesh it is looked for where it was
-                near[pressure] = at
-        return [contacts(*one) for one in zip(solver.both, by_face(found.values()), strict=True)]
+    def find(trials: Trials, start: float) -> Zero | None:
+        def excess(place: float) -> float | None:
+            try:
+                load = trials.load(place)
+            except (InputError, OpenSealError):
+                return log_excess(math.inf, target)
+            except ConvergenceError:
+                if trials.unreached is None:
+                    raise
+                return None
+            if problem.follows_path and _turning(load) > LARGEST_TURNING:
+                return None
+            return log_excess(_leak_rate(_read(load, reading)), target)
 
-    def contacts(solver: LoadSolver, loads: Sequence[LoadResult]) -> list[ContactSolution]:
-        before = () if solver.earlier is None else (solver.earlier,)
-        known = [contact for one in loads for contact in one.contacts]
-        bolted = problem.loads.unsolved_bolts is not None
-        tight = [one.earlier for one in known if bolted and one.earlier is not None]
-        return [*known, *tight, *before]
+        return find_zero(excess, start, lowest=lowest, highest=highest, accuracy=_ACCURACY)
 
-    forces = [*expected.values()]
-    if problem.loads.unsolved_bolts is not None:
-        # before the fluid acts they are as large as the preload
-        r0, side = problem.initial_contact_radius, problem.loads.pressure_side
-        forces += [force - contact_force(r0, pressure, 0.0, side) for pressure, force in expected.items()]
-    LoadSolver.fitted(problem, [share * force for force in forces if force > 0 for share in _MARGIN], solve)
-    for pressure, why in unmet.items():
-        if not why:
-            continue
-        reached = found[pressure]
-        assert reached.leak is not None  # of what flows
-        force, leaves = briefly("force", reached.contact_force), _rate(reached.leak.leak_rate, target)
-        values = {"force": force, "leaves": leaves, "pressure": pressure}
-        raise target_problem(problem, why, target, **values)
+    found = {
+        pressure: _at_target(problem, trials, zero, target, reading)
+        for pressure, (trials, zero) in search_forces(problem, starts, find).items()
+    }
     return [found[pressure] for pressure in problem.loads.fluid_pressure]
+
+
+def _at_target(
+    problem: SealProblem, trials: Trials, zero: Zero | None, target: float, reading: Reading | None
+) -> CaseLoad:
+    """The load with the target's leak rate, or why there is none."""
+    if zero is None:
+        raise trials.unreached or ConvergenceError("no force was found that keeps the strains small")
+    pressure, load = trials.fluid_pressure, _read(trials.load(zero.place), reading)
+    if zero.end is not None:
+        why = "not_met"
+        if zero.end is End.LOWEST:
+            why = "always_met"
+        elif load.contact.stop_force > 0.0:
+            why = "stopped"
+        elif trials.unreached is not None:
+            why = "not_reached"
+        force, leaves = briefly("force", load.contact_force), _rate(_leak_rate(load), target)
+        raise target_problem(problem, why, target, force=force, leaves=leaves, pressure=pressure)
+    if problem.loads.unsolved_bolts is None:
+        return load
+    r0, side = problem.initial_contact_radius, problem.loads.pressure_side
+    preload = math.exp(zero.place) - contact_force(r0, pressure, 0.0, side)
+    return load.with_values(preload_for_target=max(preload, 0.0))
+
+
+def _read(load: CaseLoad, reading: Reading | None) -> CaseLoad:
+    # asperities that do not yield are read in one way
+    return (load.scenario(reading) if reading is not None else None) or load
+
+
+def _leak_rate(load: CaseLoad) -> float:
+    assert load.leak is not None  # of what flows
+    return load.leak.leak_rate
+
+
+def _turning(load: CaseLoad) -> float:
+    return max(face.contact.turning for _, face in load.each_face)
 
 
 def _first_guess(flow: SealFlow, fluid_pressure: float, target: float) -> float:
@@ -223,7 +237,7 @@ def _first_guess(flow: SealFlow, fluid_pressure: float, target: float) -> float:
     except InputError:
         if not flow.problem.follows_path:
             raise
-        highest = largest_force(flow.problem)
+        highest = math.exp(sensible_forces(flow.problem)[1])
         least = flow.expected_rate(highest, fluid_pressure)
         return highest if least > target else min(max(expected_forces(flow.problem)), highest)
 
@@ -333,152 +347,3 @@ TARGET = Answer[TargetForces | None](
     of_load=_of_load,
     needs=("problem.loads.target_leak_rate", "problem.leaks"),
 )
-
-
-class _TooFarError(Exception):
-    """Bodies that yield have turned their faces further against each other than small strains describe."""
-
-
-@dataclass(frozen=True)
-class _Trials:
-    """Contacts of a seal on one model at one fluid pressure, by ln of their force F_N, and how much they leak.
-
-    Of two different flange faces `below` has those of the lower one, by the forces of the upper.
-    """
-
-    solver: LoadSolver
-    flow: SealFlow
-    fluid_pressure: float
-    target: float
-    known: dict[float, tuple[ContactSolution, float]] = field(default_factory=dict)
-    rates: dict[float, float] = field(default_factory=dict)
-    below: tuple[_Trials, ...] = ()
-
-    @classmethod
-    def of(cls, solver: LoadSolver, flow: SealFlow, fluid_pressure: float, target: float) -> _Trials:
-        """Those of a seal, or of each of its two different faces."""
-        each = zip(solver.both, flow.both, strict=True)
-        upper, *lower = (cls(*one, fluid_pressure, target) for one in each)
-        return replace(upper, below=tuple(lower))
-
-    def halves(self, log_force: float) -> list[tuple[_Trials, float]]:
-        """Each face with ln of its own force, under the force of spring or actuator that makes this one above."""
-        if not self.below:
-            return [(self, log_force)]
-        forces = self.solver.at_same_force(self.fluid_pressure, math.exp(log_force))
-        logs = [log_force, *(math.log(force) if force > 0 else -math.inf for _, force in forces[1:])]
-        return list(zip((self, *self.below), logs, strict=True))
-
-    def contact(self, log_force: float) -> ContactSolution:
-        if log_force not in self.known:
-            start = next(reversed(self.known.values()))[0] if self.known else None
-            found = self.solver.at_contact_force(self.fluid_pressure, math.exp(log_force), start)
-            self.known[log_force] = found
-        return self.known[log_force][0]
-
-    def excess(self, log_force: float) -> float:
-        """ln of the leak rate over the target."""
-        rates = [one.rate(at) for one, at in self.halves(log_force)]
-        return log_excess(sum(rates) / len(rates), self.target)
-
-    def rate(self, log_force: float) -> float:
-        """Leak rate through this face on both sides [m^3/s]."""
-        if log_force == -math.inf:
-            return math.inf
-        try:
-            contact = self.contact(log_force)
-        except InputError:
-            # open bodies that yield: everything flows
-            return math.inf
-        if self.solver.yields and self._room(log_force) < 0:
-            raise _TooFarError
-        if log_force not in self.rates:
-            self.rates[log_force] = self.flow.leak_of(contact, self.fluid_pressure).leak_rate
-        return self.rates[log_force]
-
-    def load(self, log_force: float) -> CaseLoad:
-        """The load with this contact, of different faces with both."""
-        faces = []
-        for one, at in self.halves(log_force):
-            one.contact(at)
-            contact, applied_force = one.known[at]
-            formed = one.solver.problem.around(contact)
-            load = LoadResult(self.fluid_pressure, applied_force, contact, formed=formed)
-            rough = LeakModel.of(one.flow.surface, one.flow.flow, load.contacts)
-            faces.append(CaseLoad.of(load.with_values(rough=rough)))
-        return reduce(CaseLoad.beside, faces)
-
-    def farthest(self) -> float:
-        """ln of the largest force that small strains describe, less than a contact that they do not."""
-        at = max(self.known)
-        root = _root_near(self._room, at, at, accuracy=_NEAR_STRAINS)
-        return (at if root is None else root) - _NEAR_STRAINS
-
-    def reached(self) -> float | None:
-        """ln of the largest force to which the load steps came; None where it is not known."""
-        found = [one.solver.reached(self.fluid_pressure) for one in (self, *self.below)]
-        known = [force for force in found if force is not None]
-        return max(math.log(min(known)), *self.known) if known else None
-
-    def _room(self, log_force: float) -> float:
-        turned = max(one.contact(at).turning for one, at in self.halves(log_force) if at > -math.inf)
-        return 1.0 - turned / LARGEST_TURNING
-
-
-def _on_model(
-    solver: LoadSolver, flow: SealFlow, fluid_pressure: float, expected: float, target: float
-) -> tuple[CaseLoad, float, str]:
-    """Contact that leaks as much as the target, and its force F_N [N].
-
-    Or the contact under the largest force, and behind it why there is no larger one.
-    """
-    trials = _Trials.of(solver, flow, fluid_pressure, target)
-    ends = solver.yields or math.isfinite(solver.model.stop)
-    highest, why = math.log(largest_force(solver.problem)) if ends else math.inf, "not_met"
-    start = min(math.log(expected), highest)
-    while True:
-        try:
-            root = _root_near(trials.excess, start, highest)
-            break
-        except _TooFarError:
-            highest = start = trials.farthest()
-        except ConvergenceError:
-            reached = trials.reached()
-            if reached is None or reached >= highest:
-                raise
-            highest, why = reached, "not_reached"
-            start = highest
-    if not trials.known:
-        # it says what opens the seal
-        trials.contact(start)
-    if root is None:
-        root = max(trials.rates)
-        if trials.excess(root) < 0:
-            raise target_problem(solver.problem, "always_met", target, pressure=fluid_pressure)
-        why = "stopped" if trials.contact(root).stop_force > 0 else why
-    else:
-        why = ""
-    load = trials.load(root)
-    loads, preload = solver.problem.loads, None
-    if loads.unsolved_bolts is not None:
-        r0 = solver.problem.initial_contact_radius
-        preload = max(math.exp(root) - contact_force(r0, fluid_pressure, 0.0, loads.pressure_side), 0.0)
-    return load.with_values(preload_for_target=preload), math.exp(root), why
-
-
-def _root_near(
-    excess: Callable[[float], float], expected: float, highest: float = math.inf, accuracy: float = _ACCURACY
-) -> float | None:
-    """Place where a falling function is zero, looked for from an expected place outwards, up to the highest."""
-    at = min(expected, highest)
-    value = excess(at)
-    step = 0.1 * math.copysign(1.0, value)
-    for _ in range(12):
-        ahead = min(at + step, highest)
-        if ahead == at:
-            return None
-        beyond = excess(ahead)
-        if beyond * value <= 0:
-            return root_between(excess, at, ahead, xtol=accuracy)
-        at, value, step = ahead, beyond, 2 * step
-    return None

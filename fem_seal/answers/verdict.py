@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial, reduce
 
 from fem_seal.answers.accuracy import discretisation_error, on_coarser_mesh
 from fem_seal.answers.answer import Answer, Request
-from fem_seal.answers.case_load import CaseLoad, SolvedSeal, case_loads, solved_seal
+from fem_seal.answers.case_load import CaseLoad, SolvedSeal, solved_seal
+from fem_seal.answers.force_search import End, Trials, Zero, find_zero, search_forces, sensible_forces
 from fem_seal.answers.judgement import (
     Judgement,
     SealJudgement,
@@ -22,18 +23,15 @@ from fem_seal.answers.judgement import (
 from fem_seal.answers.leakage_class import limit_of_rate, limits
 from fem_seal.answers.uncertainty import UNCERTAINTY, leak_interval
 from fem_seal.case.case import Case
-from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError, InputError, LoadProblem, OpenSealError
 from fem_seal.seal.evaluate import evaluate
-from fem_seal.seal.leak_model import LeakModel
 from fem_seal.seal.load_result import LoadResult
-from fem_seal.seal.load_solver import Clock, LoadSolver, Progress
-from fem_seal.seal.problem import SealProblem, largest_force
+from fem_seal.seal.load_solver import Clock, Progress
+from fem_seal.seal.problem import SealProblem
 from fem_seal.seal.scenarios import theories
 from fem_seal.units import briefly
 from fem_seal.validity.checks import earlier_cautions, load_validity
 from fem_seal.validity.words import sentence
-from leak.numerics.roots import root_between
 
 
 def judged(case: Case, load: CaseLoad, *, sampled: bool = True) -> Judgement | None:
@@ -226,15 +224,11 @@ VERDICT = Answer[Judgements](
 _FAR = 20.0
 # The force that is told passes, this much less in ln F (three per cent) does not, and it stands so far above the root.
 _LESS, _ABOVE_ROOT = 0.0304, 0.01
-# Accuracy in ln F, of a root and of the edge of the theory.
+# Accuracy of a root in ln F.
 _ACCURACY = 2e-3
-# Steps on the way there, over those of a straight line, which falls as steeply at first and at least.
-_STEPS, _BEYOND, _SLOPES = (0.03, 0.2), 1.2, (6.0, 0.5)
 # Change over ln F of what samples and mesh add, at most.
 _STEEPEST = 3.0
-_MOST_STEPS, _MOST_RUNS = 60, 8
-# Forces that share a mesh, over the one that asks for it.
-_SHARED = (0.85, 1.5)
+_MOST_RUNS = 8
 
 Alone = Callable[[float, float], CaseLoad]
 # ln of a contact force, and what samples and mesh add there to ln of the upper end.
@@ -260,34 +254,36 @@ def forces_for_verdict(
 
     Notes
     -----
-    The upper end of both readings of asperities that yield, with the factors that count there, is looked for on
-    contacts of bodies that several forces share, a root in ln F. What samples and mesh add is taken from runs with the
-    force that was found, and the root looked for again with that, until such a run passes and one with 3 % less force
-    would not.
+    The upper end of both readings of asperities that yield, with the factors that count there, is looked for as the
+    force for a target leak rate is. What samples and mesh add is taken from runs with the force that was found, and the
+    root looked for again with that, until such a run passes and one with 3 % less force would not.
     """
-    known: dict[float, VerdictForce] = {}
-    benches: list[_Bench] = []
-    for load in result.loads:
-        if load.fluid_pressure not in known:
-            search = _Search(result, load, alone, benches, progress)
-            known[load.fluid_pressure] = replace(search.found(), begins=_begins(result.problem))
-    return [known[load.fluid_pressure] for load in result.loads]
+    problem, case = result.problem, result.case
+    first = {load.fluid_pressure: load for load in reversed(result.loads)}
+    sought = {
+        pressure: load
+        for pressure, load in first.items()
+        if not (problem.origin.usual_only or (case.sampled is not None and load.sampled is None))
+    }
+    lowest, highest = sensible_forces(problem)
+    starts = {
+        pressure: min(
+            max(load.contact_force_for_target or load.contact_force, math.exp(lowest)), math.exp(highest)
+        )
+        for pressure, load in sought.items()
+    }
+    searches: dict[float, _Search] = {}
 
+    def find(trials: Trials, start: float) -> Zero | None:
+        search = _Search(result, sought[trials.fluid_pressure], trials, alone, progress)
+        searches[trials.fluid_pressure] = search
+        return search.zero(start, [search.added_at_first()])
 
-@dataclass(frozen=True)
-class _Bench:
-    """Bodies on a mesh that fits the contacts of some forces.
-
-    Parameters
-    ----------
-    solver : LoadSolver
-    low, high : float
-        Contact forces between which it fits [N].
-    """
-
-    solver: LoadSolver
-    low: float
-    high: float
+    ends = search_forces(problem, starts, find, progress) if starts else {}
+    found = {pressure: searches[pressure].force(zero) for pressure, (_, zero) in ends.items()}
+    no_interval = VerdictForce(None, sentence("verdict_force", "no_interval"))
+    begins = _begins(problem)
+    return [replace(found.get(load.fluid_pressure, no_interval), begins=begins) for load in result.loads]
 
 
 @dataclass(frozen=True)
@@ -298,42 +294,31 @@ class _Search:
     ----------
     result : SolvedSeal
     load : CaseLoad
+    trials : Trials
     alone : callable
         See `forces_for_verdict`.
-    benches : list of _Bench
-        Made so far.
     progress : callable
         Told each force that is tried.
     """
 
     result: SolvedSeal
     load: CaseLoad
+    trials: Trials
     alone: Alone
-    benches: list[_Bench]
     progress: Progress
     tried: dict[float, CaseLoad | None] = field(default_factory=dict)
     """Loads by ln of their contact force, without samples and mesh error; None of what cannot be solved."""
 
-    @property
-    def problem(self) -> SealProblem:
-        return self.result.problem
-
-    def found(self) -> VerdictForce:
-        """The smallest force that passes, or why there is none."""
-        if self.problem.origin.usual_only or (
-            self.result.case.sampled is not None and self.load.sampled is None
-        ):
-            return VerdictForce(None, sentence("verdict_force", "no_interval"))
-        start = self._start()
-        if start is None:
+    def force(self, zero: Zero | None) -> VerdictForce:
+        """The smallest force that passes, or why there is none, from where the search without samples ended."""
+        if zero is None:
             return VerdictForce(None, self._outside_everywhere())
-        added, low, high = [self._added_at_first()], -math.inf, math.inf
+        added, low, high = [self.added_at_first()], -math.inf, math.inf
         passes: CaseLoad | None = None
         for _ in range(_MOST_RUNS):
-            root = self._root(start, added)
-            if isinstance(root, str):
-                return VerdictForce(None, root) if passes is None else VerdictForce(passes.applied_force)
-            at = min(root + _ABOVE_ROOT, high - _LESS)
+            if zero is None or zero.end is not None:
+                return VerdictForce(None, self._why_none(zero)) if passes is None else _passing(passes)
+            at = min(zero.place + _ABOVE_ROOT, high - _LESS)
             at = at if low < at else 0.5 * (low + high) if math.isfinite(high) else low + _ABOVE_ROOT
             run = self._run(at)
             value = _FAR if run is None or run.validity.outside else self._excess(run)
@@ -341,16 +326,26 @@ class _Search:
                 high, passes = at, run
             else:
                 low = at
-            added.append((at, value - self._value(at)))
+            calculated = self._value(at)
+            added.append((at, value - (_FAR if calculated is None else calculated)))
             # one that is tried already spares the trial of the smallest that counts
-            less = [*(one for one in self.tried if at - _LESS < one < at), at - _LESS]
-            fails = (self._value(one) + _along(added, one) > 0.0 for one in less)
-            if passes is not None and (high - low <= 1.01 * _LESS or (high == at and any(fails))):
-                return VerdictForce(passes.applied_force)
-            start = at
+            less = [*(place for place in self.tried if at - _LESS < place < at), at - _LESS]
+            fails = (self._with(added, place) for place in less)
+            if passes is not None and (
+                high - low <= 1.01 * _LESS or (high == at and any(one is None or one > 0.0 for one in fails))
+            ):
+                return _passing(passes)
+            zero = self.zero(at, added)
         if passes is None:
             return VerdictForce(None, sentence("verdict_force", "not_found"))
-        return VerdictForce(passes.applied_force)
+        return _passing(passes)
+
+    def zero(self, start: float, added: Sequence[Added]) -> Zero | None:
+        """Where the upper end comes down to the limit with what samples and mesh add."""
+        lowest, highest = sensible_forces(self.result.problem)
+        return find_zero(
+            partial(self._with, added), start, lowest=lowest, highest=highest, accuracy=_ACCURACY
+        )
 
     def _run(self, at: float) -> CaseLoad | None:
         load = self._load(at)
@@ -362,9 +357,9 @@ class _Search:
         except (ConvergenceError, InputError):
             return None
 
-    def _added_at_first(self) -> Added:
+    def added_at_first(self) -> Added:
         """What the samples add at the load of the case."""
-        at = math.log(max(self.load.contact_force, 1e-9 * largest_force(self.problem)))
+        at = math.log(max(self.load.contact_force, math.exp(sensible_forces(self.result.problem)[0])))
         sampled, calculated = self.load.sampled, self.load.leak_range
         rate = math.nan if self.load.leak is None else self.load.leak.leak_rate
         most = self.load.theory_error.high * (rate if calculated is None else calculated[1])
@@ -376,113 +371,38 @@ class _Search:
         """ln of the upper end over the limit, of several limits the largest; positive unless the verdict passes."""
         return max(map(_excess, judgements(self.result.case, load)))
 
-    def _value(self, at: float) -> float:
-        """The same at ln of a contact force, without samples and mesh error."""
+    def _value(self, at: float) -> float | None:
+        """The same at ln of a contact force, without samples and mesh error; None where nothing is known."""
         load = self._load(at)
-        return self._excess(load) if load is not None and self._inside(at) else _FAR
+        return None if load is None or load.validity.outside else self._excess(load)
 
-    def _inside(self, at: float) -> bool:
-        load = self._load(at)
-        return load is not None and not load.validity.outside
+    def _with(self, added: Sequence[Added], at: float) -> float | None:
+        value = self._value(at)
+        return None if value is None else min(value + _along(added, at), _FAR)
 
     def _load(self, at: float) -> CaseLoad | None:
         if at not in self.tried:
-            self.tried[at] = self._made(math.exp(at))
+            self._tell(f"a contact force of {briefly('force', math.exp(at))}")
+            try:
+                load = self.trials.load(at)
+            except (ConvergenceError, InputError, OpenSealError):
+                self.tried[at] = None
+            else:
+                faces = map(_checked, self.result.problem.halves, load.of_faces or (load,))
+                self.tried[at] = reduce(CaseLoad.beside, faces)
         return self.tried[at]
-
-    def _made(self, force: float) -> CaseLoad | None:
-        pressure = self.load.fluid_pressure
-        self._tell(f"a contact force of {briefly('force', force)}")
-        try:
-            halves = self._bench(force).solver.at_same_force(pressure, force)
-            faces = [self._face(solver, own) for solver, own in halves]
-        except (ConvergenceError, InputError, OpenSealError):
-            return None
-        return reduce(CaseLoad.beside, faces)
-
-    def _face(self, solver: LoadSolver, force: float) -> CaseLoad:
-        """The load on one of two different faces, or on both alike."""
-        pressure, problem = self.load.fluid_pressure, solver.problem
-        tried = (face for one in self.tried.values() if one for face in one.of_faces or (one,))
-        known = (one for one in tried if one.contact.model is solver.model)
-        start, near = next(((one.contact, one.formed) for one in known), (None, None))
-        contact, applied = solver.at_contact_force(pressure, force, start, self.progress)
-        load = LoadResult(pressure, applied, contact, formed=problem.around(contact, near=near))
-        bare = load.with_values(rough=LeakModel.of(problem.surface, problem.flow, load.contacts))
-        (made,) = case_loads(problem, [bare])
-        return made.with_values(validity=load_validity(problem, made))
 
     def _tell(self, tried: str) -> None:
         at = briefly("fluid pressure", self.load.fluid_pressure)
         self.progress(f"force with which the verdict passes at {at}: trying {tried}")
 
-    def _bench(self, force: float) -> _Bench:
-        known = [one for one in self.benches if one.low <= force <= one.high]
-        if known:
-            return known[0]
-        low, high = (share * force for share in _SHARED)
-
-        def solve(solver: LoadSolver) -> list[list[ContactSolution]]:
-            pressure = self.load.fluid_pressure
-            halves = solver.at_same_force(pressure, force)
-            return [[one.at_contact_force(pressure, at, progress=self.progress)[0]] for one, at in halves]
-
-        self.benches.append(_Bench(LoadSolver.fitted(self.problem, [low, high], solve), low, high))
-        return self.benches[-1]
-
-    @property
-    def _highest(self) -> float:
-        return math.log(largest_force(self.problem))
-
-    def _start(self) -> float | None:
-        """A force within the theory, near the one for the target; None if there is none."""
-        for_target = self.load.contact_force_for_target or self.load.contact_force
-        at = min(math.log(max(for_target, 1e-9 * largest_force(self.problem))), self._highest)
-        return next((one for one in self._near(at) if self._inside(one)), None)
-
-    def _near(self, at: float) -> Iterator[float]:
-        """Downwards first: what is expected to keep a tight limit may crush the seat."""
-        step = _STEPS[1]
-        yield at
-        yield from (at - n * step for n in range(1, 9))
-        yield from (at + n * step for n in range(1, 9) if at + n * step <= self._highest)
-
-    def _root(self, start: float, added: Sequence[Added]) -> float | str:
-        """ln of the contact force where the upper end comes down to the limit, or why it does not."""
-
-        def excess(at: float) -> float:
-            return min(self._value(at) + _along(added, at), _FAR)
-
-        at, value, ends, slope = start, excess(start), False, _SLOPES[0]
-        for _ in range(_MOST_STEPS):
-            if ends and value > 0.0:
-                return self._why_none(at)
-            step = min(max(_BEYOND * abs(value) / slope, _STEPS[0]), _STEPS[1])
-            if value <= 0.0:
-                ahead = at - step
-                if ahead < self._highest - _FAR:
-                    return sentence("verdict_force", "any")
-            else:
-                ahead = min(at + step, self._highest)
-                ends = ahead == self._highest
-                if not self._inside(ahead):
-                    ahead, ends = self._edge(at, ahead), True
-            beyond = excess(ahead)
-            if (beyond <= 0.0) != (value <= 0.0):
-                return root_between(excess, at, ahead, xtol=_ACCURACY)
-            slope = max(abs((beyond - value) / (ahead - at)), _SLOPES[1])
-            at, value = ahead, beyond
-        return self._why_none(at)
-
-    def _edge(self, inside: float, outside: float) -> float:
-        """The last place within the theory."""
-        while outside - inside > 0.5 * _ACCURACY:
-            middle = 0.5 * (inside + outside)
-            inside, outside = (middle, outside) if self._inside(middle) else (inside, middle)
-        return inside
-
-    def _why_none(self, at: float) -> str:
-        load, after = self._load(at), self._load(min(at + _ACCURACY, self._highest))
+    def _why_none(self, zero: Zero | None) -> str:
+        if zero is None:
+            return self._outside_everywhere()
+        if zero.end is End.LOWEST:
+            return sentence("verdict_force", "any")
+        highest = sensible_forces(self.result.problem)[1]
+        load, after = self._load(zero.place), self._load(min(zero.place + _ACCURACY, highest))
         stopped = 0.0 if load is None else load.contact.stop_force
         force = "that" if load is None else briefly("force", load.applied_force - stopped)
         outside = after is not None and after.validity.outside
@@ -495,6 +415,14 @@ class _Search:
     def _outside_everywhere(self) -> str:
         reasons = [one.validity.reasons[0] for one in self.tried.values() if one and one.validity.outside]
         return sentence("verdict_force", "nowhere", why=reasons[0] if reasons else "no contact converges")
+
+
+def _passing(load: CaseLoad) -> VerdictForce:
+    return VerdictForce(load.applied_force)
+
+
+def _checked(problem: SealProblem, load: CaseLoad) -> CaseLoad:
+    return load.with_values(validity=load_validity(problem, load))
 
 
 def _begins(problem: SealProblem) -> str:

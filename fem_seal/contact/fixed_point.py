@@ -8,11 +8,10 @@ import numpy as np
 
 from fem_seal.arrays import FloatArray
 from fem_seal.errors import ConvergenceError
+from leak.numerics.anderson import mixing_weights
 from leak.numerics.roots import root_between
 
-_MEMORY = 8
-# Relative size below which differences of iterates are taken as dependent on each other.
-_DEPENDENT = 1e-10
+_MEMORY = 9
 # Where the residual grows by more than this the memory misleads: forget it and go half as far.
 _GROWTH = 3.0
 # A step beyond where the fixed point is expected, so that it comes to lie between two places; at most so far beyond the
@@ -55,26 +54,24 @@ def fixed_point(
 
     Notes
     -----
-    D.G. Anderson, J. ACM 12, 547 (1965): the next x is the combination of the last images whose combined residual is
-    smallest; for a map that is linear along a few directions it converges like GMRES.
+    Accelerated by `leak.numerics.anderson.mixing_weights`.
     """
     x = np.asarray(start, dtype=float)
-    steps, changes, residuals = list[FloatArray](), list[FloatArray](), list[float]()
-    before: tuple[FloatArray, FloatArray] | None = None
+    images, residuals, largest = list[FloatArray](), list[FloatArray](), list[float]()
     damping = 1.0
     for _ in range(max_iterations):
-        residual = image(x) - x
-        residuals.append(float(np.max(np.abs(residual))))
-        if residuals[-1] <= tolerance:
-            return x, tuple(residuals)
-        if len(residuals) > 1 and residuals[-1] > _GROWTH * min(residuals[:-1]):
-            steps, changes, before, damping = [], [], None, 0.5 * damping
-        if before is not None:
-            steps, changes = [*steps, x - before[0]][-_MEMORY:], [*changes, residual - before[1]][-_MEMORY:]
-        before = x, residual
-        x = np.clip(x + _step(residual, steps, changes, damping), *bounds)
+        images.append(image(x))
+        residuals.append(images[-1] - x)
+        largest.append(float(np.max(np.abs(residuals[-1]))))
+        if largest[-1] <= tolerance:
+            return x, tuple(largest)
+        if len(largest) > 1 and largest[-1] > _GROWTH * min(largest[:-1]):
+            images, residuals, damping = images[-1:], residuals[-1:], 0.5 * damping
+        images, residuals = images[-_MEMORY:], residuals[-_MEMORY:]
+        weights = mixing_weights(np.array(residuals))
+        x = np.clip(weights @ np.array(images) - (1.0 - damping) * (weights @ np.array(residuals)), *bounds)
     raise ConvergenceError(
-        f"no fixed point after {max_iterations} iterations; the last residual is {residuals[-1]:.2g}, "
+        f"no fixed point after {max_iterations} iterations; the last residual is {largest[-1]:.2g}, "
         f"{tolerance:.2g} was asked for"
     )
 
@@ -115,13 +112,3 @@ def first_fixed_point(
         slope = float(np.clip(1 + (beyond - residual) / (ahead - x), 0.0, 1.0))
         x, residual = ahead, beyond
     raise ConvergenceError(f"no fixed point was found; the last residual is {residual:.2g}")
-
-
-def _step(
-    residual: FloatArray, steps: list[FloatArray], changes: list[FloatArray], damping: float
-) -> FloatArray:
-    if not steps:
-        return damping * residual
-    known = np.column_stack(changes)
-    share = np.linalg.lstsq(known, residual, rcond=_DEPENDENT)[0]
-    return damping * (residual - known @ share) - np.column_stack(steps) @ share

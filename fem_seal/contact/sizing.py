@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import pairwise
@@ -444,7 +444,7 @@ class MeshFit:
         return cls(sizing, contact, size_given or contact.has_ready_mesh)
 
     def after(self, outcome: Sequence[ContactSolution] | Exception) -> MeshFit:
-        """With what was found on the mesh, or why nothing was.
+        """With what was found on the mesh, or why nothing was; nothing at all fits any mesh.
 
         Raises
         ------
@@ -462,10 +462,28 @@ class MeshFit:
         if isinstance(outcome, Exception):
             raise outcome
         better = None
-        if self.tried + 1 < _MOST_MESHES:
+        if outcome and self.tried + 1 < _MOST_MESHES:
             profiles = [one.profile for one in outcome]
             better = better_sizing(self.sizing, self.contact, profiles, size_given=self.size_given)
         return replace(self, sizing=better, found=outcome, tried=self.tried + 1)
+
+
+def fit_meshes(
+    fits: Mapping[int, MeshFit], solve_on: Callable[[Mapping[int, MeshFit]], Mapping[int, MeshFit]]
+) -> dict[int, MeshFit]:
+    """Solve, look at the pressure, and solve again on better meshes until zones and element sizes fit.
+
+    Parameters
+    ----------
+    fits : mapping
+        Before the first mesh, by the number of the problem.
+    solve_on : callable
+        Given those that want a mesh, makes it, solves all loads and returns them `after` that; without what failed.
+    """
+    fits = dict(fits)
+    while wanted := {number: fit for number, fit in fits.items() if fit.sizing is not None}:
+        fits = {number: fit for number, fit in fits.items() if fit.sizing is None} | dict(solve_on(wanted))
+    return fits
 
 
 def better_sizing(

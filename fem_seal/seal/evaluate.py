@@ -11,21 +11,25 @@ from collections.abc import Callable, Collection, Hashable, Iterable, Mapping, S
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
-from typing import TypeAlias, TypeVar
+from typing import TYPE_CHECKING, TypeAlias, TypeVar
 
 from fem_seal.contact.load_path import Leave
 from fem_seal.contact.model import ContactModel
 from fem_seal.contact.newton import ContactProblem, solve_many
-from fem_seal.contact.sizing import MeshFit
+from fem_seal.contact.sizing import MeshFit, fit_meshes
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError, LimitLoadError, LoadProblem, LongPathError, NoLoadLeftError
 from fem_seal.seal.cost import about, path_seconds
-from fem_seal.seal.leak_model import LeakModel
+from fem_seal.seal.leak_model import Conductivity, FlowModel, LeakModel
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.load_solver import Clock, LoadSolver, SolvedLoads, solve_loads
 from fem_seal.seal.problem import Loads, SealProblem, sizing
 from fem_seal.seal.sources import EXACT, Source
 from meshes import MeshingError, SealMesh
+
+if TYPE_CHECKING:
+    from fem_seal.seal.circumference import Circumference
+    from leak import RoughContact
 
 T = TypeVar("T")
 Asked = TypeVar("Asked")
@@ -170,17 +174,13 @@ class Evaluation:
     @cached_property
     def loads(self) -> tuple[LoadResult, ...]:
         """Each load with the contact that was found."""
-        points, around = self.problem.loads.points, self.solved.around
-        known: dict[Hashable, LoadResult] = {}
-        # a load that comes again is the same one, and so is its leak rate
-        bare = [
-            known.setdefault((point, id(contact)), LoadResult(*point, contact, formed=formed))
-            for point, contact, formed in zip(points, self.solved.contacts, around, strict=True)
-        ]
-        shown = [contact for load in known.values() for contact in load.contacts]
-        rough = LeakModel.of(self.problem.surface, self.problem.flow, shown, self.source.table)
-        filled = {load: load.with_values(rough=rough) for load in known.values()}
-        own = tuple(filled[load] for load in bare)
+        own = load_results(
+            self.problem,
+            self.problem.loads.points,
+            self.solved.contacts,
+            self.solved.around,
+            self.source.table,
+        )
         if self.lower_half is None:
             return own
         return tuple(map(LoadResult.beside, own, self.lower_half.loads))
@@ -214,6 +214,38 @@ class Evaluation:
         """A gasket with this flange above and another one below, under the loads that both can carry."""
         upper, lower = self.without(lower.solved.failures), lower.without(self.solved.failures)
         return replace(upper, problem=replace(upper.problem, lower_half=lower.problem), lower_half=lower)
+
+
+def load_results(
+    problem: SealProblem,
+    points: Sequence[tuple[float, float]],
+    contacts: Sequence[ContactSolution],
+    around: Sequence[Circumference | None],
+    table: Callable[[FlowModel, RoughContact, Sequence[float]], Conductivity] = FlowModel.table_around,
+) -> tuple[LoadResult, ...]:
+    """Loads with their contacts, which share one table of the flow conductivity.
+
+    Parameters
+    ----------
+    problem : SealProblem
+    points : sequence of tuple
+        Fluid pressure [Pa] and applied force [N] of each load.
+    contacts : sequence of ContactSolution
+    around : sequence of Circumference or None
+        Each contact around the axis; None for a round seal.
+    table : callable
+        See `fem_seal.seal.sources.Source.table`.
+    """
+    known: dict[Hashable, LoadResult] = {}
+    # a load that comes again is the same one, and so is its leak rate
+    bare = [
+        known.setdefault((point, id(contact)), LoadResult(*point, contact, formed=formed))
+        for point, contact, formed in zip(points, contacts, around, strict=True)
+    ]
+    shown = [contact for load in known.values() for contact in load.contacts]
+    rough = LeakModel.of(problem.surface, problem.flow, shown, table)
+    filled = {load: load.with_values(rough=rough) for load in known.values()}
+    return tuple(filled[load] for load in bare)
 
 
 def evaluate(problem: SealProblem, source: Source = EXACT, clock: Clock = SILENT) -> Evaluation:
@@ -288,13 +320,13 @@ def _evaluated(
         size_given = problem.contact_size is not None
         return MeshFit.begun(sizing(problem), problem.contact, size_given=size_given)
 
-    fits, done = batch.each(problems, begun), dict[int, Evaluation]()
+    done: dict[int, Evaluation] = {}
 
-    def with_bodies(number: int) -> tuple[LoadSolver, SealMesh | None] | MeshingError:
-        problem, wanted = problems[number], fits[number].sizing
-        assert wanted is not None
+    def with_bodies(number: int, fit: MeshFit) -> tuple[LoadSolver, SealMesh | None] | MeshingError:
+        problem = problems[number]
+        assert fit.sizing is not None  # of those that want a mesh
         try:
-            seal_mesh, model = sources[number].bodies(problem, wanted, clock)
+            seal_mesh, model = sources[number].bodies(problem, fit.sizing, clock)
         except MeshingError as error:
             return error
         return LoadSolver(problem, model, settings=sources[number].settings), seal_mesh
@@ -302,11 +334,11 @@ def _evaluated(
     # what is left to be found on a mesh of which is known already that another one is wanted
     put_off: dict[int, Callable[[], MeshFit]] = {}
 
-    def looked_at(number: int) -> MeshFit:
-        fit, made = fits[number], on_bodies[number]
+    def looked_at(
+        number: int, fit: MeshFit, made: tuple[LoadSolver, SealMesh | None] | MeshingError, known: Pressed
+    ) -> MeshFit:
         if isinstance(made, MeshingError):
             return put_off.pop(number)() if number in put_off else fit.after(made)
-        known = pressed.get(number, {})
         find = partial(found_on, number, fit, made, known)
         round_ones = [one for one in known.values() if isinstance(one, ContactSolution)]
         if problems[number].form is not None and round_ones and len(round_ones) == len(known):
@@ -355,14 +387,14 @@ def _evaluated(
         )
         return after
 
-    while left := [number for number, fit in fits.items() if fit.sizing is not None]:
-        on_bodies = batch.each(left, with_bodies)
+    def solve_on(wanted: Mapping[int, MeshFit]) -> dict[int, MeshFit]:
+        on_bodies = batch.each(wanted, lambda n: with_bodies(n, wanted[n]))
         solvers = {n: made[0] for n, made in on_bodies.items() if not isinstance(made, MeshingError)}
         with clock.step("contact", _solving(solvers.values())):
             pressed = _pressed({n: one.pressings() for n, one in solvers.items()}, batch)
-            fits = {n: fit for n, fit in fits.items() if fit.sizing is None} | batch.each(
-                on_bodies, looked_at
-            )
+            return batch.each(on_bodies, lambda n: looked_at(n, wanted[n], on_bodies[n], pressed.get(n, {})))
+
+    fits = fit_meshes(batch.each(problems, begun), solve_on)
     return {number: done[number] for number in sorted(fits)}
 
 

@@ -38,7 +38,6 @@ from fem_seal.contact.penetration import (
     solve_penetration,
 )
 from fem_seal.contact.plastic_step import HeldByBolts, PathLoad, PlasticSettings
-from fem_seal.contact.sizing import MeshFit
 from fem_seal.contact.solution import DEFAULT_SETTINGS, ContactSettings, ContactSolution
 from fem_seal.errors import (
     ConvergenceError,
@@ -54,9 +53,9 @@ from fem_seal.files import sentence
 from fem_seal.loads import blow_off_of_sealed_area, contact_force
 from fem_seal.profile import PressureProfile
 from fem_seal.seal.cost import about
-from fem_seal.seal.problem import Loads, SealFlow, SealProblem, condensed, sizing
+from fem_seal.seal.problem import Loads, SealFlow, SealProblem, condensed
 from fem_seal.units import briefly, written
-from meshes import MeshingError, Sizing, build_contact
+from meshes import Sizing, build_contact
 
 if TYPE_CHECKING:
     from fem_seal.arrays import FloatArray
@@ -73,67 +72,18 @@ class LoadSolver:
     ----------
     problem : SealProblem
     model : ContactModel
-    lower_half : LoadSolver or None
-        With the lower flange on both faces of a gasket; None where the flanges are alike, or nobody asks for both.
     settings : ContactSettings
         Of loads without a path.
     """
 
     problem: SealProblem
     model: ContactModel
-    lower_half: LoadSolver | None = None
     settings: ContactSettings = DEFAULT_SETTINGS
 
     @classmethod
     def on_mesh(cls, problem: SealProblem, wanted: Sizing) -> LoadSolver:
         """On a mesh made with these sizes."""
         return cls(problem, condensed(problem, build_contact(problem.contact, wanted)))
-
-    @classmethod
-    def fitted(
-        cls,
-        problem: SealProblem,
-        forces: Sequence[float],
-        solve: Callable[[LoadSolver], Sequence[Sequence[ContactSolution]]],
-    ) -> LoadSolver:
-        """On meshes sized for contact forces F_N [N] that fit the contacts which `solve` finds on each of `both`.
-
-        Raises
-        ------
-        ConvergenceError, MeshingError
-            See `fem_seal.contact.sizing.MeshFit.after`.
-        """
-        fits = [
-            MeshFit.begun(sizing(half, forces), half.contact, size_given=half.contact_size is not None)
-            for half in problem.halves
-        ]
-        known: list[LoadSolver] = []
-        while any(fit.sizing is not None for fit in fits):
-            outcome: Sequence[Sequence[ContactSolution] | Exception]
-            try:
-                own, *lower = (
-                    known[n] if fit.sizing is None else cls.on_mesh(half, fit.sizing)
-                    for n, (half, fit) in enumerate(zip(problem.halves, fits, strict=True))
-                )
-                known = (replace(own, lower_half=lower[0]) if lower else own).both
-                outcome = solve(known[0])
-            except (MeshingError, ConvergenceError) as error:
-                outcome = [error] * len(fits)
-            fits = [
-                fit if fit.sizing is None else fit.after(one) for fit, one in zip(fits, outcome, strict=True)
-            ]
-        return known[0]
-
-    @property
-    def both(self) -> list[LoadSolver]:
-        """Of each of two different flanges on both faces; only itself where they are alike."""
-        return [one for one in (self, self.lower_half) if one is not None]
-
-    def at_same_force(self, fluid_pressure: float, contact_force: float) -> list[tuple[LoadSolver, float]]:
-        """Each of `both` with its contact force [N] under the force of spring or actuator that makes this one here."""
-        applied = contact_force - self._closes(fluid_pressure)
-        below = [(one, applied + one._closes(fluid_pressure)) for one in self.both[1:]]
-        return [(self, contact_force), *below]
 
     def solve(
         self, fluid_pressure: float, applied_force: float, start: ContactSolution | None = None
@@ -160,7 +110,7 @@ class LoadSolver:
     ) -> ContactSolution:
         """`solve` without memory; as the first load of all, or after the largest one before those of the problem."""
         if fluid_pressure == 0.0 or self._on_sealed_area:
-            return self._sealed_area(applied_force + self._closes(fluid_pressure), start)
+            return self._sealed_area(applied_force + self.closes(fluid_pressure), start)
         seal = self._first_seal if first else self.seal
         try:
             return solve_penetration(
@@ -174,7 +124,7 @@ class LoadSolver:
         if self.yields or not self._on_sealed_area or self.problem.loads.unsolved_bolts is not None:
             return {}
         at_rest = self.problem.at_rest.on(self.model)
-        forces = [applied + self._closes(pressure) for pressure, applied in self.problem.loads.points]
+        forces = [applied + self.closes(pressure) for pressure, applied in self.problem.loads.points]
         # what is no force says so where its load is solved
         return {
             number: ContactProblem(self.model, self.problem.law, force, at_rest, self.settings)
@@ -262,7 +212,7 @@ class LoadSolver:
         With bolts the applied force is their preload.
         """
         at_rest = self.problem.at_rest.on(self.model)
-        end_force = self._closes(fluid_pressure) if self._on_sealed_area else 0.0
+        end_force = self.closes(fluid_pressure) if self._on_sealed_area else 0.0
         held = None if bolts is None else HeldByBolts(bolts, applied_force, end_force)
         if self._on_sealed_area:
             return PathLoad(applied_force + end_force, at_rest, held=held)
@@ -279,7 +229,7 @@ class LoadSolver:
     def point_of(self, fluid_pressure: float, contact: ContactSolution) -> tuple[float, float]:
         """A fluid pressure [Pa], and the applied force of a contact under it [N]."""
         if self._on_sealed_area:
-            return fluid_pressure, contact.pressing_force - self._closes(fluid_pressure)
+            return fluid_pressure, contact.pressing_force - self.closes(fluid_pressure)
         return fluid_pressure, contact.applied_force
 
     def at_contact_force(
@@ -305,7 +255,7 @@ class LoadSolver:
             If bodies that yield are open there.
         ConvergenceError
         """
-        preload = contact_force - self._closes(fluid_pressure)
+        preload = contact_force - self.closes(fluid_pressure)
         if self.problem.loads.unsolved_bolts is not None and preload > 0.0:
             return self._tightened(fluid_pressure, preload, progress)
         if self.yields:
@@ -343,7 +293,7 @@ class LoadSolver:
     def reached(self, fluid_pressure: float) -> float | None:
         """Largest force F_N of `at_contact_force` to which first loading came [N]; None if it is not asked there."""
         highest, bolts = self.first_loading.highest, self.problem.loads.unsolved_bolts
-        return highest if highest is None or bolts is None else highest + self._closes(fluid_pressure)
+        return highest if highest is None or bolts is None else highest + self.closes(fluid_pressure)
 
     def blow_off_pressure(self, applied_force: float, contact: ContactSolution | None = None) -> float:
         """Fluid pressure at which the fluid lifts the closure off [Pa], infinite if it does not.
@@ -369,7 +319,7 @@ class LoadSolver:
         """
         if not self._on_sealed_area:
             return least_applied_force(self._seal_after(contact), fluid_pressure)
-        return -self._closes(fluid_pressure)
+        return -self.closes(fluid_pressure)
 
     def _seal_after(self, contact: ContactSolution | None) -> CoupledContact:
         """The seal with bodies that have gone through the loads up to a contact."""
@@ -456,7 +406,8 @@ class LoadSolver:
         at_rest = self.problem.at_rest.on(self.model)
         return solve(self.model, self.problem.law, contact_force=force, loads=at_rest, start=start)
 
-    def _closes(self, fluid_pressure: float) -> float:
+    def closes(self, fluid_pressure: float) -> float:
+        """Force with which a fluid pressure [Pa] on the circle of first touch closes the seal [N]."""
         return contact_force(
             self.problem.initial_contact_radius, fluid_pressure, 0.0, self.problem.loads.pressure_side
         )

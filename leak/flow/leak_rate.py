@@ -34,6 +34,7 @@ from leak.flow.rough_contact import RoughContact, gas_conductivity_table
 from leak.fluids.pressure_law import FlowPotential, PressureLaw
 from leak.fluids.properties import Gas
 from leak.fluids.real_gas import GasPotential
+from leak.numerics.anderson import mixing_weights
 from leak.numerics.curves import MonotoneCurve, spline_slopes
 from leak.numerics.gauss import integrals_up_to_nodes
 
@@ -621,22 +622,8 @@ def _resistance_with_gains(
         root = np.sqrt(potentials(now, whole))
         found = np.concatenate([found[-_MIXED:], [root]])
         steps = np.concatenate([steps[-_MIXED:], [root - np.sqrt(potential)]])
-        potential = np.minimum(np.maximum(_mixed(found, steps) ** 2, low), high)
+        potential = np.minimum(np.maximum((mixing_weights(steps) @ found) ** 2, low), high)
     raise ConductivityError(
         f"conductivity of the gas: its pressure in the contact was not found in {_MOST_SWEEPS} iterations; "
         "a gain that falls no faster than 1/p_f has one"
     )
-
-
-def _mixed(found: FloatArray, steps: FloatArray) -> FloatArray:
-    """Where an iteration goes from several results, shape (n, points), and the steps that led there.
-
-    D. G. Anderson, J. ACM 12, 547 (1965).
-    """
-    from scipy.linalg.lapack import dgelss
-
-    if len(found) == 1:
-        return found[0]
-    change = steps[-1] - steps[:-1]
-    share = dgelss(change @ change.T, change @ steps[-1], cond=1e-12)[1]
-    return np.asarray(found[-1] - share @ (found[-1] - found[:-1]))

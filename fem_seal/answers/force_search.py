@@ -1,0 +1,295 @@
+"""One search for a force: where something that falls with it is zero, on a mesh that fits the contact there.
+
+It serves the force for a target leak rate, that with which the verdict passes, and that which closes a seal all around;
+they differ in what is judged of a load. Places are logarithms of the force F_N on the solid contact [ln N].
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import Enum, auto
+from functools import reduce
+
+from fem_seal.answers.case_load import CaseLoad, case_loads
+from fem_seal.contact.sizing import MeshFit, fit_meshes
+from fem_seal.contact.solution import ContactSolution
+from fem_seal.errors import ConvergenceError, OpenSealError, SealError
+from fem_seal.loads import contact_force
+from fem_seal.seal.evaluate import load_results
+from fem_seal.seal.load_result import LoadResult, by_face
+from fem_seal.seal.load_solver import LoadSolver, Progress
+from fem_seal.seal.problem import SealProblem, largest_force, sizing
+from leak.numerics.roots import root_between
+from meshes import MeshingError
+
+# Steps on the way to a zero are each twice as long as the one before, up to this length.
+_LONGEST = 0.8
+# Accuracy of the last place at which something is known.
+_EDGE = 2e-3
+# What is not known below a place that is known counts as this far above zero.
+_FAR = 20.0
+# Steps to either side in which a place is looked for at which something is known.
+_MOST_STEPS = 7
+# Smallest over the largest sensible force.
+_LEAST = 1e-9
+# Forces for which the mesh is sized, over the one that is expected.
+_MARGIN = (0.7, 1.4)
+
+Falling = Callable[[float], float | None]
+
+
+class End(Enum):
+    """Where the way to a zero ends without one."""
+
+    LOWEST = auto()
+    HIGHEST = auto()
+    UNKNOWN = auto()
+
+
+@dataclass(frozen=True)
+class Zero:
+    """Where a falling function is zero.
+
+    Parameters
+    ----------
+    place : float
+        Without a zero the last place on the way to one.
+    end : End or None
+        Why the way ends there; None at a zero.
+    """
+
+    place: float
+    end: End | None = None
+
+
+def find_zero(
+    function: Falling,
+    start: float,
+    *,
+    lowest: float = -math.inf,
+    highest: float = math.inf,
+    step: float = 0.1,
+    accuracy: float,
+) -> Zero | None:
+    """Zero of a falling function, looked for outwards from an expected place; None if the function is known nowhere.
+
+    Parameters
+    ----------
+    function : callable
+        None where it is not known; below places where it is known it is then taken to be above zero.
+    start : float
+    lowest, highest : float
+        Ends of the way.
+    step : float
+        The first one.
+    accuracy : float
+        Of the place.
+
+    Examples
+    --------
+    >>> round(find_zero(lambda x: 8.0 - x**3, 1.0, accuracy=1e-9).place, 6)
+    2.0
+    >>> find_zero(lambda x: 8.0 - x**3, 1.0, highest=1.5, accuracy=1e-9)
+    Zero(place=1.5, end=<End.HIGHEST: 2>)
+    """
+
+    def known(place: float) -> float:
+        value = function(place)
+        return _FAR if value is None else value
+
+    places = _outwards(start, lowest, highest, step)
+    at = next((place for place in places if function(place) is not None), None)
+    if at is None:
+        return None
+    here = known(at)
+    limit, end = (highest, End.HIGHEST) if here > 0.0 else (lowest, End.LOWEST)
+    step, longest = math.copysign(step, here), max(step, _LONGEST)
+    while here and at != limit:
+        ahead = min(max(at + step, lowest), highest)
+        if here > 0.0 and function(ahead) is None:
+            limit, end = _last_known(function, at, ahead), End.UNKNOWN
+            ahead = limit
+        beyond = known(ahead)
+        if beyond * here <= 0.0:
+            return Zero(root_between(known, at, ahead, xtol=accuracy))
+        at, here, step = ahead, beyond, math.copysign(min(2.0 * abs(step), longest), step)
+    return Zero(at, end if here else None)
+
+
+def _outwards(start: float, lowest: float, highest: float, step: float) -> Iterator[float]:
+    """Downwards first: what is expected to be enough may be more than the bodies bear."""
+    start = min(max(start, lowest), highest)
+    yield start
+    ways = [step * (2**n - 1) for n in range(1, _MOST_STEPS + 1)]
+    yield from (start - way for way in ways if start - way >= lowest)
+    yield from (start + way for way in ways if start + way <= highest)
+
+
+def _last_known(function: Falling, known: float, unknown: float) -> float:
+    while unknown - known > _EDGE:
+        middle = 0.5 * (known + unknown)
+        known, unknown = (known, middle) if function(middle) is None else (middle, unknown)
+    return known
+
+
+def sensible_forces(problem: SealProblem) -> tuple[float, float]:
+    """Logarithms of the smallest and the largest force that a search tries, see `largest_force` [ln N].
+
+    Parameters
+    ----------
+    problem : SealProblem
+    """
+    highest = math.log(largest_force(problem))
+    return highest + math.log(_LEAST), highest
+
+
+@dataclass(frozen=True)
+class Trials:
+    """Loads of a seal at one fluid pressure, under any force on the same bodies.
+
+    Parameters
+    ----------
+    problem : SealProblem
+    solvers : sequence of LoadSolver
+        With each of two different flanges on both faces, or the only one.
+    fluid_pressure : float
+        [Pa]
+    progress : callable, optional
+        See `LoadSolver.at_contact_force`.
+    """
+
+    problem: SealProblem
+    solvers: Sequence[LoadSolver]
+    fluid_pressure: float
+    progress: Progress | None = None
+    known: dict[float, CaseLoad | SealError] = field(default_factory=dict)
+    """Those that were tried, by place, or why they have no contact."""
+
+    def load(self, place: float) -> CaseLoad:
+        """The load whose contact, of different faces that of the upper one, carries a force [ln N].
+
+        Raises
+        ------
+        InputError, OpenSealError
+            If the fluid opens the seal.
+        ConvergenceError
+        """
+        if place not in self.known:
+            try:
+                self.known[place] = self._solved(math.exp(place))
+            except SealError as error:
+                self.known[place] = error
+        found = self.known[place]
+        if isinstance(found, SealError):
+            raise found
+        return found
+
+    @property
+    def unreached(self) -> ConvergenceError | None:
+        """Why load steps of bodies that yield did not reach some force; None if they reached each that was tried."""
+        if not any(one.yields for one in self.solvers):
+            return None
+        return next((one for one in self.known.values() if isinstance(one, ConvergenceError)), None)
+
+    def _solved(self, force: float) -> CaseLoad:
+        unreached = self.unreached
+        if unreached is not None:
+            reached = [one.reached(self.fluid_pressure) for one in self.solvers]
+            if force > min((one for one in reached if one is not None), default=math.inf):
+                raise unreached
+        before = next((one for one in reversed(self.known.values()) if isinstance(one, CaseLoad)), None)
+        starts = [None] * len(self.solvers) if before is None else before.of_faces or (before,)
+        closes = [one.closes(self.fluid_pressure) for one in self.solvers]
+        forces = [force - closes[0] + own for own in closes]
+        load = reduce(LoadResult.beside, map(self._face, self.solvers, forces, starts))
+        return case_loads(self.problem, [load])[0]
+
+    def _face(self, solver: LoadSolver, force: float, start: LoadResult | None) -> LoadResult:
+        if not force > 0.0:
+            raise OpenSealError("nothing is left for the solid contact of the lower flange")
+        contact, applied = solver.at_contact_force(
+            self.fluid_pressure, force, None if start is None else start.contact, self.progress
+        )
+        near = None if start is None else start.formed
+        around = solver.problem.around(contact, near=near)
+        return load_results(solver.problem, [(self.fluid_pressure, applied)], [contact], [around])[0]
+
+
+def search_forces(
+    problem: SealProblem,
+    starts: Mapping[float, float],
+    find: Callable[[Trials, float], Zero | None],
+    progress: Progress | None = None,
+) -> dict[float, tuple[Trials, Zero | None]]:
+    """Trials at each fluid pressure and where their search ends, on a mesh that fits the contacts there.
+
+    Parameters
+    ----------
+    problem : SealProblem
+    starts : mapping
+        Expected force F_N by fluid pressure [N], [Pa].
+    find : callable
+        Searches among trials from an expected place on; see `find_zero`.
+    progress : callable, optional
+        See `Trials`.
+
+    Raises
+    ------
+    ConvergenceError, MeshingError
+        See `fem_seal.contact.sizing.MeshFit.after`.
+    """
+    loads, halves = problem.loads, problem.halves
+    expected = [*starts.values()]
+    if loads.unsolved_bolts is not None:
+        # before the fluid acts they are as large as the preload
+        r0, side = problem.initial_contact_radius, loads.pressure_side
+        expected += [force - contact_force(r0, at, 0.0, side) for at, force in starts.items()]
+    sized_for = [share * force for force in expected if force > 0 for share in _MARGIN]
+    begin = {pressure: math.log(force) for pressure, force in starts.items()}
+    solvers: dict[int, LoadSolver] = {}
+    found: dict[float, tuple[Trials, Zero | None]] = {}
+
+    def solve_on(wanted: Mapping[int, MeshFit]) -> dict[int, MeshFit]:
+        outcome: Sequence[Sequence[ContactSolution] | Exception]
+        try:
+            made = {n: LoadSolver.on_mesh(halves[n], fit.sizing) for n, fit in wanted.items() if fit.sizing}
+            solvers.update(made)
+            outcome = searched()
+        except (MeshingError, ConvergenceError) as error:
+            outcome = [error] * len(halves)
+        return {n: fit.after(outcome[n]) for n, fit in wanted.items()}
+
+    def searched() -> list[list[ContactSolution]]:
+        own, ends = [solvers[n] for n in range(len(halves))], list[CaseLoad]()
+        for pressure, place in begin.items():
+            trials = Trials(problem, own, pressure, progress)
+            zero = find(trials, place)
+            found[pressure] = trials, zero
+            if zero is None:
+                continue
+            ends.append(trials.load(zero.place))
+            # on a better mesh it is looked for where it was
+            begin[pressure] = zero.place
+        return (
+            [_contacts(*face) for face in zip(own, by_face(ends), strict=True)] if ends else [[]] * len(own)
+        )
+
+    fit_meshes(
+        {
+            n: MeshFit.begun(sizing(half, sized_for), half.contact, size_given=half.contact_size is not None)
+            for n, half in enumerate(halves)
+        },
+        solve_on,
+    )
+    return found
+
+
+def _contacts(solver: LoadSolver, loads: Sequence[LoadResult]) -> list[ContactSolution]:
+    """Contacts that the mesh has to fit: of loads, of tightening their bolts, and of the largest load before."""
+    contacts = [contact for load in loads for contact in load.contacts]
+    tightened = [
+        one.earlier for one in contacts if solver.problem.loads.unsolved_bolts is not None and one.earlier
+    ]
+    return [*contacts, *tightened, *([] if solver.earlier is None else [solver.earlier])]
