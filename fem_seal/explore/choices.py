@@ -76,8 +76,8 @@ def pictures_of(case: Case) -> dict[str, list[Picture]]:
     has = {"closure": case.closure.shape, case.key_of("seat"): case.lower.shape}
     return {
         row: [
-            Picture(f"{row}.{shape}", one["name"], _drawn(row, shape), has.get(row) == shape)
-            for shape, one in _SHAPES[row].items()
+            Picture(f"{row}.{shape}", words["name"], _drawn(row, shape), has.get(row) == shape)
+            for shape, words in _SHAPES[row].items()
         ]
         for row in ROWS
     }
@@ -122,7 +122,7 @@ def changed(case: Case, key: str, value: str) -> Case:
     row, _, shape = key.partition(".")
     if row in ROWS and shape in _SHAPES[row]:
         return _reshaped(case, row, shape)
-    known = {one.key: one for several in choices_of(case).values() for one in several}
+    known = {choice.key: choice for several in choices_of(case).values() for choice in several}
     if key not in known or (known[key].options and value not in {o["value"] for o in known[key].options}):
         raise InputError.at(key, "is no choice of the page")
     if key == "requirement":
@@ -134,13 +134,13 @@ def changed(case: Case, key: str, value: str) -> Case:
     if key.endswith(" height"):
         path = key.removesuffix(" height")
         table = _face(case, path)
-        own = next(one for one in HEIGHTS if one in table)
+        own = next(height for height in HEIGHTS if height in table)
         return case.replace_written({f"{path}.{own}": None, f"{path}.{value}": table[own]})
     return case.replace_written({key: value.strip() or None})
 
 
 def _options(values: Sequence[str]) -> list[dict[str, str]]:
-    return [{"label": one, "value": one, "search": one} for one in values]
+    return [{"label": value, "value": value, "search": value} for value in values]
 
 
 def _materials(own: str) -> list[dict[str, str]]:
@@ -149,8 +149,8 @@ def _materials(own: str) -> list[dict[str, str]]:
     for word, name in ALIASES.items():
         words.setdefault(name, []).append(word)
     found = [
-        {"label": name, "value": name, "search": " ".join([name, one.condition, *words.get(name, ())])}
-        for name, one in LIBRARY.items()
+        {"label": name, "value": name, "search": " ".join([name, material.condition, *words.get(name, ())])}
+        for name, material in LIBRARY.items()
     ]
     return found if own in LIBRARY else [*_options([own]), *found]
 
@@ -190,7 +190,7 @@ def _finishes(case: Case) -> Iterator[Choice]:
     names = {"": "both faces", "seat": lower, "closure": "closure", "gasket": "gasket"}
     for key, name in names.items():
         table = written if not key else written.get(key)
-        height = next((one for one in HEIGHTS if isinstance(table, Mapping) and one in table), None)
+        height = next((word for word in HEIGHTS if isinstance(table, Mapping) and word in table), None)
         if height is None:
             continue
         path = f"roughness.{key}".rstrip(".")
@@ -207,7 +207,7 @@ def _requirement(case: Case) -> Iterator[Choice]:
     if case.roughness is None or case.fluid is None:
         return
     gas, own = case.fluid.gas is not None, case.requirement
-    classes = [f"{standard} {one}" for standard in STANDARDS for one in classes_of(standard, gas=gas)]
+    classes = [f"{standard} {word}" for standard in STANDARDS for word in classes_of(standard, gas=gas)]
     required = " ".join(own.standard_and_class) if own and own.standard_and_class else None
     value = NONE if own is None else required or LEAK_RATE
     yield Choice("requirement", "requirement", value, _options(list(dict.fromkeys([NONE, value, *classes]))))
@@ -245,17 +245,17 @@ def _form(case: Case, lower: str) -> Iterator[Choice]:
 def _scaled(entry: Any, factor: float) -> Any:
     """Lengths of a table times a factor, as they would be written."""
     if isinstance(entry, Mapping):
-        return {key: _scaled(one, factor) for key, one in entry.items()}
+        return {key: _scaled(part, factor) for key, part in entry.items()}
     if isinstance(entry, list):
-        return [_scaled(one, factor) for one in entry]
+        return [_scaled(part, factor) for part in entry]
     number, _, unit = str(entry).partition(" ")
     return f"{float(number) * factor:.4g} mm" if unit == "mm" else entry
 
 
 def _tables(row: str, shape: str, factor: float = 1.0) -> dict[str, dict[str, Any]]:
     """Both bodies of a shape and of the one that it is shown with."""
-    one = _SHAPES[row][shape]
-    own, other = {"shape": shape, **one["table"]}, one["with"]
+    words = _SHAPES[row][shape]
+    own, other = {"shape": shape, **words["table"]}, words["with"]
     if row == "gasket":
         found = {"closure": _SHAPES["flange"][other], "gasket": own}
     else:

@@ -135,7 +135,9 @@ class Factors:
         texts : mapping
             From keys of factors to texts; others are left out.
         """
-        found = {one.key: one.wrong(texts[one.key]) for one in self.sliders if one.key in texts}
+        found = {
+            factor.key: factor.wrong(texts[factor.key]) for factor in self.sliders if factor.key in texts
+        }
         return {key: message for key, message in found.items() if message}
 
     def changes(self, case: Case, design: Mapping[str, str]) -> dict[str, Any]:
@@ -154,25 +156,25 @@ class Factors:
         """
         found: dict[str, Any] = {}
         problems: list[Problem] = []
-        for one in self.sliders:
-            text = design.get(one.key, one.given)
-            if text == one.given:
+        for factor in self.sliders:
+            text = design.get(factor.key, factor.given)
+            if text == factor.given:
                 continue
-            if message := one.wrong(text):
-                problems.append(Problem(one.label, message, f'"{text}"'))
-            elif one.group == "load":
-                (path,) = one.paths
-                moved = _scaled(getattr(case.load, path.removeprefix("load.")), one, text)
+            if message := factor.wrong(text):
+                problems.append(Problem(factor.label, message, f'"{text}"'))
+            elif factor.group == "load":
+                (path,) = factor.paths
+                moved = _scaled(getattr(case.load, path.removeprefix("load.")), factor, text)
                 found[path] = moved
                 if (
-                    one.key == "fluid_pressure"
+                    factor.key == "fluid_pressure"
                     and case.requirement
                     and (required := case.requirement.pressures)
                 ):
                     # what is required at a load is required where it goes
                     found["requirement.fluid_pressure"] = _at_loads(case, required, moved)
             else:
-                found |= dict.fromkeys(one.paths, text)
+                found |= dict.fromkeys(factor.paths, text)
         if problems:
             raise InputError(*problems)
         return found
@@ -185,10 +187,14 @@ def factors_of(case: Case) -> Factors:
     ----------
     case : Case
     """
-    found = [one for find in (_pressure, _force, _finishes, _hardness, _dimensions) for one in find(case)]
+    found = [
+        factor for find in (_pressure, _force, _finishes, _hardness, _dimensions) for factor in find(case)
+    ]
     system = case.report.units
-    sliders = [_in_system(one, system) if system else one for one in found if isinstance(one, Factor)]
-    left_out = [one for one in found if isinstance(one, str)]
+    sliders = [
+        _in_system(factor, system) if system else factor for factor in found if isinstance(factor, Factor)
+    ]
+    left_out = [factor for factor in found if isinstance(factor, str)]
     return Factors(tuple(sliders), tuple(left_out))
 
 
@@ -198,16 +204,16 @@ def _in_system(factor: Factor, system: System) -> Factor:
     unit = unit_like(written, factor.dimension, value or factor.value(factor.stops[-1]), system)
     if unit is None:
         return factor
-    stops = [f"{float(f'{unit.of(factor.value(one)):.3g}'):g}" for one in factor.stops]
+    stops = [f"{float(f'{unit.of(factor.value(stop)):.3g}'):g}" for stop in factor.stops]
     stops[factor.place] = f"{unit.of(value):.6g}"
     name = unit.name.replace("µ", "u")
-    texts = tuple(dict.fromkeys(f"{one} {name}" for one in stops))
+    texts = tuple(dict.fromkeys(f"{stop} {name}" for stop in stops))
     return replace(factor, stops=texts, given=f"{stops[factor.place]} {name}")
 
 
 def opened(case: Case) -> Case:
     """The case with materials of the library written as tables where a slider moves a part of one."""
-    paths = [path for one in _hardness(case) if isinstance(one, Factor) for path in one.paths]
+    paths = [path for factor in _hardness(case) if isinstance(factor, Factor) for path in factor.paths]
     return with_open_materials(case, paths)
 
 
@@ -260,7 +266,7 @@ def _finishes(case: Case) -> Found:
     written: Any = read_roughness(case.written["roughness"])
     faces = {"": written} if any(key in written for key in _HEIGHTS) else {}
     names = {"spectrum": "both faces"} | {
-        one: one for one in ("seat", "closure", "gasket", "along", "across")
+        face: face for face in ("seat", "closure", "gasket", "along", "across")
     }
     if case.gasket is not None:
         names["seat"] = "lower flange"
@@ -318,15 +324,15 @@ def _dimensions(case: Case) -> Found:
             dimension = getattr(entry_at(case, kept).marker, "dimension", "")
             if dimension in ("angle", "length"):
                 entries.append((body, key, dimension, written))
-    angles = [one for one in entries if one[1] in ("angle", "included_angle")]
+    angles = [entry for entry in entries if entry[1] in ("angle", "included_angle")]
     values = [_number("angle", written) for *_, written in angles]
     linked = len(angles) == 2 and abs(values[0] - values[1]) < 1e-12
     found: list[Factor | str] = []
-    for one in entries:
-        body, key, dimension, written = one
+    for entry in entries:
+        body, key, dimension, written = entry
         paths: tuple[str, ...] = (f"{body}.{key}",)
         face = body
-        if linked and one in angles:
+        if linked and entry in angles:
             if body == "seat":
                 continue
             paths, face = tuple(f"{body}.{key}" for body, key, *_ in angles), "both faces"
@@ -334,7 +340,7 @@ def _dimensions(case: Case) -> Found:
         found += _of_dimension(dimension, f"{body}_{key}", label, written, paths)
     drawn = [body for body in ("closure", case.key_of("seat")) if getattr(case, body).shape == "profile"]
     found += [f"The {body} comes from a drawing: its dimensions are not offered." for body in drawn]
-    return sorted(found, key=lambda one: isinstance(one, Factor) and "angle" not in one.key)
+    return sorted(found, key=lambda entry: isinstance(entry, Factor) and "angle" not in entry.key)
 
 
 def _number(dimension: str, written: object) -> float:
@@ -381,8 +387,8 @@ def _factor(
     values = _geometric(value, _WIDE) if values is None else values
     unit, size = _unit(dimension, value or max(values), text)
     texts = {}
-    for one in sorted(values):
-        number = float(f"{one / size:.3g}")
+    for stop in sorted(values):
+        number = float(f"{stop / size:.3g}")
         texts[number] = f"{number:g} {unit}"
     given = text.strip() if isinstance(text, str) else f"{float(f'{value / size:.12g}')!r} {unit}"
     own = value / size
@@ -412,7 +418,7 @@ def _scaled(values: float | Sequence[float], factor: Factor, text: str) -> str |
         return text
     largest, share = max(values), factor.value(text) / factor.value(factor.given)
     unit = DIMENSIONS[factor.dimension].si_unit
-    return [text if one == largest else f"{float(f'{one * share:.6g}')!r} {unit}" for one in values]
+    return [text if value == largest else f"{float(f'{value * share:.6g}')!r} {unit}" for value in values]
 
 
 def _at_loads(case: Case, required: Sequence[float], moved: str | list[str]) -> list[str]:
@@ -420,6 +426,6 @@ def _at_loads(case: Case, required: Sequence[float], moved: str | list[str]) -> 
     texts = [moved] if isinstance(moved, str) else moved
     # of one pressure under several forces there is one text
     loads = list(zip(case.load.fluid_pressure, texts, strict=False))
-    return [text for one in required for known, text in loads if math.isclose(one, known, rel_tol=1e-9)][
-        : len(loads)
-    ]
+    return [
+        text for pressure in required for known, text in loads if math.isclose(pressure, known, rel_tol=1e-9)
+    ][: len(loads)]

@@ -174,7 +174,7 @@ def _add_detail(figure: Figure, section: Section, profile: ShownProfile | None, 
         over = sum(end - start for start, end, first, last in steps if first and last)
         # no line between lands
         r_carries, z_carries = (
-            [unit.of(one) if on else None for one, on in zip(axis, carries, strict=True)]
+            [unit.of(place) if on else None for place, on in zip(axis, carries, strict=True)]
             for axis in profile.places
         )
         hover = f"carries over {unit.of(over):.3g} {unit.name}<extra></extra>"
@@ -220,8 +220,8 @@ def leak_figure(shown: Sequence[ShownDesign], dark: bool) -> Figure:
     figure, now = Figure(dark), shown[0].screen
     rates = [
         load.values[name]
-        for one in shown
-        for load in (*one.screen.loads, *one.screen.between)
+        for design in shown
+        for load in (*design.screen.loads, *design.screen.between)
         for name in ("leak_rate_m3_per_s", "leak_rate_high_m3_per_s")
     ]
     rates = [rate for rate in rates if math.isfinite(rate) and rate > 0]
@@ -232,8 +232,8 @@ def leak_figure(shown: Sequence[ShownDesign], dark: bool) -> Figure:
     force = _over_force(now)
     axis = "force" if force else "fluid pressure"
     load_unit = unit_for(axis, max((_place(load, force) for load in now.loads), default=1e5))
-    for one in reversed(shown):
-        _add_leak(figure, one, unit, load_unit, force)
+    for design in reversed(shown):
+        _add_leak(figure, design, unit, load_unit, force)
     for name, allowed in now.limits:
         if allowed > 0:
             figure.add_level(unit.of(allowed), f"allowed: {name}", _LIMIT)
@@ -245,7 +245,7 @@ def leak_figure(shown: Sequence[ShownDesign], dark: bool) -> Figure:
         # enough of them to see that the axis is logarithmic
         steps = (1, 2, 3, 5, 7) if spread < 15 else (1, 2, 5)
         marks = [step * 10.0**power for power in range(low - 1, high + 2) for step in steps]
-        ticks = {"tickvals": marks, "ticktext": [number(one, 1) for one in marks]}
+        ticks = {"tickvals": marks, "ticktext": [number(mark, 1) for mark in marks]}
     # in two lines: one is longer than the axis
     title = f"leak rate [{unit.name}]" + (f"<br>at {now.volume.state}" if now.volume.state else "")
     figure.update("yaxis", title, type="log", exponentformat="power", **ticks)
@@ -261,8 +261,8 @@ def _place(load: ShownLoad, force: bool) -> float:
     return load.applied_force if force else load.values["fluid_pressure_Pa"]
 
 
-def _add_leak(figure: Figure, one: ShownDesign, unit: Unit, load_unit: Unit, force: bool) -> None:
-    screen, chosen, colour = one.screen, one.screen.load, one.colour
+def _add_leak(figure: Figure, design: ShownDesign, unit: Unit, load_unit: Unit, force: bool) -> None:
+    screen, chosen, colour = design.screen, design.screen.load, design.colour
     if chosen is None:
         return
     # up and down again is no curve, but several points
@@ -273,8 +273,8 @@ def _add_leak(figure: Figure, one: ShownDesign, unit: Unit, load_unit: Unit, for
     for which, fill in ((1, "none"), (2, "tonexty")) if any(ends[0]) else ():
         edge = [point[0] for point in band], [point[which] for point in band]
         figure.add("interval", *edge, colour, fill=fill, fillcolor=_faint(colour))
-    hover = f"{one.name}: %{{y:.3g}} {unit.name} at %{{x:.4g}} {load_unit.name}<extra></extra>"
-    figure.add("leak", x, rate, colour, name=one.name, hovertemplate=hover)
+    hover = f"{design.name}: %{{y:.3g}} {unit.name} at %{{x:.4g}} {load_unit.name}<extra></extra>"
+    figure.add("leak", x, rate, colour, name=design.name, hovertemplate=hover)
     at, above = load_unit.of(_place(chosen, force)), unit.of(chosen.values["leak_rate_m3_per_s"])
     figure.add("load", [at], [_positive(above)], colour, error_y=_bar(chosen, unit, colour))
 
@@ -296,7 +296,7 @@ def _positive(value: float) -> float | None:
 def _over_x(shown: Sequence[ShownDesign], dark: bool, what: str) -> Figure:
     """Contact pressure or gap across the contact."""
     figure = Figure(dark)
-    profiles = [(one.screen.profile, one) for one in shown if one.screen.profile is not None]
+    profiles = [(design.screen.profile, design) for design in shown if design.screen.profile is not None]
     if not profiles:
         figure.say_alone("nothing to show")
         return figure
@@ -312,17 +312,17 @@ def _over_x(shown: Sequence[ShownDesign], dark: bool, what: str) -> Figure:
     figure.update("xaxis", f"x across the seat [{x_unit.name}]")
     figure.update("yaxis", f"{title} [{unit.name}]", rangemode="tozero")
 
-    for profile, one in reversed(profiles):
-        filled = one is shown[0] and what == "pressure"
-        lines = [("profile", getattr(profile, what), one.name, f" at %{{x:.4g}} {x_unit.name}")]
+    for profile, design in reversed(profiles):
+        filled = design is shown[0] and what == "pressure"
+        lines = [("profile", getattr(profile, what), design.name, f" at %{{x:.4g}} {x_unit.name}")]
         lines += [("fluid", profile.fluid, "fluid", "")] if filled and profile.fluid else []
-        fill = {"fill": "tozeroy" if filled else None, "fillcolor": _faint(one.colour)}
+        fill = {"fill": "tozeroy" if filled else None, "fillcolor": _faint(design.colour)}
         x = [x_unit.of(place) for place in profile.x]
         for look, values, name, at in lines:
             y = [unit.of(value) if math.isfinite(value) else None for value in values]
             hover = f"{name}: %{{y:.4g}} {unit.name}{at}<extra></extra>"
             more = fill if look == "profile" else {}
-            figure.add(look, x, y, one.colour, name=name, hovertemplate=hover, **more)
+            figure.add(look, x, y, design.colour, name=name, hovertemplate=hover, **more)
     return figure
 
 

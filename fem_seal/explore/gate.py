@@ -88,8 +88,8 @@ def _answer_those_who_know(page: Dash, port: int, token: str) -> None:
         return response
 
 
-def _same(one: str, other: str) -> bool:
-    return hmac.compare_digest(one.encode(), other.encode())
+def _same(sent: str, other: str) -> bool:
+    return hmac.compare_digest(sent.encode(), other.encode())
 
 
 def own_connection(theirs: object, ours: int) -> bool:
@@ -171,7 +171,7 @@ T = TypeVar("T")
 Design = dict[str, str]
 
 
-class Asked(BaseModel):
+class PageRequest(BaseModel):
     """A design that a page wants to see.
 
     Parameters
@@ -232,7 +232,9 @@ def checked(kind: type[T], sent: Any, what: str) -> T:
     try:
         return TypeAdapter(kind).validate_python(sent, strict=True)
     except ValidationError as error:
-        refuse(next((str(part) for part in error.errors()[0]["loc"] if part in Asked.model_fields), what))
+        refuse(
+            next((str(part) for part in error.errors()[0]["loc"] if part in PageRequest.model_fields), what)
+        )
 
 
 def place_of(sent: Any, several: Sequence[Any], what: str) -> int:

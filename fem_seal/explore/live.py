@@ -55,10 +55,10 @@ def live_screen(case: Case, design: Mapping[str, str]) -> Screen:
     # the interval of every load is as wide as what its checks find
     seal = answered(solved_seal(found, case), request := Request(found.solver, SILENT), [OPENING])
     loads = [load.with_values(validity=validity_of(found, load)) for load in seal.loads]
-    failed = {numbers[n]: one for n, one in found.solved.problems.items() if n < len(numbers)}
+    failed = {numbers[n]: problem for n, problem in found.solved.problems.items() if n < len(numbers)}
     missing = [
-        MissingLoad(n, *whole.loads.points[n], one, whole.loads.bolts is not None)
-        for n, one in sorted({**whole.loads.refused, **failed}.items())
+        MissingLoad(n, *whole.loads.points[n], problem, whole.loads.bolts is not None)
+        for n, problem in sorted({**whole.loads.refused, **failed}.items())
     ]
     seal = answered(
         replace(seal, loads=tuple(loads[:own]), not_calculated=tuple(missing)), request, [VERDICT]

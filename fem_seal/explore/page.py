@@ -21,7 +21,7 @@ from fem_seal.case.case_file import case_text, free_name, write_case
 from fem_seal.errors import SealError
 from fem_seal.explore.choices import ROWS, changed, choices_of, pictures_of
 from fem_seal.explore.figures import PIN_NAMES, PINS, designs_shown, figures
-from fem_seal.explore.gate import Asked, Design, Entered, answered, checked, place_of, refuse
+from fem_seal.explore.gate import Design, Entered, PageRequest, answered, checked, place_of, refuse
 from fem_seal.explore.screen import not_taken_words, preliminary_words, refused_words, slow_words, still_words
 from fem_seal.files import own_tables
 from fem_seal.output.prose import template
@@ -52,16 +52,16 @@ def elements(macro: str, **values: Any) -> list[Any]:
 
 def _children(parent: Element) -> list[Any]:
     found: list[Any] = [parent.text]
-    for one in parent:
-        found += [_element(one), one.tail]
-    return [one for one in found if not (one is None or (isinstance(one, str) and not one.strip()))]
+    for element in parent:
+        found += [_element(element), element.tail]
+    return [part for part in found if not (part is None or (isinstance(part, str) and not part.strip()))]
 
 
-def _element(one: Element) -> Any:
-    properties = {name: _property(text) for name, text in one.attrib.items()}
-    if children := _children(one):
+def _element(element: Element) -> Any:
+    properties = {name: _property(text) for name, text in element.attrib.items()}
+    if children := _children(element):
         properties["children"] = children
-    return getattr(html if hasattr(html, one.tag) else dcc, one.tag)(**properties)
+    return getattr(html if hasattr(html, element.tag) else dcc, element.tag)(**properties)
 
 
 def _property(text: str) -> Any:
@@ -163,7 +163,7 @@ def _signature(
     pinned: Sequence[Screen] = (),
 ) -> str:
     """What changes where the page is drawn anew."""
-    looks = [list(pins), bool(dark), [one.complete for one in pinned]]
+    looks = [list(pins), bool(dark), [design.complete for design in pinned]]
     return json.dumps(
         [screen.design, state, bool(screen.waiting), wrong or {}, lost, screen.sensitivities, *looks]
     )
@@ -174,8 +174,8 @@ def _meta(session: Session) -> dict[str, Any]:
     sliders = session.factors.sliders
     return {
         "case": session.name,
-        "keys": [one.key for one in sliders],
-        "stops": {one.key: one.stops for one in sliders},
+        "keys": [factor.key for factor in sliders],
+        "stops": {factor.key: factor.stops for factor in sliders},
     }
 
 
@@ -256,7 +256,7 @@ def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
     def follow(sent: Any, _: Any, pins: Any, dark: Any, shown: Any) -> Any:
         if not sent or dark is None:
             raise PreventUpdate
-        asked = checked(Asked, sent, "asked")
+        asked = checked(PageRequest, sent, "asked")
         session = _session(answers, asked.design)
         factors = session.factors
         shown = checked(dict[str, Any], shown or {}, "shown")
@@ -273,7 +273,7 @@ def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
         )
         now = {"signature": signature, "number": asked.number, "design": before}
         # those of the page, which may have other sliders by now
-        keys = [one["id"]["key"] for one in ctx.outputs_grouping["rows"]]
+        keys = [row["id"]["key"] for row in ctx.outputs_grouping["rows"]]
         several = {"figures": len(_PICTURES), "wrong": len(keys), "rows": len(keys)}
         unchanged = {n: [no_update] * several[n] if n in several else no_update for n in outputs}
         if signature == shown.get("signature"):
@@ -322,7 +322,7 @@ def _input_rows(answers: Answers, screens: Sequence[Screen]) -> dict[str, list[s
     return {label: [own.get(label, "") for own in inputs] for each in inputs for label in each}
 
 
-def _settle_later(answers: Answers, asked: Asked) -> None:
+def _settle_later(answers: Answers, asked: PageRequest) -> None:
     """Begin with the complete run when nothing newer was asked for a while."""
     timer = threading.Timer(_REST, answers.rest, (asked.design, asked.page, asked.number))
     timer.daemon = True
@@ -366,14 +366,14 @@ def _type(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
         typed: dict[str, Any] = {}
         factors = _session(answers, checked(dict[str, Any], meta, "meta")).factors
         for factor in factors.sliders:
-            if (one := fields.get(factor.key)) is None:
+            if (field := fields.get(factor.key)) is None:
                 continue
-            if factor.wrong(one.text):
+            if factor.wrong(field.text):
                 # it stays in its field, beside what is calculated with
-                place = place_of(one.at, factor.stops, "entered")
-                typed[factor.key] = {"at": place, "text": one.before, "wrong": one.text}
+                place = place_of(field.at, factor.stops, "entered")
+                typed[factor.key] = {"at": place, "text": field.before, "wrong": field.text}
             else:
-                typed[factor.key] = {"at": factor.nearest(one.text), "text": one.text}
+                typed[factor.key] = {"at": factor.nearest(field.text), "text": field.text}
         return {"number": entered.get("number"), "typed": typed}
 
     app.clientside_callback(
@@ -407,9 +407,9 @@ def _choose(app: Dash, answers: Answers) -> None:
     def choose(*sent: Any) -> Any:
         back, present = sent[-2:]
         done, said = _done(), ""
-        design = checked(Asked, present, "present").design
+        design = checked(PageRequest, present, "present").design
         session = _session(answers, design)
-        who = next((one for one, _ in done), None)
+        who = next((element for element, _ in done), None)
         if isinstance(who, dict) and who.get("kind") in ("choice", "shape"):
             try:
                 case = session.case(design)
@@ -438,19 +438,21 @@ def _asks(case: Case, done: Sequence[tuple[Any, Any]]) -> list[tuple[str, str]]:
 
     A browser that asks again before it has an answer takes no notice of that, and tells only what was done since.
     """
-    shown = {one.key: one.value for several in choices_of(case).values() for one in several}
+    shown = {choice.key: choice.value for several in choices_of(case).values() for choice in several}
     try:
-        there = [(one["id"], one.get("value")) for several in ctx.inputs_list[:2] for one in several]
+        there = [
+            (control["id"], control.get("value")) for several in ctx.inputs_list[:2] for control in several
+        ]
         asks = [
-            (str(one["key"]), str(value or ""))
-            for one, value in [*there, *reversed(done)]
-            if _is_choice(one) or value
+            (str(control["key"]), str(value or ""))
+            for control, value in [*there, *reversed(done)]
+            if _is_choice(control) or value
         ]
     except (AttributeError, KeyError, TypeError):
         refuse("inputs")
     # a later one of the same key takes the place of the first
     last = {key: value for key, value in asks if shown.get(key) != value}
-    newest = [str(one["key"]) for one, _ in reversed(done) if isinstance(one, dict)]
+    newest = [str(control["key"]) for control, _ in reversed(done) if isinstance(control, dict)]
     return sorted(last.items(), key=lambda ask: newest.index(ask[0]) if ask[0] in newest else -1)
 
 
@@ -462,7 +464,7 @@ def _shown_controls(
     design = session.design(design)
     if factors.wrong(design):
         refuse("design")
-    at = {one.key: one.nearest(design[one.key]) for one in factors.sliders}
+    at = {factor.key: factor.nearest(design[factor.key]) for factor in factors.sliders}
     typed = {key: {"at": place, "text": design[key]} for key, place in at.items()}
     made = elements("controls", **_controls(session, session.case(design)), said=said, at=at, texts=design)
     return made, _meta(session), typed
@@ -495,11 +497,15 @@ def _done() -> list[tuple[Any, Any]]:
     """
     try:
         names = ctx.triggered_prop_ids
-        done = [(names[one["prop_id"]], one.get("value")) for one in ctx.triggered if one["prop_id"] in names]
+        done = [
+            (names[trigger["prop_id"]], trigger.get("value"))
+            for trigger in ctx.triggered
+            if trigger["prop_id"] in names
+        ]
     except (AttributeError, LookupError, TypeError, ValueError):
         # dash reads what the browser says of it only now
         refuse("changedPropIds")
-    return sorted((one for one in done if one[1] or _is_choice(one[0])), key=lambda one: _is_choice(one[0]))
+    return sorted((act for act in done if act[1] or _is_choice(act[0])), key=lambda act: _is_choice(act[0]))
 
 
 def _is_choice(who: Any) -> bool:
@@ -518,7 +524,7 @@ def _pin(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
     def pin(_: Any, pins: Any, present: Any) -> Any:
         if not _done():
             raise PreventUpdate
-        sent, pins = checked(Asked, present, "present").design, _pinned(pins)
+        sent, pins = checked(PageRequest, present, "present").design, _pinned(pins)
         design = _session(answers, sent).design(sent)
         # the fifth takes the place of the first
         return pins if design in pins else [*pins, design][-len(PINS) :]
@@ -551,7 +557,7 @@ def _files(app: Dash, answers: Answers, folder: Path) -> None:
     )
     @answered
     def write(_: Any, name: Any, sent: Any) -> str:
-        present = checked(Asked, sent, "present")
+        present = checked(PageRequest, sent, "present")
         session = _session(answers, present.design)
         try:
             source = session.given.file
@@ -571,7 +577,7 @@ def _files(app: Dash, answers: Answers, folder: Path) -> None:
     )
     @answered
     def take_away(_: Any, name: Any, sent: Any) -> Any:
-        present = checked(Asked, sent, "present")
+        present = checked(PageRequest, sent, "present")
         text = case_text(_session(answers, present.design).case(present.design).written, folder)
         return {"content": text, "filename": f"{str(name or 'case').removesuffix('.toml')}.toml"}
 
@@ -585,7 +591,7 @@ def _files(app: Dash, answers: Answers, folder: Path) -> None:
     )
     @answered
     def report(_: Any, name: Any, sent: Any) -> Any:
-        present = checked(Asked, sent, "present")
+        present = checked(PageRequest, sent, "present")
         session = _session(answers, present.design)
         try:
             target = free_name(folder, str(name or ""), ".out")

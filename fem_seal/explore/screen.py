@@ -227,9 +227,9 @@ def screen_of(solution: SealSolution, design: Mapping[str, str], **more: Any) ->
         **({} if widens else _judged(solution, complete=more.get("complete", False))),
         widens=widens,
         limits=tuple(
-            (one.name, one.leak_rate / one.ratio[1])
-            for one in limits(case, loads[number].fluid_pressure, loads[number])
-            if not one.visible
+            (limit.name, limit.leak_rate / limit.ratio[1])
+            for limit in limits(case, loads[number].fluid_pressure, loads[number])
+            if not limit.visible
         ),
         volume=volume_of(case),
         **more,
@@ -250,7 +250,10 @@ def sensitivity_words(result: SealSolution, *, follow: bool = False) -> tuple[st
     if not result.problem.leaks:
         return ()
     at = f"at {load_of(result)} " if len(result.loads) > 1 else ""
-    found = tuple(f"{at}{in_words(result.case, one)}" for one in shown_sensitivities(result.sensitivities))
+    found = tuple(
+        f"{at}{in_words(result.case, sensitivity)}"
+        for sensitivity in shown_sensitivities(result.sensitivities)
+    )
     reason = "yields" if result.problem.follows_path else "follow" if follow else "none"
     return found or (own_tables("explore.toml")["sensitivities"][reason],)
 
@@ -328,7 +331,7 @@ def profile_of(load: CaseLoad, case: Case) -> ShownProfile:
         thinned(line.pressure),
         thinned(line.gap),
         [] if pressure is None else thinned(pressure),
-        [thinned(one) for one in case.contact.point(x)],
+        [thinned(axis) for axis in case.contact.point(x)],
     )
 
 
@@ -414,7 +417,7 @@ class ShownDesign:
     @cached_property
     def numbers(self) -> dict[str, Number]:
         """Its numbers by their names."""
-        return {one.name: one for one in numbers_of(self.screen)}
+        return {number.name: number for number in numbers_of(self.screen)}
 
     @property
     def validity(self) -> tuple[str, str]:
@@ -448,11 +451,11 @@ def numbers_of(screen: Screen) -> list[Number]:
     more = "; ".join(filter(None, [at, state_in_words(screen.volume), preliminary_words(screen)]))
     rate = values["leak_rate_m3_per_s"]
     found = [Number("leak", "leak rate", leak_words(load, screen.volume), more, rate)]
-    for name, one in own_tables("explore.toml")["numbers"].items():
-        column = one["column"]
+    for name, words in own_tables("explore.toml")["numbers"].items():
+        column = words["column"]
         value = units.quantity_worth(COLUMNS[column].kind, values[column], load.digits[column])
-        remark = load.remarks.get(column) or one["more"]
-        found.append(Number(name, one["what"], value, remark, values[column]))
+        remark = load.remarks.get(column) or words["more"]
+        found.append(Number(name, words["what"], value, remark, values[column]))
     if load.classes and preliminary_words(screen):
         # a class is met by a whole interval or not at all
         found.append(Number("classes", "leakage class", "–", "follows with the range of the leak rate"))
@@ -516,7 +519,7 @@ def lost_words(code: int | None, *, again: bool) -> str:
         how = f"ended with code {code}"
     else:
         known = signal.Signals.__members__.values()
-        how = f"was killed ({next((one.name for one in known if one == -code), f'signal {-code}')})"
+        how = f"was killed ({next((sign.name for sign in known if sign == -code), f'signal {-code}')})"
     perhaps = "; the system does so where memory runs out" if code == -9 else ""
     follows = (
         "Another one has taken its place and begins its work anew."

@@ -123,7 +123,11 @@ class Session:
             return Screen(
                 design,
                 problem="; ".join(map(str, error.problems)),
-                wrong={key: one.message for one in error.problems if (key := self.factors.named(one.key))},
+                wrong={
+                    key: problem.message
+                    for problem in error.problems
+                    if (key := self.factors.named(problem.key))
+                },
             )
         except WRONG as error:
             return Screen(design, problem=str(error))

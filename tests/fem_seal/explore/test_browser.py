@@ -504,11 +504,13 @@ def test_of_two_choices_at_once_both_are_taken(browser):
         "const ask = window.fetch;",
         "window.fetch = (...asked) => { window.fetch = ask; const answer = ask(...asked);",
         choice.format("report.units", "US"),
+        choice.format("fluid.name", "diesel"),
         "return answer; };",
         choice.format("seat.material", "316L"),
     ]
     browser.execute_script("".join(script))
     waited(browser, "return document.getElementById('numbers').innerText.includes('ksi')")
     assert waited(browser, f"return {material}").startswith("316L")
+    assert browser.find_element("css selector", "button[id*='fluid.name']").text == "diesel"
     browser.find_element("id", "undo").click()
     waited(browser, "return document.querySelector('input[id*=fluid_pressure]').value === '20 bar'")
