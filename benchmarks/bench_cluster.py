@@ -216,11 +216,11 @@ def compare_here(asked, top: Path, every: int) -> int:
     from fem_seal.studies.store import create
     from fem_seal.studies.work import DesignSpec, calculate, chunks
 
-    recipe, start = DesignSpec.of(asked), time.perf_counter()
+    spec, start = DesignSpec.of(asked), time.perf_counter()
     store = create(top / "here" / "study.sqlite", _column_types(asked), asked.output_names)
     with closing(store):
-        for chunk in chunks(recipe, asked.points[::every]):
-            store.write(calculate(recipe, chunk))
+        for chunk in chunks(spec, asked.points[::every]):
+            store.write(calculate(spec, chunk))
     with closing(sqlite3.connect(store.path)) as file:
         file.execute("ATTACH ? AS far", (str(top / "cluster" / "study.sqlite"),))
         columns = [row[1] for row in file.execute("PRAGMA table_info(point)") if row[1] != "seconds"]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -69,7 +69,7 @@ class ClusterWorkers(Workers):
         self._addresses: list[str] = []
         self._last_worker = time.monotonic()
         self._waits = False
-        self._next_count = self._next_look = 0.0
+        self._next_count = 0.0
 
     @contextmanager
     def listening(self, put: Callable[[Any], None]) -> Iterator[None]:
@@ -146,23 +146,10 @@ class ClusterWorkers(Workers):
             self._answer(self._client.scheduler.retire_workers, workers=[worker])
         return True
 
-    def stranded(self, tasks: Mapping[Any, Task]) -> list[Any]:
-        """See `Workers`: what was meant for the last worker that died dask keeps for that very address."""
-        there = self.names()
-        if not there or time.monotonic() < self._next_look:
-            return []
-        self._next_look = time.monotonic() + HEARTBEAT
-        meant = [
-            future for future, task in tasks.items() if task.worker is not None and task.worker not in there
-        ]
-        states = self._states(meant) if meant else {}
-        kept = [future for future in meant if states.get(future.key) == "no-worker"]
-        for future in kept:
-            future.release()
-        return kept
-
-    def lost(self, tasks: Mapping[Any, Task]) -> Any:
+    def lost(self, tasks: Mapping[Any, Task]) -> list[Any]:
         """See `Workers`.
+
+        What was meant for the last worker that died dask keeps for that very address, whoever comes after it.
 
         Raises
         ------
@@ -171,20 +158,22 @@ class ClusterWorkers(Workers):
         """
         if self._client.status == "closed":
             raise ClusterError(f"the connection to the scheduler is lost; {KEPT}")
-        for future in tasks:
-            if future.status != "pending":
-                return future
-        states = self._states(tasks)
+        there = self.names()
+        keys = [future.key for future in tasks]
+        states = self._answer(self._client.scheduler.get_task_status, keys=keys) or {}
         doubtful = {key for key, state in states.items() if state in (None, "forgotten", "memory", "erred")}
         # at the first look its result may just be on the way to us
-        lost = doubtful & self._doubtful
-        self._doubtful = doubtful
-        return next((future for future in tasks if future.key in lost), None)
-
-    def _states(self, futures: Collection[Any]) -> dict[str, str | None]:
-        """What the scheduler does with chunks, by key; empty if it does not answer."""
-        keys = [future.key for future in futures]
-        return self._answer(self._client.scheduler.get_task_status, keys=keys) or {}
+        unknown, self._doubtful = doubtful & self._doubtful, doubtful
+        lost = [
+            future
+            for future, task in tasks.items()
+            if future.status == "lost"
+            or future.key in unknown
+            or (states.get(future.key) == "no-worker" and there and task.worker not in (None, *there))
+        ]
+        for future in lost:
+            future.release()
+        return lost
 
     def _answer(self, question: Any, **about: Any) -> Any:
         """Answer of the scheduler; None if it gives none."""

@@ -43,11 +43,13 @@ def search_space(study: StudyPlan) -> dict[str, BaseDistribution]:
     from optuna.distributions import CategoricalDistribution, FloatDistribution
 
     space: dict[str, BaseDistribution] = {}
-    for one in study.parameters:
-        if isinstance(one.distribution, (Uniform, LogUniform)):
-            space[one.name] = FloatDistribution(*one.bounds, log=isinstance(one.distribution, LogUniform))
+    for parameter in study.parameters:
+        if isinstance(parameter.distribution, (Uniform, LogUniform)):
+            space[parameter.name] = FloatDistribution(
+                *parameter.bounds, log=isinstance(parameter.distribution, LogUniform)
+            )
         else:
-            space[one.name] = CategoricalDistribution(one.numbers.tolist())
+            space[parameter.name] = CategoricalDistribution(parameter.numbers.tolist())
     return space
 
 
@@ -85,12 +87,12 @@ def optimise(
 
     settings, space = study.optimise, search_space(study)
     assert settings is not None
-    asked = _asked(study, settings, space)
-    rows = list(_tried(spec, store, asked))
+    search_inputs = _search_inputs(study, settings, space)
+    rows = list(_rows_before(spec, store, search_inputs))
     optuna.logging.set_verbosity(optuna.logging.ERROR)
     search = optuna.create_study(directions=["minimize"] * len(study.goals))
     for row in rows:
-        goals, constraints = _told(study, row)
+        goals, constraints = _goals_and_violations(study, row)
         search.add_trial(
             create_trial(
                 state=TrialState.COMPLETE if goals else TrialState.FAIL,
@@ -100,7 +102,7 @@ def optimise(
                 constraints=constraints,
             )
         )
-    store.set_design([row.key for row in rows], **about, asked=asked)
+    store.set_design([row.key for row in rows], **about, asked=search_inputs)
     progress.begin(settings.trials, len(rows))
     try:
         while batch := _batch(search, settings, space):
@@ -108,7 +110,7 @@ def optimise(
             rows = _rows(spec, store, pool, points)
             store.append_design(batch[0].number, [row.key for row in rows])
             for trial, row in zip(batch, rows, strict=True):
-                goals, constraints = _told(study, row)
+                goals, constraints = _goals_and_violations(study, row)
                 for name, value in constraints.items():
                     trial.set_constraint(name, value)
                 search.tell(trial, goals, None if goals else TrialState.FAIL)
@@ -117,29 +119,33 @@ def optimise(
         progress.end()
 
 
-def _asked(study: StudyPlan, settings: Optimise, space: Mapping[str, BaseDistribution]) -> list[Any]:
+def _search_inputs(study: StudyPlan, settings: Optimise, space: Mapping[str, BaseDistribution]) -> list[Any]:
     """What the proposals depend on, in JSON's types."""
     return [
         study.names,
-        [list(one.levels) for one in study.parameters],
-        [str(one) for one in space.values()],
-        [one.text for one in study.goals.values()],
-        [one.text for one in study.constraints.values()],
+        [list(parameter.levels) for parameter in study.parameters],
+        [str(distribution) for distribution in space.values()],
+        [goal.text for goal in study.goals.values()],
+        [constraint.text for constraint in study.constraints.values()],
         [settings.seed, settings.batch, study.keeps_outside],
     ]
 
 
-def _tried(spec: DesignSpec, store: Store, asked: list[Any]) -> Iterator[Row]:
+def _rows_before(spec: DesignSpec, store: Store, search_inputs: list[Any]) -> Iterator[Row]:
     """Rows of the trials before, in their order; InputError if they are those of another search."""
     about = store.about
     if not about.get("design", {}).get("optimise"):
         return
     keys = store.design
-    known = store.rows(keys)
+    rows = store.rows(keys)
     for key in keys:
-        if about.get("asked") != asked or key not in known or spec.key(spec.point(known[key].inputs)) != key:
+        if (
+            about.get("asked") != search_inputs
+            or key not in rows
+            or spec.key(spec.point(rows[key].inputs)) != key
+        ):
             raise InputError(problem("study_another_search"))
-        yield known[key]
+        yield rows[key]
 
 
 def _batch(search: OptunaStudy, settings: Optimise, space: dict[str, BaseDistribution]) -> list[Trial]:
@@ -167,16 +173,16 @@ def _sampler(seed: int, number: int) -> TPESampler:
 def _rows(spec: DesignSpec, store: Store, pool: Pool, points: FloatArray) -> list[Row]:
     """Rows of some designs, calculated where they are not known."""
     keys = [spec.key(point) for point in points]
-    known = store.known(keys)
-    fresh = {key: point for key, point in zip(keys, points, strict=True) if key not in known}
+    stored = store.stored_keys(keys)
+    fresh = {key: point for key, point in zip(keys, points, strict=True) if key not in stored}
     for rows in pool.results(spec, [point[None] for point in fresh.values()]):
         check_unchanged(spec.files)
         store.write(rows)
-    found = store.rows(keys)
-    return [found[key] for key in keys]
+    stored_rows = store.rows(keys)
+    return [stored_rows[key] for key in keys]
 
 
-def _told(study: StudyPlan, row: Row) -> tuple[Sequence[float] | None, dict[str, float]]:
+def _goals_and_violations(study: StudyPlan, row: Row) -> tuple[Sequence[float] | None, dict[str, float]]:
     """Goals of a design, None if it has failed, and by how much it violates each constraint."""
     if row.reason is not None:
         return None, {}
@@ -185,14 +191,18 @@ def _told(study: StudyPlan, row: Row) -> tuple[Sequence[float] | None, dict[str,
         for name, value in zip(study.output_names, row.outputs, strict=True)
     }
     values |= {
-        one.name: float(value) for one, value in zip(study.parameters, row.inputs, strict=True) if one.numeric
+        parameter.name: float(value)
+        for parameter, value in zip(study.parameters, row.inputs, strict=True)
+        if parameter.numeric
     }
     goals = [formula(values) for formula in study.goals.values()]
     if not all(map(math.isfinite, goals)):
         return None, {}
     # infinite where a value is missing; optuna takes finite numbers only
-    found = {name: min(one.violation(values), 1e12) for name, one in study.constraints.items()}
+    violations = {
+        name: min(constraint.violation(values), 1e12) for name, constraint in study.constraints.items()
+    }
     if not study.keeps_outside:
         # a name that no constraint can have
-        found[str(Level.OUTSIDE)] = 1.0 if row.validity == Level.OUTSIDE else -1.0
-    return goals, found
+        violations[str(Level.OUTSIDE)] = 1.0 if row.validity == Level.OUTSIDE else -1.0
+    return goals, violations

@@ -16,13 +16,13 @@ _PAUSE = 10.0
 class Progress:
     """What a running study tells; this one says nothing."""
 
-    total = done = failed = known = 0
+    total = done = failed = done_before = 0
     """Designs of the study; those that are done, those of them that failed in this run, and those done before it."""
     _started = 0.0
 
-    def begin(self, total: int, known: int) -> None:
+    def begin(self, total: int, done_before: int) -> None:
         """So many designs, of which so many are calculated already."""
-        self.total, self.done, self.failed, self.known = total, known, 0, known
+        self.total, self.done, self.failed, self.done_before = total, done_before, 0, done_before
         self._started = time.monotonic()
 
     def advance(self, done: int, failed: int) -> None:
@@ -39,27 +39,27 @@ class Progress:
     @property
     def rate(self) -> float:
         """Designs of this run in a second."""
-        return (self.done - self.known) / max(time.monotonic() - self._started, 1e-9)
+        return (self.done - self.done_before) / max(time.monotonic() - self._started, 1e-9)
 
 
 class Lines(Progress):
     """A line on standard error now and then, with rate and remaining time."""
 
-    _said = 0.0
-    _told = 0
+    _last_line = 0.0
+    _done_in_line = 0
 
-    def begin(self, total: int, known: int) -> None:
+    def begin(self, total: int, done_before: int) -> None:
         """See `Progress`."""
-        super().begin(total, known)
-        self._said = time.monotonic()
-        if known:
-            self.note(f"{known} of {total} designs are calculated already")
+        super().begin(total, done_before)
+        self._last_line = time.monotonic()
+        if done_before:
+            self.note(f"{done_before} of {total} designs are calculated already")
 
     def advance(self, done: int, failed: int) -> None:
         """See `Progress`."""
         super().advance(done, failed)
-        if time.monotonic() - self._said > _PAUSE:
-            self._said, self._told = time.monotonic(), self.done
+        if time.monotonic() - self._last_line > _PAUSE:
+            self._last_line, self._done_in_line = time.monotonic(), self.done
             self.note(self._state())
 
     def note(self, text: str) -> None:
@@ -69,7 +69,7 @@ class Lines(Progress):
 
     def end(self) -> None:
         """See `Progress`."""
-        if self._told < self.done and self.known < self.done:
+        if self._done_in_line < self.done and self.done_before < self.done:
             self.note(self._state())
 
     def _state(self) -> str:
@@ -99,17 +99,17 @@ class Bar(Progress):
         )
         self._task: Any = None
 
-    def begin(self, total: int, known: int) -> None:
+    def begin(self, total: int, done_before: int) -> None:
         """See `Progress`."""
-        super().begin(total, known)
+        super().begin(total, done_before)
         self._bar.start()
-        self._task = self._bar.add_task("designs", total=total, completed=known, rate="", failed="")
+        self._task = self._bar.add_task("designs", total=total, completed=done_before, rate="", failed="")
 
     def advance(self, done: int, failed: int) -> None:
         """See `Progress`."""
         super().advance(done, failed)
-        told = f"{self.failed} failed" if self.failed else ""
-        self._bar.update(self._task, advance=done, rate=f"{self.rate:.3g}/s", failed=told)
+        failures = f"{self.failed} failed" if self.failed else ""
+        self._bar.update(self._task, advance=done, rate=f"{self.rate:.3g}/s", failed=failures)
 
     def note(self, text: str) -> None:
         """See `Progress`."""

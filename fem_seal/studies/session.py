@@ -142,10 +142,10 @@ def _calculate(study: StudyPlan, store: Store, pool: Pool, progress: Progress) -
 
         optimise(study, spec, about, store, pool, progress)
     else:
-        held = store.size
+        rows_before = store.size
         store.set_design((spec.key(point) for point in study.points), **about)
-        if held and store.counts()["open"] == len(study.points):
-            progress.note(phrase("studies.notes", "none_known", held=held, version=__version__))
+        if rows_before and store.counts()["open"] == len(study.points):
+            progress.note(phrase("studies.notes", "none_known", held=rows_before, version=__version__))
         _fill(spec, store, pool, study, progress)
 
 
@@ -171,15 +171,16 @@ def _missing(spec: DesignSpec, store: Store, all_chunks: Iterable[FloatArray]) -
     """Chunks without the designs that have a row already."""
     for chunk in all_chunks:
         keys = [spec.key(point) for point in chunk]
-        known = store.known(keys)
-        left = [n for n, key in enumerate(keys) if key not in known]
-        if left:
-            yield chunk[left]
+        stored = store.stored_keys(keys)
+        missing = [n for n, key in enumerate(keys) if key not in stored]
+        if missing:
+            yield chunk[missing]
 
 
 def _column_types(study: StudyPlan) -> dict[str, str]:
     return {
-        one.name: "REAL" if one.numeric else TRUTH if one.entry.truth else "TEXT" for one in study.parameters
+        parameter.name: "REAL" if parameter.numeric else TRUTH if parameter.entry.truth else "TEXT"
+        for parameter in study.parameters
     }
 
 
@@ -195,19 +196,21 @@ def description(study: StudyPlan) -> dict[str, Any]:
         "inputs": study.names,
         "parameters": [
             {
-                "name": one.name,
-                "unit": one.entry.unit,
-                "numeric": one.numeric,
-                "levels": list(one.levels)[:1000],
-                "bounds": list(one.bounds),
-                "distribution": None if one.distribution is None else type(one.distribution).__name__,
+                "name": parameter.name,
+                "unit": parameter.entry.unit,
+                "numeric": parameter.numeric,
+                "levels": list(parameter.levels)[:1000],
+                "bounds": list(parameter.bounds),
+                "distribution": None
+                if parameter.distribution is None
+                else type(parameter.distribution).__name__,
             }
-            for one in study.parameters
+            for parameter in study.parameters
         ],
         "responses": list(study.responses),
         "beside": list(study.beside),
         "derived": {name: formula.text for name, formula in study.derived.items()},
-        "constraints": {name: one.text for name, one in study.constraints.items()},
+        "constraints": {name: constraint.text for name, constraint in study.constraints.items()},
         "goals": {name: formula.text for name, formula in study.goals.items()},
         "design": {**study.design.model_dump(), "optimise": study.optimise is not None},
         "outside_theory": "keep" if study.keeps_outside else "leave out",
@@ -243,10 +246,12 @@ def _keep_fields(
             continue
         # written last: says that the folder is complete, and whose results it holds
         mark = place / "design.json"
-        if _marked(mark) == key:
+        if _key_in(mark) == key:
             continue
         inputs = dict(zip(study.names, store.rows([key])[key].inputs, strict=True))
-        changes = {one.name: one.entry.written(inputs[one.name]) for one in study.parameters}
+        changes = {
+            parameter.name: parameter.entry.written(inputs[parameter.name]) for parameter in study.parameters
+        }
         mark.unlink(missing_ok=True)
         limit = study.run_settings.time_limit
         try:
@@ -258,7 +263,7 @@ def _keep_fields(
         write_text(mark, json.dumps({"number": number, "key": key, "inputs": inputs}, indent=2) + "\n")
 
 
-def _marked(mark: Path) -> str | None:
+def _key_in(mark: Path) -> str | None:
     """Key of the design whose complete results lie beside a mark; None if it says nothing."""
     try:
         return str(parse_json(read_text(mark))["key"])

@@ -170,7 +170,7 @@ class Store:
         """Keys of the designs of the study, in their order."""
         return [key for (key,) in self._connection.execute("SELECT key FROM design ORDER BY number")]
 
-    def known(self, keys: Sequence[str]) -> set[str]:
+    def stored_keys(self, keys: Sequence[str]) -> set[str]:
         """Those of the keys that have a row."""
         return {key for (key,) in self._selected("key", keys)}
 

@@ -126,7 +126,7 @@ class Study(plan.StudyPlan):
             if design.file is None:
                 raise InputError(problem("study_list_without_file"))
             self.case, self.parameters, self.points = designs.read_list(folder / design.file, case)
-            self.parameters = tuple(_placed(one, folder) for one in self.parameters)
+            self.parameters = tuple(_placed(parameter, folder) for parameter in self.parameters)
         else:
             self.parameters = _read_parameters(case, read.parameters, folder)
             plan.check_design(design, self.parameters, read.optimise is not None)
@@ -299,7 +299,7 @@ def _read_parameters(case: Case, given: Mapping[str, Any], folder: Path) -> tupl
         except InputError as error:
             raise InputError.at(f"parameters.{path}", error.message) from None
         # an absolute pressure is above that at the outlet, which may differ from design to design
-        fluid = None if any(one.startswith("fluid.") for one in given) else case.written.get("fluid")
+        fluid = None if any(path.startswith("fluid.") for path in given) else case.written.get("fluid")
         read.append(_placed(read_parameter(entry, as_difference(entry.path, value, fluid)), folder))
     return tuple(read)
 

@@ -63,13 +63,9 @@ class Workers(ABC):
         """Whether nobody else calculates a chunk any more whose worker ends itself, or never ends it."""
         return False
 
-    def stranded(self, tasks: Mapping[Any, Task]) -> list[Any]:
-        """Chunks that wait for a worker that is gone, though others are there; they are taken back."""
+    def lost(self, tasks: Mapping[Any, Task]) -> list[Any]:
+        """After a silence: chunks that nobody calculates any more although nobody said so; they are taken back."""
         return []
-
-    def lost(self, tasks: Mapping[Any, Task]) -> Any:
-        """After a silence: a chunk that nobody calculates any more; None if all are well."""
-        return None
 
 
 @dataclass(frozen=True)
@@ -107,8 +103,8 @@ class WorkerPool:
         course = _Course(self, spec, list(chunks))
         with self.workers.listening(course.events.put):
             while course.hand_out():
-                if task := course.settled():
-                    yield from course.rows(*task)
+                if settled := course.settled():
+                    yield from course.rows(*settled)
 
 
 class _Course:
@@ -132,9 +128,6 @@ class _Course:
 
     def hand_out(self) -> bool:
         """Give every worker something to do; whether anything is on the way then."""
-        for future in self._workers.stranded(self._tasks):
-            task = self._tasks.pop(future)
-            self._queue.give_back(task.worker, task.chunk)
         there = Counter(task.worker for task in self._tasks.values())
         # while there is no worker, chunks are for whichever comes
         workers: list[str | None] = [*self._workers.names()] or [None]
@@ -155,19 +148,20 @@ class _Course:
         future.add_done_callback(self.events.put)
 
     def settled(self) -> tuple[Task, list[Row] | None] | None:
-        """Wait for a chunk: its rows, None if its workers died or one of its designs is late.
-
-        After a silence there is none: who has come meanwhile may be given something.
-        """
+        """Wait for a chunk: its rows, None if its workers died or a design is late. After a silence there is none."""
         try:
             future = self.events.get(timeout=HEARTBEAT)
         except Empty:
-            future = self._workers.lost(self._tasks)
+            for future in self._workers.lost(self._tasks):
+                task = self._tasks.pop(future)
+                self._queue.give_back(task.worker, task.chunk)
+            return None
         if isinstance(future, dict):
             future = self._heard(**future)
         # what was taken back settles as well
-        task = self._tasks.pop(future, None)
-        return None if task is None else (task, self._workers.rows(future))
+        if future not in self._tasks:
+            return None
+        return self._tasks.pop(future), self._workers.rows(future)
 
     def _heard(
         self, slow: str = "", late: list[float] | None = None, worker: str = "", replaceable: bool = True

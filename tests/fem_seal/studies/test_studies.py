@@ -67,11 +67,11 @@ def interrupted_after(count):
     """Calculates so many chunks and no more."""
     done = []
 
-    def calculate(recipe, chunk):
+    def calculate(spec, chunk):
         done.append(chunk)
         if len(done) > count:
             raise KeyboardInterrupt
-        return work.calculate(recipe, chunk)
+        return work.calculate(spec, chunk)
 
     return calculate
 
@@ -535,9 +535,9 @@ def test_spots_are_rounded_down_and_edges_stay_where_they_are():
 @pytest.mark.slow
 def test_rows_do_not_depend_on_order_or_neighbours(calculated):
     study, result = calculated
-    recipe = work.DesignSpec.of(study)
+    spec = work.DesignSpec.of(study)
     for number in (4, 0, 3):
-        (row,) = work.calculate(recipe, study.points[number : number + 1])
+        (row,) = work.calculate(spec, study.points[number : number + 1])
         assert row.outputs == tuple(result.table.loc[number, study.output_names])
 
 
@@ -764,8 +764,8 @@ def test_changes_may_need_what_the_parameters_bring(force):
 def test_failed_designs_are_calculated_again_on_request_alone(tmp_path, monkeypatch):
     study = small()
 
-    def first_fails(recipe, chunk):
-        row, *others = work.calculate(recipe, chunk)
+    def first_fails(spec, chunk):
+        row, *others = work.calculate(spec, chunk)
         return [replace(row, reason="out of memory", outputs=(None,) * len(row.outputs)), *others]
 
     with monkeypatch.context() as patch:

@@ -16,7 +16,7 @@ from fem_seal import InputError, Study
 from fem_seal.cli.app import main
 from fem_seal.seal.findings import Level
 from fem_seal.studies import responses, store
-from fem_seal.studies.optimise import _told
+from fem_seal.studies.optimise import _goals_and_violations
 from fem_seal.studies.responses import evaluate_design
 from fem_seal.studies.session import run_study
 from leak import LeakError
@@ -117,7 +117,7 @@ def test_a_search_does_not_end_outside_the_theory(tmp_path):
     assert 0 < result.left_out == (result.table["validity"] == "outside the theory").sum()
     # told to the sampler as a constraint that is violated
     with closing(store.open_to_read(tmp_path / store.FILE)) as file:
-        kept = [_told(study, row)[1] for row in file.rows(file.design).values()]
+        kept = [_goals_and_violations(study, row)[1] for row in file.rows(file.design).values()]
     assert {one["outside the theory"] for one in kept} == {1.0, -1.0}
     assert "outside the theory" in result.report().read_text()
 
