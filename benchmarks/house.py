@@ -59,7 +59,7 @@ AXES = {
     # pressure that acts
     "theory": Axis(
         (
-            r"(?i)theor(y|ies)",
+            r"(?i)(?<!outside_)theor(y|ies)",
             r"paper",
             r"(?i)corrected",
             r"flow_error|^FlowError$",
@@ -88,7 +88,6 @@ AXES = {
             r"with_faces",
             r"(lower|upper)_flange",
             r"upper_share",
-            r"_faces_as",
             r"of_all_faces",
         ),
         r"lower_half|of_faces|each_face|lower flange",

@@ -12,8 +12,7 @@ from fem_seal.answers.judgement import BoltState
 from fem_seal.bolts import Bolts
 from fem_seal.errors import ConvergenceError
 from fem_seal.seal.bounds import Bounds
-from fem_seal.seal.leak_model import LeakModel
-from fem_seal.seal.load_result import LoadResult
+from fem_seal.seal.load_result import load_results
 from fem_seal.seal.load_solver import LoadSolver, solve_loads
 
 
@@ -98,12 +97,8 @@ def _leak_rates(seal: SolvedSeal, request: Request, bolts: Bolts, factor: float)
     solver = LoadSolver(replace(problem, loads=loads.without(opened)), seal.model)
     solved = solve_loads(solver, request.clock.progress, unload=False)
     numbers = [n for n in range(len(left)) if n not in solved.failures]
-    found = [
-        LoadResult(*solved.points[number], contact, formed=formed)
-        for number, contact, formed in zip(numbers, solved.contacts, solved.around, strict=True)
-    ]
-    rough = LeakModel.of(problem.surface, problem.flow, [one for load in found for one in load.contacts])
-    leaks = [load.with_values(rough=rough).leak for load in found]
+    points = [solved.points[number] for number in numbers]
+    leaks = [load.leak for load in load_results(problem, points, solved.contacts, solved.around)]
     rates = dict.fromkeys(opened, math.inf)
     for n, leak in zip(numbers, leaks, strict=True):
         rates[left[n]] = math.nan if leak is None else leak.leak_rate

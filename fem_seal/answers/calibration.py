@@ -45,7 +45,7 @@ from fem_seal.seal.evaluate import SILENT, evaluate
 from fem_seal.seal.heating import warmed
 from fem_seal.seal.load_solver import Clock, Progress
 from fem_seal.seal.problem import SealProblem
-from fem_seal.seal.scenarios import TEST_GAS, theories
+from fem_seal.seal.scenarios import TEST_GAS, with_own_contacts
 from fem_seal.validity.checks import validity_of
 
 _DRAWS = 2**15
@@ -570,7 +570,8 @@ def _alternatives(
         case.leak.theory: float(logsumexp(data.log_likelihood(y))) - math.log(len(y))
     }
     others: list[tuple[str, dict[str, Any]]] = [
-        (scenario.name, {"leak.theory": scenario.name}) for scenario in theories(SealProblem.of(warmed(case)))
+        (scenario.name, {"leak.theory": scenario.name})
+        for scenario in with_own_contacts(SealProblem.of(warmed(case)))
     ]
     if any(one.case.load.earlier is not None for one in readings):
         others.append(

@@ -5,14 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
-from functools import partial
+from functools import cached_property, partial
 from html import escape
 from typing import TYPE_CHECKING, Self
+
+import numpy as np
 
 from fem_seal.answers import interval
 from fem_seal.answers.judgement import BoltState, Judgement, PassProbability, Verdict, VerdictForce
 from fem_seal.seal.both_faces import joined_validity
-from fem_seal.seal.bounds import Bounds
+from fem_seal.seal.bounds import AGREE, EXACT, Bounds
 from fem_seal.seal.findings import VALID, Finding, Validity
 from fem_seal.seal.load_result import (
     LoadResult,
@@ -26,6 +28,8 @@ from fem_seal.seal.scenarios import SCENARIOS, alternatives_on_contact, names
 from fem_seal.units import DIGITS, digits_within, format_quantity, leak_range_text, quantity_worth
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from fem_seal.case.case import Case
     from fem_seal.contact.load_path import Imprint, Unloaded
     from fem_seal.contact.model import ContactModel
@@ -35,7 +39,7 @@ if TYPE_CHECKING:
     from fem_seal.seal.evaluate import Evaluation
     from fem_seal.seal.leak_model import LeakModel
     from fem_seal.seal.problem import SealProblem
-    from leak import LeakResult, RoughContact
+    from leak import FlowError, LeakResult, RoughContact
     from meshes import SealMesh
 
 
@@ -237,6 +241,97 @@ class CaseLoad(LoadResult):
         return max(min(theory, super().digits_of("leak_rate" if least > 1 else name)), least)
 
     @property
+    def each_face(self) -> tuple[tuple[str, CaseLoad], ...]:
+        """The load with each of two different faces, with what names of bodies of the lower one begin with."""
+        return tuple(zip(("", "lower "), self.of_faces or (self,), strict=False))
+
+    @property
+    def digits(self) -> int:
+        """Significant digits that numbers which follow from the contact force are worth, four at most."""
+        return DIGITS if self.opening is None else self.opening.digits
+
+    @cached_property
+    def flow_error(self) -> FlowError | None:
+        """Distribution of what direct simulation finds over the leak rate.
+
+        By `RoughContact.flow_error` at the peak pressure, with the waves of the sealing area; None where the
+        conductivity is itself simulated, and for the paper's theory, which does not know its error.
+        """
+        if self.of_faces is not None:
+            # that of the face that decides
+            return self.of_faces[0 if self.upper_share() >= 0.5 else 1].flow_error
+        surface = None if self.rough is None or self.rough.simulated else self.rough.surface
+        if surface is None or not surface.knows_deviation or not self.peak_pressure > 0.0:
+            return None
+        # a lay stretches waves one way and shortens them as much the other
+        wavelength = 2.0 * math.pi / surface.spectrum.median_wavenumber
+        profile = self.tightest
+        around = 2.0 * math.pi * float(np.interp(profile.centroid, profile.x, profile.radius))
+        return surface.flow_error(self.peak_pressure, waves=self.fwhm * around / wavelength**2)
+
+    @property
+    def stop_force(self) -> float | None:
+        """What goes past the gasket through its stop [N]; None without a stop."""
+        return None if self.of_profile or math.isinf(self.contact.model.stop) else self.contact.stop_force
+
+    @property
+    def remembers(self) -> bool:
+        """Whether a place that carries the load has carried more before."""
+        return any(
+            bool((one.largest > AGREE * np.maximum(one.pressure, 0.01 * one.pressure.max())).any())
+            for one in self.contacts
+            if one.largest is not None
+        )
+
+    @cached_property
+    def unsealed(self) -> tuple[float, float]:
+        """What flows through the open bore, and through the rough gap without load [m^3/s]; infinite if not known."""
+        if self.of_faces is not None:
+            upper, lower = (one.unsealed for one in self.of_faces)
+            return 0.5 * (upper[0] + lower[0]), 0.5 * (upper[1] + lower[1])
+        flow = None if self.rough is None else self.rough.flow
+        if self.rough is None or flow is None:
+            return math.inf, math.inf
+        radius = min(float(one.radius.min()) for one in self.profiles)
+        bore = flow.through_open_bore(self.fluid_pressure, radius)
+        # what a form error leaves open is no rough gap
+        round_seal = self.formed is None
+        return bore, self.rough.leak_without_load(self.whole, self.fluid_pressure) if round_seal else math.inf
+
+    @property
+    def effective_viscosity(self) -> float | None:
+        """Constant viscosity of a liquid that leaks as much [Pa s]; None without roughness, and for a gas."""
+        flow = None if self.rough is None else self.rough.flow
+        return None if flow is None else flow.effective_viscosity(self.fluid_pressure)
+
+    @property
+    def max_von_mises(self) -> float:
+        """Largest von Mises stress in both bodies [Pa]."""
+        return self.largest_stress[0]
+
+    @property
+    def max_von_mises_at(self) -> tuple[str, float, float]:
+        """Name of the body and place (r, z) [m] of `max_von_mises`."""
+        return self.largest_stress[1]
+
+    @property
+    def contact_temperature(self) -> float | None:
+        """Mean temperature of both faces where they press on each other [K]; None where it is not given."""
+        contact = self.contact
+        model = contact.model
+        faces = [
+            contact.loads.face_temperature(body, contact.pressure, model)
+            for body in (model.closure, model.seat)
+        ]
+        known = [one for one in faces if one is not None]
+        return sum(known) / 2 if len(known) == 2 else None
+
+    @property
+    def gap_pressure(self) -> NDArray[np.float64] | None:
+        """Fluid pressure at the points of the contact line [Pa]; None where nothing is known of it."""
+        return self.contact.loads.gap_pressure if self.leak_round is None else self.leak_round.fluid_pressure
+
+    @property
     def leak_digits(self) -> int:
         """Significant digits of leak rates: what errors and the distance from opening leave."""
         return min(self.digits, self.digits_of("leak_rate"))
@@ -244,12 +339,16 @@ class CaseLoad(LoadResult):
     @property
     def theory_error(self) -> Bounds:
         """Factors on the leak rate between which direct simulation finds it in nine of ten seals, see `flow_error`."""
-        return interval.theory_error(self)
+        # what is told lies between its ends
+        return EXACT if self.flow_error is None else Bounds.of([1.0, *self.flow_error.factor(_NINE_OF_TEN)])
 
     @property
     def leak_validity(self) -> Validity:
         """The validity with what the mesh leaves uncertain of the leak rate: what its interval may be off by."""
-        return interval.doubts(self, self.validity, sampled=self.sampled is not None)
+        # the samples have the theory's own error
+        own = self.theory_error if self.sampled is None else EXACT
+        share = None if self.mesh_error is None else self.mesh_error.leak_rate
+        return interval.doubts(self.validity, share, own)
 
     @property
     def calculated_ends(self) -> Bounds | None:
@@ -269,7 +368,16 @@ class CaseLoad(LoadResult):
         what the calculation may be off by (`leak_validity`), but no more than physics lets through.
         """
         ends = self.calculated_ends
-        return None if ends is None else interval.combine(self, ends, self.leak_validity, self.rougher)
+        if self.leak is None or ends is None:
+            return None
+        before, most = partial(getattr, self, "leak_before_sealing"), partial(getattr, self, "most_leak")
+        return interval.combine(self.leak.leak_rate, ends, self.leak_validity, self.rougher, before, most)
+
+    @property
+    def most_leak(self) -> float:
+        """What physics lets through: the open bore, and the rough gap of a round seal without load [m^3/s]."""
+        bore, gap = self.unsealed
+        return min(bore, self.rougher * gap)
 
     @property
     def has_interval(self) -> bool:
@@ -309,6 +417,7 @@ class CaseLoad(LoadResult):
         return None if self.verdict_force is None else self.verdict_force.force
 
 
+_NINE_OF_TEN = 0.05, 0.95
 AnyLoad = CaseLoad | MissingLoad
 Prepare = Callable[[str, "LeakModel"], "LeakModel"]
 
@@ -481,7 +590,7 @@ class SolvedSeal:
     @property
     def profiles(self) -> tuple[PressureProfile, ...]:
         """Pressure profile of each load."""
-        return tuple(load.contact.profile for load in self.loads)
+        return tuple(load.tightest for load in self.loads)
 
     @property
     def contact(self) -> tuple[ContactSolution, ...]:

@@ -13,7 +13,7 @@ from fem_seal.answers.leakage_class import NominalSize, nominal_size
 from fem_seal.answers.target import TARGET
 from fem_seal.seal.findings import NOT_JUDGED, Finding, Level, Validity, worst_first
 from fem_seal.seal.load_result import highest_load
-from fem_seal.seal.scenarios import theories
+from fem_seal.seal.scenarios import with_own_contacts
 from fem_seal.units import format_quantity, quantity
 from fem_seal.validity.checks import contact_cautions, earlier_cautions, load_validity
 from fem_seal.validity.words import caution
@@ -33,14 +33,14 @@ class Findings:
         Of each load.
     cautions : tuple of Finding
         The worst first.
-    by_theory : tuple of mapping
-        Validity of each load by the theories that it is not calculated with; empty for loads of which no more than the
+    beside : tuple of mapping
+        Validity of each load in the scenarios with contacts of their own; empty for loads of which no more than the
         number is told.
     """
 
     validity: tuple[Validity, ...] = ()
     cautions: tuple[Finding, ...] = ()
-    by_theory: tuple[Mapping[str, Validity], ...] = ()
+    beside: tuple[Mapping[str, Validity], ...] = ()
 
 
 def _compute(seal: SolvedSeal, request: Request) -> Findings:
@@ -57,7 +57,7 @@ def _compute(seal: SolvedSeal, request: Request) -> Findings:
         for load in seal.loads
     ]
     others = compute(
-        "validity by the other theory", partial(_of_other_theories, seal, before), ({},) * len(seal.loads)
+        "validity by the other theory", partial(_in_scenarios, seal, before), ({},) * len(seal.loads)
     )
     cautions = tuple(
         worst_first((*seal.said_of_missing, *_of_nominal_size(nominal_size(seal.case)), *checks, *before))
@@ -76,8 +76,8 @@ def findings_of_profiles(seal: SolvedSeal) -> Findings:
     # of all loads the worst of each kind
     kinds = {one.kind: one for load in seal.loads for one in reversed(worst_first(load.validity.cautions))}
     found = worst_first((*kinds.values(), *_of_nominal_size(nominal_size(seal.case))))
-    theory = [scenario.name for scenario in theories(seal.problem)]
-    known = ({name: load.scenarios[name].validity for name in theory} for load in seal.loads)
+    beside = [scenario.name for scenario in with_own_contacts(seal.problem)]
+    known = ({name: load.scenarios[name].validity for name in beside} for load in seal.loads)
     return Findings(tuple(load.validity for load in seal.loads), tuple(found), tuple(known))
 
 
@@ -91,14 +91,14 @@ def _of_nominal_size(size: NominalSize) -> Iterator[Finding]:
         yield replace(found, level=Level.VALID)
 
 
-def _of_other_theories(seal: SolvedSeal, before: tuple[Finding, ...]) -> tuple[Mapping[str, Validity], ...]:
+def _in_scenarios(seal: SolvedSeal, before: tuple[Finding, ...]) -> tuple[Mapping[str, Validity], ...]:
     """Of the loads whose interval by another theory is told: the highest, and those that are judged."""
     highest, required = highest_load(seal.loads), seal.case.requirement
     told = [
         number == highest or (required is not None and required.judges(load.fluid_pressure))
         for number, load in enumerate(seal.loads)
     ]
-    beside = list(theories(seal.problem))
+    beside = list(with_own_contacts(seal.problem))
     return tuple(
         {
             scenario.name: load_validity(scenario.problem, other, before)
@@ -111,8 +111,8 @@ def _of_other_theories(seal: SolvedSeal, before: tuple[Finding, ...]) -> tuple[M
 
 def _of_load(load: CaseLoad, number: int, found: Findings) -> CaseLoad:
     validity = found.validity[number] if found.validity else NOT_JUDGED
-    of_theories = found.by_theory[number] if found.by_theory else {}
-    scenarios = {name: load.scenarios[name].with_values(validity=one) for name, one in of_theories.items()}
+    beside = found.beside[number] if found.beside else {}
+    scenarios = {name: load.scenarios[name].with_values(validity=one) for name, one in beside.items()}
     return load.with_scenarios(scenarios).with_values(validity=validity)
 
 

@@ -17,8 +17,7 @@ from fem_seal.contact.sizing import MeshFit, fit_meshes
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError, OpenSealError, SealError
 from fem_seal.loads import contact_force
-from fem_seal.seal.evaluate import load_results
-from fem_seal.seal.load_result import LoadResult, by_face
+from fem_seal.seal.load_result import LoadResult, by_face, load_results
 from fem_seal.seal.load_solver import LoadSolver, Progress
 from fem_seal.seal.problem import SealProblem, largest_force, sizing
 from leak.numerics.roots import root_between

@@ -15,7 +15,7 @@ from fem_seal.profile import PressureProfile, joined
 from fem_seal.seal.leak_model import Conductivity, FlowModel, LeakModel
 from fem_seal.seal.load_result import GivenContact, LoadResult
 from fem_seal.seal.problem import SealProblem
-from fem_seal.seal.scenarios import theories
+from fem_seal.seal.scenarios import with_own_contacts
 from fem_seal.units import format_quantity
 from fem_seal.validity.checks import profile_validity
 from leak import RoughContact
@@ -78,7 +78,7 @@ def leak_of_profiles(problem: SealProblem, profiles: Sequence[ImportedProfile]) 
         for fluid_pressure in loads
     ]
     made = case_loads(problem, given)
-    for scenario in theories(problem):
+    for scenario in with_own_contacts(problem):
         # the force is not known, and the contact the same for all
         others = case_loads(scenario.problem, scenario.on_contacts(given))
         made = [load.with_scenarios({scenario.name: other}) for load, other in zip(made, others, strict=True)]

@@ -13,11 +13,12 @@ from fem_seal.answers.compression import COMPRESSION
 from fem_seal.answers.error_shares import ERROR_SHARES
 from fem_seal.answers.form import FORM
 from fem_seal.answers.judgement import Judgement, SealJudgement, Verdict
+from fem_seal.answers.own_contacts import OWN_CONTACTS
 from fem_seal.answers.particles import PARTICLES
 from fem_seal.answers.sensitivities import SENSITIVITIES
 from fem_seal.answers.standard_tests import SET_PRESSURE, STANDARD_TESTS
 from fem_seal.answers.uncertainty import UNCERTAINTY
-from fem_seal.answers.variants import INTERFACE_VARIANTS, THEORIES
+from fem_seal.answers.variants import INTERFACE_VARIANTS
 from fem_seal.answers.verdict import VERDICT
 from fem_seal.seal.load_result import DiscretisationError, highest_load, strongest_load
 
@@ -40,7 +41,7 @@ class SealSolution(SolvedSeal):
     form = FORM
     particles = PARTICLES
     interface_variants = INTERFACE_VARIANTS
-    theories = THEORIES
+    theories = OWN_CONTACTS
     uncertainty = UNCERTAINTY
     error_shares = ERROR_SHARES
     standard_tests = STANDARD_TESTS
@@ -67,9 +68,9 @@ class SealSolution(SolvedSeal):
         return VERDICT.of(self.answers).seal
 
     @property
-    def judgement_by_theory(self) -> Mapping[str, tuple[int, Judgement, Verdict]]:
-        """What would decide by another theory that comes to another verdict, see `fem_seal.answers.verdict`."""
-        return VERDICT.of(self.answers).by_theory
+    def judgement_beside(self) -> Mapping[str, tuple[int, Judgement, Verdict]]:
+        """What would decide in a scenario that comes to another verdict, see `fem_seal.answers.verdict`."""
+        return VERDICT.of(self.answers).beside
 
     @property
     def strongest(self) -> CaseLoad:

@@ -28,7 +28,7 @@ from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.load_solver import Clock, Progress
 from fem_seal.seal.problem import SealProblem
-from fem_seal.seal.scenarios import theories
+from fem_seal.seal.scenarios import with_own_contacts
 from fem_seal.units import briefly
 from fem_seal.validity.checks import earlier_cautions, load_validity
 from fem_seal.validity.words import sentence
@@ -173,14 +173,14 @@ class Judgements:
     ----------
     seal : SealJudgement or None
     of_loads : tuple of Judgement or None
-    by_theory : mapping
-        Number and judgement of the load that would decide by a theory that the loads are not calculated with, and the
-        verdict by their own, both with the inputs as given; where these verdicts differ.
+    beside : mapping
+        Number and judgement of the load that would decide in a scenario with contacts of its own, and the verdict in
+        the nominal one, both with the inputs as given; where these verdicts differ.
     """
 
     seal: SealJudgement | None = None
     of_loads: tuple[Judgement | None, ...] = ()
-    by_theory: Mapping[str, tuple[int, Judgement, Verdict]] = field(default_factory=dict)
+    beside: Mapping[str, tuple[int, Judgement, Verdict]] = field(default_factory=dict)
 
 
 def _compute(seal: SolvedSeal, request: Request) -> Judgements:
@@ -188,13 +188,13 @@ def _compute(seal: SolvedSeal, request: Request) -> Judgements:
     sampled = UNCERTAINTY.of(request.answers) is not None or not open_inputs
     loads = with_judgements(seal.case, seal.loads, sampled=sampled)
     found = seal_judgement(seal.case, loads, seal.missing, seal.problem.hardness)
-    return Judgements(found, tuple(load.judgement for load in loads), _by_theory(seal))
+    return Judgements(found, tuple(load.judgement for load in loads), _in_scenarios(seal))
 
 
-def _by_theory(seal: SolvedSeal) -> dict[str, tuple[int, Judgement, Verdict]]:
+def _in_scenarios(seal: SolvedSeal) -> dict[str, tuple[int, Judgement, Verdict]]:
     own = _worst(seal.case, [load.with_values(sampled=None) for load in seal.loads])
     found = {}
-    for scenario in theories(seal.problem):
+    for scenario in with_own_contacts(seal.problem):
         other = _worst(seal.case, [load.scenarios.get(scenario.name) for load in seal.loads])
         if own is not None and other is not None and own[1].verdict is not other[1].verdict:
             found[scenario.name] = (*other, own[1].verdict)

@@ -325,14 +325,14 @@ def show_leak_table(
     volume : LeakVolume, optional
         State of the leaking volume; that of a liquid unless given.
     """
-    from fem_seal.output.columns import COLUMNS, LEAK_ON_TERMINAL, own_theory
+    from fem_seal.output.columns import COLUMNS, LEAK_ON_TERMINAL, own_columns
     from fem_seal.output.report.words import volume_notes
     from fem_seal.seal.findings import Level
     from fem_seal.seal.load_result import MissingLoad
 
     found = [load for load in loads if not isinstance(load, MissingLoad)]
     # what tells the rows apart is the contact force, as far as there is one
-    without = {*own_theory(found), *(["applied_force_N"] if len(found) == len(loads) else [])}
+    without = {*own_columns(found), *(["applied_force_N"] if len(found) == len(loads) else [])}
     columns = [
         column
         for column in LEAK_ON_TERMINAL

@@ -349,7 +349,7 @@ def in_full(text: str, taken: Collection[str] = ()) -> str:
 _NAME = re.compile(r"""\"[^"]*\"|'[^']*'|(?<![\w.])[A-Za-z_]\w*(?![\w.(])""")
 
 
-def own_theory(loads: Sequence[CaseLoad]) -> set[str]:
+def own_columns(loads: Sequence[CaseLoad]) -> set[str]:
     """Columns of the theory that the loads themselves use: they repeat the leak rate.
 
     Parameters

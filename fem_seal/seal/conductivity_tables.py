@@ -23,7 +23,7 @@ import numpy as np
 
 from fem_seal.arrays import FloatArray
 from fem_seal.contact.laws import InterfaceLaw, ScaledLaw
-from fem_seal.seal.leak_model import Conductivity, FlowModel, theory_table
+from fem_seal.seal.leak_model import Conductivity, FlowModel, calculated_table
 from leak import GasConductivityTable, PowerSpectrum, RoughContact
 from leak.flow.conductivity import AlikeTables, LoadMemory
 from leak.numerics.curves import lagrange
@@ -145,7 +145,7 @@ def _made(name: FamilyTable) -> Conductivity:
     if name.place is not None:
         surface, num = replace(surface, hardness=_MODULUS * math.exp(_SPACING * name.place)), _NODES
     sealing = surface.sealing_pressure
-    return theory_table(surface, _RANGE * sealing, sealing, num, of_gas=name.of_gas)
+    return calculated_table(surface, _RANGE * sealing, sealing, num, of_gas=name.of_gas)
 
 
 @lru_cache(maxsize=64)

@@ -7,7 +7,7 @@ solved side by side: one kind of work for all of them, then the next.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Collection, Hashable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
@@ -20,16 +20,14 @@ from fem_seal.contact.sizing import MeshFit, fit_meshes
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError, LimitLoadError, LoadProblem, LongPathError, NoLoadLeftError
 from fem_seal.seal.cost import about, path_seconds
-from fem_seal.seal.leak_model import Conductivity, FlowModel, LeakModel
-from fem_seal.seal.load_result import LoadResult
+from fem_seal.seal.load_result import LoadResult, load_results
 from fem_seal.seal.load_solver import Clock, LoadSolver, SolvedLoads, solve_loads
 from fem_seal.seal.problem import Loads, SealProblem, sizing
 from fem_seal.seal.sources import EXACT, Source
 from meshes import MeshingError, SealMesh
 
 if TYPE_CHECKING:
-    from fem_seal.seal.circumference import Circumference
-    from leak import RoughContact
+    pass
 
 T = TypeVar("T")
 Asked = TypeVar("Asked")
@@ -174,13 +172,8 @@ class Evaluation:
     @cached_property
     def loads(self) -> tuple[LoadResult, ...]:
         """Each load with the contact that was found."""
-        own = load_results(
-            self.problem,
-            self.problem.loads.points,
-            self.solved.contacts,
-            self.solved.around,
-            self.source.table,
-        )
+        problem, solved = self.problem, self.solved
+        own = load_results(problem, problem.loads.points, solved.contacts, solved.around, self.source.table)
         if self.lower_half is None:
             return own
         return tuple(map(LoadResult.beside, own, self.lower_half.loads))
@@ -214,38 +207,6 @@ class Evaluation:
         """A gasket with this flange above and another one below, under the loads that both can carry."""
         upper, lower = self.without(lower.solved.failures), lower.without(self.solved.failures)
         return replace(upper, problem=replace(upper.problem, lower_half=lower.problem), lower_half=lower)
-
-
-def load_results(
-    problem: SealProblem,
-    points: Sequence[tuple[float, float]],
-    contacts: Sequence[ContactSolution],
-    around: Sequence[Circumference | None],
-    table: Callable[[FlowModel, RoughContact, Sequence[float]], Conductivity] = FlowModel.table_around,
-) -> tuple[LoadResult, ...]:
-    """Loads with their contacts, which share one table of the flow conductivity.
-
-    Parameters
-    ----------
-    problem : SealProblem
-    points : sequence of tuple
-        Fluid pressure [Pa] and applied force [N] of each load.
-    contacts : sequence of ContactSolution
-    around : sequence of Circumference or None
-        Each contact around the axis; None for a round seal.
-    table : callable
-        See `fem_seal.seal.sources.Source.table`.
-    """
-    known: dict[Hashable, LoadResult] = {}
-    # a load that comes again is the same one, and so is its leak rate
-    bare = [
-        known.setdefault((point, id(contact)), LoadResult(*point, contact, formed=formed))
-        for point, contact, formed in zip(points, contacts, around, strict=True)
-    ]
-    shown = [contact for load in known.values() for contact in load.contacts]
-    rough = LeakModel.of(problem.surface, problem.flow, shown, table)
-    filled = {load: load.with_values(rough=rough) for load in known.values()}
-    return tuple(filled[load] for load in bare)
 
 
 def evaluate(problem: SealProblem, source: Source = EXACT, clock: Clock = SILENT) -> Evaluation:

@@ -180,7 +180,7 @@ class FlowModel:
         """
         if self.simulated is not None:
             return self.simulated.table(surface).conductivity_table(p_min, p_max, num, self.end)
-        return theory_table(surface, p_min, p_max, num, of_gas=self.gas is not None)
+        return calculated_table(surface, p_min, p_max, num, of_gas=self.gas is not None)
 
     def table_around(self, surface: RoughContact, log_peaks: Sequence[float]) -> Conductivity:
         """Flow conductivity of a surface over all pressures that occur in contacts with some peak pressures.
@@ -406,7 +406,7 @@ class FlowModel:
         return found.leak_rate / found.radial_leak_rate - 1.0
 
 
-def theory_table(
+def calculated_table(
     surface: RoughContact, p_min: float, p_max: float, num: int | None, *, of_gas: bool
 ) -> Conductivity:
     """Flow conductivity of a surface over a range of contact pressures, see `FlowModel.table`.

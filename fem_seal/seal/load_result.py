@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Self, TypeVar
@@ -12,7 +12,6 @@ import numpy as np
 
 from fem_seal.profile import PressureProfile, joined, tightest
 from fem_seal.seal.both_faces import mean_leak, share_of
-from fem_seal.seal.bounds import AGREE
 from fem_seal.seal.lazy import Lazy
 from fem_seal.seal.leak_model import Conductivity, FlowModel, LeakModel
 from fem_seal.units import DIGITS, digits_within
@@ -23,7 +22,8 @@ if TYPE_CHECKING:
     from fem_seal.contact.solution import ContactSolution
     from fem_seal.errors import LoadProblem
     from fem_seal.seal.circumference import Circumference
-    from leak import FlowError, LeakResult, RoughContact
+    from fem_seal.seal.problem import SealProblem
+    from leak import LeakResult, RoughContact
 
 
 _NINE_OF_TEN = 0.05, 0.95
@@ -92,16 +92,6 @@ class LoadResult(Lazy):
         """The load in scenarios of which a number stands beside wherever its own is told; none of one alone."""
         return {}
 
-    @property
-    def each_face(self) -> tuple[tuple[str, LoadResult], ...]:
-        """The load with each of two different faces, with what names of bodies of the lower one begin with."""
-        return tuple(zip(("", "lower "), self.of_faces or (self,), strict=False))
-
-    @property
-    def digits(self) -> int:
-        """Significant digits that numbers which follow from the contact force are worth, four at most."""
-        return DIGITS if self.opening is None else self.opening.digits
-
     def digits_of(self, name: str) -> int:
         """Significant digits that the error of the mesh leaves of one of its numbers, four at most.
 
@@ -117,29 +107,11 @@ class LoadResult(Lazy):
         share = max(self.mesh_error.peak_pressure, self.mesh_error.std) if known is None else known
         return max(digits_within(share), 1)
 
-    @cached_property
-    def flow_error(self) -> FlowError | None:
-        """Distribution of what direct simulation finds over the leak rate.
-
-        By `RoughContact.flow_error` at the peak pressure, with the waves of the sealing area; None where the
-        conductivity is itself simulated, and for the paper's theory, which does not know its error.
-        """
-        if self.of_faces is not None:
-            # that of the face that decides
-            return self.of_faces[0 if self.upper_share() >= 0.5 else 1].flow_error
-        surface = None if self.rough is None or self.rough.simulated else self.rough.surface
-        if surface is None or surface.theory == "paper" or not self.peak_pressure > 0.0:
-            return None
-        # a lay stretches waves one way and shortens them as much the other
-        wavelength = 2.0 * math.pi / surface.spectrum.median_wavenumber
-        profile = self.tightest
-        around = 2.0 * math.pi * float(np.interp(profile.centroid, profile.x, profile.radius))
-        return surface.flow_error(self.peak_pressure, waves=self.fwhm * around / wavelength**2)
-
     @property
     def pressure_digits(self) -> int:
         """Significant digits of contact pressures and stresses: what errors and the distance from opening leave."""
-        return min(self.digits, self.digits_of("peak_pressure"))
+        of_force = DIGITS if self.opening is None else self.opening.digits
+        return min(of_force, self.digits_of("peak_pressure"))
 
     @property
     def of_profile(self) -> bool:
@@ -192,11 +164,6 @@ class LoadResult(Lazy):
         return self.contact.contact_force
 
     @property
-    def stop_force(self) -> float | None:
-        """What goes past the gasket through its stop [N]; None without a stop."""
-        return None if self.of_profile or math.isinf(self.contact.model.stop) else self.contact.stop_force
-
-    @property
     def line_load(self) -> float:
         """f_N [N/m]."""
         return self.contact.line_load
@@ -230,30 +197,6 @@ class LoadResult(Lazy):
 
         return formed.with_leak(LeakCurve(formed.local, flow))
 
-    @property
-    def remembers(self) -> bool:
-        """Whether a place that carries the load has carried more before."""
-        return any(
-            bool((one.largest > AGREE * np.maximum(one.pressure, 0.01 * one.pressure.max())).any())
-            for one in self.contacts
-            if one.largest is not None
-        )
-
-    @cached_property
-    def unsealed(self) -> tuple[float, float]:
-        """What flows through the open bore, and through the rough gap without load [m^3/s]; infinite if not known."""
-        if self.of_faces is not None:
-            upper, lower = (one.unsealed for one in self.of_faces)
-            return 0.5 * (upper[0] + lower[0]), 0.5 * (upper[1] + lower[1])
-        flow = None if self.rough is None else self.rough.flow
-        if self.rough is None or flow is None:
-            return math.inf, math.inf
-        radius = min(float(one.radius.min()) for one in self.profiles)
-        bore = flow.through_open_bore(self.fluid_pressure, radius)
-        # what a form error leaves open is no rough gap
-        round_seal = self.formed is None
-        return bore, self.rough.leak_without_load(self.whole, self.fluid_pressure) if round_seal else math.inf
-
     @cached_property
     def leak_before_sealing(self) -> float:
         """What leaks at most where the percolation threshold decides [m^3/s]; zero where it does not."""
@@ -263,12 +206,6 @@ class LoadResult(Lazy):
             return 0.0
         return self.rough.leak_before_sealing(self.whole, self.fluid_pressure)
 
-    @property
-    def effective_viscosity(self) -> float | None:
-        """Constant viscosity of a liquid that leaks as much [Pa s]; None without roughness, and for a gas."""
-        flow = None if self.rough is None else self.rough.flow
-        return None if flow is None else flow.effective_viscosity(self.fluid_pressure)
-
     @cached_property
     def critical_separation(self) -> float | None:
         """u_c at the peak pressure [m]; None without roughness."""
@@ -276,38 +213,58 @@ class LoadResult(Lazy):
 
     @cached_property
     def largest_stress(self) -> tuple[float, tuple[str, float, float]]:
-        """`max_von_mises` and `max_von_mises_at`."""
+        """Largest von Mises stress in both bodies [Pa], name of the body and place (r, z) [m]."""
         worst = max(self.contact.fields.values(), key=lambda field: float(field.von_mises.max()))
         node = int(np.argmax(worst.von_mises))
         r, z = worst.points[node].tolist()
         return float(worst.von_mises[node]), (worst.name, r, z)
 
-    @property
-    def max_von_mises(self) -> float:
-        """Largest von Mises stress in both bodies [Pa]."""
-        return self.largest_stress[0]
 
-    @property
-    def max_von_mises_at(self) -> tuple[str, float, float]:
-        """Name of the body and place (r, z) [m] of `max_von_mises`."""
-        return self.largest_stress[1]
+def load_results(
+    problem: SealProblem,
+    points: Iterable[tuple[float, float]],
+    contacts: Sequence[ContactSolution],
+    around: Sequence[Circumference | None],
+    table: Callable[[FlowModel, RoughContact, Sequence[float]], Conductivity] | None = None,
+    alike: Sequence[ContactSolution] = (),
+) -> tuple[LoadResult, ...]:
+    """Loads of a problem on contacts that are known; one that comes again is the same, and so is its leak rate.
 
-    @property
-    def contact_temperature(self) -> float | None:
-        """Mean temperature of both faces where they press on each other [K]; None where it is not given."""
-        contact = self.contact
-        model = contact.model
-        faces = [
-            contact.loads.face_temperature(body, contact.pressure, model)
-            for body in (model.closure, model.seat)
-        ]
-        known = [one for one in faces if one is not None]
-        return sum(known) / 2 if len(known) == 2 else None
+    Parameters
+    ----------
+    problem : SealProblem
+    points : iterable of tuple
+        Fluid pressure [Pa] and applied force [N] of each.
+    contacts : sequence of ContactSolution
+    around : sequence of Circumference or None
+        Each contact around the axis; None for a round seal.
+    table : callable, optional
+        Conductivity of a flow and a surface, over peak pressures given as decimal logarithms.
+    alike : sequence of ContactSolution
+        Others over whose pressures the conductivity is tabulated as well.
+    """
+    known: dict[Hashable, LoadResult] = {}
+    bare = [
+        known.setdefault((point, id(contact)), LoadResult(*point, contact, formed=formed))
+        for point, contact, formed in zip(points, contacts, around, strict=True)
+    ]
+    shown = [*alike, *(contact for load in known.values() for contact in load.contacts)]
+    rough = LeakModel.of(problem.surface, problem.flow, shown, table) if shown else None
+    filled = {load: load.with_values(rough=rough) for load in known.values()}
+    return tuple(filled[load] for load in bare)
 
-    @property
-    def gap_pressure(self) -> NDArray[np.float64] | None:
-        """Fluid pressure at the points of the contact line [Pa]; None where nothing is known of it."""
-        return self.contact.loads.gap_pressure if self.leak_round is None else self.leak_round.fluid_pressure
+
+def on_new_surfaces(load: LoadResult) -> LoadResult:
+    """A load as if no place had carried more before; itself where none has.
+
+    Parameters
+    ----------
+    load : LoadResult
+    """
+    if load.of_profile or load.contact.first_loading is load.contact:
+        return load
+    formed = None if load.formed is None else load.formed.first_loading
+    return replace(load, contact=load.contact.first_loading, formed=formed)
 
 
 def leak_rates(

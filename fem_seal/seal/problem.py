@@ -76,8 +76,8 @@ def exponential_law(interface: Interface, surface: RoughContact | None) -> tuple
     interface : Interface
     surface : RoughContact or None
     """
-    corrected = surface is not None and surface.theory == "corrected"
-    if interface.law == "smooth" or (interface.law == "spectrum" and corrected):
+    exponential = surface is None or surface.exponential_at_low_pressure
+    if interface.law == "smooth" or (interface.law == "spectrum" and not exponential):
         return None, None
     if surface is None:
         return interface.u0, interface.p_c
@@ -149,6 +149,11 @@ class Loads:
     def fluid_pressure(self) -> tuple[float, ...]:
         """Fluid pressure of every load [Pa]."""
         return tuple(pressure for pressure, _ in self.points)
+
+    @property
+    def on_new_surfaces(self) -> Loads:
+        """The same without a load before them."""
+        return self if self.earlier is None else replace(self, earlier=None)
 
     def without(self, numbers: Collection[int]) -> Loads:
         """The others.

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import leak
 from fem_seal.files import own_tables
+from fem_seal.seal.load_result import on_new_surfaces
 from leak import Reading
 from leak.theory.plasticity import READINGS
 
@@ -58,6 +59,8 @@ class ScenarioWords:
         Behind "leak rate" in the description of its column.
     title : str
         Behind "leak rate, " on an axis.
+    in_headline : bool
+        Whether the headline of the report tells it.
     """
 
     in_interval: bool = False
@@ -72,6 +75,7 @@ class ScenarioWords:
     taken: str = ""
     column: str = ""
     title: str = ""
+    in_headline: bool = False
 
 
 SCENARIOS = {name: ScenarioWords(**words) for name, words in own_tables("scenarios.toml").items()}
@@ -133,7 +137,7 @@ class Scenario:
             Given the surfaces and the fluid of the scenario, once for all loads that share them.
         """
         if self.name == FIRST_LOADING:
-            return list(map(_on_first_loading, loads))
+            return list(map(on_new_surfaces, loads))
         models: dict[int, LeakModel] = {}
         for load in loads:
             if load.rough is not None and id(load.rough) not in models:
@@ -146,13 +150,6 @@ class Scenario:
         return replace(beside, surface=self.problem.surface, flow=self.problem.flow)
 
 
-def _on_first_loading(load: LoadResult) -> LoadResult:
-    if load.of_profile or load.contact.first_loading is load.contact:
-        return load
-    formed = None if load.formed is None else load.formed.first_loading
-    return replace(load, contact=load.contact.first_loading, formed=formed)
-
-
 def alternatives(problem: SealProblem) -> tuple[Scenario, ...]:
     """Scenarios that belong beside the seal of a problem; of two different flanges ask each half.
 
@@ -160,7 +157,7 @@ def alternatives(problem: SealProblem) -> tuple[Scenario, ...]:
     ----------
     problem : SealProblem
     """
-    return (*alternatives_on_contact(problem), *theories(problem))
+    return (*alternatives_on_contact(problem), *with_own_contacts(problem))
 
 
 def alternatives_on_contact(problem: SealProblem) -> Iterator[Scenario]:
@@ -187,10 +184,10 @@ def alternatives_on_contact(problem: SealProblem) -> Iterator[Scenario]:
     if (tested := with_test_gas(flow)) is not flow:
         yield Scenario(TEST_GAS, replace(problem, flow=tested))
     if surface.hardness is not None:
-        yield Scenario(FIRST_LOADING, replace(problem, loads=replace(problem.loads, earlier=None)))
+        yield Scenario(FIRST_LOADING, replace(problem, loads=problem.loads.on_new_surfaces))
 
 
-def theories(problem: SealProblem) -> Iterator[Scenario]:
+def with_own_contacts(problem: SealProblem) -> Iterator[Scenario]:
     """Those by the theories of the rough contact that a problem does not use, each with what it takes by default.
 
     None without roughness or fluid; a simulation of the flow is of neither theory.

@@ -24,10 +24,10 @@ from fem_seal.answers.chain import solve
 from fem_seal.answers.findings import FINDINGS
 from fem_seal.answers.judgement import PassProbability, Verdict
 from fem_seal.answers.opening import OPENING
+from fem_seal.answers.own_contacts import OWN_CONTACTS
 from fem_seal.answers.pass_probability import PASS_PROBABILITY, pass_probabilities
 from fem_seal.answers.target import TARGET
 from fem_seal.answers.uncertainty import UNCERTAINTY
-from fem_seal.answers.variants import THEORIES
 from fem_seal.answers.verdict import VERDICT, VERDICT_FORCE, judged
 from fem_seal.case.case import Case
 from fem_seal.errors import SealError, error_text
@@ -160,7 +160,7 @@ def _with_answers(found: Evaluation, case: Case, columns: Sequence[str]) -> Case
     if any(map(is_of_bolts, columns)):
         answers.append(BOLTS)
     if not _OWN_CONTACTS.isdisjoint(columns):
-        answers.append(THEORIES)
+        answers.append(OWN_CONTACTS)
     if found.seal_mesh is not None and not INTERVAL.isdisjoint(columns):
         answers.append(ACCURACY)
     return answered(solved_seal(found, case), Request(found.solver, SILENT), answers).loads[0]
@@ -253,6 +253,6 @@ def _result(load: CaseLoad, columns: Sequence[str]) -> DesignResult:
 
 def _with_verdict_force(case: Case, columns: Sequence[str]) -> DesignResult:
     """Of the force with which the verdict passes every force that is tried takes a run of its own."""
-    answers = _FOR_VERDICT if _OWN_CONTACTS.isdisjoint(columns) else (THEORIES, *_FOR_VERDICT)
+    answers = _FOR_VERDICT if _OWN_CONTACTS.isdisjoint(columns) else (OWN_CONTACTS, *_FOR_VERDICT)
     result = solve(case, verdict_force=True, answers=answers)
     return _result(result.loads[0], columns)

@@ -407,7 +407,7 @@ def _yielded_before(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterat
     for name, material in problem.materials.items():
         limit = material.yield_stress
         for load in loads:
-            lifted = load.applied_force > load.contact_force > 0.0 and not load.stop_force
+            lifted = load.applied_force > load.contact_force > 0.0 and not load.contact.stop_force
             if limit is None or material.hardening is not None or not lifted:
                 continue
             share = math.sqrt(load.applied_force / load.contact_force)
@@ -722,17 +722,17 @@ def _nearly_sealed(
 
 def _few_channels(load: LoadResult, loads: Sequence[LoadResult], surface: RoughContact) -> Iterator[Finding]:
     """How far the conductivity is from direct simulation where few channels are left or the roughness has a lay."""
-    paper = surface.theory == "paper"
-    # the error of the corrected theory includes that of few channels
-    if surface.peklenik == 1.0 and (not paper or surface.most_contact_area(load.peak_pressure) <= _NOT_FEW):
+    # the deviation from direct simulation includes that of few channels
+    known_all = surface.knows_deviation
+    if surface.peklenik == 1.0 and (known_all or surface.most_contact_area(load.peak_pressure) <= _NOT_FEW):
         return
     area = float(surface.contact_area(load.peak_pressure))
     faded = min(max((area - _NOT_FEW) / (_FEW_CHANNELS - _NOT_FEW), 0.0), 1.0)
-    if not paper:
+    if known_all:
         faded *= min(abs(math.log2(surface.peklenik)), 1.0)
     few, lay = _between(_FACTORS, area) ** faded, _lay_factor(area, surface.peklenik)
     factor, of_lay, near = max(few, lay), lay > _LAY_REPORTED, area > DIRECT_END
-    if of_lay or not paper:
+    if of_lay or known_all:
         long = max(surface.peklenik, 1.0 / surface.peklenik) > _LAY_LONGEST
         ends = [name for name, unknown in (("area", area > _LAY_KNOWN), ("length", long)) if unknown]
         known = [sentence("lay", one, known=_LAY_KNOWN, longest=_LAY_LONGEST) for one in ends]
@@ -822,7 +822,7 @@ def _long_waves(surface: RoughContact, loads: Sequence[LoadResult]) -> Iterator[
     above = float(spectrum.height_variance_above(1 / std)) / spectrum.rms_height**2
     share = 1.0 - above
     factors, more = EXACT, ""
-    if surface.theory == "corrected":
+    if surface.knows_deviation:
         factors = Bounds(1.0 / (1.0 + _LESS_OF_LONG * share), 1.0 + _MORE_OF_LONG * share)
         more = sentence("long_waves", "more", factors=factors)
     told, factors = share > _LONG_WAVES, fading(factors, share / _LONG_WAVES)

@@ -282,7 +282,7 @@ def _of_liquid(flow: FlowModel, load: LoadResult) -> tuple[float, float] | None:
     found = _where_most_leaks(load) if _leak_known(load) else None
     if found is None or not 0 < found[1].leak_rate < math.inf or not load.fluid_pressure > 0:
         return None
-    (profile, leak), viscosity = found, load.effective_viscosity or flow.viscosity
+    (profile, leak), viscosity = found, flow.effective_viscosity(load.fluid_pressure) or flow.viscosity
     density = leak.mass_flow / leak.leak_rate if leak.mass_flow else _DENSITY
     radius = float(profile.radius[int(profile.pressure.argmax())])
     per_length, width = leak.leak_rate / (2 * math.pi * radius), 2.0 * profile.std

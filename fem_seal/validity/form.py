@@ -111,8 +111,8 @@ def _crest(problem: SealProblem, loads: Sequence[LoadResult], formed: _Formed) -
         return
     load, around = max(formed, key=lambda one: float(one[1].peak_pressure.max()))
     ratio = float(around.peak_pressure.max()) / load.peak_pressure
-    stress = ratio * load.max_von_mises
-    if load.max_von_mises <= min(limits) < stress:
+    stress = ratio * load.largest_stress[0]
+    if load.largest_stress[0] <= min(limits) < stress:
         limit = min(limits)
         times = format_beside(stress / min(limits), 1.0, min(load.pressure_digits, 2))
         yield caution(

@@ -209,6 +209,16 @@ class RoughContact:
         return 2.0 * math.pi / self.spectrum.median_wavenumber * math.sqrt(self.peklenik)
 
     @property
+    def knows_deviation(self) -> bool:
+        """Whether its theory says how far direct simulation may find the flow, see `flow_error`."""
+        return self.theory == "corrected"
+
+    @property
+    def exponential_at_low_pressure(self) -> bool:
+        """Whether the pressure then falls exponentially with the gap, by `u0` and `p_c` of the spectrum."""
+        return self.theory == "paper"
+
+    @property
     def latest_sealing_pressure(self) -> float:
         """The largest `sealing_pressure` of all readings of metal that yields [Pa]."""
         return max(self.reading(one).sealing_pressure for one in self.readings)
@@ -603,7 +613,7 @@ class RoughContact:
         ConductivityError
             The paper's theory, which does not know its error.
         """
-        if self.theory != "corrected":
+        if not self.knows_deviation:
             raise ConductivityError(f"theory = {self.theory!r}: only 'corrected' knows its own error")
         p = _checked(pressure)
         relative = p / (self.effective_modulus * self.spectrum.rms_slope)

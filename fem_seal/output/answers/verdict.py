@@ -289,7 +289,7 @@ def _further_sentences(result: SealSolution, found: SealJudgement) -> Iterator[s
         yield phrase("verdict.sentences", "tested", rate=rate, load=_place(result, found))
     if measured := would_pass(result):
         yield measured
-    yield from _other_theory(result, found)
+    yield from _in_scenarios(result, found)
     count = len(found.judged) + found.left_out
     if count > 1:
         yield phrase("verdict.sentences", "several", count=count, load=_place(result, found))
@@ -330,14 +330,14 @@ def _passing_height(result: SealSolution, number: int) -> float:
     return profiles.passing_height(judged.margin * load.leak_interval.high)
 
 
-def _other_theory(result: SealSolution, found: SealJudgement) -> Iterator[str]:
-    """Verdict by the other theory, if it differs."""
+def _in_scenarios(result: SealSolution, found: SealJudgement) -> Iterator[str]:
+    """Verdict in a scenario with contacts of its own, if it differs."""
     sampled = found.number is not None and result.loads[found.number].sampled is not None
-    for theory, (place, judged, own) in result.judgement_by_theory.items():
+    for name, (place, judged, own) in result.judgement_beside.items():
         yield phrase(
             "verdict.sentences",
-            "theory_as_given" if sampled else "theory",
-            theory=SCENARIOS[theory].title,
+            "beside_as_given" if sampled else "beside",
+            scenario=SCENARIOS[name].title,
             verdict=verdict_words(judged.verdict),
             own=verdict_words(own),
             rate=units.leak_range_text(judged.ends, 2, beside=(judged.limit.leak_rate,)),

@@ -227,7 +227,7 @@ def law_picture(result: SealSolution) -> Picture | None:
             name = "p(u) of the yielded surface" if plastic else "p(u) of the elastic surface"
             gap = np.asarray(surface.interface_law(plastic=plastic).gap(np.log(p)))
             curves.append((name, gap, PURPLE if plastic else BLUE, plastic == interface.plastic))
-        if surface.theory == "paper":
+        if surface.exponential_at_low_pressure:
             curves.append(("exponential with u₀, p_c", surface.u0 * np.log(surface.p_c / p), GREY, False))
     else:
         u0, p_c = exponential_law(result.case.interface, surface)

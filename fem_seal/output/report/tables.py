@@ -13,7 +13,7 @@ from fem_seal.answers.solution import SealSolution
 from fem_seal.contact.load_path import ElastoplasticContact
 from fem_seal.contact.solution import PlasticZone, yielding_of
 from fem_seal.output.case_words import law_word
-from fem_seal.output.columns import SHOWN_COLUMNS, own_theory
+from fem_seal.output.columns import SHOWN_COLUMNS, own_columns
 from fem_seal.output.prose import phrase
 from fem_seal.output.shown import ReadableTable, columns_table, filled_column, worded_table
 from fem_seal.seal.findings import NOT_CALCULATED, Level
@@ -37,7 +37,7 @@ def load_table(result: SealSolution) -> ReadableTable:
         names.insert(1, "applied_force_N")
     if result.surface is None or result.surface.hardness is None:
         names = [name for name in names if "_elastic_" not in name]
-    twice = own_theory(result.loads)
+    twice = own_columns(result.loads)
     names = [name for name in names if name not in twice]
     volume = volume_of(result.case)
     columns = [one for one in (filled_column(name, loads, volume) for name in names) if one.some]

@@ -16,7 +16,7 @@ from fem_seal.case.roughness import uncertain_heights
 from fem_seal.contact.solution import PlasticZone, yielding_of
 from fem_seal.output.answers.lands import on_land
 from fem_seal.output.answers.target import TARGET_FORCE, opening_reasons, opens_at, valve_facts
-from fem_seal.output.answers.theories import corrected_beside
+from fem_seal.output.answers.theories import told_in_headline
 from fem_seal.output.answers.uncertainty import told_after_test
 from fem_seal.output.case_words import earlier_load, state_in_words
 from fem_seal.output.columns import COLUMNS, in_words
@@ -281,8 +281,8 @@ def headline(result: SealSolution) -> str:
     opens = {opens_at(load) for load in result.loads}
     (only,) = opens if len(opens) == 1 else (None,)
     opening = f" It opens at {only}." if only else ""
-    corrected = corrected_beside(result)
-    more = " ".join(["", *([corrected] if corrected else []), *remembered(result)])
+    beside = told_in_headline(result)
+    more = " ".join(["", *([beside] if beside else []), *remembered(result)])
     return _leak_sentence(result) + opening + more + _validity_sentence(result)
 
 

@@ -13,6 +13,7 @@ from plastic_solids import HARDENING, LAW, YIELD, E, seal
 
 import fem_seal
 import leak
+from fem_seal.answers.case_load import SolvedSeal, case_loads
 from fem_seal.answers.uncertainty import SampledSeal, _linear_fails
 from fem_seal.bodies.elasticity import boundary_dofs, node_dofs
 from fem_seal.bodies.supports import Supports
@@ -36,7 +37,7 @@ from fem_seal.loads import PressureSide
 from fem_seal.materials import HardeningCurve
 from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.leak_model import LeakModel
-from fem_seal.seal.load_result import LoadResult, SolvedSeal
+from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.load_solver import LoadSolver, SolvedLoads, linearised_again
 from fem_seal.seal.problem import SealFlow, SealProblem
 from fem_seal.studies.responses import evaluate_design
@@ -454,7 +455,7 @@ def sampled() -> tuple[SealProblem, SolvedSeal]:
     (contact,) = solved.contacts
     rough = LeakModel.of(problem.surface, problem.flow, [contact])
     load = LoadResult(*problem.loads.points[0], contact).with_values(rough=rough)
-    return problem, SolvedSeal(case, problem, mesh, model, (load,))
+    return problem, SolvedSeal(case, problem, mesh, model, tuple(case_loads(problem, [load])))
 
 
 @pytest.mark.slow

@@ -370,14 +370,12 @@ def test_inertia_of_a_liquid_in_a_uniform_gap():
     profile = SimpleNamespace(radius=np.array([r]), pressure=np.ones(1), std=0.5 * length)
     load = LoadResult(drop, 0.0, SimpleNamespace(profile=profile))
     load = load.with_values(leak=LeakResult(2 * math.pi * r * q, 1.0, None).with_density(900.0))
-    reynolds, reduced = _of_liquid(SimpleNamespace(viscosity=eta), load)
+    water = SimpleNamespace(viscosity=eta, effective_viscosity=lambda pressure: None)
+    reynolds, reduced = _of_liquid(water, load)
     assert reynolds == pytest.approx(2 * 900 * q / eta) and reduced == pytest.approx(
         900 * q / eta * gap / length
     )
-    assert (
-        _of_liquid(SimpleNamespace(viscosity=eta), LoadResult(drop, 0.0, SimpleNamespace(profile=profile)))
-        is None
-    )
+    assert _of_liquid(water, LoadResult(drop, 0.0, SimpleNamespace(profile=profile))) is None
 
 
 def test_a_turbulent_load_is_told_before_one_of_more_inertia(monkeypatch):

@@ -13,6 +13,7 @@ from scipy.optimize import brentq
 
 import fem_seal
 import leak
+from fem_seal.answers.case_load import case_loads
 from fem_seal.answers.opening import blow_off_pressures
 from fem_seal.answers.profile_files import read_profiles
 from fem_seal.answers.profile_leak import leak_of_profiles
@@ -181,7 +182,7 @@ def test_given_lands_leak_as_those_that_were_solved(
     """Read from profile.csv: between two lands is a chamber with its own pressure, no contact that goes on."""
     load = {} if chamber is None else {"chamber_pressure": [chamber]}
     problem = SealProblem.of(lands_case(INNER, OUTER | {"set_back": set_back}, **load))
-    solved = evaluate(problem).loads
+    solved = case_loads(problem, evaluate(problem).loads)
     file = write_profile_csv(SimpleNamespace(loads=solved), tmp_path / "profile.csv")
     (given,) = leak_of_profiles(problem, read_profiles(file, problem.contact))
     assert given.leak.leak_rate == pytest.approx(solved[0].leak.leak_rate, rel=1e-3)

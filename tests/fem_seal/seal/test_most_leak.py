@@ -9,7 +9,6 @@ from sample_results import case, single_result
 
 import fem_seal
 import leak
-from fem_seal.answers.interval import most_leak
 from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.findings import NEARLY_SEALED, Finding, Level, Validity
 
@@ -19,19 +18,14 @@ ANYTHING = Validity.of([Finding("fluid opens", Level.DOUBTFUL, "opens", "opens",
 def test_a_doubt_without_an_end_ends_at_the_rough_gap_without_load():
     load = single_result().loads[0].with_values(validity=ANYTHING)
     ends, leak = load.leak_interval, load.leak.leak_rate
-    assert (
-        leak
-        < ends.high
-        <= most_leak(load, load.rougher)
-        < load.rough.flow.through_open_bore(load.fluid_pressure, 0.1)
-    )
+    assert leak < ends.high <= load.most_leak < load.rough.flow.through_open_bore(load.fluid_pressure, 0.1)
     # a parallel gap of five rms heights over the width at half of the peak; it widens to both sides of that
     gap, profile = 5.0 * load.rough.surface.spectrum.rms_height, load.tightest
     around = 2.0 * math.pi * float(np.interp(profile.centroid, profile.x, profile.radius))
     parallel = around * gap**3 / (12.0 * load.rough.flow.viscosity * load.fwhm) * load.fluid_pressure
-    assert 0.3 * parallel < most_leak(load, load.rougher) < 1.5 * parallel
+    assert 0.3 * parallel < load.most_leak < 1.5 * parallel
     # no reading of its asperities, and no load, lets more through
-    assert all(one.leak.leak_rate < most_leak(load, load.rougher) for one in (load, *load.others.values()))
+    assert all(one.leak.leak_rate < load.most_leak for one in (load, *load.others.values()))
 
 
 def test_a_gas_flows_through_the_same_gap_by_its_own_laws():
@@ -68,7 +62,7 @@ def test_a_gas_chokes_in_the_gap_before_friction_limits_it():
 def test_rougher_samples_let_more_through():
     load = single_result().loads[0]
     rougher = load.with_values(rougher=3.0)
-    assert most_leak(rougher, rougher.rougher) == pytest.approx(3.0 * most_leak(load, load.rougher), rel=1e-9)
+    assert rougher.most_leak == pytest.approx(3.0 * load.most_leak, rel=1e-9)
 
 
 def test_no_form_error_lets_more_through_than_the_open_bore():
@@ -77,7 +71,7 @@ def test_no_form_error_lets_more_through_than_the_open_bore():
     formed = replace(load, formed=object())
     radius = min(one.radius.min() for one in load.profiles)
     water = math.pi * radius**2 * math.sqrt(2.0 * load.fluid_pressure / load.rough.flow.density)
-    assert most_leak(formed, formed.rougher) == pytest.approx(water, rel=1e-9)
+    assert formed.most_leak == pytest.approx(water, rel=1e-9)
 
 
 def test_the_bound_next_to_sealing_does_not_widen_samples():

@@ -163,7 +163,7 @@ def test_a_yielding_ring_stays_at_the_stop_until_that_is_relieved() -> None:
         assert 2 * load.contact.approach == STOP
         assert load.contact_force == at.contact_force
         assert load.leak.leak_rate == at.leak.leak_rate
-        assert load.contact_force + load.stop_force + AREA * 1e5 == pytest.approx(
+        assert load.contact_force + load.contact.stop_force + AREA * 1e5 == pytest.approx(
             load.applied_force, rel=1e-9
         )
     assert back.stop_force == 0.0
@@ -287,10 +287,10 @@ def test_the_fluid_relieves_the_stop_before_the_gasket(bodies: str) -> None:
     for load in (low, middle):
         assert load.applied_force == pytest.approx(12e3, rel=1e-9)
         assert load.contact_force == pytest.approx(low.contact_force, rel=1e-9)
-        assert load.contact_force + load.stop_force + AREA * load.fluid_pressure == pytest.approx(
+        assert load.contact_force + load.contact.stop_force + AREA * load.fluid_pressure == pytest.approx(
             12e3, rel=1e-9
         )
-    assert high.stop_force == 0.0 and high.contact_force < low.contact_force
+    assert high.contact.stop_force == 0.0 and high.contact_force < low.contact_force
     # from there on gasket and bolts are two springs
     held = bolts_of(bolted)
     assert held is not None

@@ -9,6 +9,7 @@ from places import EXAMPLES
 from sample_results import case
 
 import fem_seal
+from fem_seal.answers.case_load import case_loads
 from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.findings import Validity
 from fem_seal.seal.problem import SealProblem
@@ -92,7 +93,7 @@ def test_the_upper_end_goes_through_sealing():
     for height in ("0.1214 um", "0.121 um"):
         of = given.replace({"roughness.spectrum.rms_height": height})
         seal = evaluate(SealProblem.of(of), Shared())
-        found = seal.loads[0]
+        (found,) = case_loads(seal.problem, seal.loads)
         leaks = found.leak.leak_rate > 0.0
         ends.append((leaks, found.with_values(validity=validity_of(seal, found)).leak_interval.high))
     (leaking, before), (sealed, after) = ends
