@@ -8,49 +8,43 @@ are not blank.
 from __future__ import annotations
 
 import ast
-import io
 import sys
-import tokenize
 from collections import Counter
 from pathlib import Path
 
 PACKAGES = ("fem_seal", "leak", "meshes")
 KINDS = ("files", "code", "docstrings", "comments", "blank")
 BESIDE = (".toml", ".j2", ".css", ".js", ".html", ".json")
-_NO_CODE = {
-    tokenize.COMMENT,
-    tokenize.DEDENT,
-    tokenize.ENCODING,
-    tokenize.ENDMARKER,
-    tokenize.INDENT,
-    tokenize.NEWLINE,
-    tokenize.NL,
-}
 
 
 def counted(text: str) -> Counter[str]:
     """Lines of one Python file by what stands on them."""
-    docstrings = {
-        line
-        for node in ast.walk(ast.parse(text))
-        if isinstance(node, ast.Expr)
-        and isinstance(node.value, ast.Constant)
-        and isinstance(node.value.value, str)
-        for line in range(node.lineno, (node.end_lineno or node.lineno) + 1)
-    }
-    code: set[int] = set()
-    comments: set[int] = set()
-    for token in tokenize.generate_tokens(io.StringIO(text).readline):
-        if token.type == tokenize.COMMENT:
-            comments.add(token.start[0])
-        elif token.type not in _NO_CODE:
-            code.update(range(token.start[0], token.end[0] + 1))
-    code -= docstrings
-    comments -= code | docstrings
-    all_lines = len(text.splitlines())
-    found = Counter(files=1, code=len(code), docstrings=len(docstrings), comments=len(comments))
-    found["blank"] = all_lines - len(code) - len(docstrings) - len(comments)
+    docstrings: set[int] = set()
+    texts: set[int] = set()
+    tree = ast.parse(text)
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Constant | ast.JoinedStr) and node.end_lineno != node.lineno:
+            # a line of a text may look like a comment, or be blank
+            texts.update(_lines(node))
+        if (
+            isinstance(node, ast.Expr)
+            and isinstance(node.value, ast.Constant)
+            and isinstance(node.value.value, str)
+        ):
+            docstrings.update(_lines(node))
+    found = Counter(files=1, code=0, docstrings=0, comments=0, blank=0)
+    for number, line in enumerate(map(str.strip, text.splitlines()), start=1):
+        if number in docstrings:
+            found["docstrings"] += 1
+        elif number in texts:
+            found["code"] += 1
+        else:
+            found["blank" if not line else "comments" if line.startswith("#") else "code"] += 1
     return found
+
+
+def _lines(node: ast.expr | ast.stmt) -> range:
+    return range(node.lineno, (node.end_lineno or node.lineno) + 1)
 
 
 def rooms(root: Path) -> dict[str, Counter[str]]:

@@ -279,6 +279,7 @@ def test_conductances_of_many_decades_balance():
 # ---------------------------------------------------------------- the whole against references
 
 
+@pytest.mark.slow
 def test_elastic_rows_of_the_reference():
     """direct_numerical.csv, set A512 (10 surfaces, 512^2, 8 points per shortest wave), on 256^2 with 4.
 

@@ -22,6 +22,8 @@ FILES = {
     "dektak-1.csv": ((9600,), 1.5e-3, 0.0942e-6),
     "plu-1.plu": ((768, 576), 1.2749e-3, 0.01828e-6),
 }
+# A long spreadsheet takes some seconds.
+SLOW = {"mitutoyo_2_mock.xlsx": pytest.mark.slow}
 
 SCAN = "".join(f"{0.5 * k:.1f} {0.1 * (k * k % 7):.3f}\n" for k in range(64))
 
@@ -75,7 +77,7 @@ def test_units_of_length(names, size):
     assert set(LENGTH_UNITS) == known
 
 
-@pytest.mark.parametrize("name", FILES)
+@pytest.mark.parametrize("name", [pytest.param(name, marks=SLOW.get(name, ())) for name in FILES])
 def test_instrument_files_read(topography_folder, name):
     if not name.endswith((".hfm", ".csv")):
         pytest.importorskip("SurfaceTopography")
@@ -103,6 +105,7 @@ def test_instrument_files_agree_with_surface_topography(topography_folder):
         assert scan.length == pytest.approx(np.ptp(x) * size, rel=2e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:wmf image format")
 def test_profile_spectrum_of_a_real_scan_agrees_with_surface_topography(topography_folder):
     """Its power_spectrum_from_profile is h^2 per dq/(2 pi) and sign of q: C_1D here is that over 2 pi."""

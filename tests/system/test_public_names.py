@@ -67,6 +67,7 @@ follow_imports_for_stubs = true
 """
 
 
+@pytest.mark.slow
 def test_the_type_checker_knows_what_run_returns(tmp_path):
     (tmp_path / "mypy.ini").write_text(LEAN)
     script = tmp_path / "script.py"

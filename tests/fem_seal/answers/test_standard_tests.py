@@ -69,6 +69,7 @@ def test_a_standard_tests_with_its_own_fluids_and_pressures(tested) -> None:
     assert [load.fluid_pressure for load in tested.loads] == [10e5, 40e5]
 
 
+@pytest.mark.slow
 def test_a_test_is_a_run_of_its_own(tested) -> None:
     for one, test in zip(tested.standard_tests, STANDARDS["ISO 5208"].tests, strict=True):
         (load,) = fem_seal.run(under_test(tested.case, test), sensitivities=False).loads

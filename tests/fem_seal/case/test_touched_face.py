@@ -176,14 +176,18 @@ def faceted(count: int, turned: float) -> dict:
     return {"shape": "profile", "outline": outline, "material": "steel"}
 
 
+@pytest.mark.slow
+def test_a_run_on_a_curve_written_as_short_lines_is_doubtful() -> None:
+    result = fem_seal.run(case(faceted(60, 0.5), CONE))
+    assert any("polygon" in one for one in result.warnings)
+    assert result.loads[0].validity.level == "doubtful"
+
+
 def test_a_curve_written_as_short_lines_is_told() -> None:
     # a facet right across the contact, as if the ball were turned
     (told,) = face_remarks(case(faceted(60, 0.5), CONE))
     assert told[:2] == ("facets", "closure")
     assert "60 straight lines of about 0.52" in told[2]
-    result = fem_seal.run(case(faceted(60, 0.5), CONE))
-    assert any("polygon" in one for one in result.warnings)
-    assert result.loads[0].validity.level == "doubtful"
     # a corner right on the cone cannot be calculated, and no edge radius of the ball would help
     with pytest.raises(fem_seal.InputError, match="60 short lines in a row stand for a curve; draw arcs"):
         case(faceted(60, 0.3), CONE)

@@ -172,6 +172,7 @@ def test_a_yielding_ring_stays_at_the_stop_until_that_is_relieved() -> None:
     assert back.leak.leak_rate < first.leak.leak_rate
 
 
+@pytest.mark.slow
 def test_a_yielding_ring_without_a_stop_goes_the_same_way_under_its_own_force() -> None:
     at, back = yielding().loads[1], yielding().loads[-1]
     alone = f"{at.contact_force + AREA * 1e5!r} N"

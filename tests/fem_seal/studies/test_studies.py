@@ -443,7 +443,10 @@ def test_a_design_has_one_load(tmp_path):
     "changes",
     [
         {"load.fluid_pressure": "10 bar"},
-        {"load.fluid_pressure": "10 bar", "leak.fluid_in_gap": "local", "interface.law": "exponential"},
+        pytest.param(
+            {"load.fluid_pressure": "10 bar", "leak.fluid_in_gap": "local", "interface.law": "exponential"},
+            marks=pytest.mark.slow,
+        ),
         {"load.fluid_pressure": "3 bar", "fluid": {"name": "helium", "viscosity": None}},
     ],
     ids=["water", "coupled", "helium"],

@@ -91,6 +91,7 @@ def test_a_body_whose_strength_nobody_knows_is_told_where_it_may_yield(material,
         assert words in one.text and "give the yield_stress" in one.text
 
 
+@pytest.mark.slow
 def test_a_seal_of_unknown_strength_passes_with_doubt_and_says_what_decides():
     of = case(
         seat=cone("brass"),
