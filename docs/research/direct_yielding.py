@@ -304,7 +304,7 @@ def conserved(one: YieldingSet) -> tuple[FloatArray, FloatArray]:
     for hardness in np.unique(one.hardness[one.yields]):
         surface = leak.RoughContact(one.spectrum, effective_modulus=1.0, hardness=float(hardness))
         at = one.hardness == hardness
-        first = surface.first_loading_pressure(one.pressure[at], one.largest[at])
+        first = surface.equivalent_first_loading_pressure(one.pressure[at], one.largest[at])
         gap[at], flow[at] = _theory(one, surface, first)
     return gap, flow
 

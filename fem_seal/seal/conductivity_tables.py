@@ -81,7 +81,9 @@ def _table_from(surface: RoughContact, of_gas: bool) -> Conductivity:
 def _between(surface: RoughContact, tables: tuple[Conductivity, ...]) -> Conductivity:
     member, height, pressure = _member(surface)
     table = tables[0] if len(tables) == 1 else _interpolated(tables, _on_lattice(member)[1])
-    acting = None if member.stand_in is None else partial(_acting, member, math.log(pressure))
+    acting = (
+        None if member.equivalent_elastic_surface is None else partial(_acting, member, math.log(pressure))
+    )
     return table.with_liquid(table.liquid.scaled(height, pressure, LoadMemory(surface), acting))
 
 
@@ -97,14 +99,14 @@ def family_tables(flow: FlowModel, surface: RoughContact) -> tuple[FamilyTable, 
 
 
 def _acting(member: RoughContact, log_ratio: float, log_pressure: FloatArray) -> FloatArray:
-    """`RoughContact.log_acting_pressure` of a surface whose pressures are in a ratio to those of a member."""
-    return member.log_acting_pressure(log_pressure - log_ratio) + log_ratio
+    """`RoughContact.log_equivalent_pressure` of a surface whose pressures are in a ratio to those of a member."""
+    return member.log_equivalent_pressure(log_pressure - log_ratio) + log_ratio
 
 
 def _names(member: RoughContact, of_gas: bool) -> tuple[FamilyTable, ...]:
     """Of the member's own table, or of the four of the lattice between which it lies."""
-    if member.stand_in is not None or member.hardness is None:
-        return (FamilyTable(member.stand_in or member, of_gas),)
+    if member.equivalent_elastic_surface is not None or member.hardness is None:
+        return (FamilyTable(member.equivalent_elastic_surface or member, of_gas),)
     first = _on_lattice(member)[0]
     return tuple(FamilyTable(member.elastic, of_gas, place) for place in range(first, first + 4))
 

@@ -506,7 +506,7 @@ class YieldingContact(Protocol):
     def hardness(self) -> float | None:
         """[Pa]; None for elastic asperities, which remember nothing."""
 
-    def first_loading_pressure(self, pressure: ArrayLike, largest: ArrayLike) -> FloatArray:
+    def equivalent_first_loading_pressure(self, pressure: ArrayLike, largest: ArrayLike) -> FloatArray:
         """p* of p after p_max [Pa]."""
 
 
@@ -583,5 +583,5 @@ class LoadMemory:
         assert self.surface.hardness is not None  # elastic asperities do not get here
         largest = self.surface.hardness * np.exp(_LOG_SHARES)[:, None]
         pressure = largest * np.exp(-_FALLS)
-        after = self.surface.first_loading_pressure(pressure, largest)
+        after = self.surface.equivalent_first_loading_pressure(pressure, largest)
         return RectBivariateSpline(_LOG_SHARES, _FALLS, np.log(after / pressure))

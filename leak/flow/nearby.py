@@ -127,8 +127,13 @@ class NearbyTables:
             highest pressure is above that there is nothing to know.
         """
         p = np.atleast_1d(np.asarray(highest, dtype=float))
-        if surface.stand_in is not None:
-            return asked_by(surface, self._stand_in.table(surface.stand_in, surface.acting_pressure(p)))
+        if surface.equivalent_elastic_surface is not None:
+            return asked_by(
+                surface,
+                self._equivalent_elastic_tables.table(
+                    surface.equivalent_elastic_surface, surface.equivalent_pressure(p)
+                ),
+            )
         sealing = surface.sealing_pressure_by(self.method)
         p = _ABOVE * p[p < sealing]
         if not p.size:
@@ -179,10 +184,10 @@ class NearbyTables:
         return self._known.with_liquid(known.scaled(height, pressure, LoadMemory(surface)))
 
     @cached_property
-    def _stand_in(self) -> NearbyTables:
-        assert self.surface.stand_in is not None  # of all who ask
+    def _equivalent_elastic_tables(self) -> NearbyTables:
+        assert self.surface.equivalent_elastic_surface is not None  # of all who ask
         within = None if self.within is None else elastic_range(self.surface, self.within, self.method)
-        return replace(self, surface=self.surface.stand_in, within=within, _known_values={})
+        return replace(self, surface=self.surface.equivalent_elastic_surface, within=within, _known_values={})
 
     @cached_property
     def _unlimited(self) -> NearbyTables:

@@ -193,8 +193,8 @@ class RoughContact:
         return self.reading(Reading.CAPPED)
 
     @cached_property
-    def stand_in(self) -> RoughContact | None:
-        """The elastic surface of the paper's theory that, at `acting_pressure`, has the gaps of this one.
+    def equivalent_elastic_surface(self) -> RoughContact | None:
+        """The elastic surface of the paper's theory that, at `equivalent_pressure`, has the gaps of this one.
 
         None where the theory is asked at the pressure itself.
         """
@@ -228,8 +228,8 @@ class RoughContact:
         """Whether C_pl stands in for C."""
         return self.hardness is not None and self.yielding == Reading.CONSERVED
 
-    def acting_pressure(self, pressure: ArrayLike) -> FloatArray:
-        """Nominal pressure at which the theory is asked for the gaps: that of `stand_in` [Pa]."""
+    def equivalent_pressure(self, pressure: ArrayLike) -> FloatArray:
+        """Nominal pressure at which the theory is asked for the gaps: that of `equivalent_elastic_surface` [Pa]."""
         p = self._elastic_pressure(_checked(pressure))
         if self.theory == "paper":
             return p
@@ -253,8 +253,8 @@ class RoughContact:
         height = self.spectrum.rms_height / self.spectrum.shape.rms_height
         return _equal_gap(self.spectrum.shape, self.gamma), math.log(self.effective_modulus * height)
 
-    def log_acting_pressure(self, log_pressure: FloatArray) -> FloatArray:
-        """`acting_pressure` as logarithms, where p itself may be too small for a floating-point number.
+    def log_equivalent_pressure(self, log_pressure: FloatArray) -> FloatArray:
+        """`equivalent_pressure` as logarithms, where p itself may be too small for a floating-point number.
 
         Parameters
         ----------
@@ -284,7 +284,7 @@ class RoughContact:
             constants=CAPPED if self.theory == "paper" else VON_MISES,
         )
 
-    def first_loading_pressure(self, pressure: ArrayLike, largest: ArrayLike) -> FloatArray:
+    def equivalent_first_loading_pressure(self, pressure: ArrayLike, largest: ArrayLike) -> FloatArray:
         """Pressure of first loading that leaves the gaps of a place which carries less than it once did.
 
         The spring-back of direct simulation, see `leak.theory.plasticity.equivalent_pressure`, in either reading: of
@@ -502,7 +502,7 @@ class RoughContact:
         refinement : float
             So many times more magnifications.
         """
-        acting = self.acting_pressure(pressure)
+        acting = self.equivalent_pressure(pressure)
         return self._lost_area(acting, self._seen(acting), refinement)
 
     def _lost_area(self, p: FloatArray, seen: RoughnessSeen, refinement: float) -> LostArea:
@@ -552,7 +552,7 @@ class RoughContact:
         largest : array_like, optional
             Largest nominal pressure that the place has carried, counting where it exceeds `pressure`; broadcast
             against it [Pa]. Asperities that yielded then do not come back: u_eff is that of first loading at
-            `first_loading_pressure`.
+            `equivalent_first_loading_pressure`.
         """
         self._check_method(method)
         if method == "critical-junction":
@@ -589,7 +589,7 @@ class RoughContact:
         n, height = medium.dimension_number(self.percolation_threshold), self.spectrum.rms_height
         u, log_R = np.empty(pressure.size), np.empty((pressure.size, log_inverse_knudsen.size))
         for part in _parts(np.arange(pressure.size)):
-            acting = self.acting_pressure(pressure[part])
+            acting = self.equivalent_pressure(pressure[part])
             lost, aspect = self._channels(acting, self._seen(acting), refinement)
             u[part], gas = medium.effective_gaps(
                 lost, height, n, aspect, np.exp(log_inverse_knudsen), refinement=refinement
@@ -668,7 +668,7 @@ class RoughContact:
         # 64 parts at a time cost as much as one; ten times is down to the last digit
         for _ in range(10):
             ends = np.linspace(low, high, 65)
-            beyond = np.flatnonzero(self.acting_pressure(ends[1:-1]) >= acting)
+            beyond = np.flatnonzero(self.equivalent_pressure(ends[1:-1]) >= acting)
             part = int(beyond[0]) if len(beyond) else 63
             low, high = float(ends[part]), float(ends[part + 1])
         return high
@@ -712,11 +712,15 @@ class RoughContact:
         largest: ArrayLike | None = None,
     ) -> FloatArray | float:
         """Apply `function` where 0 < p < hardness; separations are infinite at p = 0, zero from the hardness on."""
-        p = _checked(pressure) if largest is None else self.first_loading_pressure(pressure, largest)
+        p = (
+            _checked(pressure)
+            if largest is None
+            else self.equivalent_first_loading_pressure(pressure, largest)
+        )
         flat = p.ravel()
 
         def at(p: FloatArray) -> FloatArray:
-            acts = self.acting_pressure(p)
+            acts = self.equivalent_pressure(p)
             return function(acts, self._seen(acts))
 
         out = np.full(flat.shape, np.inf)
@@ -968,12 +972,17 @@ def _checked_range(p_min: float, p_max: float, num: int | None) -> tuple[float, 
 def _conductivity_table(
     surface: RoughContact, p_min: float, p_max: float, num: int | None, method: str, of_gas: bool = False
 ) -> AnyTable:
-    within, stand_in = _Range.of(surface, p_min, p_max, method), surface.stand_in
-    if stand_in is not None and surface.theory == "corrected":
+    within, equivalent_elastic_surface = (
+        _Range.of(surface, p_min, p_max, method),
+        surface.equivalent_elastic_surface,
+    )
+    if equivalent_elastic_surface is not None and surface.theory == "corrected":
         ends = _elastic_ends(surface, within)
-        return asked_by(surface, _conductivity_table(stand_in, *ends, num, method, of_gas))
+        return asked_by(surface, _conductivity_table(equivalent_elastic_surface, *ends, num, method, of_gas))
     # ln R with u_eff, or afterwards where u_eff is positive
-    with_rarefaction = of_gas and (method == "bruggeman" if stand_in is None else num is None)
+    with_rarefaction = of_gas and (
+        method == "bruggeman" if equivalent_elastic_surface is None else num is None
+    )
     values = _values_of(surface, within, method, with_rarefaction)
     if num is None:
         pressure, found = within.adapted(values, 0.5 * surface.spectrum.rms_height)
@@ -997,14 +1006,16 @@ def _values_of(
     surface: RoughContact, within: _Range, method: str, of_gas: bool
 ) -> Callable[[FloatArray], FloatArray]:
     """u_eff and, of a gas, ln R over pressure, as a table is to be made of them, shape (n, 1 + m)."""
-    if surface.stand_in is None:
+    if surface.equivalent_elastic_surface is None:
         if of_gas:
             return lambda p: np.column_stack(surface.rarefied_separation(p, _LOG_D))
         return lambda p: np.asarray(surface.effective_separation(p, method))[:, None]
-    elastic = _conductivity_table(surface.stand_in, *_elastic_ends(surface, within), None, method, of_gas)
+    elastic = _conductivity_table(
+        surface.equivalent_elastic_surface, *_elastic_ends(surface, within), None, method, of_gas
+    )
 
     def values(p: FloatArray) -> FloatArray:
-        log_p = np.log(surface.acting_pressure(p))
+        log_p = np.log(surface.equivalent_pressure(p))
         u = elastic.at_log_pressure(log_p)[:, None]
         if not isinstance(elastic, GasConductivityTable):
             return u
@@ -1023,7 +1034,7 @@ def asked_by(surface: RoughContact, table: AnyTable) -> AnyTable:
     table : ConductivityTable or GasConductivityTable
     """
     return table.with_liquid(
-        replace(table.liquid, memory=LoadMemory(surface), acting=surface.log_acting_pressure)
+        replace(table.liquid, memory=LoadMemory(surface), acting=surface.log_equivalent_pressure)
     )
 
 
@@ -1047,7 +1058,7 @@ def elastic_range(
 def _elastic_ends(surface: RoughContact, within: _Range) -> tuple[float, float]:
     """Whole decades around what acts at the ends of a table [Pa]."""
     # a table up to the sealing pressure goes on where a short contact is still open
-    low, high = np.log10(surface.acting_pressure(np.array([within.ends[0], within.end])))
+    low, high = np.log10(surface.equivalent_pressure(np.array([within.ends[0], within.end])))
     return float(10.0 ** np.floor(low)), float(10.0 ** np.ceil(high))
 
 
@@ -1077,7 +1088,7 @@ def _interface_law(surface: RoughContact) -> RoughSurfaceLaw:
     gap, decay = np.zeros(p.shape), np.zeros(p.shape)
     for start in range(0, p.size, 64):
         part = slice(start, start + 64)
-        acting = surface.acting_pressure(p[part])
+        acting = surface.equivalent_pressure(p[part])
         found = surface._mean(acting, surface._seen(acting))
         gap[part], decay[part] = found.mean[:, 0], found.decay[:, 0]
         if found.mean[-1, 0] <= _LAW_END * decay[0]:

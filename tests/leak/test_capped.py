@@ -258,9 +258,9 @@ def test_acting_pressure_as_logarithms_goes_on_where_a_pressure_underflows():
     one = leak.RoughContact(surface().spectrum, effective_modulus=115e9, hardness=HARDNESS, yielding="capped")
     log_p = np.linspace(-300.0, np.log(0.9 * HARDNESS), 50)
     np.testing.assert_allclose(
-        one.log_acting_pressure(log_p), np.log(one.acting_pressure(np.exp(log_p))), rtol=1e-13
+        one.log_equivalent_pressure(log_p), np.log(one.equivalent_pressure(np.exp(log_p))), rtol=1e-13
     )
-    near, *far, nothing = one.log_acting_pressure(np.array([-500.0, -800.0, -5000.0, -np.inf]))
+    near, *far, nothing = one.log_equivalent_pressure(np.array([-500.0, -800.0, -5000.0, -np.inf]))
     np.testing.assert_allclose([far[0] + 800.0, far[1] + 5000.0], near + 500.0)
     assert nothing == -np.inf
 

@@ -265,7 +265,7 @@ def test_metal_that_flows_is_tighter_than_elastic_and_ever_more_so():
     surface = leak.RoughContact(SPECTRA["paper"], effective_modulus=115e9, hardness=3.5e9, theory="corrected")
     p = np.geomspace(1e3, 3.4e9, 300)
     assert np.all(surface.effective_separation(p) <= surface.elastic.effective_separation(p) * (1.0 + 1e-9))
-    assert np.all(np.diff(surface.acting_pressure(p)) > 0.0)
+    assert np.all(np.diff(surface.equivalent_pressure(p)) > 0.0)
     remembered = surface.effective_separation(1e7, largest=np.geomspace(1e7, 3e9, 50))
     assert np.all(np.diff(remembered) <= 0.0)
     assert surface.effective_separation(3.5e9) == 0.0
@@ -308,7 +308,7 @@ def test_from_the_hardness_on_what_acts_has_no_end_and_nobody_is_warned():
     surface = leak.RoughContact(SPECTRA["paper"], effective_modulus=115e9, hardness=1e9, theory="corrected")
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        acting = surface.acting_pressure([0.9e9, 1e9, 2e9])
+        acting = surface.equivalent_pressure([0.9e9, 1e9, 2e9])
         x = np.linspace(-1e-4, 1e-4, 41)
         sealed = leak.leak_flow(
             x,

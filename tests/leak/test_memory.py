@@ -134,11 +134,11 @@ def test_seals_at_less_pressure_than_the_first_time(yielding: str) -> None:
 def test_both_readings_spring_back_alike() -> None:
     """Of what does not come back C_pl says nothing: both have it of direct simulation."""
     p, most = np.geomspace(1e5, 1e8, 7), 3e8
-    same = [np.asarray(rough(one).first_loading_pressure(p, most)) for one in READINGS]
+    same = [np.asarray(rough(one).equivalent_first_loading_pressure(p, most)) for one in READINGS]
     np.testing.assert_array_equal(*same)
     capped = rough("capped")
     np.testing.assert_allclose(
-        capped.acting_pressure(same[0]), capped._equivalent(p, np.full(p.shape, most)), rtol=1e-12
+        capped.equivalent_pressure(same[0]), capped._equivalent(p, np.full(p.shape, most)), rtol=1e-12
     )
 
 

@@ -74,7 +74,7 @@ def test_a_contact_sealed_without_end_may_be_open_where_it_is_short():
 def test_a_table_that_ends_at_sealing_serves_short_contacts_beyond(beyond):
     """Wherever sealing lies in its decade of the pressure, by which tables are cut."""
     soft = replace(surface(), hardness=4e9, yielding="")
-    modulus = soft.effective_modulus * beyond * 1e10 / soft.stand_in.sealing_pressure
+    modulus = soft.effective_modulus * beyond * 1e10 / soft.equivalent_elastic_surface.sealing_pressure
     one = replace(soft, effective_modulus=modulus)
     opened = with_threshold(one.conductivity_table(1e3, 1e11), 0.42, 0.5)
     acts = opened.sealing_pressure * np.linspace(0.97, 0.999999, 60)
