@@ -624,5 +624,5 @@ def solved_seal(evaluation: Evaluation, case: Case, loads: Sequence[CaseLoad] | 
         tuple(own),
         evaluation.solved.unloaded,
         evaluation.solved.earlier,
-        lower_half=None if lower is None else solved_seal(lower, case.lower_half or case),
+        lower_half=None if lower is None else solved_seal(lower, case.halves[-1]),
     )

@@ -304,6 +304,6 @@ ERROR_SHARES = Answer[tuple[ErrorShares, ...]](
     (),
     # the ends of the preload of bolts have no share, nor has one of two different faces
     lambda seal, request: (
-        seal.case.lower_half is None and (seal.case.bolts is None or seal.case.bolts.torque_scatter == 0.0)
+        len(seal.case.contacts) == 1 and (seal.case.bolts is None or seal.case.bolts.torque_scatter == 0.0)
     ),
 )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from statistics import fmean
 
 from fem_seal.answers.case_load import CaseLoad
 from fem_seal.answers.judgement import Limit
@@ -87,9 +88,10 @@ def nominal_size(case: Case) -> NominalSize:
     from leak import nominal_size_of_bore
 
     # of two different flanges the narrower one, whichever of them is above
-    bores = [getattr(one.closure if case.gasket else one.seat, "bore_radius", None) for one in _faces(case)]
-    bore = min((one for one in bores if one is not None), default=None)
-    diameter = 2.0 * (min(one.initial_contact_radius for one in _faces(case)) if bore is None else bore)
+    name = "closure" if case.gasket else "seat"
+    bores = [getattr(body.table, "bore_radius", None) for body in case.every_body if body.name == name]
+    bore = min((radius for radius in bores if radius is not None), default=None)
+    diameter = 2.0 * (min(_touch_radii(case)) if bore is None else bore)
     of = "bore of the seat" if case.gasket is None else "bore of the flange"
     circle = "circle of first touch" if bore is None else of
     if case.leak.nominal_size is not None:
@@ -291,12 +293,11 @@ def seal_length(case: Case) -> float:
     ----------
     case : Case
     """
-    return 2.0 * math.pi * sum(one.initial_contact_radius for one in _faces(case)) / len(_faces(case))
+    return 2.0 * math.pi * fmean(_touch_radii(case))
 
 
-def _faces(case: Case) -> tuple[Case, ...]:
-    """The case with each of two different flanges on both faces; only itself where they are alike."""
-    return (case,) if case.lower_half is None else (case, case.lower_half)
+def _touch_radii(case: Case) -> list[float]:
+    return [contact.initial_contact_radius for contact in case.contacts]
 
 
 def _per_length(case: Case) -> dict[str, float]:

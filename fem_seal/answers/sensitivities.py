@@ -12,13 +12,12 @@ from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import Any
 
 from fem_seal.answers.answer import Answer, Request
 from fem_seal.answers.case_load import CaseLoad, SolvedSeal, case_loads
 from fem_seal.answers.uncertainty import changed_surface, stiffer_bodies
 from fem_seal.answers.verdict import VERDICT
-from fem_seal.case.case import Case
+from fem_seal.case.case import Case, CaseBody
 from fem_seal.case.fields import quantities_of
 from fem_seal.case.material_table import library_table
 from fem_seal.case.roughness import self_affine_part
@@ -399,7 +398,10 @@ class _ChangedSeal:
         # of a drawing the heights that it gives are halved, and not the rms height of the gap
         drawn = self._drawn
         steps: dict[str, tuple[float, float | None]] = {
-            "rms_height": (_TWICE, None if drawn or self._lower is not None else surface.spectrum.rms_height),
+            "rms_height": (
+                _TWICE,
+                None if drawn or len(self.case.contacts) > 1 else surface.spectrum.rms_height,
+            ),
             "youngs_modulus": (_TWICE, None),
         }
         if surface.hardness is not None:
@@ -417,8 +419,8 @@ class _ChangedSeal:
     @cached_property
     def _drawn(self) -> dict[str, float]:
         """Heights that a drawing gives [m], by their key in the case; none unless all the roughness is from it."""
-        roughness, lower = self.case.roughness, self._lower
-        rough = [one for one in (roughness, None if lower is None else lower.roughness) if one]
+        roughness = self.case.roughness
+        rough = [half.roughness for half in self.case.halves if half.roughness]
         if not rough or any(len(one.finishes) < len(one.parts) for one in rough):
             return {}
         if roughness is not None and roughness.height is not None:
@@ -433,14 +435,9 @@ class _ChangedSeal:
         }
 
     @property
-    def _lower(self) -> Case | None:
-        """The case with a lower flange of its own on both faces; None where both flanges are alike."""
-        return self.case.lower_half
-
-    @property
-    def _lower_flange(self) -> Case | None:
-        """The same where it has a table [seat]: its shape and material are then no longer those of [closure]."""
-        return self._lower if "seat" in self.case.written else None
+    def _bodies(self) -> list[CaseBody]:
+        """Those with a table of their own: a lower flange without has shape and material of [closure]."""
+        return [body for body in self.case.every_body if body.key in self.case.written]
 
     def _with_surface(self, key: str, factor: float) -> SealProblem:
         """The problem with one input of its surface changed.
@@ -454,12 +451,12 @@ class _ChangedSeal:
 
         def changed(problem: SealProblem, case: Case) -> SealProblem:
             assert problem.surface is not None  # of `leaks`
-            lower, below = problem.lower_half, case.lower_half
+            lower = problem.lower_half
             return replace(
                 problem,
                 surface=changed_surface(case, problem.surface, {key: factor}),
                 materials=stiffer_bodies(problem.materials, factor if key == "youngs_modulus" else 1.0),
-                lower_half=None if lower is None or below is None else changed(lower, below),
+                lower_half=None if lower is None else changed(lower, case.halves[-1]),
             )
 
         return changed(self.problem, self.case)
@@ -506,30 +503,22 @@ class _ChangedSeal:
 
     def _at_contact(self) -> Iterator[tuple[str, str, float]]:
         """Path, kind and value of each dimension at the contact that a drawing has."""
-        case, lower = self.case, self._lower_flange
-        closure: Any = case.closure.body()
-        made = [
-            ("closure", "closure", case.closure, closure),
-            ("seat", case.key_of("seat"), case.lower, case.lower.body(closure)),
-        ]
-        if lower is not None:
-            made.append(("closure", "seat", lower.closure, lower.closure.body()))
-        for body, name, table, shape in made:
-            for key, entry in type(table).model_fields.items():
+        for body in self._bodies:
+            for key, entry in type(body.table).model_fields.items():
                 marker = next(quantities_of(entry), None)
-                if marker is None or key not in _AT_CONTACT[body]:
+                if marker is None or key not in _AT_CONTACT[body.name]:
                     continue
-                given = getattr(table, key)
-                value = getattr(shape, key, None) if given is None and key in _ALWAYS else given
+                given = getattr(body.table, key)
+                value = getattr(body.shape, key, None) if given is None and key in _ALWAYS else given
                 if value:
-                    yield f"{name}.{key}", marker.dimension, value
+                    yield f"{body.key}.{key}", marker.dimension, value
 
     def _materials(self) -> Iterator[_Change]:
         """Another material of closure or seat; not where the body yields, whose curve nobody knows of the other."""
         assert self.problem.flow is not None  # of `leaks`
-        bodies = {self.case.key_of(body): own for body, own in self.problem.materials.items()}
-        if self._lower_flange is not None:
-            bodies["seat"] = self._lower_flange.closure.material
+        # those of the contact at its temperature
+        bodies = {body.key: body.table.material for body in self._bodies}
+        bodies |= {self.case.key_of(name): own for name, own in self.problem.materials.items()}
         for body, own in bodies.items():
             if own.hardening is not None or self.problem.flow.simulated is not None:
                 continue

@@ -1085,10 +1085,9 @@ def uncertain_inputs(case: Case, settings: Uncertainty) -> tuple[AnyInput, ...]:
         Its table [uncertainty], or another one.
     """
     own = _inputs_of_face(case, settings)
-    if case.lower_half is None:
-        return own
     names = {one.name for one in own}
-    return (*own, *(one for one in _inputs_of_face(case.lower_half, settings) if one.name not in names))
+    others = (one for half in case.halves[1:] for one in _inputs_of_face(half, settings))
+    return (*own, *(one for one in others if one.name not in names))
 
 
 def _inputs_of_face(case: Case, settings: Uncertainty) -> tuple[AnyInput, ...]:

@@ -116,7 +116,7 @@ def seal_judgement(
         return None
     number, point, worst = max(every, key=lambda one: severity(one[2]))
     numbers = tuple(number for number, _, _ in found)
-    hard = (hardness, None if case.lower_half is None else case.lower_half.hardness)
+    hard = (hardness, *(half.hardness for half in case.halves[1:]))
     shares = _shares([loads[n] for n in numbers], hard)
     return SealJudgement(worst, *point, number, numbers, len(left_out), shares)
 
@@ -144,7 +144,7 @@ def _crest(load: LoadResult) -> float:
     return 1.0 if load.formed is None else float(load.formed.peak_pressure.max()) / load.peak_pressure
 
 
-def _shares(loads: Sequence[CaseLoad], hardness: tuple[float | None, float | None]) -> Utilisation:
+def _shares(loads: Sequence[CaseLoad], hardness: Sequence[float | None]) -> Utilisation:
     """The largest of all loads and, where they differ, of both faces, each of which has a hardness."""
     faces = [(side, *one) for load in loads for side, one in enumerate(load.each_face)]
     stressed = [

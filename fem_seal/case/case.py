@@ -7,7 +7,7 @@ import os
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import asdict, is_dataclass, replace
+from dataclasses import asdict, dataclass, is_dataclass, replace
 from html import escape
 from pathlib import Path
 from typing import Any, Self
@@ -15,6 +15,7 @@ from typing import Any, Self
 from pydantic import BaseModel, PrivateAttr, ValidationError
 from pydantic.fields import FieldInfo
 
+from fem_seal.case import shapes
 from fem_seal.case.case_file import FILES, case_text, with_files
 from fem_seal.case.checks import contradictions, of_unlike_flanges
 from fem_seal.case.drawing_words import as_written, in_keys, partner, said_twice, same_entry, words_of
@@ -31,7 +32,7 @@ from fem_seal.errors import InputError, LoadProblem, NoLoadLeftError, Problem
 from fem_seal.files import read_toml
 from fem_seal.materials import ROOM_TEMPERATURE
 from fem_seal.units import DIMENSIONS
-from meshes import GeometryError
+from meshes import ContactGeometry, GeometryError, Shape
 
 # Key of a problem with the upper flange, its face, or both bodies: in the lower half that is the lower flange.
 _LOWER = re.compile(r"^(roughness\.|)(?:closure(?=\.|$)|gasket$)")
@@ -39,6 +40,42 @@ _LOWER = re.compile(r"^(roughness\.|)(?:closure(?=\.|$)|gasket$)")
 _READ_ANEW = {"fluid", "load", "requirement"}
 # What completion offers besides the tables.
 _SHOWN = {"contact", "effective_modulus", "file", "hardness", "initial_contact_radius", "replace", "written"}
+
+
+@dataclass(frozen=True)
+class CaseBody:
+    """A body of a case.
+
+    Parameters
+    ----------
+    case : Case
+        In whose contact it is.
+    name : str
+        "closure" or "seat" there.
+    """
+
+    case: Case
+    name: str
+
+    @property
+    def label(self) -> str:
+        """What it is called."""
+        return self.case.label_of(self.name)
+
+    @property
+    def key(self) -> str:
+        """Name of its table in the case file."""
+        return "seat" if self.label == "lower flange" else self.case.key_of(self.name)
+
+    @property
+    def table(self) -> shapes.Closure | shapes.Held | shapes.Gasket:
+        """What stands there."""
+        return self.case.table_of(self.name)
+
+    @property
+    def shape(self) -> Shape:
+        """With all its dimensions."""
+        return dict(zip(("closure", "seat"), self.case.bodies, strict=True))[self.name]
 
 
 class Case(CaseTables):
@@ -196,9 +233,21 @@ class Case(CaseTables):
         return lower
 
     @property
-    def lower_half(self) -> Case | None:
-        """The case with the lower flange on both faces of the gasket; None where both flanges are alike."""
-        return self._lower_half
+    def halves(self) -> tuple[Case, ...]:
+        """The case with each of two different flanges on both faces of the gasket; only itself where they are alike."""
+        return (self,) if self._lower_half is None else (self, self._lower_half)
+
+    @property
+    def every_body(self) -> tuple[CaseBody, ...]:
+        """Its bodies from above: closure and seat, or flange and gasket and a lower flange that differs."""
+        first, *others = self.halves
+        names = ((first, "closure"), (first, "seat"), *((half, "closure") for half in others))
+        return tuple(CaseBody(half, name) for half, name in names)
+
+    @property
+    def contacts(self) -> tuple[ContactGeometry, ...]:
+        """Bodies in first touch, of a gasket on each face that differs."""
+        return tuple(half.contact for half in self.halves)
 
     def written_at(self, key: str) -> object:
         """What stands at a key of the case file, such as "requirement.leak_rate"; None where nothing does."""

@@ -672,9 +672,9 @@ class CaseTables(Table):
         return given * count if len(given) == 1 else given
 
     @property
-    def lower_half(self) -> CaseTables | None:
-        """The case with the lower flange on both faces of a gasket; None where both flanges are alike."""
-        return None
+    def halves(self) -> tuple[CaseTables, ...]:
+        """The case with each of two different flanges on both faces of a gasket; only itself where they are alike."""
+        return (self,)
 
     def without_loads(self, numbers: Collection[int]) -> Self:
         """The same without some of its loads; at least one must be left."""

@@ -492,10 +492,9 @@ def show_derived(case: Case, numbers: Mapping[str, Any], *, details: bool = Fals
     from fem_seal.output.columns import CHECK_OF_CASE, CHECK_ON_TERMINAL, MOST_COLUMNS, SHOWN_COLUMNS
 
     lower = numbers.get("lower_flange")
-    bodies = [(case.label_of(body), body, numbers) for body in numbers["dimensions"]]
-    if case.lower_half is not None and lower is not None:
-        bodies.append((case.lower_half.label_of("closure"), "closure", lower))
-    for name, body, its in bodies:
+    for part in case.every_body:
+        name, body = part.label, part.case.key_of(part.name)
+        its = numbers if part.case is case or lower is None else lower
         shown = [its["materials"][body]] if lower else []
         shown += [f"{key} {_dimension(key, value)}" for key, value in its["dimensions"][body].items()]
         if body in its["sections"]:

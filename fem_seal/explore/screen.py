@@ -352,7 +352,7 @@ def section_of(case: Case) -> Section:
         case.load.pressure_side,
         window,
         contact.seat.extent[1][0] if case.gasket is not None else None,
-        None if case.lower_half is None else section_of(case.lower_half),
+        next(map(section_of, case.halves[1:]), None),
     )
 
 

@@ -216,12 +216,10 @@ def finish_rows(case: Case) -> list[tuple[str, str]]:
     case : Case
     """
     faces: dict[FinishTable, list[str]] = {}
-    for key, one in ({} if case.roughness is None else case.roughness.finishes).items():
-        name = "both faces together" if key == "spectrum" else case.label_of(key)
-        faces.setdefault(one, []).append(name)
-    lower = case.lower_half
-    if lower is not None and lower.roughness is not None and "closure" in lower.roughness.finishes:
-        faces.setdefault(lower.roughness.finishes["closure"], []).append(lower.label_of("closure"))
+    for half in case.halves:
+        for key, table in ({} if half.roughness is None else half.roughness.finishes).items():
+            name, names = half.label_of(key), faces.setdefault(table, [])
+            names += [] if name in names else [name]
     alike = len(faces) == 1 and len(*faces.values()) > 1
     return [
         row
@@ -320,7 +318,7 @@ def in_degrees(temperature: float) -> str:
 
 def derived_numbers(case: Case, derived: Derived) -> dict[str, Any]:
     """Derived numbers of a case in SI, for `check --json`; of a lower flange of its own, on both faces, beside them."""
-    fluid, lower = case.fluid, case.lower_half
+    fluid, (_, *others) = case.fluid, case.halves
     crossovers = [load.crossover for load in derived.loads if load.crossover]
     found = dict(zip(crossovers, widths(crossovers).tolist(), strict=True))
     return {
@@ -336,7 +334,7 @@ def derived_numbers(case: Case, derived: Derived) -> dict[str, Any]:
             case.key_of(name): drawn for name in ("closure", "seat") if (drawn := section(case, name))
         },
         "materials": {case.key_of(name): case.table_of(name).material.name for name in ("closure", "seat")},
-        **({} if lower is None else {"lower_flange": derived_numbers(lower, derive(lower))}),
+        **({"lower_flange": derived_numbers(others[0], derive(others[0]))} if others else {}),
         **attributes(derived, "effective_modulus_Pa", "hardness_Pa", "rms_height_m", "rms_slope"),
         "finishes": finish_numbers(case),
         **attributes(derived, "decay_length_m", "law_pressure_Pa"),

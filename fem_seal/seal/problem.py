@@ -128,9 +128,7 @@ class Loads:
     def of(cls, case: CaseTables) -> Loads:
         """Those of a case."""
         load, earlier, bolts = case.load, case.load.earlier, bolts_of(case)
-        refused = refused_loads(case)
-        if case.lower_half is not None:
-            refused = {**refused_loads(case.lower_half), **refused}
+        refused = {number: why for half in case.halves[::-1] for number, why in refused_loads(half).items()}
         preloads = () if bolts is None else tuple(force for _, force in load.points)
         if len(set(preloads)) == 1:
             earlier, preloads = (0.0, preloads[0]), ()
@@ -302,7 +300,7 @@ class SealProblem:
         case : CaseTables
             Whose tables fit together, as those of a `Case` do.
         """
-        case, lower = warmed(case), case.lower_half
+        case, (_, *lower) = warmed(case), case.halves
         return cls(
             contact=case.contact,
             materials={name: case.table_of(name).material for name in ("closure", "seat")},
@@ -319,7 +317,7 @@ class SealProblem:
             origin=SurfaceOrigin.of(case),
             file=case.file,
             gasket=None if case.gasket is None else Gasket((case.gasket.stop or math.inf) / case.faces),
-            lower_half=None if lower is None else cls.of(lower),
+            lower_half=cls.of(lower[0]) if lower else None,
         )
 
     @property

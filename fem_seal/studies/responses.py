@@ -146,8 +146,7 @@ def _source(case: Case, columns: Sequence[str], interpolate: bool) -> Source:
     """Where a design's bodies come from: a mesh of its own costs little beside samples of its inputs."""
     if case.sampled is not None and not INTERVAL.isdisjoint(columns):
         return EXACT
-    bodies = [body for one in (case, case.lower_half) if one for body in (one.closure, one.lower)]
-    can_yield = any(body.material.yield_stress for body in bodies)
+    can_yield = any(body.table.material.yield_stress for body in case.every_body)
     stress = can_yield or not {"max_von_mises_Pa", "max_accumulated_plastic_strain"}.isdisjoint(columns)
     return _SOURCES[stress, interpolate]
 

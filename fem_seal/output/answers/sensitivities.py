@@ -97,11 +97,9 @@ def step_in_words(case: Case, one: Sensitivity) -> str:
 
 def _body_of(case: Case, key: str) -> tuple[str, str]:
     """What the body is called to which a key belongs, and its material."""
-    name = key.partition(".")[0]
-    if name == "seat" and case.gasket is not None:
-        return "lower flange", (case.lower_half or case).closure.material.name
-    own = getattr(case, name).material.name
-    return case.label_of(name), own
+    first, *others = case.every_body
+    body = next((body for body in others if key.startswith(f"{body.key}.")), first)
+    return body.label, body.table.material.name
 
 
 def _finish(case: Case) -> str:

@@ -143,7 +143,7 @@ def _draw_whole(axes: Axes, case: Case) -> None:
 
 def _below_mid_plane(case: Case) -> ContactGeometry | None:
     """The contact of a gasket whose image stands below its mid-plane; None of a valve seat."""
-    return None if case.gasket is None else (case.lower_half or case).contact
+    return None if case.gasket is None else case.contacts[-1]
 
 
 def _heights(contact: ContactGeometry, image: ContactGeometry | None) -> tuple[float, float]:
@@ -328,18 +328,14 @@ def _list(axes: Axes, case: Case) -> None:
     """All dimensions of both bodies below each other."""
     axes.axis("off")
     lines: list[tuple[str, str, str, str]] = []
-    listed = [(case, name, case.label_of(name)) for name in ("closure", "seat")]
-    if case.lower_half is not None:
-        listed.append((case.lower_half, "closure", case.lower_half.label_of("closure")))
-    for case, name, called in listed:
-        body = case.table_of(name)
-        made_of = f"{body.shape}, {outside_text(body.material.name)}"
-        lines.append((called, made_of, INK, "bold"))
-        drawn = section(case, name)
+    for body in case.every_body:
+        made_of = f"{body.table.shape}, {outside_text(body.table.material.name)}"
+        lines.append((body.label, made_of, INK, "bold"))
+        drawn = section(body.case, body.name)
         for key, text in (section_text(drawn) if drawn else {}).items():
             for row, part in enumerate(text.split(", ")):
                 lines.append((key if row == 0 else "", part, INK, "normal"))
-        for key, (value, chosen) in listed_dimensions(case, name).items():
+        for key, (value, chosen) in listed_dimensions(body.case, body.name).items():
             angle = key.endswith("angle")
             size = fixed_unit("deg" if angle else "mm").of(value)
             text = trimmed(rounded(size, 4) if chosen else size) + ("°" if angle else "")

@@ -121,12 +121,12 @@ def test_dimensions_that_are_left_open_are_those_of_the_body() -> None:
 def test_a_seat_is_the_lower_flange() -> None:
     same = {"shape": "disc", "radius": "3 cm", "material": STEEL}
     case = Case(**tables(seat=same))
-    assert case.contact == Case(**tables()).contact and case.lower_half is None
-    lower = Case(**tables(seat={**same, "radius": "31 mm"})).lower_half
-    assert lower is not None and lower.closure.radius == 0.031 and lower.lower_half is None
+    assert case.contact == Case(**tables()).contact and len(case.halves) == 1
+    lower = Case(**tables(seat={**same, "radius": "31 mm"})).halves[-1]
+    assert lower.closure.radius == 0.031 and len(lower.halves) == 1
     # a number in SI as in any other table
-    moved = Case(**tables(seat={**same, "radius": 0.031})).replace({"seat.radius": 0.032}).lower_half
-    assert moved is not None and moved.closure.radius == 0.032
+    moved = Case(**tables(seat={**same, "radius": 0.031})).replace({"seat.radius": 0.032}).halves[-1]
+    assert moved.closure.radius == 0.032
     assert "seat.shape" in problems(seat={"shape": "lands", "material": STEEL})
     assert "seat.radius" in problems(seat={"shape": "disc", "material": STEEL})
     assert "seat" in problems(seat={**same, "radius": "10 mm"})
