@@ -81,7 +81,8 @@ AXES = {
         (
             r"lower_half",
             r"of_faces?$",
-            r"each_face",
+            r"contact_loads",
+            r"^halves$",
             r"both_faces?$",
             r"by_face",
             r"with_faces",
@@ -89,7 +90,7 @@ AXES = {
             r"upper_share",
             r"of_all_faces",
         ),
-        r"lower_half|of_faces|each_face|lower flange",
+        r"lower_half|of_faces|contact_loads|lower flange",
     ),
     # loads that the seal has carried before
     "memory": Axis(

@@ -13,6 +13,7 @@ import numpy as np
 
 from fem_seal.answers import interval
 from fem_seal.answers.judgement import BoltState, Judgement, PassProbability, Verdict, VerdictForce
+from fem_seal.contact.solution import yielding_of
 from fem_seal.seal.both_faces import joined_validity
 from fem_seal.seal.bounds import AGREE, EXACT, Bounds
 from fem_seal.seal.findings import VALID, Finding, Validity
@@ -33,7 +34,7 @@ if TYPE_CHECKING:
     from fem_seal.case.case import Case
     from fem_seal.contact.load_path import Imprint, Unloaded
     from fem_seal.contact.model import ContactModel
-    from fem_seal.contact.solution import ContactSolution
+    from fem_seal.contact.solution import ContactSolution, PlasticZone, YieldedZone
     from fem_seal.errors import LoadProblem
     from fem_seal.profile import PressureProfile
     from fem_seal.seal.evaluate import Evaluation
@@ -181,6 +182,23 @@ class CaseLoad(LoadResult):
             mesh_error=self.mesh_error,
         )
 
+    @property
+    def contact_loads(self) -> tuple[CaseLoad, ...]:
+        """The load on each contact that is another: its own, or of a gasket with two different flanges that of each."""
+        return self.of_faces or (self,)
+
+    @property
+    def named_bodies(self) -> dict[str, tuple[CaseLoad, str]]:
+        """By the name of each body the load on its contact, and its name there: "closure" of "lower closure"."""
+        halves = zip(("", "lower "), self.contact_loads, strict=False)
+        return {f"{half}{name}": (load, name) for half, load in halves for name in ("closure", "seat")}
+
+    @property
+    def zones(self) -> dict[str, YieldedZone | PlasticZone | None]:
+        """Where each body has yielded or, solved as elastic, exceeds its yield stress; None of one that does not."""
+        beyond = {load: yielding_of(load.contact) for load in self.contact_loads}
+        return {name: beyond[load].get(body) for name, (load, body) in self.named_bodies.items()}
+
     def with_faces(self, upper: LoadResult, lower: LoadResult) -> Self:
         """`beside` with all that is known of the whole seal already."""
         made = super().with_faces(upper, lower)
@@ -239,11 +257,6 @@ class CaseLoad(LoadResult):
         # a leak rate off by orders of magnitude leaves more of the force, which stands beside its line load
         least = 3 if name == "force_for_target" else 1
         return max(min(theory, super().digits_of("leak_rate" if least > 1 else name)), least)
-
-    @property
-    def each_face(self) -> tuple[tuple[str, CaseLoad], ...]:
-        """The load with each of two different faces, with what names of bodies of the lower one begin with."""
-        return tuple(zip(("", "lower "), self.of_faces or (self,), strict=False))
 
     @property
     def digits(self) -> int:

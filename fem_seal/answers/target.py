@@ -224,7 +224,7 @@ def _leak_rate(load: CaseLoad) -> float:
 
 
 def _turning(load: CaseLoad) -> float:
-    return max(face.contact.turning for _, face in load.each_face)
+    return max(own.contact.turning for own in load.contact_loads)
 
 
 def _first_guess(flow: SealFlow, fluid_pressure: float, target: float) -> float:

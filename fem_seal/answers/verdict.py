@@ -146,21 +146,21 @@ def _crest(load: LoadResult) -> float:
 
 def _shares(loads: Sequence[CaseLoad], hardness: Sequence[float | None]) -> Utilisation:
     """The largest of all loads and, where they differ, of both faces, each of which has a hardness."""
-    faces = [(side, *one) for load in loads for side, one in enumerate(load.each_face)]
     stressed = [
-        (_crest(load) * float(load.contact.fields[name].von_mises.max()) / limit, f"{which}{name}")
-        for _, which, load in faces
-        if not load.of_profile
+        (_crest(load) * float(load.contact.fields[name].von_mises.max()) / limit, body)
+        for whole in loads
+        for body, (load, name) in whole.named_bodies.items()
         # without a look at the stress, which a model without displacements does not hold
-        for name in ("closure", "seat")
-        if (limit := getattr(load.contact.model, name).material.yield_stress) is not None
+        if not load.of_profile
+        and (limit := getattr(load.contact.model, name).material.yield_stress) is not None
     ]
     stress, body = max(stressed, default=(None, ""))
     openings = [load.opening.share for load in loads if load.opening is not None]
     peaks = [
         _crest(load) * load.peak_pressure / hard
-        for side, _, load in faces
-        if (hard := hardness[side]) is not None
+        for whole in loads
+        for load, hard in zip(whole.contact_loads, hardness, strict=False)
+        if hard is not None
     ]
     return Utilisation(stress, body, max(peaks, default=None), min(openings, default=None))
 

@@ -13,7 +13,7 @@ from fem_seal.answers.closed_forms import derive_beside
 from fem_seal.answers.solution import SealSolution
 from fem_seal.case.case import input_tables
 from fem_seal.contact.load_path import ElastoplasticContact, Imprint
-from fem_seal.contact.solution import PlasticZone, YieldedZone, yielding_of
+from fem_seal.contact.solution import PlasticZone, YieldedZone
 from fem_seal.files import as_json, write_text
 from fem_seal.output import shown_answers
 from fem_seal.output.case_words import chosen_dimensions, derived_numbers
@@ -210,9 +210,10 @@ def mesh_numbers(result: SealSolution) -> dict[str, Any]:
 
 def _yielding(load: CaseLoad) -> dict[str, Any]:
     """Where the bodies yield or, solved as elastic, exceed their yield stress."""
-    zones: dict[str, YieldedZone | PlasticZone | None] = dict.fromkeys(("closure", "seat"))
-    for face, one in load.each_face:
-        zones |= {f"{face}{name}": zone for name, zone in yielding_of(one.contact).items()}
+    # of a lower flange of its own only what exceeds its yield stress
+    zones = {
+        name: zone for name, zone in load.zones.items() if zone is not None or name in ("closure", "seat")
+    }
     return {
         "fluid_pressure_Pa": load.fluid_pressure,
         **{name: None if zone is None else _zone(zone) for name, zone in zones.items()},

@@ -153,12 +153,12 @@ def contact_rows(result: SealSolution) -> CsvTable:
     return CONTACT_COLUMNS, [
         (*load.point, f"{face}{number}", *values)
         for load in result.loads
-        for face, own in zip(("closure", "seat")[-faces:], load.of_faces or (load, load), strict=False)
-        for number, values in _contacts_of_face(own, faces, outlet)
+        for face, own in zip(("closure", "seat")[-faces:], (load.contact_loads * faces)[:faces], strict=True)
+        for number, values in _lands_of(own, faces, outlet)
     ]
 
 
-def _contacts_of_face(
+def _lands_of(
     load: CaseLoad, faces: int, outlet: float
 ) -> Iterator[tuple[str, tuple[float, float, float, float, float, float]]]:
     """Number and values of each contact of one face: one, or those of its lands from the axis outwards."""

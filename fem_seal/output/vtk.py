@@ -53,7 +53,7 @@ def write_contact(result: SealSolution, folder: Path) -> list[Path]:
     levels = _mid_planes(result)
 
     def write_load(load: CaseLoad, path: Path) -> Path:
-        halves = [(one.contact.fields, one.contact.approach) for one in load.of_faces or (load,)]
+        halves = [(one.contact.fields, one.contact.approach) for one in load.contact_loads]
         return _write_bodies(halves, _load_data(load), levels, path)
 
     return _write_loads(result, folder, "contact", "vtu", write_load)
@@ -85,7 +85,7 @@ def write_contact_line(result: SealSolution, folder: Path) -> list[Path]:
         return _in_space(np.column_stack([radius, height(x)])), [len(one.x) for one in profiles], data
 
     def write_load(load: CaseLoad, path: Path) -> Path:
-        lines = list(map(line_of, load.of_faces or (load,), heights))
+        lines = list(map(line_of, load.contact_loads, heights))
         points, ends, data = lines[0]
         if levels:
             below, ends_below, data_below = lines[-1]

@@ -23,8 +23,8 @@ def lands_in_words(result: SealSolution) -> list[str]:
     result : SealSolution
     """
     load = result.highest
-    if load.of_faces is not None:
-        return [_of_both_faces(*load.of_faces)]
+    if len(load.contact_loads) > 1:
+        return [_shares(*load.contact_loads)]
     if len(load.profiles) == 1:
         return []
     unit = fixed_unit("N/mm")
@@ -53,7 +53,7 @@ def on_land(load: CaseLoad) -> str:
     return phrase("lands.result", "hardest", number=peaks.index(max(peaks)) + 1)
 
 
-def _of_both_faces(upper: CaseLoad, lower: CaseLoad) -> str:
+def _shares(upper: CaseLoad, lower: CaseLoad) -> str:
     """Share of each face in the leak."""
     assert upper.leak is not None and lower.leak is not None  # both faces are known
     share = share_of(upper.leak, lower.leak)
@@ -64,7 +64,7 @@ def _section(result: SealSolution) -> Section | None:
     sentences = lands_in_words(result)
     if not sentences:
         return None
-    alike, (columns, contacts) = result.highest.of_faces is None, contact_rows(result)
+    alike, (columns, contacts) = len(result.highest.contact_loads) == 1, contact_rows(result)
     rows = [dict(zip(columns, row, strict=True)) for row in contacts]
     for row in rows:
         name = str(row["contact"])

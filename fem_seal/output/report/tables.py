@@ -11,7 +11,7 @@ from fem_seal.answers.closed_forms import Sizes, closed_form_limits, derive_besi
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.answers.solution import SealSolution
 from fem_seal.contact.load_path import ElastoplasticContact
-from fem_seal.contact.solution import PlasticZone, yielding_of
+from fem_seal.contact.solution import PlasticZone
 from fem_seal.output.case_words import law_word
 from fem_seal.output.columns import SHOWN_COLUMNS, own_columns
 from fem_seal.output.prose import phrase
@@ -105,12 +105,11 @@ def yielding_reasons(result: SealSolution, load: CaseLoad) -> Iterator[str]:
     """How far the bodies have yielded at a load that was solved as elastoplastic."""
     if result.unloaded is None:
         return
-    found = [zone for _, one in load.each_face for zone in yielding_of(one.contact).values()]
-    zones = [zone for zone in found if isinstance(zone, PlasticZone)]
+    zones = {name: zone for name, zone in load.zones.items() if isinstance(zone, PlasticZone)}
     if not zones:
         yield phrase("reasons.yielding", "none")
-    for zone in zones:
-        values = {"body": result.case.label_of(zone.body), "zone": zone, "digits": load.digits_of("fwhm")}
+    for name, zone in zones.items():
+        values = {"body": result.case.label_of(name), "zone": zone, "digits": load.digits_of("fwhm")}
         yield phrase("reasons.yielding", "zone", **values)
 
 
@@ -118,17 +117,18 @@ def yielding_table(result: SealSolution) -> ReadableTable:
     """Where and how far each body has yielded at each load; no rows if all bodies are elastic."""
     rows: list[dict[str, object]] = []
     loads = result.loads if result.unloaded is not None else ()
-    for whole, (face, load) in ((one, face) for one in loads for face in one.each_face):
-        assert isinstance(load.contact, ElastoplasticContact)
-        zones, digits = yielding_of(load.contact), load.digits_of("fwhm")
-        for body in load.contact.bodies:
-            name = load_name(whole, result.loads)
+    for whole in loads:
+        zones = whole.zones
+        for body, (load, name) in whole.named_bodies.items():
+            assert isinstance(load.contact, ElastoplasticContact)
+            if name not in load.contact.bodies:
+                continue
             row = {
-                "load": name,
-                "body": result.case.label_of(f"{face}{body}"),
+                "load": load_name(whole, result.loads),
+                "body": result.case.label_of(body),
                 "steps": load.contact.load_steps,
             }
-            zone = zones.get(body)
+            zone, digits = zones[body], load.digits_of("fwhm")
             if isinstance(zone, PlasticZone):
                 depth = (
                     f"{quantity_worth('length', zone.depth, digits)} depth" if zone.depth else "the surface"
