@@ -10,7 +10,7 @@ import hmac
 import os
 import secrets
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
@@ -235,19 +235,6 @@ def checked(kind: type[T], sent: Any, what: str) -> T:
         refuse(
             next((str(part) for part in error.errors()[0]["loc"] if part in PageRequest.model_fields), what)
         )
-
-
-def place_of(sent: Any, several: Sequence[Any], what: str) -> int:
-    """The place of something in a row.
-
-    Raises
-    ------
-    BadRequest
-        If it has none.
-    """
-    if not isinstance(sent, int) or not 0 <= sent < len(several):
-        refuse(what)
-    return sent
 
 
 def refuse(what: str) -> NoReturn:

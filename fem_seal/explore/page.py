@@ -21,7 +21,7 @@ from fem_seal.case.case_file import case_text, free_name, write_case
 from fem_seal.errors import SealError
 from fem_seal.explore.choices import ROWS, changed, choices_of, pictures_of
 from fem_seal.explore.figures import PIN_NAMES, PINS, designs_shown, figures
-from fem_seal.explore.gate import Design, Entered, PageRequest, answered, checked, place_of, refuse
+from fem_seal.explore.gate import Design, Entered, PageRequest, answered, checked, refuse
 from fem_seal.explore.screen import not_taken_words, preliminary_words, refused_words, slow_words, still_words
 from fem_seal.files import own_tables
 from fem_seal.output.prose import template
@@ -71,9 +71,8 @@ def _property(text: str) -> Any:
         return text
 
 
-# Rest of the sliders after which the complete run begins [s]; how often the page asks for what is missing, and whether
-# anything has happened where nothing is [ms].
-_REST, _ASK_AGAIN, _ASK_AT_REST = 0.4, 300, 2000
+# Rest of the sliders after which the complete run begins [s].
+_REST = 0.4
 _PICTURES = {
     "section": "Section",
     "leak": "Leak rate",
@@ -135,7 +134,11 @@ def _layout(answers: Answers, title: str, name: str) -> Any:
                 "now": (now := designs_shown(first, [])[0]),
                 "figures": {key: figure.plain() for key, figure in figures([now], dark=False).items()},
                 "state": state,
-                "shown": {"signature": _signature(first, state), "number": 0, "design": first.design},
+                "shown": {
+                    "signature": _signature(first, state, {}, "", [], False, []),
+                    "number": 0,
+                    "design": first.design,
+                },
             }
         (layout,) = elements(
             "page",
@@ -153,20 +156,11 @@ def _layout(answers: Answers, title: str, name: str) -> Any:
 
 
 def _signature(
-    screen: Screen,
-    state: str,
-    *,
-    wrong: Mapping[str, str] | None = None,
-    lost: str = "",
-    pins: Sequence[Design] = (),
-    dark: bool = False,
-    pinned: Sequence[Screen] = (),
+    screen: Screen, state: str, wrong: Design, lost: str, pins: object, dark: object, pinned: Sequence[Screen]
 ) -> str:
     """What changes where the page is drawn anew."""
-    looks = [list(pins), bool(dark), [design.complete for design in pinned]]
-    return json.dumps(
-        [screen.design, state, bool(screen.waiting), wrong or {}, lost, screen.sensitivities, *looks]
-    )
+    looks = [pins or [], bool(dark), [design.complete for design in pinned]]
+    return json.dumps([screen.design, state, wrong, lost, screen.sensitivities, *looks])
 
 
 def _meta(session: Session) -> dict[str, Any]:
@@ -240,7 +234,6 @@ def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
         "wrong": Output({"kind": "wrong", "key": ALL}, "children"),
         "rows": Output({"kind": "row", "key": ALL}, "className"),
         "results": Output("results", "className"),
-        "again": Output("again", "interval"),
         "shown": Output("shown", "data"),
     }
 
@@ -268,9 +261,7 @@ def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
             _settle_later(answers, asked)
         pinned = [answers.screen(design) for design in _known_pins(answers, pins).values()]
         state, lost = _state(screen, answers), answers.lost
-        signature = _signature(
-            screen, state, wrong=asked.wrong, lost=lost, pins=pins or (), dark=dark, pinned=pinned
-        )
+        signature = _signature(screen, state, asked.wrong, lost, pins, dark, pinned)
         now = {"signature": signature, "number": asked.number, "design": before}
         # those of the page, which may have other sliders by now
         keys = [row["id"]["key"] for row in ctx.outputs_grouping["rows"]]
@@ -285,7 +276,6 @@ def _follow(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
             "rows": ["row not-taken" if key in wrong else "row" for key in keys],
             "lost": lost,
             "state": state,
-            "again": _ASK_AT_REST if screen.complete or answers.given_up(screen.design) else _ASK_AGAIN,
         }
         if screen.problem:
             # what was there before stays, faded
@@ -370,8 +360,9 @@ def _type(app: Dash, answers: Answers, scripts: dict[str, str]) -> None:
                 continue
             if factor.wrong(field.text):
                 # it stays in its field, beside what is calculated with
-                place = place_of(field.at, factor.stops, "entered")
-                typed[factor.key] = {"at": place, "text": field.before, "wrong": field.text}
+                if not 0 <= field.at < len(factor.stops):
+                    refuse("entered")
+                typed[factor.key] = {"at": field.at, "text": field.before, "wrong": field.text}
             else:
                 typed[factor.key] = {"at": factor.nearest(field.text), "text": field.text}
         return {"number": entered.get("number"), "typed": typed}
