@@ -248,7 +248,7 @@ def test_a_design_that_kills_every_worker_costs_itself_only(tmp_path, where):
 
 @WHERE
 def test_a_worker_whose_design_never_ends_is_replaced(tmp_path, monkeypatch, capsys, where):
-    study = load_study(_small(tmp_path, '[run]\ntime_limit = "6 s"\n'))
+    study = load_study(_small(tmp_path, '[run]\ntime_limit = "15 s"\n'))
     deadly = float(study.points[2, 0])
     spec_of = DesignSpec.of
     monkeypatch.setattr(DesignSpec, "of", lambda study: armed(spec_of(study), "hang", deadly))
@@ -257,10 +257,10 @@ def test_a_worker_whose_design_never_ends_is_replaced(tmp_path, monkeypatch, cap
         result = run_study(study, workers, folder=tmp_path / "out", progress=Lines())
         took = time.monotonic() - start
     assert result.table["status"].tolist() == ["done", "done", "failed", "done"]
-    assert "time limit of 6 s" in result.table["reason"][2]
+    assert "time limit of 15 s" in result.table["reason"][2]
     assert 'load.applied_force = "2 N"' in capsys.readouterr().err
     # once, and not once more for each retry
-    assert took < 60.0
+    assert took < 100.0
 
 
 def test_workers_of_this_machine_need_no_dask_and_listen_nowhere():
