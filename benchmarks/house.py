@@ -95,7 +95,10 @@ AXES = {
     # loads that the seal has carried before
     "memory": Axis(
         (
-            r"(?i)(?<!from_)memory$",
+            # not that of the machine
+            r"(?i)(load|local|direct|with|and)_?memory$",
+            r"^_MEMORY$",
+            r'^"memory"$',
             r"remember",
             r"(?i)earlier",
             r"first_load",
@@ -111,6 +114,8 @@ AXES = {
         (r"(?i)around", r"(?i)circumference", r"formed\b", r"FormError", r"(?i)\bform\b", r"(?i)harmonic"),
         r"around",
     ),
+    # states of knowledge, whichever they are: what an option is to become
+    "scenario": Axis((r"(?i)scenario", r"alternatives_on_contact", r"(?i)own_contacts?"), r"[Ss]cenario"),
 }
 
 
