@@ -111,7 +111,7 @@ AXES = {
     ),
     # a seal that is not round
     "around": Axis(
-        (r"(?i)around", r"(?i)circumference", r"formed\b", r"FormError", r"(?i)\bform\b", r"(?i)harmonic"),
+        (r"(?i)around", r"(?i)circumference", r"FormError", r"(?i)\bform\b", r"(?i)harmonic"),
         r"around",
     ),
     # states of knowledge, whichever they are: what an option is to become

@@ -201,7 +201,7 @@ def _solved(case: Case, clock: Clock, steps: OptionalSteps, *, told: bool = Fals
         steps.name_failure("residual stress and imprint", error)
     with clock.step("leak", "flow conductivity and leak rates"):
         loads = tuple(
-            _read(steps, _compute_values(steps, load, {} if load.formed is None else _AROUND), _LEAK)
+            _read(steps, _compute_values(steps, load, {} if load.circumference is None else _AROUND), _LEAK)
             for load in case_loads(problem, found.loads, partial(_with_table, steps))
         )
     with clock.step("stress", "stress in both bodies"):

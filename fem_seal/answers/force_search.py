@@ -211,8 +211,8 @@ class Trials:
         contact, applied = solver.at_contact_force(
             self.fluid_pressure, force, None if start is None else start.contact, self.progress
         )
-        near = None if start is None else start.formed
-        around = solver.problem.around(contact, near=near)
+        near = None if start is None else start.circumference
+        around = solver.problem.circumference(contact, near=near)
         return load_results(solver.problem, [(self.fluid_pressure, applied)], [contact], [around])[0]
 
 

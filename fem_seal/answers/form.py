@@ -205,52 +205,54 @@ class _Formed:
     load: CaseLoad
 
     @cached_property
-    def formed(self) -> Circumference:
-        assert self.load.formed is not None
-        return self.load.formed
+    def circumference(self) -> Circumference:
+        assert self.load.circumference is not None
+        return self.load.circumference
 
     @property
     def form(self) -> FormError:
         """Without scratches: they are a question of their own."""
-        return replace(self.formed.form, grooves=())
+        return replace(self.circumference.form, grooves=())
 
     @cached_property
     def leaks(self) -> LeakCurve | None:
         """Leak rate over the line load, the same for every form error."""
         flow = None if self.load.rough is None else self.load.rough.at(self.load.fluid_pressure)
-        return None if flow is None else LeakCurve(self.formed.local, flow)
+        return None if flow is None else LeakCurve(self.circumference.local, flow)
 
     @cached_property
     def others(self) -> dict[str, _Formed]:
         """In the other readings of yielding asperities."""
         return {name: _Formed(load) for name, load in self.load.others.items()}
 
-    def found(self, formed: Circumference) -> tuple[float | None, float, dict[str, float]]:
+    def found(self, circumference: Circumference) -> tuple[float | None, float, dict[str, float]]:
         """Leak rate [m^3/s], least line load over mean, and leak rates in the other readings [m^3/s]."""
         leaks = {name: one.leaks for name, one in self.others.items()}
-        rates = {name: _rate(formed.with_leak(one)) for name, one in leaks.items() if one is not None}
+        rates = {name: _rate(circumference.with_leak(one)) for name, one in leaks.items() if one is not None}
         others = {name: rate for name, rate in rates.items() if rate is not None}
-        return _rate(formed), formed.least_over_mean, others
+        return _rate(circumference), circumference.least_over_mean, others
 
     def with_form(self, form: FormError) -> Circumference:
-        before = None if self.formed.before is None else self.formed.before.local
-        formed = around_after(form, self.formed.local, before)
-        return formed if self.leaks is None else formed.with_leak(self.leaks)
+        before = None if self.circumference.before is None else self.circumference.before.local
+        circumference = around_after(form, self.circumference.local, before)
+        return circumference if self.leaks is None else circumference.with_leak(self.leaks)
 
     def curve(self) -> list[FormPoint]:
         """Points of the curve, as far as they can be calculated."""
         found = []
         for factor in _FACTORS:
             try:
-                formed = self.with_form(self.form.scaled(factor))
+                circumference = self.with_form(self.form.scaled(factor))
             except (ConvergenceError, OpenSealError):
                 break
-            found.append(FormPoint(factor, float(np.ptp(formed.gap_change)), *self.found(formed)))
+            found.append(
+                FormPoint(factor, float(np.ptp(circumference.gap_change)), *self.found(circumference))
+            )
         return found
 
     def alone(self, wave: Wave) -> WaveAlone:
-        formed = self.with_form(replace(self.form, waves=(wave,), highest=wave.waves))
-        return WaveAlone(wave.waves, wave.amplitude, *self.found(formed))
+        circumference = self.with_form(replace(self.form, waves=(wave,), highest=wave.waves))
+        return WaveAlone(wave.waves, wave.amplitude, *self.found(circumference))
 
     def with_wave(self, number: int, amplitude: float) -> FormError:
         """One wave beside the eccentricity and tilt that there are, widest where they are."""
@@ -267,20 +269,20 @@ class _Formed:
         return math.inf if rate is None else rate
 
 
-def _rate(formed: Circumference) -> float | None:
-    return None if formed.leak is None else formed.leak.leak_rate
+def _rate(circumference: Circumference) -> float | None:
+    return None if circumference.leak is None else circumference.leak.leak_rate
 
 
 def _closing_force(solver: LoadSolver, load: CaseLoad) -> float | None:
     """Force of spring or actuator at which the seal is closed all around."""
-    formed = load.formed
-    if formed is None or not formed.form.felt:
+    circumference = load.circumference
+    if circumference is None or not circumference.form.felt:
         return None
 
     def lacking(log_force: float) -> float:
         contact, spring = solver.at_contact_force(load.fluid_pressure, math.exp(log_force), load.contact)
         springs[log_force] = spring
-        found = solver.problem.around(contact)
+        found = solver.problem.circumference(contact)
         return CLOSED - (1.0 if found is None else found.least_over_mean)
 
     springs: dict[float, float] = {}
@@ -307,12 +309,14 @@ def _smallest(lacking: Callable[[float], float], start: float, highest: float) -
 
 
 def _goes_round(load: CaseLoad) -> float | None:
-    formed, rough = load.formed, load.rough
-    if formed is None or rough is None or rough.flow is None or rough.table is None:
+    circumference, rough = load.circumference, load.rough
+    if circumference is None or rough is None or rough.flow is None or rough.table is None:
         return None
-    step = max(len(formed.angle) // _ANGLES, 1)
+    step = max(len(circumference.angle) // _ANGLES, 1)
     table = rough.table
-    pressure = np.array([as_first_loaded(table, profile).pressure for profile in formed.profiles(step)])
+    pressure = np.array(
+        [as_first_loaded(table, profile).pressure for profile in circumference.profiles(step)]
+    )
     return rough.flow.goes_round(table, load.tightest, pressure, load.fluid_pressure)
 
 
@@ -325,13 +329,15 @@ def _shallower(scratches: Sequence[tuple[float, float] | None]) -> tuple[float, 
 def _deepest_scratch(case: Case, load: CaseLoad, asked: _Formed) -> tuple[float, float] | None:
     """In place of the widest one, of its proportions; all others and the lay leak as they do."""
     limit = _limit(case, load)
-    placed = [(one, one.groove) for one in asked.formed.form.grooves if isinstance(one.groove, Scratch)]
+    placed = [
+        (one, one.groove) for one in asked.circumference.form.grooves if isinstance(one.groove, Scratch)
+    ]
     if not placed or limit is None:
         return None
     place, widest = max(placed, key=lambda one: one[1].width)
     if asked.leaks is None or asked.load.leak is None:
         return None
-    flow, profile = asked.leaks.flow, asked.formed.profile_at(place.angle)
+    flow, profile = asked.leaks.flow, asked.circumference.profile_at(place.angle)
     without = asked.load.leak.leak_rate - flow.bounds(profile, [widest]).largest_extra
     found = deepest_scratch(
         lambda scratch: without + flow.bounds(profile, [scratch]).largest_extra,
@@ -353,7 +359,7 @@ def _limit(case: Case, load: CaseLoad) -> tuple[str, float] | None:
         return "target", case.load.target_leak_rate
     met = [
         one
-        for one in leakage_classes(case, replace(load, formed=None))
+        for one in leakage_classes(case, replace(load, circumference=None))
         if one.name is not None and one.limit is not None
     ]
     if not met or not met[0].limit or case.fluid is None:
@@ -374,7 +380,7 @@ def _allowed(case: Case, load: CaseLoad, asked: _Formed, given: FormError) -> Al
     round_rate = math.inf if asked.load.leak_round is None else asked.load.leak_round.leak_rate
     if round_rate > rate:
         return Allowed(name, rate, None, None, direction, None)
-    height = float(np.ptp(asked.formed.gap_change))
+    height = float(np.ptp(asked.circumference.gap_change))
     factor = (
         _largest(lambda f: asked.leak_rate(asked.form.scaled(f)), rate, 1.0, _LARGEST / height)
         if height

@@ -157,11 +157,9 @@ def contacts_at_target(
     target = problem.loads.target_leak_rate if target_leak_rate is None else target_leak_rate
     if target is None or not target > 0:
         raise target_problem(problem, "missing", target)
-    flow = SealFlow.of(problem)
+    flow = SealFlow.of(problem, reading)
     if flow is None:
         raise target_problem(problem, "without_leak", target)
-    if reading is not None:
-        flow = flow.reading(reading)
     # up and down again, or under several forces, a pressure may come more than once
     starts = {pressure: _first_guess(flow, pressure, target) for pressure in problem.loads.fluid_pressure}
     lowest, highest = sensible_forces(problem)

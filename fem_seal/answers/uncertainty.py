@@ -903,7 +903,8 @@ class SampledSeal:
             if problem.form is result.problem.form:
                 return result.loads
             return [
-                replace(load, formed=problem.around(load.contact, near=load.formed)) for load in result.loads
+                replace(load, circumference=problem.circumference(load.contact, near=load.circumference))
+                for load in result.loads
             ]
         try:
             if contacts is None:
@@ -911,7 +912,11 @@ class SampledSeal:
             if isinstance(contacts, ConvergenceError):
                 raise contacts
             return [
-                LoadResult(*load.point, contact, formed=problem.around(contact, law, load.formed))
+                LoadResult(
+                    *load.point,
+                    contact,
+                    circumference=problem.circumference(contact, law, load.circumference),
+                )
                 for load, contact in zip(result.loads, contacts, strict=True)
             ]
         except ConvergenceError as error:

@@ -41,7 +41,7 @@ def interface_variants(solver: LoadSolver, loads: Sequence[CaseLoad]) -> tuple[C
                 contact = solve_load(replace(solver, problem=changed), strongest)
             else:
                 (contact,) = solved_again([contact], solver.model, changed.law, solver.earlier)
-            around = changed.around(contact)
+            around = changed.circumference(contact)
             bare = load_results(changed, [load.point], [contact], [around], alike=shown)
             (told,) = case_loads(changed, bare)
         others = {name: one.leak.leak_rate for name, one in told.others.items() if one.leak is not None}

@@ -141,7 +141,11 @@ def of_missing(case: Case, point: tuple[float, float], problem: LoadProblem) -> 
 
 def _crest(load: LoadResult) -> float:
     """Largest peak pressure around the axis over that at the mean line load; a stress follows it, as in the checks."""
-    return 1.0 if load.formed is None else float(load.formed.peak_pressure.max()) / load.peak_pressure
+    return (
+        1.0
+        if load.circumference is None
+        else float(load.circumference.peak_pressure.max()) / load.peak_pressure
+    )
 
 
 def _shares(loads: Sequence[CaseLoad], hardness: Sequence[float | None]) -> Utilisation:

@@ -235,10 +235,12 @@ _OF: dict[str, Callable[[CaseLoad], float | None]] = {
     "opening_margin_Pa": lambda load: None if load.opening is None else load.opening.pressure,
     "opening_margin": lambda load: None if load.opening is None else load.opening.share,
     "peak_pressure_max_Pa": lambda load: (
-        None if load.formed is None else float(load.formed.peak_pressure.max())
+        None if load.circumference is None else float(load.circumference.peak_pressure.max())
     ),
-    "line_load_min_over_mean": lambda load: None if load.formed is None else load.formed.least_over_mean,
-    "leak_rate_round_m3_per_s": lambda load: None if load.formed is None else _rate(load.leak_round),
+    "line_load_min_over_mean": lambda load: (
+        None if load.circumference is None else load.circumference.least_over_mean
+    ),
+    "leak_rate_round_m3_per_s": lambda load: None if load.circumference is None else _rate(load.leak_round),
     "leak_rate_scratches_low_m3_per_s": lambda load: _of_scratches(load, 0),
     "leak_rate_scratches_high_m3_per_s": lambda load: _of_scratches(load, 1),
     "line_load_for_target_N_per_m": _line_load_for_target,

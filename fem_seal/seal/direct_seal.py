@@ -288,15 +288,15 @@ def _places(
     flow: FlowModel,
     settings: DirectSettings,
 ) -> Iterator[SealPlace]:
-    formed = load.formed
-    if formed is None:
+    circumference = load.circumference
+    if circumference is None:
         yield replace(_place("round", load, load.contact, surface, flow, settings), interval=interval)
         return
     for name, line_load in (
-        ("least loaded", formed.line_load.min()),
-        ("most loaded", formed.line_load.max()),
+        ("least loaded", circumference.line_load.min()),
+        ("most loaded", circumference.line_load.max()),
     ):
-        yield _place(name, load, formed.local.at(float(line_load)), surface, flow, settings)
+        yield _place(name, load, circumference.local.at(float(line_load)), surface, flow, settings)
 
 
 def _place(

@@ -194,7 +194,7 @@ class Evaluation:
         solved = replace(
             self.solved,
             contacts=_but(self.solved.contacts, gone),
-            formed=_but(self.solved.formed, gone),
+            circumferences=_but(self.solved.circumferences, gone),
             failures=dict(sorted({**failures, **self.solved.failures}.items())),
         )
         if not solved.contacts:
@@ -406,7 +406,7 @@ def _solved_part(problem: SealProblem, solved: SolvedLoads) -> SealProblem:
         loads = loads.without(solved.failures)
     if loads is not problem.loads:
         problem = replace(problem, loads=loads)
-    return replace(problem, form=solved.formed[0].form) if solved.formed else problem
+    return replace(problem, form=solved.circumferences[0].form) if solved.circumferences else problem
 
 
 def _no_load_left(problem: SealProblem, solved: SolvedLoads) -> Exception:

@@ -42,7 +42,7 @@ class LoadResult(Lazy):
     contact : ContactSolution
     rough : LeakModel or None
         Surfaces and fluid; None without roughness.
-    formed : Circumference or None
+    circumference : Circumference or None
         Line load around the axis, of which `contact` carries the mean; None for a round seal.
     opening : OpeningMargin or None
         How far the load is from opening the seal; None where neither fluid nor spring opens it, or it is not known.
@@ -57,7 +57,7 @@ class LoadResult(Lazy):
     applied_force: float
     contact: ContactSolution
     rough: LeakModel | None = None
-    formed: Circumference | None = None
+    circumference: Circumference | None = None
     opening: OpeningMargin | None = None
     mesh_error: DiscretisationError | None = None
     of_faces: tuple[LoadResult, LoadResult] | None = None
@@ -121,7 +121,7 @@ class LoadResult(Lazy):
     @property
     def contacts(self) -> tuple[ContactSolution, ...]:
         """The contact at the mean line load and, of a seal that is not round, at the largest."""
-        return (self.contact,) if self.formed is None else (self.contact, *self.formed.extremes)
+        return (self.contact,) if self.circumference is None else (self.contact, *self.circumference.extremes)
 
     @property
     def point(self) -> tuple[float, float]:
@@ -177,7 +177,7 @@ class LoadResult(Lazy):
         if self.of_faces is not None:
             upper, lower = (one.leak for one in self.of_faces)
             return None if upper is None or lower is None else mean_leak(upper, lower)
-        if self.formed is None:
+        if self.circumference is None:
             return self.leak_round
         return None if self.around is None else self.around.leak
 
@@ -189,20 +189,20 @@ class LoadResult(Lazy):
     @cached_property
     def around(self) -> Circumference | None:
         """Line load, pressure and leak around the axis; None for a round seal."""
-        formed = self.formed
+        circumference = self.circumference
         flow = None if self.rough is None else self.rough.at(self.fluid_pressure)
-        if formed is None or flow is None:
-            return formed
+        if circumference is None or flow is None:
+            return circumference
         from fem_seal.seal.circumference import LeakCurve
 
-        return formed.with_leak(LeakCurve(formed.local, flow))
+        return circumference.with_leak(LeakCurve(circumference.local, flow))
 
     @cached_property
     def leak_before_sealing(self) -> float:
         """What leaks at most where the percolation threshold decides [m^3/s]; zero where it does not."""
         if self.of_faces is not None:
             return 0.5 * sum(one.leak_before_sealing for one in self.of_faces)
-        if self.rough is None or self.rough.simulated or self.formed is not None:
+        if self.rough is None or self.rough.simulated or self.circumference is not None:
             return 0.0
         return self.rough.leak_before_sealing(self.whole, self.fluid_pressure)
 
@@ -245,8 +245,8 @@ def load_results(
     """
     known: dict[Hashable, LoadResult] = {}
     bare = [
-        known.setdefault((point, id(contact)), LoadResult(*point, contact, formed=formed))
-        for point, contact, formed in zip(points, contacts, around, strict=True)
+        known.setdefault((point, id(contact)), LoadResult(*point, contact, circumference=circumference))
+        for point, contact, circumference in zip(points, contacts, around, strict=True)
     ]
     shown = [*alike, *(contact for load in known.values() for contact in load.contacts)]
     rough = LeakModel.of(problem.surface, problem.flow, shown, table) if shown else None
@@ -263,8 +263,8 @@ def on_new_surfaces(load: LoadResult) -> LoadResult:
     """
     if load.of_profile or load.contact.first_loading is load.contact:
         return load
-    formed = None if load.formed is None else load.formed.first_loading
-    return replace(load, contact=load.contact.first_loading, formed=formed)
+    circumference = None if load.circumference is None else load.circumference.first_loading
+    return replace(load, contact=load.contact.first_loading, circumference=circumference)
 
 
 def leak_rates(

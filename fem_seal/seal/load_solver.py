@@ -431,7 +431,7 @@ class SolvedLoads:
         Number of each load without a contact, with the error that says why.
     not_unloaded : ConvergenceError or None
         Why it is not known what is left after the last load, though a body yields.
-    formed : sequence of Circumference
+    circumferences : sequence of Circumference
         Each contact around the axis; empty for a round seal.
     earlier : ContactSolution or None
         Under the largest load before them; None where none is known.
@@ -445,7 +445,7 @@ class SolvedLoads:
     unloaded: Unloaded | None = None
     failures: Mapping[int, Exception] = field(default_factory=dict)
     not_unloaded: ConvergenceError | None = None
-    formed: Sequence[Circumference] = ()
+    circumferences: Sequence[Circumference] = ()
     earlier: ContactSolution | None = None
     points: Mapping[int, tuple[float, float]] = field(default_factory=dict)
     left: bool = False
@@ -453,13 +453,13 @@ class SolvedLoads:
     @property
     def around(self) -> Sequence[Circumference | None]:
         """Each contact around the axis; None for a round seal."""
-        return self.formed or [None] * len(self.contacts)
+        return self.circumferences or [None] * len(self.contacts)
 
     @property
     def all_contacts(self) -> list[ContactSolution]:
         """Contacts that the mesh has to fit: of all loads, all around the axis, and of the largest before them."""
         before = () if self.earlier is None else (self.earlier,)
-        return [*self.contacts, *(one for around in self.formed for one in around.extremes), *before]
+        return [*self.contacts, *(one for around in self.circumferences for one in around.extremes), *before]
 
     @property
     def problems(self) -> dict[int, LoadProblem]:
@@ -505,7 +505,7 @@ def solve_loads(
             else:
                 own, contact = solver.held_by_bolts(alike[0], bolts)
                 held.update(dict.fromkeys(alike, own))
-            around = problem.around(contact)
+            around = problem.circumference(contact)
         except _NO_SOLUTION as error:
             failures.update(dict.fromkeys(alike, error))
             continue
@@ -513,10 +513,12 @@ def solve_loads(
             problem = replace(problem, form=around.form)
         found.update(dict.fromkeys(alike, (contact, around)))
     contacts = [found[number][0] for number in sorted(found)]
-    formed = [around for number in sorted(found) if (around := found[number][1]) is not None]
+    circumferences = [around for number in sorted(found) if (around := found[number][1]) is not None]
     earlier = solver.earlier if contacts else None
     failures = dict(sorted(failures.items()))
-    return SolvedLoads(contacts, failures=failures, formed=formed, earlier=earlier, points=held)
+    return SolvedLoads(
+        contacts, failures=failures, circumferences=circumferences, earlier=earlier, points=held
+    )
 
 
 def _solved_path(

@@ -409,7 +409,7 @@ class SealProblem:
         below = self.lower_half is not None and self.lower_half.follows_path
         return below or self.beside_path or bool(self.curves)
 
-    def around(
+    def circumference(
         self, contact: ContactSolution, law: Law | None = None, near: Circumference | None = None
     ) -> Circumference | None:
         """Line load around the axis where one of the problem's contacts carries the mean; None for a round seal.
@@ -704,42 +704,39 @@ class SealFlow:
         Of which the expected contacts are.
     surface : RoughContact
     flow : FlowModel
-    lower_half : SealFlow or None
-        With the lower flange on both faces of a gasket; None where the flanges are alike.
+    reading : Reading or None
+        In which the surface is, where it is not the problem's own.
     """
 
     problem: SealProblem
     surface: RoughContact
     flow: FlowModel
-    lower_half: SealFlow | None = None
+    reading: Reading | None = None
 
     @classmethod
-    def of(cls, problem: SealProblem) -> SealFlow | None:
+    def of(cls, problem: SealProblem, reading: Reading | None = None) -> SealFlow | None:
         """The flow of a problem; None without roughness or fluid.
 
         Parameters
         ----------
         problem : SealProblem
+        reading : Reading, optional
+            Of yielding asperities; the problem's own unless given.
         """
-        if problem.surface is None or problem.flow is None:
+        surface = problem.surface
+        if surface is None or problem.flow is None:
             return None
-        lower = None if problem.lower_half is None else cls.of(problem.halves[1])
-        return cls(problem, problem.surface, problem.flow, lower)
+        return cls(problem, surface if reading is None else surface.reading(reading), problem.flow, reading)
 
-    @property
-    def both(self) -> list[SealFlow]:
-        """Of each of two different flanges on both faces; only itself where they are alike."""
-        return [one for one in (self, self.lower_half) if one is not None]
-
-    def reading(self, reading: Reading) -> SealFlow:
-        """The same, yielding asperities read in another way."""
-        upper, *lower = (replace(one, surface=one.surface.reading(reading)) for one in self.both)
-        return replace(upper, lower_half=lower[0]) if lower else upper
+    @cached_property
+    def _of_halves(self) -> list[SealFlow]:
+        flows = [SealFlow.of(half, self.reading) for half in self.problem.halves]
+        return [flow for flow in flows if flow is not None]
 
     def expected_rate(self, contact_force: float, fluid_pressure: float) -> float:
         """Leak rate of `expected_profile` under a force F_N [N] at a pressure difference [Pa] [m^3/s]."""
-        profiles = [(one, one.expected_profile(contact_force)) for one in self.both]
-        return sum(one.leak(profile, fluid_pressure).leak_rate for one, profile in profiles) / len(profiles)
+        profiles = [(flow, flow.expected_profile(contact_force)) for flow in self._of_halves]
+        return sum(flow.leak(profile, fluid_pressure).leak_rate for flow, profile in profiles) / len(profiles)
 
     def leak(self, profile: PressureProfile, fluid_pressure: float) -> LeakResult:
         """Flow through a contact at a pressure difference [Pa]."""
@@ -765,8 +762,8 @@ class SealFlow:
         """Flow through a contact with the form error of the seal, at a pressure difference [Pa]."""
         from fem_seal.seal.circumference import LeakCurve
 
-        formed = self.problem.around(contact)
-        if formed is None:
+        circumference = self.problem.circumference(contact)
+        if circumference is None:
             return self.leak(contact.whole, fluid_pressure)
         flow = ProfileLeak(
             lambda profile: self.leak(profile, fluid_pressure),
@@ -774,10 +771,10 @@ class SealFlow:
                 self._table(profile), self.surface, profile, fluid_pressure, grooves
             ),
             lambda pressure: self.flow.conductivity_at(
-                self._table(formed.most_loaded.profile), pressure, fluid_pressure
+                self._table(circumference.most_loaded.profile), pressure, fluid_pressure
             ),
         )
-        found = formed.with_leak(LeakCurve(formed.local, flow)).leak
+        found = circumference.with_leak(LeakCurve(circumference.local, flow)).leak
         assert found is not None  # it was asked for
         return found
 

@@ -617,7 +617,9 @@ def _um(length: float, load: LoadResult, most: int = DIGITS) -> str:
 def _highest_pressure(load: LoadResult) -> float:
     """Highest contact pressure of this load and the loads before; of a seal that is not round, around its axis [Pa]."""
     before = load.tightest.highest
-    return before if load.formed is None else max(before, float(load.formed.peak_pressure.max()))
+    return (
+        before if load.circumference is None else max(before, float(load.circumference.peak_pressure.max()))
+    )
 
 
 def _named_pressure(load: LoadResult) -> str:
@@ -652,7 +654,7 @@ def _is_sealed(load: LoadResult, sealing: float) -> bool:
     A short contact may leak above the sealing pressure. A seal that is not round may leak elsewhere.
     """
     profile, leak = load.tightest, load.leak
-    if leak is None or load.formed is not None:
+    if leak is None or load.circumference is not None:
         return profile.peak_pressure >= sealing
     return profile.highest >= sealing and leak.leak_rate == 0.0
 
@@ -696,14 +698,14 @@ def _nearly_sealed(
         return
     leak, closed = load.leak, (area - DIRECT_END) / (_CLOSED - DIRECT_END)
     least, most = ORDERS_OF_MAGNITUDE ** -min(closed, 1.0), math.inf
-    if load.formed is not None:
+    if load.circumference is not None:
         # what a form error adds has no bound
         most = 1.0 / least
     elif leak is not None and leak.leak_rate > 0.0 and load.leak_before_sealing > 0.0:
         most = max(load.leak_before_sealing / leak.leak_rate, 1.0)
     off = Validity.of(_few_channels(load, loads, surface)).leak_factor.high
     bound = "with_lay" if off > 1.0 and surface.peklenik != 1.0 else "bounded"
-    known = load.formed is None and off * most < ORDERS_OF_MAGNITUDE
+    known = load.circumference is None and off * most < ORDERS_OF_MAGNITUDE
     side = "close" if load.peak_pressure < sealing else "short"
     yield caution(
         "close_to_threshold",

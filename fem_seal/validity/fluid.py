@@ -305,7 +305,7 @@ def _where_most_leaks(load: LoadResult) -> tuple[PressureProfile, LeakResult] | 
     """Contact pressure at the angle with the largest leak, and the leak of a face with this pressure all around."""
     flow = None if load.rough is None else load.rough.flow
     share = 1.0 if flow is None else 1.0 / flow.faces
-    if load.formed is None:
+    if load.circumference is None:
         return None if load.leak is None else (load.tightest, load.leak.scaled(share * load.leak.leak_rate))
     around = load.around
     if around is None or around.leak is None or around.leak_rate is None:
@@ -317,7 +317,7 @@ def _where_most_leaks(load: LoadResult) -> tuple[PressureProfile, LeakResult] | 
 
 def _where(load: LoadResult, loads: Sequence[LoadResult], *, end: bool) -> str:
     """Load, place and reading of the fastest flow, in words."""
-    around = load.formed is not None and bool(load.formed.form.felt)
+    around = load.circumference is not None and bool(load.circumference.form.felt)
     parts = [name for name, applies in (("load", True), ("around", around), ("end", end)) if applies]
     clauses = [sentence("inertia_at", part, name=load_name(load, loads)) for part in parts]
     return ", ".join(clauses) + ("," if len(clauses) > 1 else "")
@@ -340,7 +340,7 @@ def _inertia_of(flow: FlowModel, load: LoadResult) -> tuple[GasInertia, float] |
     if not leak.mass_flow or not math.isfinite(leak.mass_flow):
         return None
     assert flow.gas is not None  # of a gas
-    profile = as_first_loaded(table, load.whole if load.formed is None else here)
+    profile = as_first_loaded(table, load.whole if load.circumference is None else here)
     with np.errstate(divide="ignore"):
         gap = np.asarray(table.at_log_pressure(np.log(np.maximum(profile.pressure, _NO_PRESSURE))))
     pressure = leak.fluid_pressure + flow.outlet_pressure

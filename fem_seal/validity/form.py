@@ -41,25 +41,29 @@ def form_cautions(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator
         return
     for text in problem.form.remarks:
         yield Finding("form", Level.DOUBTFUL, text, text)
-    formed = [(load, load.formed) for load in loads if load.formed is not None and load.formed.form.felt]
-    if not formed:
+    circumferences = [
+        (load, load.circumference)
+        for load in loads
+        if load.circumference is not None and load.circumference.form.felt
+    ]
+    if not circumferences:
         return
-    yield from _short_waves(loads, formed)
-    if math.isinf(formed[0][0].contact.model.relative_radius):
+    yield from _short_waves(loads, circumferences)
+    if math.isinf(circumferences[0][0].contact.model.relative_radius):
         yield caution("conforming")
-    yield from _open(loads, formed)
-    yield from _fluid_opens(problem, loads, formed)
-    yield from _crest(problem, loads, formed)
+    yield from _open(loads, circumferences)
+    yield from _fluid_opens(problem, loads, circumferences)
+    yield from _crest(problem, loads, circumferences)
 
 
-_Formed = Sequence[tuple["LoadResult", "Circumference"]]
+_Circumferences = Sequence[tuple["LoadResult", "Circumference"]]
 
 
-def _short_waves(loads: Sequence[LoadResult], formed: _Formed) -> Iterator[Finding]:
-    felt = formed[0][1].form.felt
+def _short_waves(loads: Sequence[LoadResult], circumferences: _Circumferences) -> Iterator[Finding]:
+    felt = circumferences[0][1].form.felt
     total = sum(abs(one.amplitude) for one in felt)
     waves = max(one.waves for one in felt if abs(one.amplitude) > _COUNTS * total)
-    load, _ = max(formed, key=lambda one: one[0].std)
+    load, _ = max(circumferences, key=lambda one: one[0].std)
     std, r0 = load.std, load.contact.model.initial_contact_radius
     share = waves * std / r0
     if share > _LONG:
@@ -77,18 +81,20 @@ def _short_waves(loads: Sequence[LoadResult], formed: _Formed) -> Iterator[Findi
         )
 
 
-def _open(loads: Sequence[LoadResult], formed: _Formed) -> Iterator[Finding]:
-    load, around = min(formed, key=lambda one: one[1].least_over_mean)
+def _open(loads: Sequence[LoadResult], circumferences: _Circumferences) -> Iterator[Finding]:
+    load, around = min(circumferences, key=lambda one: one[1].least_over_mean)
     if around.least_over_mean < _OPEN:
         share = float(np.mean(around.line_load < _OPEN * around.line_load.mean()))
         yield caution("open_in_part", load, loads, share=share_text(share), limit=100 * _OPEN)
 
 
-def _fluid_opens(problem: SealProblem, loads: Sequence[LoadResult], formed: _Formed) -> Iterator[Finding]:
+def _fluid_opens(
+    problem: SealProblem, loads: Sequence[LoadResult], circumferences: _Circumferences
+) -> Iterator[Finding]:
     def share(one: tuple[LoadResult, Circumference]) -> float:
         return one[0].fluid_pressure / max(float(one[1].peak_pressure.min()), 1e-300)
 
-    load, around = max(formed, key=share)
+    load, around = max(circumferences, key=share)
     worst = share((load, around))
     if problem.flow is not None and around.least_over_mean >= _OPEN:
         # beside what it opens at the mean line load
@@ -104,12 +110,14 @@ def _fluid_opens(problem: SealProblem, loads: Sequence[LoadResult], formed: _For
         )
 
 
-def _crest(problem: SealProblem, loads: Sequence[LoadResult], formed: _Formed) -> Iterator[Finding]:
+def _crest(
+    problem: SealProblem, loads: Sequence[LoadResult], circumferences: _Circumferences
+) -> Iterator[Finding]:
     """Stress at the largest line load: that at the mean line load, scaled with the peak pressure."""
     limits = [one.yield_stress for one in problem.materials.values() if one.yield_stress is not None]
     if not (limits and loads[0].contact.model.knows_stress):
         return
-    load, around = max(formed, key=lambda one: float(one[1].peak_pressure.max()))
+    load, around = max(circumferences, key=lambda one: float(one[1].peak_pressure.max()))
     ratio = float(around.peak_pressure.max()) / load.peak_pressure
     stress = ratio * load.largest_stress[0]
     if load.largest_stress[0] <= min(limits) < stress:

@@ -59,7 +59,7 @@ FIELDS = {
         "applied_force",
         "contact",
         "fluid_pressure",
-        "formed",
+        "circumference",
         "mesh_error",
         "of_faces",
         "opening",

@@ -96,8 +96,8 @@ def _rate(load: CaseLoad, *rates: float | None, beside: Sequence[float] = ()) ->
 
 
 def _closing(answers: FormAnswers, load: CaseLoad) -> Iterator[str]:
-    formed = load.formed
-    if formed is None or not formed.form.felt:
+    circumference = load.circumference
+    if circumference is None or not circumference.form.felt:
         return
     # only results with a form error need this module
     from fem_seal.answers.form import CLOSED
@@ -129,10 +129,10 @@ def _allowed(allowed: Allowed, others: Mapping[str, Allowed], load: CaseLoad) ->
     if allowed.zone is not None and math.isfinite(allowed.zone):
         kind, zone = _DIRECTIONS[allowed.direction], _down(allowed.zone)
         which = "drawing" if zone else "no_zone"
-        assert load.formed is not None  # of a form error
+        assert load.circumference is not None  # of a form error
         normal = load.contact.model.touch_normal_z
         share = normal if allowed.direction == "axial" else math.sqrt(1.0 - normal**2)
-        now = float(np.ptp(load.formed.gap_change)) / share
+        now = float(np.ptp(load.circumference.gap_change)) / share
         yield phrase("form.allowed", which, kind=kind, zone=zone, waves=allowed.waves, limit=limit, now=now)
     for scenario, other in others.items():
         if other.zone is not None and math.isfinite(other.zone):
@@ -171,7 +171,7 @@ def _of_point(load: CaseLoad, point: FormPoint | WaveAlone) -> str:
 def curve_table(result: SealSolution) -> ReadableTable:
     """Leak rate over the size of the form error; no rows for a round seal."""
     answers, load = result.form, result.highest
-    felt = answers is not None and load.formed is not None and load.formed.form.felt
+    felt = answers is not None and load.circumference is not None and load.circumference.form.felt
     points = answers.curve if answers is not None and felt else ()
     return worded_table(
         "form_curve",

@@ -62,7 +62,7 @@ def profile_picture(result: SealSolution, derived: Derived) -> style.Picture:
         _against_closed_forms(view, loads[n], load_name(loads[n], loads), derived.loads[n], length)
     law = law_word(result.case)
     rough = law != "smooth"
-    words = ["start", "mean" if result.highest.formed is not None else ""]
+    words = ["start", "mean" if result.highest.circumference is not None else ""]
     if not closed:
         words += [] if result.of_profile else ["conforming"]
     elif result.unloaded is not None:

@@ -136,7 +136,7 @@ def _drawn(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes]) -
 
 def _around(result: SealSolution) -> tuple[Picture | None, ...]:
     """Pictures of a seal that is not round; for a round one its section shows everything."""
-    if not any(load.formed is not None and load.formed.form.felt for load in result.loads):
+    if not any(load.circumference is not None and load.circumference.form.felt for load in result.loads):
         return ()
     from concurrent.futures import ThreadPoolExecutor
 

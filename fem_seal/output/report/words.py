@@ -97,7 +97,7 @@ def _facts(result: SealSolution, load: CaseLoad) -> Iterator[tuple[Fact, Validit
     yield from (
         (Fact(*fact), of_target if fact[0] == TARGET_FORCE else contact) for fact in valve_facts(result, load)
     )
-    uneven = load.formed is not None and load.formed.form.felt
+    uneven = load.circumference is not None and load.circumference.form.felt
     if uneven:
         remark = f"around the axis; {_peak(load)} at the mean line load"
         yield Fact(PEAK, in_words(load, "peak_pressure_max_Pa"), remark), contact

@@ -139,7 +139,7 @@ def test_both_readings_go_the_same_way(tables):
     (load,) = run_loads(case(**tables)).loads
     capped = replace(load.rough, surface=load.rough.surface.capped)
     of_capped = replace(SealProblem.of(case(**tables)), surface=capped.surface)
-    bare = LoadResult(*load.point, load.contact, capped, load.formed)
+    bare = LoadResult(*load.point, load.contact, capped, load.circumference)
     (swapped,) = case_loads(of_capped, [bare])
     assert type(load.scenarios[Reading.CAPPED].leak) is type(load.leak) is type(swapped.leak)
     assert swapped.leak.leak_rate == load.scenarios[Reading.CAPPED].leak.leak_rate

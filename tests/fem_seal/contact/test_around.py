@@ -777,8 +777,8 @@ def test_leak_rate_around_against_every_angle_on_its_own(
 
     A cubic spline through line loads in even steps of 0.125 was off by 5e-3.
     """
-    formed = around(one_wave(2, amplitude), rough)
-    sealed = over * formed.most_loaded.profile.peak_pressure
+    circumference = around(one_wave(2, amplitude), rough)
+    sealed = over * circumference.most_loaded.profile.peak_pressure
 
     def conductivity(pressure: np.ndarray) -> np.ndarray:
         left = np.maximum(1 - pressure / sealed, 1e-3)
@@ -790,8 +790,8 @@ def test_leak_rate_around_against_every_angle_on_its_own(
         return LeakResult(rate, 1.0, np.zeros(2))
 
     curve = LeakCurve(rough, ProfileLeak(flow, bounds=None, conductivity=conductivity))  # type: ignore[arg-type]
-    found, most = curve.leak_rates(formed.line_load)
-    each = np.array([flow(rough.profile(f)).leak_rate for f in formed.line_load.tolist()])
+    found, most = curve.leak_rates(circumference.line_load)
+    each = np.array([flow(rough.profile(f)).leak_rate for f in circumference.line_load.tolist()])
     assert found.mean() == pytest.approx(each.mean(), rel=5e-4)
     np.testing.assert_allclose(found, each, atol=2e-3 * each.max())
     assert most.leak_rate == pytest.approx(each.max(), rel=0.5)
@@ -811,7 +811,7 @@ def test_a_stiff_interface_carries_what_smooth_surfaces_do(u0: str) -> None:
         )
         found = evaluate(SealProblem.of(Case(**asked))).solved
         assert not found.failures
-        return over_mean(found.formed[0])
+        return over_mean(found.circumferences[0])
 
     smooth = around_axis({"law": "smooth"})
     stiff = around_axis({"law": "exponential", "u0": u0, "p_c": "3 GPa"})
@@ -850,4 +850,6 @@ def test_a_mesh_that_the_round_seal_wants_otherwise_is_not_followed_around(most,
     case = load_case(EXAMPLES / "tilted_poppet.toml").replace(seat={"angle": "8.43 deg"})
     found = evaluate(SealProblem.of(case), Watched(SOURCE.rounding))
     assert (len(Watched.made), len(rings)) == (count, 1)
-    assert found.loads[0].formed.line_load.mean() == pytest.approx(found.loads[0].contact.line_load, rel=1e-6)
+    assert found.loads[0].circumference.line_load.mean() == pytest.approx(
+        found.loads[0].contact.line_load, rel=1e-6
+    )

@@ -221,40 +221,40 @@ OVAL = {"seat": {"direction": "radial", "harmonics": [{"waves": 2, "amplitude": 
 def oval() -> CaseLoad:
     problem = SealProblem.of(steps(("300 N",), "3 kN", form=OVAL))
     found = evaluate(problem).solved
-    (contact,), (formed,) = found.contacts, found.formed
-    bare = LoadResult(*problem.loads.points[0], contact, formed=formed)
+    (contact,), (circumference,) = found.contacts, found.circumferences
+    bare = LoadResult(*problem.loads.points[0], contact, circumference=circumference)
     rough = LeakModel.of(problem.surface, problem.flow, bare.contacts)
     return case_loads(problem, [bare.with_values(rough=rough)])[0]
 
 
 def test_every_place_of_the_circumference_remembers_its_own_load() -> None:
     load = oval().scenarios[Reading.CAPPED]
-    assert load.rough is not None and load.formed is not None and load.around is not None
+    assert load.rough is not None and load.circumference is not None and load.around is not None
     # the earlier load was more even around the axis
-    assert load.formed.before is not None
-    assert load.formed.before.least_over_mean > load.formed.least_over_mean
+    assert load.circumference.before is not None
+    assert load.circumference.before.least_over_mean > load.circumference.least_over_mean
     # every angle by itself, instead of the lattice in both line loads
     flow = load.rough.at(load.fluid_pressure)
     assert flow is not None and load.around.leak_rate is not None
-    step = len(load.formed.angle) // 16
-    each = np.array([flow.leak(profile).leak_rate for profile in load.formed.profiles(step)])
+    step = len(load.circumference.angle) // 16
+    each = np.array([flow.leak(profile).leak_rate for profile in load.circumference.profiles(step)])
     np.testing.assert_allclose(2 * np.pi * load.around.leak_rate[::step], each, rtol=3e-3)
     first = first_loading(oval()).scenarios[Reading.CAPPED]
     assert load.leak.leak_rate < 0.8 * first.leak.leak_rate  # type: ignore[union-attr]
-    assert first.formed is not None and first.formed.before is None
+    assert first.circumference is not None and first.circumference.before is None
 
 
 def test_scratches_lie_in_a_contact_that_remembers() -> None:
     load = oval().scenarios[Reading.CAPPED]
-    assert load.rough is not None and load.formed is not None
+    assert load.rough is not None and load.circumference is not None
     flow = load.rough.at(load.fluid_pressure)
     assert flow is not None
     scratch = [leak.Scratch(depth=2e-6, width=40e-6)]
     after, first = (
-        flow.bounds(one.formed.profile_at(0.3), scratch)  # type: ignore[union-attr]
+        flow.bounds(one.circumference.profile_at(0.3), scratch)  # type: ignore[union-attr]
         for one in (load, first_loading(oval()).scenarios[Reading.CAPPED])
     )
-    own = flow.leak(load.formed.profile_at(0.3)).leak_rate
+    own = flow.leak(load.circumference.profile_at(0.3)).leak_rate
     assert after.without.leak_rate == pytest.approx(own, rel=1e-3)
     assert after.without.leak_rate < first.without.leak_rate
     # along the scratch itself, which closes elastically, as much flows as before

@@ -68,10 +68,10 @@ def test_rougher_samples_let_more_through():
 def test_no_form_error_lets_more_through_than_the_open_bore():
     """What a form error leaves open is no rough gap."""
     load = single_result().loads[0]
-    formed = replace(load, formed=object())
+    circumference = replace(load, circumference=object())
     radius = min(one.radius.min() for one in load.profiles)
     water = math.pi * radius**2 * math.sqrt(2.0 * load.fluid_pressure / load.rough.flow.density)
-    assert formed.most_leak == pytest.approx(water, rel=1e-9)
+    assert circumference.most_leak == pytest.approx(water, rel=1e-9)
 
 
 def test_the_bound_next_to_sealing_does_not_widen_samples():
