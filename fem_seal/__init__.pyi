@@ -6,13 +6,13 @@ from .answers.leak_map import leak_map as leak_map
 from .bodies.supports import Supports as Supports
 from .case.case import Case as Case
 from .case.case import load_case as load_case
-from .case.material_library import material as material
-from .case.material_library import vickers_pressure as vickers_pressure
+from .case.material_table import material as material
+from .case.material_table import vickers_pressure as vickers_pressure
 from .contact.laws import HardContact as HardContact
+from .contact.model import BodyLoads as BodyLoads
 from .contact.model import ContactModel as ContactModel
 from .contact.model import condense as condense
 from .contact.newton import solve as solve
-from .contact.other_loads import BodyLoads as BodyLoads
 from .contact.penetration import CoupledContact as CoupledContact
 from .contact.penetration import FluidAtContact as FluidAtContact
 from .contact.penetration import PenetratingFluid as PenetratingFluid

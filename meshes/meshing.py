@@ -16,8 +16,7 @@ from meshes.errors import GeometryError, MeshingError, mm
 from meshes.geometry.contact_geometry import ContactGeometry
 from meshes.geometry.outline import Outline
 from meshes.gmsh_session import gmsh_session
-from meshes.mesh.seal_mesh import SealMesh
-from meshes.mesh.sizing import Sizing
+from meshes.mesh.seal_mesh import SealMesh, Sizing
 from meshes.shapes.shape import Shape
 
 if TYPE_CHECKING:
@@ -301,7 +300,7 @@ def _square(point: FloatArray, scale: float) -> str:
 
 
 def _to_skfem(gmsh: ModuleType, drawn: _Drawn, scale: float) -> MeshTri:
-    from meshes.mesh.triangles import Triangles, facets_between, smoothed
+    from meshes.mesh.seal_mesh import Triangles, facets_between, smoothed
 
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
     # One node on each point, in the order of the points' tags.

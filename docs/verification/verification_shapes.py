@@ -10,9 +10,8 @@ from verification_page import Figure, Section
 
 import leak
 from fem_seal.contact.laws import HardContact, Law
-from fem_seal.contact.model import condense
+from fem_seal.contact.model import BodyLoads, condense
 from fem_seal.contact.newton import solve
-from fem_seal.contact.other_loads import BodyLoads
 from fem_seal.contact.sizing import MeshFit, element_sizes
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.materials import Material, effective_modulus

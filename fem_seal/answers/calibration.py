@@ -33,9 +33,8 @@ from fem_seal.answers.uncertainty import AnyInput, drawn_values, leak_interval, 
 from fem_seal.answers.verdict import VERDICT, Judgements, seal_judgement, with_judgements
 from fem_seal.arrays import FloatArray, IntArray
 from fem_seal.case.case import Case
-from fem_seal.case.finish import HEIGHTS
 from fem_seal.case.measured import MeasuredLeak, with_fluid
-from fem_seal.case.roughness import UncertainFinish
+from fem_seal.case.roughness import HEIGHTS, UncertainFinish
 from fem_seal.case.tables import Uncertainty, curves
 from fem_seal.case.words import problem
 from fem_seal.errors import InputError, SealError

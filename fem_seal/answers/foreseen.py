@@ -9,8 +9,8 @@ from dataclasses import replace
 import numpy as np
 
 from fem_seal.answers.closed_forms import Derived, derive_problem
-from fem_seal.case.load_limits import MOST_TURNED, turning
-from fem_seal.case.material_library import CURVES, library_name
+from fem_seal.case.checks import MOST_TURNED, turning
+from fem_seal.case.material_table import CURVES, library_name
 from fem_seal.loads import CONSTRAINT, LARGEST_EXCESS, plastic_half_width
 from fem_seal.materials import HARDNESS_OVER_YIELD_STRESS, HardeningCurve, Material
 from fem_seal.seal.cost import about, path_seconds

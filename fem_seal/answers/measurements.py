@@ -17,8 +17,7 @@ import numpy as np
 from fem_seal.answers.response_surface import fit, variables
 from fem_seal.answers.uncertainty import LeakInterval
 from fem_seal.arrays import FloatArray
-from fem_seal.case.finish import FinishTable
-from fem_seal.case.roughness import PARTS, Roughness
+from fem_seal.case.roughness import PARTS, FinishTable, Roughness
 from fem_seal.files import own_tables
 from fem_seal.sampling import sobol_points
 from fem_seal.seal.bounds import Bounds

@@ -1,19 +1,390 @@
-"""A body condensed by nested dissection; where it yields, only the parts that yield are condensed again."""
+"""Nested dissection of a body: Schur complements of its parts, reused where the stiffness has not changed.
+
+The elements are halved again and again (nested dissection: George, SIAM J. Numer. Anal. 10, 345 (1973)). From the
+smallest parts on, each part eliminates the unknowns that no other part shares, and hands the stiffness of its boundary
+to the part that it is half of; what some places feel is left to the last. A part is condensed anew only where one of
+its elements has another stiffness than the elastic one: of a body that yields under its contact that is the plastic
+zone, found anew each time, and nothing is assumed of the elements around it.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.sparse import csr_matrix
 
 from fem_seal.arrays import BoolArray, FloatArray, IntArray
 from fem_seal.bodies.constrained_body import ConstrainedBody
-from fem_seal.bodies.dissection import Dissection
 from fem_seal.bodies.elasticity import element_dofs, element_stiffness
 from fem_seal.bodies.elastoplastic import ElastoplasticBody, StressUpdate
+
+# Elements of the smallest parts: fewer are more steps in Python, more are dense matrices with many zeros.
+_SMALLEST = 40
+
+
+@dataclass(frozen=True, eq=False)
+class _Part:
+    """Some elements, or two halves, and the unknowns that are eliminated when their stiffnesses are together.
+
+    Parameters
+    ----------
+    elements : ndarray of int
+        All of them, those of the halves included.
+    halves : tuple of int
+        Numbers of the two parts; empty for the smallest.
+    inner, outer : ndarray of int
+        Unknowns that are eliminated and those that are handed on.
+    places : tuple of ndarray of int
+        Place among inner and outer of the unknowns of each element, shape (elements, shapes), held ones behind all
+        others; or of what each half hands on.
+    """
+
+    elements: IntArray
+    halves: tuple[int, ...]
+    inner: IntArray
+    outer: IntArray
+    places: tuple[IntArray, ...]
+
+    def front_matrix(self, local: FloatArray) -> FloatArray:
+        """Stiffness of inner and outer from that of its elements (elements, shapes, shapes), of a smallest part."""
+        size, (place,) = len(self.inner) + len(self.outer) + 1, self.places
+        index = place[:, :, None] * size + place[:, None, :]
+        summed = np.asarray(np.bincount(index.ravel(), local.ravel(), minlength=size * size), dtype=float)
+        # symmetric, and turned round in the order that LAPACK takes without a copy of each row
+        return summed.reshape(size, size)[:-1, :-1].T
+
+    def joined(self, halves: tuple[FloatArray, ...]) -> FloatArray:
+        """The same from what the halves hand on."""
+        size = len(self.inner) + len(self.outer)
+        front = np.zeros((size, size))
+        for place, half in zip(self.places, halves, strict=True):
+            # columns first: whole rows are added much faster than single numbers
+            rows = np.zeros((len(place), size))
+            rows[:, place] = half.T
+            front[place] += rows
+        return front.T
+
+
+@dataclass(frozen=True, eq=False)
+class _Eliminated:
+    """A part after its elimination: U^T U of the inner stiffness, U^-T times the coupling, and what is handed on.
+
+    Of what is handed on the upper triangle alone: parts have their unknowns in the order of elimination, so that it is
+    added to the upper triangle of the next part.
+    """
+
+    upper: FloatArray
+    coupling: FloatArray
+    handed_on: FloatArray
+
+    @classmethod
+    def of(cls, front: FloatArray, inner: int) -> _Eliminated:
+        from scipy.linalg.blas import dsyrk
+        from scipy.linalg.lapack import dtrtrs
+
+        upper, coupling, handed_on = (
+            _cholesky(front[:inner, :inner]),
+            front[:inner, inner:],
+            front[inner:, inner:],
+        )
+        if coupling.size:
+            coupling, _ = dtrtrs(upper, coupling, trans=1)
+            handed_on = dsyrk(-1.0, coupling, 1.0, handed_on, trans=1)
+        return cls(upper, coupling, handed_on)
+
+
+def _cholesky(matrix: FloatArray) -> FloatArray:
+    """U of U^T U, from the upper triangle."""
+    from scipy.linalg.lapack import dpotrf
+
+    if not matrix.size:
+        return matrix
+    upper, failed = dpotrf(matrix)
+    if failed:
+        raise RuntimeError("the matrix is not positive definite")
+    return np.asarray(upper)
+
+
+@dataclass(frozen=True, eq=False)
+class Dissection:
+    """A body's elements in parts.
+
+    Parameters
+    ----------
+    parts : tuple of _Part
+        Halves before what they are halves of; the last one is all of the body.
+    places : ndarray of int
+        Unknowns that are left to the last.
+    size : int
+        Number of unknowns.
+    elastic : ndarray, shape (elements, shapes, shapes)
+        Stiffness of each element where nothing has changed it: before it yields.
+    """
+
+    parts: tuple[_Part, ...]
+    places: IntArray
+    size: int
+    elastic: FloatArray
+
+    @classmethod
+    def of(
+        cls,
+        unknowns: IntArray,
+        coordinates: FloatArray,
+        places: ArrayLike,
+        size: int,
+        elastic: FloatArray,
+        nodes: IntArray | None = None,
+    ) -> Dissection:
+        """Parts of a mesh.
+
+        Parameters
+        ----------
+        unknowns : ndarray of int, shape (elements, shapes)
+            Unknown of each shape function of each element; -1 where it is held.
+        coordinates : ndarray, shape (elements, k)
+            Coordinates of the elements, by one of which they are halved.
+        places : array_like of int
+            Unknowns that are left to the last, all different, at least one.
+        size : int
+            Number of unknowns.
+        elastic : ndarray, shape (elements, shapes, shapes)
+            Stiffness of each element before it yields.
+        nodes : ndarray of int, shape (elements, k), optional
+            Nodes of each element, or some of them: halves that share few of them share few unknowns.
+        """
+        places = np.asarray(places, dtype=np.int64)
+        levels = _halved(unknowns + 1 if nodes is None else nodes, coordinates)
+        return cls(_parts(levels, unknowns, places, size), places, size, elastic)
+
+    def condensed(
+        self, changed: BoolArray, stiffness: Callable[[IntArray], FloatArray]
+    ) -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
+        """(K^-1) between the places, and a solver for any right-hand side.
+
+        Parameters
+        ----------
+        changed : ndarray of bool, shape (elements,)
+            Which elements have another stiffness than the elastic one.
+        stiffness : callable
+            Takes numbers of elements to their stiffness, shape (k, shapes, shapes).
+
+        Returns
+        -------
+        inverse : ndarray, shape (m, m)
+            In the order of the places.
+        solve : callable
+            Takes b, shape (n,) or (n, k), to K^-1 b.
+
+        Raises
+        ------
+        RuntimeError
+            If the stiffness is not positive definite.
+        """
+        return self._answers(self._eliminated(changed, stiffness))
+
+    def unchanged(self) -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
+        """The same as `condensed` where no element has another stiffness than the elastic one."""
+        return self._answers(self._elastic)
+
+    def _answers(self, found: list[_Eliminated]) -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
+        from scipy.linalg.lapack import dpotri
+
+        last = _cholesky(found[-1].handed_on)
+        inverse, _ = dpotri(last)
+        inverse = np.triu(inverse)
+        # what a part hands on is not needed any more, and need not be kept
+        kept = [(one.upper, one.coupling) for one in found if len(one.upper)]
+
+        def solve(right: FloatArray) -> FloatArray:
+            from scipy.linalg.lapack import dpotrs, dtrtrs
+
+            order, places = self._order
+            steps = [(*place, *one) for place, one in zip(places, kept, strict=True)]
+            turned = right.reshape(len(right), -1)[order]
+            for span, outer, upper, coupling in steps:
+                inner = turned[span]
+                # forces stand on few parts
+                if np.count_nonzero(inner):
+                    turned[span], _ = dtrtrs(upper, inner, trans=1)
+                    turned[outer] -= coupling.T @ inner
+            rest = turned[-len(last) :]
+            rest[:], _ = dpotrs(last, rest)
+            for span, outer, upper, coupling in reversed(steps):
+                turned[span], _ = dtrtrs(upper, turned[span] - coupling @ turned[outer])
+            solution = np.empty_like(turned)
+            solution[order] = turned
+            return solution.reshape(right.shape)
+
+        return inverse + np.triu(inverse, 1).T, solve
+
+    @cached_property
+    def _order(self) -> tuple[IntArray, list[tuple[slice, IntArray]]]:
+        """Unknowns in the order of their elimination, and where those that a part eliminates and hands on are then."""
+        eliminating = [part for part in self.parts if len(part.inner)]
+        order = np.concatenate([*(part.inner for part in eliminating), self.places])
+        place = np.empty_like(order)
+        place[order] = np.arange(self.size)
+        ends = np.cumsum([0, *(len(part.inner) for part in eliminating)]).tolist()
+        spans = (slice(*ends) for ends in pairwise(ends))
+        return order, [(span, place[part.outer]) for span, part in zip(spans, eliminating, strict=True)]
+
+    @cached_property
+    def _elastic(self) -> list[_Eliminated]:
+        """All parts before anything yields."""
+        return self._eliminated(
+            np.ones(len(self.elastic), dtype=bool), lambda elements: self.elastic[elements]
+        )
+
+    def _eliminated(
+        self, changed: BoolArray, stiffness: Callable[[IntArray], FloatArray]
+    ) -> list[_Eliminated]:
+        """Every part, anew where an element has changed."""
+        found: list[_Eliminated] = []
+        for number, part in enumerate(self.parts):
+            if not np.count_nonzero(changed[part.elements]):
+                found.append(self._elastic[number])
+                continue
+            if part.halves:
+                front = part.joined(tuple(found[half].handed_on for half in part.halves))
+            else:
+                front = part.front_matrix(stiffness(part.elements))
+            found.append(_Eliminated.of(front, len(part.inner)))
+        return found
+
+
+def _halved(nodes: IntArray, coordinates: FloatArray) -> list[IntArray]:
+    """In which part each element is: of the whole, of its halves, of theirs and so on, each of shape (elements,).
+
+    The halves of the n-th part are 2n and 2n + 1 of the next level; -1 where a part is not halved again. They lie along
+    one of the coordinates, that along which they share fewer nodes.
+    """
+    part = np.zeros(len(nodes), dtype=np.int64)
+    levels, orders = [part], list(np.argsort(coordinates.T, axis=1, kind="stable"))
+    # each part counts its nodes anew; in which part each of them is
+    node = np.unique(nodes, return_inverse=True)[1].reshape(nodes.shape)
+    owner = np.zeros(node.max() + 1, dtype=np.int64)
+    while True:
+        size = np.bincount(part[part >= 0])
+        # and last of what is in none of the parts, whose number is -1
+        size = np.append(np.where(size > _SMALLEST, size, 0), 0)
+        if not size.any():
+            return levels
+        # elements by the part that is halved, and in it along each coordinate
+        orders = [one[size[part[one]] > 0] for one in orders]
+        orders = [one[_sorted(part[one])] for one in orders]
+        halved = part[orders[0]]
+        behind = np.arange(len(halved)) - (np.cumsum(size) - size)[halved] >= size[halved] // 2
+        shared, halves = [], np.zeros((len(orders), len(part)), dtype=np.int64)
+        for half, order in zip(halves, orders, strict=True):
+            half[order] = behind
+            have = _have(node[order], half[order], len(owner))
+            shared.append(np.bincount(owner[have.all(axis=1)], minlength=len(size)))
+        order, half = orders[0], halves[np.argmin(shared, axis=0)[part], np.arange(len(part))]
+        have = _have(node[order], half[order], len(owner))
+        node[order] = (np.cumsum(have) - 1)[2 * node[order] + half[order, None]]
+        owner = (2 * owner[:, None] + [0, 1])[have]
+        part = np.where(size[part] > 0, 2 * part + half, -1)
+        levels.append(part)
+
+
+def _have(node: IntArray, half: IntArray, count: int) -> BoolArray:
+    """Which nodes each half has, shape (nodes, 2)."""
+    have = np.zeros((count, 2), dtype=bool)
+    have[node, half[:, None]] = True
+    return have
+
+
+def _parts(levels: list[IntArray], unknowns: IntArray, places: IntArray, size: int) -> tuple[_Part, ...]:
+    """All parts, halves before what they are halves of; `levels` as from `_halved`."""
+    level_of, ordered = _elimination(levels, unknowns, places, size)
+    rank = np.full(size + 1, -1)
+    rank[ordered] = np.arange(size)
+    rank, level_of = rank[unknowns], level_of[ordered]
+    pieces = []
+    # what the parts of the level below hand on: which part, and what
+    giver, given = np.empty((2, 0), dtype=np.int64)
+    below = np.full(len(unknowns), -1)
+    for level, part in reversed([*enumerate(levels)]):
+        count = 1 + int(part.max())
+        inside = np.flatnonzero(part >= 0)
+        inside = inside[_sorted(part[inside])]
+        smallest = inside[below[inside] < 0]
+        free = rank[smallest] >= 0
+        own = (part[smallest, None] * size + rank[smallest])[free]
+        known, which = np.unique(np.append(own, giver // 2 * size + given), return_inverse=True)
+        owner, unknown = np.divmod(known, size)
+        outer = level_of[unknown] < level
+        sizes = np.bincount(owner, minlength=count)
+        # in a part what it eliminates comes before what it hands on
+        place = np.arange(len(known)) - (np.cumsum(sizes) - sizes)[owner]
+        of_elements = np.repeat(sizes[part[smallest], None], free.shape[1], axis=1)
+        of_elements[free] = place[which[: len(own)]]
+        of_halves = _cut(place[which[len(own) :]], giver, 2 * count)
+        pieces.append(
+            list(
+                zip(
+                    _cut(inside, part[inside], count),
+                    _cut(ordered[unknown[~outer]], owner[~outer], count),
+                    _cut(ordered[unknown[outer]], owner[outer], count),
+                    _cut(of_elements, part[smallest], count),
+                    zip(of_halves[::2], of_halves[1::2], strict=True),
+                    strict=True,
+                )
+            )
+        )
+        giver, given, below = owner[outer], unknown[outer], part
+    found: list[_Part] = []
+    _add(found, pieces, len(pieces) - 1, 0)
+    return tuple(found)
+
+
+def _add(found: list[_Part], pieces: Sequence[Sequence[Any]], level: int, number: int) -> int:
+    """Append a part behind its halves; its place in the list."""
+    elements, inner, outer, of_elements, of_halves = pieces[level][number]
+    halves = (
+        ()
+        if len(of_elements)
+        else (_add(found, pieces, level - 1, 2 * number), _add(found, pieces, level - 1, 2 * number + 1))
+    )
+    found.append(_Part(elements, halves, inner, outer, of_halves if halves else (of_elements,)))
+    return len(found) - 1
+
+
+def _elimination(
+    levels: list[IntArray], unknowns: IntArray, places: IntArray, size: int
+) -> tuple[IntArray, IntArray]:
+    """On which level each unknown is eliminated, -1 if it is left to the last, and unknowns in the order of that."""
+    # the smallest part that has all elements of an unknown; the held ones come behind all others
+    level_of, part_of = np.zeros((2, size + 1), dtype=np.int64)
+    for level, part in enumerate(levels):
+        found = np.empty(size + 1, dtype=np.int64)
+        found[unknowns] = part[:, None]
+        whole = found >= 0
+        whole[unknowns[found[unknowns] != part[:, None]]] = False
+        level_of[whole], part_of[whole] = level, found[whole]
+    # halves one after the other, and then what they are halves of
+    end = (part_of + 1) << (len(levels) - level_of)
+    level_of[places] = -1
+    order = np.lexsort((-level_of[:-1], end[:-1]))
+    return level_of[:-1], np.append(order[level_of[order] >= 0], places)
+
+
+def _sorted(part: IntArray) -> IntArray:
+    """What sorts numbers of parts, of which there are few: they are not compared, but counted."""
+    return np.argsort(part.astype(np.min_scalar_type(part.max())), kind="stable")
+
+
+def _cut(values: IntArray, group: IntArray, count: int) -> list[IntArray]:
+    """Values by the group that each is in, which do not fall."""
+    ends = np.searchsorted(group, np.arange(count + 1)).tolist()
+    return [values[begin:end] for begin, end in pairwise(ends)]
 
 
 @dataclass(frozen=True, eq=False)

@@ -30,7 +30,7 @@ class BodyField:
         (u_r, u_z) [m]; the closure's rigid approach is not part of it.
     stress : ndarray, shape (n, 4)
         sigma_rr, sigma_zz, sigma_tt (hoop), sigma_rz [Pa], recovered from the triangles around each node: of an elastic
-        body see `fem_seal.bodies.stress_recovery`, of one that yields their mean.
+        body see `fem_seal.bodies.elasticity`, of one that yields their mean.
     contact_nodes : ndarray of int
         Nodes on the contact line, along increasing x.
     contact_x : ndarray

@@ -20,8 +20,7 @@ import numpy as np
 from fem_seal.arrays import FloatArray, IntArray
 from fem_seal.bodies import elasticity
 from fem_seal.bodies.constrained_body import ConstrainedBody
-from fem_seal.bodies.dissected_body import places_of_elements
-from fem_seal.bodies.dissection import Dissection
+from fem_seal.bodies.dissected_body import Dissection, places_of_elements
 from fem_seal.materials import Material
 from fem_seal.processes import single_threaded
 
@@ -120,8 +119,8 @@ class HarmonicBody:
         Returns
         -------
         ndarray, shape (nodes, nodes)
-            Amplitude over amplitude, forces per full turn as `fem_seal.bodies.condensed.CondensedBody.compliance` has
-            them. Kept, and shared: not to be changed.
+            Amplitude over amplitude, forces per full turn as in
+            `fem_seal.bodies.constrained_body.CondensedBody.compliance`. Kept, and shared: not to be changed.
 
         Raises
         ------

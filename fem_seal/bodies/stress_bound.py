@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_seal.arrays import FloatArray
-from fem_seal.bodies.condensed import CondensedBody
-from fem_seal.bodies.constrained_body import LoadName
+from fem_seal.bodies.constrained_body import CondensedBody, LoadName
 from fem_seal.bodies.fields import von_mises
 
 # Points of the contact line to one spline: three points lie in an element, ten elements in the narrowest contact.
@@ -107,7 +106,7 @@ class StressBound:
         pressure : ndarray, shape (m,)
             All that presses on the contact line [Pa].
         magnitudes : mapping
-            Of the body's further loads, see `fem_seal.contact.other_loads.BodyLoads`.
+            Of the body's further loads, see `fem_seal.contact.model.BodyLoads`.
         """
         if not magnitudes.keys() <= self.further.keys():
             return np.inf

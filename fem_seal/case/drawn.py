@@ -20,7 +20,7 @@ from leak.extras import needed
 from meshes import GeometryError, MeshedBody, Profile, Segment, Shape, read_section
 from meshes.drawings.halved import profile_of
 from meshes.errors import mm
-from meshes.geometry.segment import Point
+from meshes.geometry.curve import Point
 
 _PLACE = Place(Quantity("length", "-10 m", "10 m"))
 _UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "in": 0.0254}

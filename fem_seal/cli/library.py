@@ -35,7 +35,7 @@ def materials(
 
     Numbers that are not known at the temperature are left out.
     """
-    from fem_seal.case.material_library import material
+    from fem_seal.case.material_table import material
     from fem_seal.output import library
 
     show_in(units)

@@ -1,9 +1,9 @@
 from .laws import HardContact as HardContact
+from .model import BodyLoads as BodyLoads
 from .model import ContactModel as ContactModel
 from .model import Supports as Supports
 from .model import condense as condense
 from .newton import solve as solve
-from .other_loads import BodyLoads as BodyLoads
 from .penetration import CoupledContact as CoupledContact
 from .penetration import FluidAtContact as FluidAtContact
 from .penetration import PenetratingFluid as PenetratingFluid

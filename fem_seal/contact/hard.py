@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fem_seal.contact.model import ContactModel
-from fem_seal.contact.other_loads import BodyLoads
+from fem_seal.contact.model import BodyLoads, ContactModel
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError
 

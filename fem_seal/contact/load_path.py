@@ -13,8 +13,7 @@ from fem_seal.arrays import FloatArray
 from fem_seal.bodies.elastoplastic import BodyState
 from fem_seal.bodies.fields import BodyField, elastoplastic_field
 from fem_seal.contact.laws import Law
-from fem_seal.contact.model import ContactModel
-from fem_seal.contact.other_loads import NO_LOADS, BodyLoads
+from fem_seal.contact.model import NO_LOADS, BodyLoads, ContactModel
 from fem_seal.contact.plastic_step import (
     Equilibrium,
     PathLoad,

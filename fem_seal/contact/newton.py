@@ -15,8 +15,7 @@ from fem_seal.arrays import FloatArray
 from fem_seal.contact.flattened import is_all_but_rigid, solve_flattened
 from fem_seal.contact.hard import solve_hard
 from fem_seal.contact.laws import HardContact, Law, LawOfEach, ScaledLaw, law_of_rows
-from fem_seal.contact.model import ContactModel
-from fem_seal.contact.other_loads import NO_LOADS, BodyLoads
+from fem_seal.contact.model import NO_LOADS, BodyLoads, ContactModel
 from fem_seal.contact.solution import DEFAULT_SETTINGS, ContactSettings, ContactSolution
 from fem_seal.errors import ConvergenceError
 from fem_seal.processes import single_threaded

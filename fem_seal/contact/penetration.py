@@ -13,9 +13,8 @@ import numpy as np
 from fem_seal.arrays import FloatArray
 from fem_seal.contact.fixed_point import first_fixed_point, fixed_point
 from fem_seal.contact.laws import HardContact, Law
-from fem_seal.contact.model import ContactLine, ContactModel
+from fem_seal.contact.model import NO_LOADS, BodyLoads, ContactLine, ContactModel
 from fem_seal.contact.newton import solve
-from fem_seal.contact.other_loads import NO_LOADS, BodyLoads
 from fem_seal.contact.solution import DEFAULT_SETTINGS, ContactSettings, ContactSolution
 from fem_seal.errors import ConvergenceError, OpenSealError
 from fem_seal.loads import PressureSide, expected_force

@@ -17,16 +17,20 @@ from functools import cached_property
 import numpy as np
 
 from fem_seal.arrays import FloatArray
-from fem_seal.bodies.condensed import BoundaryLoad, CondensedBody, condense_body
-from fem_seal.bodies.constrained_body import ConstrainedBody, LoadName
+from fem_seal.bodies.constrained_body import (
+    BoundaryLoad,
+    CondensedBody,
+    ConstrainedBody,
+    LoadName,
+    condense_body,
+)
 from fem_seal.bodies.dissected_body import DissectedBody
 from fem_seal.bodies.elasticity import at_quadrature_points
 from fem_seal.bodies.elastoplastic import BodyState, ElastoplasticBody, StressUpdate
 from fem_seal.bolts import Bolts, held_force
 from fem_seal.contact.laws import Law
-from fem_seal.contact.model import ContactModel, line_compliance
+from fem_seal.contact.model import NO_LOADS, BodyLoads, ContactModel, line_compliance
 from fem_seal.contact.newton import solve
-from fem_seal.contact.other_loads import NO_LOADS, BodyLoads
 from fem_seal.contact.penetration import CoupledContact, FluidPath, solve_penetration
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError

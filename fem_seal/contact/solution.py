@@ -13,8 +13,7 @@ import numpy as np
 from fem_seal.arrays import FloatArray
 from fem_seal.bodies.elasticity import without_free_strain
 from fem_seal.bodies.fields import BodyField, ElastoplasticField, body_field
-from fem_seal.contact.model import ContactModel
-from fem_seal.contact.other_loads import NO_LOADS, BodyLoads
+from fem_seal.contact.model import NO_LOADS, BodyLoads, ContactModel
 from fem_seal.materials import Material
 from fem_seal.profile import PressureProfile, joined, remembered, tightest
 from fem_seal.units import quantity

@@ -10,10 +10,9 @@ from functools import cache
 from typing import TYPE_CHECKING, Any
 
 from fem_seal.case.case import Case, load_case
-from fem_seal.case.finish import HEIGHTS, ProcessName
-from fem_seal.case.material_library import ALIASES, LIBRARY
+from fem_seal.case.material_table import ALIASES, LIBRARY
 from fem_seal.case.new_case import required_class
-from fem_seal.case.roughness import read_roughness
+from fem_seal.case.roughness import HEIGHTS, ProcessName, read_roughness
 from fem_seal.errors import InputError, NoLoadLeftError, SealError
 from fem_seal.explore.screen import section_of
 from fem_seal.files import own_tables

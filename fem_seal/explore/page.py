@@ -17,7 +17,7 @@ from dash import ALL, Dash, Input, Output, State, ctx, dcc, html, no_update
 from dash.exceptions import PreventUpdate
 from flask import Response, abort, request, send_file
 
-from fem_seal.case.case_file import case_text, free_name, write_case
+from fem_seal.case.case import case_text, free_name, write_case
 from fem_seal.errors import SealError
 from fem_seal.explore.choices import ROWS, changed, choices_of, pictures_of
 from fem_seal.explore.figures import PIN_NAMES, PINS, designs_shown, figures

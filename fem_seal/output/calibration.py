@@ -13,7 +13,7 @@ import numpy as np
 from fem_seal.answers.calibration import Calibration, LearnedInput, NextTest, Percentiles, Prediction
 from fem_seal.answers.conflict import Conflict
 from fem_seal.answers.leakage_class import volume_of
-from fem_seal.case.case_file import case_text
+from fem_seal.case.case import case_text
 from fem_seal.files import as_json, write_text
 from fem_seal.output.answers.error_shares import input_name
 from fem_seal.output.answers.verdict import verdict_lines, verdict_numbers

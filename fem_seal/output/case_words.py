@@ -17,7 +17,7 @@ from fem_seal.units import LeakVolume, attributes, format_quantity, number, quan
 if TYPE_CHECKING:
     from fem_seal.case.case import Case
     from fem_seal.case.fields import Table
-    from fem_seal.case.finish import FinishTable
+    from fem_seal.case.roughness import FinishTable
     from fem_seal.case.tables import Load
     from fem_seal.contact.conduction import TemperatureField
     from fem_seal.seal.problem import SealProblem

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from fem_seal.case.material_library import ALIASES, CURVES, LIBRARY
+from fem_seal.case.material_table import ALIASES, CURVES, LIBRARY
 from fem_seal.files import own_tables
 from fem_seal.materials import Material
 from fem_seal.units import fixed_quantity, fixed_unit

@@ -27,8 +27,7 @@ if TYPE_CHECKING:
     from fem_seal.bodies.constrained_body import ConstrainedBody, Heat, LoadName
     from fem_seal.case.tables import CaseTables
     from fem_seal.contact.conduction import Surroundings, TemperatureField
-    from fem_seal.contact.model import ContactModel
-    from fem_seal.contact.other_loads import BodyLoads
+    from fem_seal.contact.model import BodyLoads, ContactModel
 
 AnyCase = TypeVar("AnyCase", bound="CaseTables")
 
@@ -155,7 +154,7 @@ class AtRest:
         model : ContactModel
             Condensed with these temperatures.
         """
-        from fem_seal.contact.other_loads import BodyLoads
+        from fem_seal.contact.model import BodyLoads
 
         if self.heating is None:
             expansion: dict[LoadName, float] = {"expansion": self.expansion} if self.expansion else {}

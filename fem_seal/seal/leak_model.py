@@ -128,7 +128,7 @@ class FlowModel:
         fluid_pressure : float
             Pressure difference [Pa].
         """
-        from leak.flow.unsealed import gas_through_bore, liquid_through_bore
+        from leak.flow.leak_rate import gas_through_bore, liquid_through_bore
         from leak.standards import STANDARD_PRESSURE
 
         radius = math.sqrt(area / math.pi)
@@ -148,7 +148,7 @@ class FlowModel:
         fluid_pressure : float
             Pressure difference [Pa].
         """
-        from leak.flow.unsealed import gap_resistance, gas_through_gap
+        from leak.flow.leak_rate import gap_resistance, gas_through_gap
 
         resistance = gap_resistance(x, radius, gap) / self.faces
         viscosity = self.effective_viscosity(fluid_pressure)

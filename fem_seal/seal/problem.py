@@ -16,8 +16,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from fem_seal.bodies.supports import Supports
-from fem_seal.case.checks import face_remarks
-from fem_seal.case.load_limits import refused_loads
+from fem_seal.case.checks import face_remarks, refused_loads
 from fem_seal.case.tightening import bolts_of
 from fem_seal.contact.laws import HardContact, Law
 from fem_seal.contact.sizing import Opening, contact_widths, element_sizes, for_yielding, rounded

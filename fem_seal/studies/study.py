@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from pydantic import ValidationError
 
-from fem_seal.case.case import Case, case_of, load_case
-from fem_seal.case.case_file import with_files
+from fem_seal.case.case import Case, case_of, load_case, with_files
 from fem_seal.case.drawing_words import said_twice
 from fem_seal.case.gauge import as_difference
 from fem_seal.case.messages import problems

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem_seal.arrays import FloatArray
-from fem_seal.case.case_file import names_files, with_files
+from fem_seal.case.case import names_files, with_files
 from fem_seal.case.words import problem
 from fem_seal.errors import InputError
 from fem_seal.seal.evaluate import Batch, Turn, untimed

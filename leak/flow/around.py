@@ -14,9 +14,7 @@ from leak.errors import ConductivityError
 from leak.flow.conductivity import GasConductivity
 from leak.flow.contact_profile import checked_profile
 from leak.flow.leak_rate import GasPermeant, LiquidPermeant, Permeant, gap_of, potential_ends
-from leak.fluids.pressure_law import FlowPotential, PressureLaw
-from leak.fluids.properties import Gas
-from leak.fluids.real_gas import GasPotential
+from leak.fluids.properties import FlowPotential, Gas, GasPotential, PressureLaw
 
 # Of the conductance with free flow around: more is no resistance.
 _MOST = 1e9

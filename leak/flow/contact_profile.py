@@ -14,7 +14,7 @@ from leak.arrays import BoolArray, FloatArray, IntArray, as_arrays, check_each, 
 from leak.errors import ProfileError
 from leak.flow.conductivity import RemembersLoad
 from leak.numerics.curves import cubic_spline_slopes
-from leak.numerics.gauss import gauss
+from leak.numerics.integrals import gauss
 
 # Faces that go on for ever.
 NO_ENDS = (-np.inf, np.inf)

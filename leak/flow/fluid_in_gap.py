@@ -17,7 +17,7 @@ from leak.errors import ProfileError, positive
 from leak.flow.contact_profile import ContactProfile, checked_ends, checked_profile, checked_side
 from leak.flow.leak_rate import LogConductivity, SigmaOfPressure, by_log_pressure, leak_flow
 from leak.flow.leak_result import LeakResult
-from leak.fluids.pressure_law import FlowPotential, PressureLaw
+from leak.fluids.properties import FlowPotential, PressureLaw
 from leak.numerics.curves import cell_cubics, spline_slopes
 from leak.numerics.roots import bisected, root_between, root_of_rising
 

@@ -14,7 +14,7 @@ from leak.errors import ProfileError, positive
 from leak.flow.rarefied import flow_factor
 from leak.fluids.properties import Gas
 from leak.numerics.curves import MonotoneCurve, cubic_spline_slopes
-from leak.numerics.gauss import gauss
+from leak.numerics.integrals import gauss
 
 # Over half of the section: the flow of a gas through an ellipse to 1e-7 in the continuum, 1e-5 of free molecules.
 _NODES = 16

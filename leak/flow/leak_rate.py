@@ -4,6 +4,8 @@ A permeant has a flow potential, its inverse and the conductance of a gap. Of a 
 (`leak.FlowPotential`), and what flows is counted as volume at atmospheric pressure. Of a gas it is w
 (`leak.GasPotential`), and what flows is mass. A gap conducts sigma in the continuum; flow over the slope of the
 potential is sigma times the gain, which depends on the pressure of a rarefied gas, times a constant.
+
+What flows where nothing seals stands at the end: through an open bore, and through the gap of faces that just touch.
 """
 
 from __future__ import annotations
@@ -31,12 +33,12 @@ from leak.flow.groove_section import GrooveSection
 from leak.flow.leak_result import GasLeakResult, LeakResult
 from leak.flow.rarefied import log_flow_factor
 from leak.flow.rough_contact import RoughContact, gas_conductivity_table
-from leak.fluids.pressure_law import FlowPotential, PressureLaw
-from leak.fluids.properties import Gas
-from leak.fluids.real_gas import GasPotential
+from leak.fluids.library import heat_capacity_ratio
+from leak.fluids.properties import GAS_CONSTANT, FlowPotential, Gas, GasPotential, PressureLaw
 from leak.numerics.anderson import mixing_weights
 from leak.numerics.curves import MonotoneCurve, spline_slopes
-from leak.numerics.gauss import integrals_up_to_nodes
+from leak.numerics.integrals import integrals_up_to_nodes
+from leak.standards import STANDARD_PRESSURE
 
 # First-order slip of `poiseuille_flow_rate`.
 _SLIP = 1.0162
@@ -627,3 +629,102 @@ def _resistance_with_gains(
         f"conductivity of the gas: its pressure in the contact was not found in {_MOST_SWEEPS} iterations; "
         "a gain that falls no faster than 1/p_f has one"
     )
+
+
+# Of a gas of which it is not known: that of one atom in a molecule, the largest.
+_MONATOMIC = 5.0 / 3.0
+
+
+def liquid_through_bore(radius: float, pressure_drop: float, density: float) -> float:
+    """Volume flow of a liquid through an open bore without friction, A sqrt(2 dp/rho) (Bernoulli, Torricelli) [m^3/s].
+
+    Parameters
+    ----------
+    radius : float
+        Of the bore [m].
+    pressure_drop : float
+        [Pa]
+    density : float
+        [kg/m^3]
+
+    Examples
+    --------
+    >>> f"{liquid_through_bore(5e-3, 1e5, 1000.0) * 6e4:.1f} l/min"
+    '66.6 l/min'
+    """
+    return math.pi * radius**2 * math.sqrt(2.0 * pressure_drop / density)
+
+
+def gas_through_bore(radius: float, gas: Gas, high: float, low: float) -> float:
+    """Mass flow of a gas through an open bore without friction or heat, at most that of choked flow [kg/s].
+
+    Isentropic flow of an ideal gas with the density that the gas has at the high pressure (de Saint-Venant, Wantzel;
+    ISO 9300). Where a real gas is as dense as a liquid, it flows some tens of per cent otherwise.
+
+    Parameters
+    ----------
+    radius : float
+        Of the bore [m].
+    gas : Gas
+    high, low : float
+        Absolute pressures [Pa].
+
+    Examples
+    --------
+    >>> import leak
+    >>> f"{gas_through_bore(0.5e-3, leak.gas('nitrogen', 293.15), 1e6, 1e5) * 1e3:.2f} g/s"
+    '1.82 g/s'
+    """
+    kappa = heat_capacity_ratio(gas.name) or _MONATOMIC
+    choked = (2.0 / (kappa + 1.0)) ** (kappa / (kappa - 1.0))
+    ratio = max(low / high, choked)
+    factor = 1.0 if gas.real is None else float(gas.real.factor(high))
+    density = high * gas.molar_mass / (factor * GAS_CONSTANT * gas.temperature)
+    expansion = ratio ** (2.0 / kappa) - ratio ** ((kappa + 1.0) / kappa)
+    return math.pi * radius**2 * math.sqrt(2.0 * kappa / (kappa - 1.0) * high * density * expansion)
+
+
+def gap_resistance(x: FloatArray, radius: FloatArray, gap: FloatArray) -> float:
+    """Resistance of a smooth ring-shaped gap over the viscosity, 12 int dx/(2 pi r gap^3) [1/m^3].
+
+    Parameters
+    ----------
+    x, radius, gap : ndarray, shape (n,)
+        Along the flow, distance from the axis and gap [m].
+
+    Examples
+    --------
+    >>> x = np.linspace(0.0, 1e-3, 5)
+    >>> f"{gap_resistance(x, np.full(5, 1e-2), np.full(5, 1e-5)):.3g}"
+    '1.91e+14'
+    """
+    return float(np.trapezoid(12.0 / (2.0 * math.pi * radius * gap**3), x))
+
+
+def gas_through_gap(resistance: float, gap: float, gas: Gas, high: float, low: float) -> float:
+    """Volume flow of a gas through a gap, at 101325 Pa and its temperature, isothermal and rarefied [m^3/s].
+
+    Parameters
+    ----------
+    resistance : float
+        See `gap_resistance` [1/m^3].
+    gap : float
+        Where it is narrowest, for what rarefaction adds: the most [m].
+    gas : Gas
+    high, low : float
+        Absolute pressures [Pa].
+
+    Examples
+    --------
+    >>> import leak
+    >>> helium = leak.gas("helium")
+    >>> dense, thin = (gas_through_gap(1e15, one, helium, 2e5, 1e5) for one in (1e-4, 1e-6))
+    >>> dense < thin < 3.0 * dense
+    True
+    """
+    # even in p^2, in which a flow without rarefaction is
+    pressure = np.sqrt(np.linspace(low**2, high**2, 64))
+    paths = np.array([gas.mean_free_path(max(one, 1e-6 * high)) for one in pressure])
+    more = np.exp(log_flow_factor(np.log(0.5 * math.sqrt(math.pi) * gap / paths)))
+    driving = np.trapezoid(gas.flow_pressure(pressure) * more, pressure)
+    return float(driving / (gas.viscosity * resistance * STANDARD_PRESSURE))

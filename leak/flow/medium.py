@@ -20,7 +20,7 @@ from leak.arrays import FloatArray
 from leak.errors import ConductivityError
 from leak.flow.rarefied import log_flow_factor
 from leak.numerics.curves import MonotoneCurve
-from leak.numerics.gauss import gauss_panels
+from leak.numerics.integrals import gauss_panels
 from leak.numerics.roots import bisected
 from leak.surfaces.spectrum import PowerSpectrum
 from leak.theory.persson import moment_of_all, separations
@@ -501,7 +501,7 @@ def touching_pressure(peklenik: float, share: ArrayLike) -> FloatArray:
 
 
 def touching_pressure_at_equal_gap(peklenik: float, share: ArrayLike) -> FloatArray:
-    """`touching_pressure` where the mean gap is that of `leak.theory.gap_law`.
+    """`touching_pressure` where the mean gap is that of `leak.theory.interface_law`.
 
     1 + 1.4 ((gamma - 1)/(gamma + 1))^2 s (1 - s), s = A/(A0 a_c): the same height at the middle, and one where little
     touches, where the gap is that of the heights, which know no lay.

@@ -16,12 +16,10 @@ from leak.flow import conductivity as flow
 from leak.flow import medium
 from leak.flow.conductivity import AnyTable, ConductivityTable, GasConductivityTable, LoadMemory
 from leak.flow.rarefied import log_flow_factor
-from leak.numerics.curves import MonotoneCurve, spline_slopes
+from leak.numerics.curves import MonotoneCurve, divided, sampled, spline_slopes
 from leak.numerics.roots import bisected, root_of_rising
-from leak.numerics.sampling import divided, sampled
 from leak.surfaces.spectrum import PowerSpectrum
-from leak.theory.gap_law import gap_law
-from leak.theory.interface_law import RoughSurfaceLaw
+from leak.theory.interface_law import RoughSurfaceLaw, gap_law
 from leak.theory.own_error import FlowError, flow_error
 from leak.theory.persson import (
     LowPressureLaw,
@@ -81,8 +79,8 @@ class RoughContact:
         Penetration hardness of the softer surface [Pa]; None for elastic asperities.
     theory : {"paper", "corrected"}
         "paper": mean gap and flow by Persson's theory as in Fischer et al. "corrected": the mean gap by
-        `leak.theory.gap_law`, asperities that yield by von Mises (`leak.theory.plasticity`), and the flow through the
-        paper's surface of the same mean gap.
+        `leak.theory.interface_law`, asperities that yield by von Mises (`leak.theory.plasticity`), and the flow
+        through the paper's surface of the same mean gap.
     yielding : {"conserved", "capped", "von-mises"}, optional
         What becomes of the metal that yields. In the paper's theory "conserved", the default: the spectrum C_pl
         smoothed everywhere by plastic flow at the pressure asked for, valleys included (`leak.theory.plasticity`); or

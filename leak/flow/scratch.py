@@ -34,9 +34,8 @@ from leak.flow.leak_rate import (
 from leak.flow.leak_result import GasLeakResult, LeakResult
 from leak.flow.network import Line, network_flow
 from leak.flow.rough_contact import RoughContact
-from leak.fluids.pressure_law import PressureLaw
-from leak.fluids.properties import Gas
-from leak.numerics.gauss import gauss
+from leak.fluids.properties import Gas, PressureLaw
+from leak.numerics.integrals import gauss
 from leak.numerics.roots import root_between
 
 # The fluid pressure bends even where the contact pressure does not.

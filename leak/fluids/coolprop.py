@@ -10,9 +10,7 @@ import numpy as np
 from leak.arrays import FloatArray
 from leak.errors import FluidError, positive
 from leak.extras import needed
-from leak.fluids.pressure_law import PressureTable
-from leak.fluids.properties import Gas, Liquid
-from leak.fluids.real_gas import RealGas
+from leak.fluids.properties import Gas, Liquid, PressureTable, RealGas
 from leak.standards import STANDARD_PRESSURE
 
 PREFIX = "CoolProp:"

@@ -18,9 +18,17 @@ from leak.arrays import FloatArray
 from leak.errors import FluidError, positive
 from leak.extras import command
 from leak.files import own_tables
-from leak.fluids.pressure_law import Barus, PressureLaw, PressureTable, Roelands, Tait
-from leak.fluids.properties import GAS_CONSTANT, Gas, Liquid
-from leak.fluids.real_gas import RealGas
+from leak.fluids.properties import (
+    GAS_CONSTANT,
+    Barus,
+    Gas,
+    Liquid,
+    PressureLaw,
+    PressureTable,
+    RealGas,
+    Roelands,
+    Tait,
+)
 from leak.standards import STANDARD_PRESSURE
 
 # -------------------------------------------------------------------- water under pressure

@@ -15,8 +15,8 @@ import numpy as np
 
 from leak.arrays import FloatArray
 from leak.errors import ScanError, um
+from leak.numerics.integrals import power_law_moment, slopes
 from leak.surfaces.periodogram import Evidence, Periodogram, evidence, periodogram, pooled
-from leak.surfaces.power_laws import power_law_moment, slopes
 from leak.surfaces.scans import (
     FoundOutliers,
     ScanSettings,

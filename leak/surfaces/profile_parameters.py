@@ -15,8 +15,8 @@ from numpy.typing import ArrayLike
 from leak.arrays import FloatArray
 from leak.errors import ScanError, SpectrumError, positive
 from leak.files import own_tables
-from leak.numerics.gauss import gauss_panels
-from leak.numerics.sampling import divided
+from leak.numerics.curves import divided
+from leak.numerics.integrals import gauss_panels
 from leak.surfaces.scans import HeightMap, LineScan, Topography
 from leak.surfaces.spectrum import PowerSpectrum
 

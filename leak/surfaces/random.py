@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from leak.arrays import FloatArray
 from leak.errors import ScanError, positive
-from leak.numerics.sampling import divided
+from leak.numerics.curves import divided
 from leak.surfaces.periodogram import beyond
 from leak.surfaces.spectrum import PowerSpectrum
 

@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike
 
 from leak.arrays import FloatArray, IntArray, as_arrays, check_each, check_order, different
 from leak.errors import SpectrumError, positive
+from leak.numerics.integrals import not_zero, power_integral, power_law_moment, slopes
 from leak.numerics.roots import newton_between
-from leak.surfaces.power_laws import not_zero, power_integral, power_law_moment, slopes
 
 if TYPE_CHECKING:
     from leak.surfaces.periodogram import Window

@@ -8,7 +8,7 @@ import numpy as np
 
 from leak.arrays import FloatArray
 from leak.errors import SpectrumError
-from leak.numerics.gauss import gauss
+from leak.numerics.integrals import gauss
 from leak.surfaces.spectrum import PowerSpectrum
 
 # Spacing in ln q of the average, and of the pieces of the angular integral.

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from leak.arrays import BoolArray, FloatArray
 from leak.errors import ProfileError, positive
-from leak.numerics.gauss import gauss
+from leak.numerics.integrals import gauss
 from leak.numerics.roots import bisected
 
 _BISECTIONS = 28

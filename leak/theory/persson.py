@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from leak.arrays import FloatArray, IntArray, different
-from leak.numerics.gauss import gauss
+from leak.numerics.integrals import gauss
 from leak.surfaces.spectrum import PowerSpectrum
 from leak.theory.plasticity import RoughnessSeen
 

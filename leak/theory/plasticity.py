@@ -29,7 +29,7 @@ from numpy.typing import ArrayLike
 
 from leak.arrays import FloatArray, IntArray
 from leak.numerics.curves import cell_cubics
-from leak.numerics.gauss import gauss
+from leak.numerics.integrals import gauss
 
 
 class Reading(StrEnum):

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from leak.arrays import FloatArray, IntArray
-from leak.numerics.gauss import gauss, integrals_up_to_nodes
+from leak.numerics.integrals import gauss, integrals_up_to_nodes
 from leak.surfaces.spectrum import PowerSpectrum
 from leak.theory.persson import FULL_CONTACT, area_argument, moment_of_all, separations
 from leak.theory.plasticity import RoughnessSeen

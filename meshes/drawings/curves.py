@@ -16,7 +16,7 @@ from meshes.arrays import FloatArray
 from meshes.drawings.profile import section_columns
 from meshes.errors import GeometryError
 from meshes.geometry.biarcs import fitted
-from meshes.geometry.segment import Segment, arc_pieces
+from meshes.geometry.curve import Segment, arc_pieces
 from meshes.gmsh_session import gmsh_session
 
 # $INSUNITS of the header, in metres; 0 is "no unit". Those of landscapes and stars are left out.

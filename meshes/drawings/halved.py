@@ -9,8 +9,7 @@ import numpy as np
 
 from meshes.drawings.profile import Profile
 from meshes.errors import GeometryError
-from meshes.geometry.curve import Curve
-from meshes.geometry.segment import Point, Segment, as_point
+from meshes.geometry.curve import Curve, Point, Segment, as_point
 
 
 def profile_of(

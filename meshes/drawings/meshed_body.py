@@ -13,10 +13,9 @@ import numpy as np
 from meshes.drawings.profile import CORNER, PARTS, Profile, section_columns
 from meshes.errors import GeometryError
 from meshes.geometry.biarcs import through
-from meshes.geometry.contact_geometry import ContactGeometry
+from meshes.geometry.contact_geometry import ContactGeometry, named_beside
+from meshes.geometry.curve import Segment
 from meshes.geometry.outline import Outline
-from meshes.geometry.segment import Segment
-from meshes.geometry.touch import named_beside
 from meshes.own_process import OwnProcessError, TimeLimitError, run_in_subprocess
 
 if TYPE_CHECKING:

@@ -12,10 +12,9 @@ from pathlib import Path
 import numpy as np
 
 from meshes.errors import GeometryError, mm
-from meshes.geometry.curve import Curve
+from meshes.geometry.contact_geometry import looks
+from meshes.geometry.curve import Curve, Point, Segment
 from meshes.geometry.outline import Outline
-from meshes.geometry.segment import Point, Segment
-from meshes.geometry.touch import looks
 
 # Names that a piece of a profile may be given, besides those found automatically.
 PARTS = {

@@ -13,8 +13,7 @@ import numpy as np
 from meshes.drawings.halved import profile_of
 from meshes.drawings.profile import Profile
 from meshes.errors import GeometryError, mm
-from meshes.geometry.curve import Curve
-from meshes.geometry.segment import Point, Segment, as_point
+from meshes.geometry.curve import Curve, Point, Segment, as_point
 from meshes.own_process import OwnProcessError, TimeLimitError, run_in_subprocess
 
 # Ends this close, relative to the size of the drawing, are one point; those further apart than the second are none,

@@ -9,8 +9,7 @@ import numpy as np
 
 from meshes.arrays import FloatArray
 from meshes.errors import GeometryError, mm
-from meshes.geometry.curve import Curve
-from meshes.geometry.segment import Segment, as_point
+from meshes.geometry.curve import Curve, Segment, as_point
 
 # Halvings of a piece of curve before it is refused.
 _DEEPEST = 24

@@ -1,25 +1,290 @@
-"""The mesh of closure and seat with its names, quality and files."""
+"""The mesh of closure and seat: sizes of its elements, triangles, names, quality and files."""
 
 from __future__ import annotations
 
 import errno
+import math
 import os
+from collections.abc import Collection, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING
 
 import numpy as np
+from skfem import MeshTri
 
+from meshes.arrays import BoolArray, FloatArray, IntArray
+from meshes.errors import GeometryError, MeshingError, mm
 from meshes.geometry.contact_geometry import ContactGeometry
 from meshes.geometry.outline import Outline
 from meshes.gmsh_session import gmsh_session
-from meshes.mesh.sizing import Sizing
 
-if TYPE_CHECKING:
-    from skfem import MeshTri
+# Rounds of smoothing: the second one makes far fewer poor triangles, a third one hardly any difference.
+_ROUNDS = 2
+# Shape of a triangle, see `triangle_shape`, that smoothing may make worse.
+_GOOD = 0.6
+
+
+def triangle_shape(p: FloatArray, t: IntArray) -> FloatArray:
+    """Return 2 r_in/r_circ of every triangle: 1 equilateral, 0 degenerate."""
+    a, b, c = (np.hypot(*(p[:, t[i]] - p[:, t[j]])) for i, j in ((0, 1), (1, 2), (2, 0)))
+    return (b + c - a) * (c + a - b) * (a + b - c) / (a * b * c)
+
+
+def doubled_area(p: FloatArray, t: IntArray) -> FloatArray:
+    """Twice the area of every triangle [m^2], negative where its vertices go round clockwise."""
+    e, f = p[:, t[1]] - p[:, t[0]], p[:, t[2]] - p[:, t[0]]
+    return e[0] * f[1] - e[1] * f[0]
+
+
+def section_area(mesh: MeshTri) -> float:
+    """Area of the meshed section [m^2]."""
+    return float(0.5 * np.abs(doubled_area(mesh.p, mesh.t)).sum())
+
+
+class Triangles(MeshTri):
+    """scikit-fem's triangles, whose edges are found among whole numbers: a tenth of the time."""
+
+    @staticmethod
+    def build_entities(t, indices, sort=True):  # type: ignore[no-untyped-def]
+        """Vertices of all edges, sorted, and the edges of every triangle; as scikit-fem numbers them."""
+        ends = np.sort(np.hstack([t[pair] for pair in indices]), axis=0)
+        stride = np.int64(ends.max(initial=0)) + 1
+        numbers, edge = np.unique(ends[0] * stride + ends[1], return_inverse=True)
+        pairs = np.stack([numbers // stride, numbers % stride]).astype(t.dtype)
+        return pairs, edge.reshape(len(indices), t.shape[1])
+
+    def with_boundaries(self, boundaries, boundaries_only=True):  # type: ignore[no-untyped-def]
+        """As scikit-fem does, without looking for the edges again."""
+        return super().with_boundaries(boundaries, boundaries_only)._with_edges_of(self)
+
+    def moved(self, p: FloatArray) -> Triangles:
+        """The same triangles over other places of the vertices [m], shape (2, n)."""
+        return replace(self, doflocs=p)._with_edges_of(self)
+
+    def _with_edges_of(self, other: Triangles) -> Triangles:
+        self._facets, self._t2f = other.facets, other.t2f
+        return self
+
+
+def facets_between(mesh: MeshTri, lines: Mapping[str, IntArray]) -> dict[str, IntArray]:
+    """The facets of some lines.
+
+    Parameters
+    ----------
+    mesh : skfem.MeshTri
+    lines : mapping of ndarray of int, shape (n, 2)
+        Pairs of vertices.
+
+    Raises
+    ------
+    MeshingError
+        If there is no facet between a pair.
+    """
+
+    def numbers(pairs: IntArray) -> IntArray:
+        return pairs.min(axis=1) * np.int64(mesh.nvertices) + pairs.max(axis=1)
+
+    # scikit-fem sorts the facets by their vertices, and so are these numbers.
+    known = numbers(mesh.facets.T)
+    facets = {name: np.searchsorted(known, numbers(pairs)) for name, pairs in lines.items()}
+    for name, pairs in lines.items():
+        if not np.array_equal(known.take(facets[name], mode="clip"), numbers(pairs)):
+            raise MeshingError(
+                "gmsh merged neighbouring vertices of a boundary; the elements asked for there are too small against "
+                "the bodies, use a larger contact size or edge radius"
+            )
+    return facets
+
+
+def smoothed(mesh: Triangles) -> Triangles:
+    """Vertices moved to the mean of their neighbours, where that harms no triangle; those of the boundary stay.
+
+    Parameters
+    ----------
+    mesh : Triangles
+    """
+    p, (start, end) = mesh.p, mesh.facets
+    neighbours = np.bincount(mesh.facets.ravel())
+    fixed = np.zeros(p.shape[1], dtype=bool)
+    fixed[mesh.facets[:, np.bincount(mesh.t2f.ravel()) == 1]] = True
+    before = _measured(p, mesh.t)
+    for _ in range(_ROUNDS):
+        total = [np.bincount(start, c[end], len(c)) + np.bincount(end, c[start], len(c)) for c in p]
+        moved = np.where(fixed, p, np.stack(total) / neighbours)
+        # a vertex that stays may be the next one's trouble
+        while np.any(harmed := _harmed(before, after := _measured(moved, mesh.t))):
+            moved[:, mesh.t[:, harmed]] = p[:, mesh.t[:, harmed]]
+        p, before = moved, after
+    return mesh.moved(p)
+
+
+def _measured(p: FloatArray, t: IntArray) -> tuple[FloatArray, FloatArray]:
+    """Shape and doubled area of triangles."""
+    return triangle_shape(p, t), doubled_area(p, t)
+
+
+def _harmed(before: tuple[FloatArray, FloatArray], after: tuple[FloatArray, FloatArray]) -> BoolArray:
+    """Triangles that are turned over, or worse than before and poor."""
+    (shape, area), (new_shape, new_area) = before, after
+    return (np.sign(area) != np.sign(new_area)) | ((new_shape < shape) & (new_shape < _GOOD))
+
+
+# Far more than any contact that can be solved.
+_MOST = 100_000
+
+
+@dataclass(frozen=True)
+class Sizing:
+    """Element size as a function of place.
+
+    size = contact_size + growth_along max(0, abs(x) - core) + growth_deep abs(y), at most far_size, where x runs
+    along the common tangent and y along the common normal from first touch. What happens at depth y varies over
+    a length of the order of y, so the elements may grow with it without loss.
+
+    Parameters
+    ----------
+    contact_size : float
+        Element size at first touch [m].
+    core : float
+        Distance along the contact line over which `contact_size` is kept [m].
+    zone : tuple of float
+        Ends (x_start, x_end) of the zone in which contact is looked for, arc length from first touch [m].
+    growth_along, growth_deep : float
+        Growth of the element size per distance along the contact line and into the depth.
+    far_size : float
+        Largest element size [m].
+    spots : tuple of (float, float)
+        Further places on the contact line, such as rounded edges: arc length from first touch and the element size
+        there [m]; the size grows from them along the contact line and into the depth as it does from first touch.
+
+    Raises
+    ------
+    GeometryError
+        If a size is not positive or the zone does not enclose first touch.
+
+    Examples
+    --------
+    >>> import meshes
+    >>> sizing = meshes.Sizing(2e-5, 1e-4, (-1e-3, 1e-3), 0.2, 0.3, 4e-3)
+    >>> sizing.refined(2.0).contact_size
+    1e-05
+    """
+
+    contact_size: float
+    core: float
+    zone: tuple[float, float]
+    growth_along: float
+    growth_deep: float
+    far_size: float
+    spots: tuple[tuple[float, float], ...] = ()
+
+    def __post_init__(self) -> None:
+        for key in ("contact_size", "growth_along", "growth_deep", "far_size"):
+            value = getattr(self, key)
+            if not (math.isfinite(value) and value > 0):
+                raise GeometryError(f"mesh {key} = {mm(value)}: must be positive and finite")
+        if not self.zone[0] < 0 < self.zone[1]:
+            raise GeometryError(
+                f"mesh zone = {mm(self.zone[0])} to {mm(self.zone[1])}: must start below and end above zero"
+            )
+        if self.contact_size > self.far_size:
+            raise GeometryError(
+                f"mesh contact_size = {mm(self.contact_size)}: must not exceed far_size = {mm(self.far_size)}"
+            )
+
+    def contact_vertices(self, breaks: FloatArray | None = None) -> FloatArray:
+        """Arc lengths of the contact line's vertices [m], zero among them, the same for both bodies.
+
+        Each stretch is divided evenly in int dx / size(x), so that no element is larger than asked for.
+
+        Parameters
+        ----------
+        breaks : ndarray, optional
+            More places that must be vertices [m]; those outside the zone are left out.
+        """
+        start, end = self.zone
+        fixed = np.array([start, 0.0, end])
+        if breaks is not None:
+            # A break closer to a vertex than half an element would leave a sliver.
+            near = np.min(np.abs(np.subtract.outer(breaks, fixed)), axis=1, initial=np.inf)
+            inside = (breaks > start) & (breaks < end) & (near > 0.5 * self.size(breaks))
+            fixed = np.unique(np.concatenate([fixed, breaks[inside]]))
+        return np.concatenate([[start], *(self._divided(a, b) for a, b in pairwise(fixed.tolist()))])
+
+    def size(self, x: FloatArray) -> FloatArray:
+        """Element size on the contact line at x [m]."""
+        x = np.asarray(x, dtype=float)
+        size = self.contact_size + self.growth_along * np.maximum(0.0, np.abs(x) - self.core)
+        for place, smallest in self.spots:
+            size = np.minimum(size, smallest + self.growth_along * np.abs(x - place))
+        return np.minimum(size, self.far_size)
+
+    def _divided(self, a: float, b: float) -> FloatArray:
+        """Vertices in (a, b], b the last."""
+        # Away from the small elements the size grows in proportion to the distance: so do the steps.
+        steps = np.concatenate([[0.0], np.geomspace(1e-3, 1e3, 600)])
+        centres = [(-self.core, self.contact_size), (self.core, self.contact_size), *self.spots]
+        near = [
+            place + side * size / self.growth_along * steps for place, size in centres for side in (-1, 1)
+        ]
+        x = np.unique(np.clip(np.concatenate([np.linspace(a, b, 401), *near]), a, b))
+        middle = 0.5 * (x[1:] + x[:-1])
+        density, between = 1 / self.size(x), 1 / self.size(middle)
+        count = np.concatenate(
+            [[0.0], np.cumsum(np.diff(x) * (density[:-1] + 4 * between + density[1:]) / 6)]
+        )
+        elements = max(1, math.ceil(count[-1] * (1 - 1e-9)))
+        if elements > _MOST:
+            raise MeshingError(
+                f"the contact line would need more than {_MOST} elements; use a larger contact size or edge radius"
+            )
+        inner = np.interp(np.arange(1, elements) * count[-1] / elements, count, x)
+        return np.append(inner, b)
+
+    def rounded(self, fixed: Collection[float], *, exact_size: bool = False) -> Sizing:
+        """The same with three digits, so that round-off of the input, such as other units, leaves the mesh as it is.
+
+        Parameters
+        ----------
+        fixed : collection of float
+            Places on the contact line that stay, such as edges and ends of the faces: arc lengths [m].
+        exact_size : bool
+            Whether `contact_size` is given by somebody and stays.
+        """
+        spots = {
+            (place if place in fixed else _three(size) * round(place / _three(size)), _three(size))
+            for place, size in self.spots
+        }
+        start, end = (x if x in fixed else _three(x) for x in self.zone)
+        return replace(
+            self,
+            contact_size=self.contact_size if exact_size else min(_three(self.contact_size), self.far_size),
+            core=_three(self.core),
+            zone=(max(start, min(fixed, default=start)), min(end, max(fixed, default=end))),
+            growth_along=_three(self.growth_along),
+            growth_deep=_three(self.growth_deep),
+            spots=tuple(sorted(spots)),
+        )
+
+    def refined(self, factor: float) -> Sizing:
+        """Same grading with every element size divided by `factor`; below 1 it coarsens."""
+        return replace(
+            self,
+            contact_size=self.contact_size / factor,
+            growth_along=self.growth_along / factor,
+            growth_deep=self.growth_deep / factor,
+            far_size=self.far_size / factor,
+            spots=tuple((x, size / factor) for x, size in self.spots),
+        )
+
+
+def _three(size: float) -> float:
+    """A number with three significant digits."""
+    return float(f"{size:.2e}")
 
 
 @dataclass(frozen=True)
@@ -97,8 +362,6 @@ class SealMesh:
     @cached_property
     def quality(self) -> Quality:
         """Shape of the elements and error of the areas."""
-        from meshes.mesh.triangles import section_area, triangle_shape
-
         shape = triangle_shape(self.mesh.p, self.mesh.t)
         errors = [abs(section_area(getattr(self, o.name)) / o.area - 1) for o in self.outlines]
         return Quality(
@@ -176,8 +439,6 @@ def joined(bodies: list[tuple[str, MeshTri]]) -> MeshTri:
     bodies : list of (name, skfem.MeshTri)
         With their boundaries.
     """
-    from meshes.mesh.triangles import Triangles, facets_between
-
     offsets = np.cumsum([0, *(mesh.p.shape[1] for _, mesh in bodies)])
     counts = np.cumsum([0, *(mesh.nelements for _, mesh in bodies)])
     lines = {

@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 
 from meshes.errors import mm
+from meshes.geometry.curve import Point, Segment
 from meshes.geometry.outline import Outline
-from meshes.geometry.segment import Point, Segment
 from meshes.shapes import check
 
 # The closing force acts above this angle from the downward axis, so that it does not bend the surface near the

@@ -6,8 +6,7 @@ import math
 from dataclasses import dataclass
 
 from meshes.errors import GeometryError, mm
-from meshes.geometry.outline import Outline
-from meshes.geometry.rounding import chain
+from meshes.geometry.outline import Outline, chain
 from meshes.shapes import check
 from meshes.shapes.shape import Partner, Shape, housing
 

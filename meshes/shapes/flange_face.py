@@ -6,10 +6,8 @@ import math
 from dataclasses import dataclass, replace
 
 from meshes.errors import mm
-from meshes.geometry.curve import Curve
-from meshes.geometry.outline import Outline
-from meshes.geometry.rounding import chain
-from meshes.geometry.segment import Point, Segment
+from meshes.geometry.curve import Curve, Point, Segment
+from meshes.geometry.outline import Outline, chain
 from meshes.shapes import check
 from meshes.shapes.conical_seat import ConicalSeat
 from meshes.shapes.flat_land import FlatLand

@@ -11,10 +11,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from meshes.errors import mm
-from meshes.geometry.curve import Curve
-from meshes.geometry.outline import Outline
-from meshes.geometry.rounding import chain
-from meshes.geometry.segment import Point, Segment
+from meshes.geometry.curve import Curve, Point, Segment
+from meshes.geometry.outline import Outline, chain
 from meshes.shapes import check
 from meshes.shapes.shape import NamedFace, round_part, straight_part
 

@@ -8,10 +8,8 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 from meshes.errors import GeometryError, mm
-from meshes.geometry.curve import Curve
-from meshes.geometry.outline import Outline
-from meshes.geometry.rounding import rounded
-from meshes.geometry.segment import Point, Segment
+from meshes.geometry.curve import Curve, Point, Segment
+from meshes.geometry.outline import Outline, rounded
 from meshes.shapes import check
 from meshes.shapes.conical_land import ConicalLand
 from meshes.shapes.flat_land import FlatLand

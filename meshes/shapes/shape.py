@@ -8,11 +8,9 @@ from itertools import pairwise
 from typing import Protocol
 
 from meshes.errors import GeometryError, mm
-from meshes.geometry.curve import Curve
-from meshes.geometry.outline import Outline
-from meshes.geometry.rounding import chain
-from meshes.geometry.segment import Point, Segment
-from meshes.geometry.touch import Touch, first_touch, with_faces
+from meshes.geometry.contact_geometry import Touch, first_touch, with_faces
+from meshes.geometry.curve import Curve, Point, Segment
+from meshes.geometry.outline import Outline, chain
 from meshes.shapes import check
 
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from meshes.geometry.outline import Outline
-from meshes.geometry.rounding import chain
+from meshes.geometry.outline import Outline, chain
 from meshes.shapes import check
 from meshes.shapes.shape import NamedFace, Partner, Shape, housing, round_part
 

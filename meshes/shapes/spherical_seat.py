@@ -6,10 +6,8 @@ import math
 from dataclasses import dataclass
 
 from meshes.errors import GeometryError, mm
-from meshes.geometry.curve import Curve
-from meshes.geometry.outline import Outline
-from meshes.geometry.rounding import rounded
-from meshes.geometry.segment import Segment
+from meshes.geometry.curve import Curve, Segment
+from meshes.geometry.outline import Outline, rounded
 from meshes.shapes import check
 from meshes.shapes.shape import NamedFace, Partner, Shape, housing, round_part
 

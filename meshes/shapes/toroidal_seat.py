@@ -6,9 +6,8 @@ import math
 from dataclasses import dataclass
 
 from meshes.errors import mm
-from meshes.geometry.curve import Curve
+from meshes.geometry.curve import Curve, Segment
 from meshes.geometry.outline import Outline
-from meshes.geometry.segment import Segment
 from meshes.shapes import check
 from meshes.shapes.shape import NamedFace, Partner, Shape, housing, round_part
 

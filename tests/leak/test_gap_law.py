@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from places import REFERENCE
 
 import leak
-from leak.theory import gap_law as solver
-from leak.theory.gap_law import gap_law, stiff_steps
+from leak.theory import interface_law as solver
+from leak.theory.interface_law import gap_law, stiff_steps
 
 
 def self_affine(**changes):

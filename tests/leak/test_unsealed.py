@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import leak
-from leak.flow.unsealed import gas_through_bore, liquid_through_bore
+from leak.flow.leak_rate import gas_through_bore, liquid_through_bore
 
 AREA = math.pi * 1e-6
 

@@ -20,8 +20,7 @@ from fem_seal.output.case_words import chosen_dimensions, listed_dimensions, sec
 from fem_seal.output.pictures.colours import BLUE, FILL, GREY, INK, ORANGE
 from fem_seal.output.pictures.style import INCH, WIDTH, Picture, captioned, inches, outside_text, style
 from fem_seal.units import fixed_unit, number, quantity, rounded, trimmed
-from meshes.geometry.curve import Curve
-from meshes.geometry.segment import Point, Segment
+from meshes.geometry.curve import Curve, Point, Segment
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -290,7 +290,7 @@ def test_a_test_narrows_the_prediction_and_the_calibrated_case_has_it(tmp_path, 
     *shown, truth = [load.leak.leak_rate * 6e7 for load in fem_seal.run(rougher).loads]
     path = table(tmp_path, *(f"{p}, {q:.4g}, 5, no" for p, q in zip((5, 10, 15), shown, strict=True)))
     case = tmp_path / "seal.toml"
-    from fem_seal.case.case_file import case_text
+    from fem_seal.case.case import case_text
 
     case.write_text(case_text(seal().written, tmp_path), encoding="utf-8")
     assert main(["calibrate", str(case), str(path), "--quiet"]) == 0

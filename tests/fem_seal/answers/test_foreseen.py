@@ -11,7 +11,7 @@ from sample_results import ball, cone, smooth_case
 
 import fem_seal
 from fem_seal.answers.foreseen import borne, foreseen, run_seconds
-from fem_seal.case.load_limits import MOST_TURNED, refused_loads, turning
+from fem_seal.case.checks import MOST_TURNED, refused_loads, turning
 from fem_seal.cli.app import main
 from fem_seal.contact.solution import yielding_of
 from fem_seal.errors import InputError

@@ -12,8 +12,7 @@ from plastic_solids import HARDENING, LAW, HeldSolid, seal
 
 import meshes
 from fem_seal.bodies.constrained_body import ConstrainedBody, constrained_body
-from fem_seal.bodies.dissected_body import DissectedBody
-from fem_seal.bodies.dissection import Dissection
+from fem_seal.bodies.dissected_body import DissectedBody, Dissection
 from fem_seal.bodies.elasticity import stiffness_matrix
 from fem_seal.bodies.elastoplastic import ElastoplasticBody, StressUpdate
 from fem_seal.contact.load_path import load_path

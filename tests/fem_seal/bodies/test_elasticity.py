@@ -8,6 +8,7 @@ from contact_models import displacement_basis
 from skfem import Basis, BilinearForm, LinearForm, MeshTri, condense, solve
 
 from fem_seal.bodies.elasticity import (
+    StressRecovery,
     lame_parameters,
     node_dofs,
     pressure_load,
@@ -17,7 +18,6 @@ from fem_seal.bodies.elasticity import (
     stiffness_matrix,
 )
 from fem_seal.bodies.fields import von_mises
-from fem_seal.bodies.stress_recovery import StressRecovery
 from fem_seal.materials import Material
 
 STEEL = Material("steel", 210e9, 0.3)

@@ -28,8 +28,8 @@ from fem_seal.bodies.supports import Supports
 from fem_seal.case.case import load_case
 from fem_seal.contact.laws import HardContact, Law
 from fem_seal.contact.load_path import ElastoplasticContact, FirstLoading, Imprint, LoadPath, load_path
+from fem_seal.contact.model import BodyLoads
 from fem_seal.contact.newton import solve
-from fem_seal.contact.other_loads import BodyLoads
 from fem_seal.contact.plastic_step import PathLoad, PlasticSettings
 from fem_seal.contact.solution import yielded_zone
 from fem_seal.errors import ConvergenceError, InputError, LongPathError

@@ -15,7 +15,7 @@ from scipy.special import iv, kve
 from skfem import Basis, ElementTriP2, ElementVector, MeshTri
 
 from fem_seal.bodies import elasticity, harmonics
-from fem_seal.bodies.condensed import CondensedBody
+from fem_seal.bodies.constrained_body import CondensedBody
 from fem_seal.bodies.elasticity import node_dofs, quadratic_nodes, ring_volume
 from fem_seal.bodies.harmonics import (
     HarmonicBody,

@@ -6,8 +6,7 @@ import pytest
 import fem_seal
 import meshes
 from fem_seal.bodies.fields import von_mises
-from fem_seal.contact.model import with_stress_bound
-from fem_seal.contact.other_loads import BodyLoads
+from fem_seal.contact.model import BodyLoads, with_stress_bound
 from fem_seal.contact.solution import yielding_of
 
 STEEL = fem_seal.Material("steel", 210e9, 0.3, yield_stress=400e6)

@@ -15,7 +15,7 @@ from sample_results import SPECTRUM, ball, cone
 import fem_seal
 from fem_seal import Case, InputError, Study, load_case
 from fem_seal.case.case import input_tables, with_units
-from fem_seal.case.material_library import LIBRARY, material
+from fem_seal.case.material_table import LIBRARY, material
 from fem_seal.case.tables import CaseTables
 from fem_seal.materials import HardeningCurve, Material, effective_modulus
 

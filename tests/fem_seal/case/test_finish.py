@@ -14,7 +14,7 @@ from fem_seal.answers.case_load import solved_seal
 from fem_seal.answers.chain import solve_profiles
 from fem_seal.answers.profile_files import ImportedProfile
 from fem_seal.answers.uncertainty import SampledSeal, leak_interval
-from fem_seal.case.finish import ProcessName, read_finish
+from fem_seal.case.roughness import ProcessName, read_finish
 from fem_seal.case.tables import Uncertainty
 from fem_seal.output.case_words import finish_numbers, finish_rows
 from fem_seal.output.report.words import facts, headline, leakage_lines

@@ -11,7 +11,7 @@ import pytest
 
 from fem_seal import Case, InputError, load_case
 from fem_seal.case import shapes
-from fem_seal.case.case_file import write_case
+from fem_seal.case.case import write_case
 from fem_seal.case.schema import case_schema
 from fem_seal.cli.app import main
 from fem_seal.output.case_words import chosen_dimensions, listed_dimensions

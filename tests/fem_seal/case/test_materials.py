@@ -14,7 +14,7 @@ from sample_results import ball, cone, smooth_case
 
 import fem_seal
 from fem_seal import Case, InputError, Study
-from fem_seal.case.material_library import (
+from fem_seal.case.material_table import (
     ALIASES,
     CURVES,
     LIBRARY,

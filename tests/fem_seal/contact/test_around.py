@@ -23,9 +23,8 @@ from fem_seal.case.case import load_case
 from fem_seal.contact.around import Stiffening, line_load_around
 from fem_seal.contact.laws import HardContact, Law
 from fem_seal.contact.local_contact import LocalContact
-from fem_seal.contact.model import ContactModel, condense
+from fem_seal.contact.model import BodyLoads, ContactModel, condense
 from fem_seal.contact.newton import solve
-from fem_seal.contact.other_loads import BodyLoads
 from fem_seal.contact.sizing import element_sizes
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError

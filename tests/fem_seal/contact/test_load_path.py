@@ -20,8 +20,7 @@ from fem_seal.answers.profile_files import read_profiles
 from fem_seal.answers.target import target_remarks
 from fem_seal.bodies.elasticity import node_dofs, quadratic_nodes
 from fem_seal.bodies.supports import Supports
-from fem_seal.contact.model import condense
-from fem_seal.contact.other_loads import BodyLoads
+from fem_seal.contact.model import BodyLoads, condense
 from fem_seal.errors import InputError
 from fem_seal.loads import contact_force
 from fem_seal.output.files import summary

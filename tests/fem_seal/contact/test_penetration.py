@@ -22,8 +22,7 @@ from fem_seal.bodies.elasticity import (
 )
 from fem_seal.bodies.supports import Supports
 from fem_seal.contact.fixed_point import first_fixed_point, fixed_point
-from fem_seal.contact.model import condense
-from fem_seal.contact.other_loads import BodyLoads
+from fem_seal.contact.model import BodyLoads, condense
 from fem_seal.contact.penetration import (
     CoupledContact,
     FluidAtContact,

@@ -20,9 +20,8 @@ from fem_seal.bodies.supports import Supports
 from fem_seal.case.tables import Spread, Uncertainty
 from fem_seal.contact.laws import HardContact, Law
 from fem_seal.contact.load_path import ElastoplasticContact, LoadPath, load_path
-from fem_seal.contact.model import ContactModel
+from fem_seal.contact.model import BodyLoads, ContactModel
 from fem_seal.contact.newton import solve
-from fem_seal.contact.other_loads import BodyLoads
 from fem_seal.contact.penetration import (
     CoupledContact,
     FluidAtContact,

@@ -17,8 +17,7 @@ from places import EXAMPLES
 from shape_tables import tables
 
 import fem_seal
-from fem_seal.case.case import input_tables, load_case
-from fem_seal.case.case_file import case_text, free_name, write_case
+from fem_seal.case.case import case_text, free_name, input_tables, load_case, write_case
 from fem_seal.errors import InputError, LimitLoadError, SealError
 from fem_seal.explore.choices import changed
 from fem_seal.explore.factors import factors_of

@@ -8,8 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from fem_seal.case.case import load_case
-from fem_seal.case.case_file import write_case
+from fem_seal.case.case import load_case, write_case
 from fem_seal.cli.app import main
 from fem_seal.output.direct import shown_rows
 from fem_seal.output.library import fluid_cells, fluid_rows, material_cells, material_rows

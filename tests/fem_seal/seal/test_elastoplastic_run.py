@@ -21,8 +21,8 @@ from fem_seal.answers.closed_forms import derive, profile_sizes
 from fem_seal.bodies.fields import ElastoplasticField, von_mises
 from fem_seal.case.case import load_case
 from fem_seal.contact.load_path import ElastoplasticContact, load_path
+from fem_seal.contact.model import BodyLoads
 from fem_seal.contact.newton import solve
-from fem_seal.contact.other_loads import BodyLoads
 from fem_seal.contact.plastic_step import PathLoad
 from fem_seal.contact.solution import plastic_zone, yielding_of
 from fem_seal.errors import InputError

@@ -19,7 +19,7 @@ from sample_results import SMOOTH, STEEL, case, cone, rough_result, run_loads, s
 import fem_seal
 from fem_seal.answers.closed_forms import derive
 from fem_seal.answers.opening import opening_margin
-from fem_seal.case.load_limits import refused_loads
+from fem_seal.case.checks import refused_loads
 from fem_seal.cli import app as cli
 from fem_seal.cli.terminal import show_result
 from fem_seal.errors import ConvergenceError, InputError, NoLoadLeftError, OutputError

@@ -19,6 +19,7 @@ import fem_seal
 import leak
 import meshes
 from fem_seal.bodies.elasticity import (
+    StressRecovery,
     at_quadrature_points,
     node_dofs,
     quadratic_nodes,
@@ -26,13 +27,11 @@ from fem_seal.bodies.elasticity import (
     thermal_load,
     without_free_strain,
 )
-from fem_seal.bodies.stress_recovery import StressRecovery
 from fem_seal.case.case import Case
-from fem_seal.case.material_library import LIBRARY
+from fem_seal.case.material_table import LIBRARY
 from fem_seal.contact.conduction import Face, Surroundings, conduct
 from fem_seal.contact.load_path import load_path
-from fem_seal.contact.model import ContactModel, line_points
-from fem_seal.contact.other_loads import BodyLoads
+from fem_seal.contact.model import BodyLoads, ContactModel, line_points
 from fem_seal.contact.plastic_step import PathLoad
 from fem_seal.contact.solution import fields_at_rest
 from fem_seal.errors import InputError

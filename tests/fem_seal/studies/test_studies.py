@@ -18,7 +18,7 @@ from sample_results import run_loads
 import fem_seal
 import leak
 from fem_seal import InputError, Study, load_study
-from fem_seal.case.case_file import FILES, with_files
+from fem_seal.case.case import FILES, with_files
 from fem_seal.errors import Problem
 from fem_seal.files import own_tables
 from fem_seal.output.columns import LEAK_COLUMNS

@@ -1,4 +1,4 @@
-"""Gauss-Legendre rules and the integrals of what they interpolate, each computed once."""
+"""Gauss-Legendre rules, each computed once, and integrals over C(q) that is a power law between nodes."""
 
 from __future__ import annotations
 
@@ -35,3 +35,30 @@ def integrals_up_to_nodes(count: int) -> FloatArray:
     for k in range(1, count):
         antiderivative[:, k] = (P[:, k + 1] - P[:, k - 1]) / (2 * k + 1)
     return np.asarray(antiderivative @ ((degree + 0.5)[:, None] * P[:, :-1].T))
+
+
+def slopes(log_q: FloatArray, log_C: FloatArray) -> FloatArray:
+    """Exponent of each piece, zero at a step."""
+    rise, length = np.diff(log_C), np.diff(log_q)
+    return np.divide(rise, length, out=np.zeros_like(rise), where=length > 0.0)
+
+
+def power_law_moment(
+    order: float, log_q: FloatArray, log_C: FloatArray, slope: FloatArray, low: float, high: float
+) -> float:
+    """int q^order C dq from ln q = low to high, both within the nodes."""
+    inside = np.minimum(np.maximum(log_q, low), high)
+    left, right = inside[:-1], inside[1:]
+    start = log_C[:-1] + slope * (left - log_q[:-1]) + (order + 1.0) * left
+    return float(np.sum(np.exp(start) * power_integral(order + 1.0 + slope, right - left)))
+
+
+def power_integral(exponent: FloatArray, length: FloatArray) -> FloatArray:
+    """int_0^length exp(exponent t) dt, without cancellation when the exponent vanishes."""
+    exponent = not_zero(exponent)
+    return np.asarray(np.expm1(exponent * length) / exponent)
+
+
+def not_zero(exponent: FloatArray) -> FloatArray:
+    """An exponent that divides: one of 1e-15 changes nothing that a floating-point number can show."""
+    return np.where(np.abs(exponent) < 1e-15, 1e-15, exponent)
