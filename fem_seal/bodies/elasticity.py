@@ -1,9 +1,10 @@
 """Axisymmetric linear elasticity on a straight-sided triangle mesh with quadratic displacement.
 
 Stress at the nodes is recovered from patches of triangles (Zienkiewicz and Zhu). The strain of quadratic triangles
-is best inside them, and at their corners too large or too small by the same on all sides, so that no mean over the triangles around a node heals it. Here a quadratic function is fitted to the strains
-inside the triangles around each vertex (superconvergent patch recovery: Zienkiewicz and Zhu, Int. J. Numer. Methods
-Eng. 33, 1331 (1992)): its value is the strain at the vertex, and its slopes give those on the edges between.
+is best inside them, and at their corners too large or too small by the same on all sides, so that no mean over the
+triangles around a node heals it. Here a quadratic function is fitted to the strains inside the triangles around each
+vertex (superconvergent patch recovery: Zienkiewicz and Zhu, Int. J. Numer. Methods Eng. 33, 1331 (1992)): its value is
+the strain at the vertex, and its slopes give those on the edges between.
 """
 
 from __future__ import annotations
