@@ -13,7 +13,6 @@ import numpy as np
 
 from fem_seal.answers import interval
 from fem_seal.answers.judgement import BoltState, Judgement, PassProbability, Verdict, VerdictForce
-from fem_seal.contact.solution import yielding_of
 from fem_seal.seal.both_faces import joined_validity
 from fem_seal.seal.bounds import AGREE, EXACT, Bounds
 from fem_seal.seal.findings import VALID, Finding, Validity
@@ -196,6 +195,9 @@ class CaseLoad(LoadResult):
     @property
     def zones(self) -> dict[str, YieldedZone | PlasticZone | None]:
         """Where each body has yielded or, solved as elastic, exceeds its yield stress; None of one that does not."""
+        # the check of a case loads no finite elements
+        from fem_seal.contact.solution import yielding_of
+
         beyond = {load: yielding_of(load.contact) for load in self.contact_loads}
         return {name: beyond[load].get(body) for name, (load, body) in self.named_bodies.items()}
 
