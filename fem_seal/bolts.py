@@ -17,7 +17,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from fem_seal.errors import ConvergenceError
+from leak.numerics.roots import root_of_rising
 
 # ISO 898-1, nominal stress area of coarse threads [mm2], by nominal diameter [mm]: table of EN ISO 898-1 as printed by
 # usefastener.com, opened. Above M39, where ISO 898-1 ends, its formula with the pitches of ISO 261, from memory.
@@ -136,10 +136,6 @@ def held_force(bolts: Bolts, preload: float, approach: Callable[[float], float],
     tightened : float
         Approach a0 under the preload, without fluid [m].
 
-    Raises
-    ------
-    ConvergenceError
-
     Examples
     --------
     Bolts of 1e8 N/m on a contact of 3e8 N/m, of which a fluid takes 10 kN away:
@@ -148,37 +144,25 @@ def held_force(bolts: Bolts, preload: float, approach: Callable[[float], float],
     42500.0
     """
     stiffness = bolts.faces * bolts.stiffness
-    steep = 1.0 + stiffness * max(tightened, 0.0) / preload
     given = preload + bolts.thermal_force
-    force = _root(lambda force: force - given + stiffness * (approach(force) - tightened), preload, steep)
-    return max(force, 0.0)
+    first = preload - given + stiffness * (approach(preload) - tightened)
+    if first == 0.0:
+        return preload
+    # a step of one leads beyond the root if the contact answers as it did on the way to the preload
+    unit = _BEYOND * first / (1.0 + stiffness * max(tightened, 0.0) / preload)
+
+    def rising(step: float) -> float:
+        force = preload - step * unit
+        lacking = given - force - stiffness * (approach(force) - tightened) if step else -first
+        return lacking / first
+
+    # it rises with the force, by one at least
+    step = root_of_rising(rising, 0.0, first / unit, 0.0, _ACCURACY * preload / abs(unit))
+    return max(preload - step * unit, 0.0)
 
 
-# Accuracy of a force, of the one that is given.
-_ACCURACY = 1e-9
-_MOST_STEPS = 60
-
-
-def _root(excess: Callable[[float], float], start: float, steep: float) -> float:
-    """Root of a function that rises with a slope of one at least, by secants; the first step with a slope `steep`.
-
-    A value e at F leaves the root between F - e and F; a secant that leads out of what is left is a halving.
-    """
-    low, high = -math.inf, math.inf
-    at, slope, before = start, steep, None
-    for _ in range(_MOST_STEPS):
-        value = excess(at)
-        low, high = (
-            (max(low, at - value), min(high, at)) if value > 0.0 else (max(low, at), min(high, at - value))
-        )
-        if before is not None and at != before[0]:
-            slope = max((value - before[1]) / (at - before[0]), 1.0)
-        step = -value / slope
-        if abs(step) <= _ACCURACY * abs(start):
-            return at + step
-        before = at, value
-        at = at + step if low <= at + step <= high else 0.5 * (low + high)
-    raise ConvergenceError("the force of the bolts does not converge")
+# Accuracy of a force over the preload, and how much longer than expected the first step is.
+_ACCURACY, _BEYOND = 1e-9, 1.2
 
 
 def stiffness_of(

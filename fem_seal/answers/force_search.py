@@ -10,9 +10,8 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum, auto
-from functools import reduce
+from functools import cache, reduce
 
-from fem_seal.answers.case_load import CaseLoad, case_loads
 from fem_seal.contact.sizing import MeshFit, fit_meshes
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError, OpenSealError, SealError
@@ -93,6 +92,7 @@ def find_zero(
     >>> find_zero(lambda x: 8.0 - x**3, 1.0, highest=1.5, accuracy=1e-9)
     Zero(place=1.5, end=<End.HIGHEST: 2>)
     """
+    function = cache(function)
 
     def known(place: float) -> float:
         value = function(place)
@@ -112,7 +112,9 @@ def find_zero(
             ahead = limit
         beyond = known(ahead)
         if beyond * here <= 0.0:
-            return Zero(root_between(known, at, ahead, xtol=accuracy))
+            place = root_between(known, at, ahead, xtol=accuracy)
+            # at the edge of what is known its last place is the answer
+            return Zero(place if function(place) is not None else place + 2.0 * accuracy)
         at, here, step = ahead, beyond, math.copysign(min(2.0 * abs(step), longest), step)
     return Zero(at, end if here else None)
 
@@ -150,7 +152,6 @@ class Trials:
 
     Parameters
     ----------
-    problem : SealProblem
     solvers : sequence of LoadSolver
         With each of two different flanges on both faces, or the only one.
     fluid_pressure : float
@@ -159,14 +160,13 @@ class Trials:
         See `LoadSolver.at_contact_force`.
     """
 
-    problem: SealProblem
     solvers: Sequence[LoadSolver]
     fluid_pressure: float
     progress: Progress | None = None
-    known: dict[float, CaseLoad | SealError] = field(default_factory=dict)
+    known: dict[float, LoadResult | SealError] = field(default_factory=dict)
     """Those that were tried, by place, or why they have no contact."""
 
-    def load(self, place: float) -> CaseLoad:
+    def load(self, place: float) -> LoadResult:
         """The load whose contact, of different faces that of the upper one, carries a force [ln N].
 
         Raises
@@ -192,18 +192,17 @@ class Trials:
             return None
         return next((one for one in self.known.values() if isinstance(one, ConvergenceError)), None)
 
-    def _solved(self, force: float) -> CaseLoad:
+    def _solved(self, force: float) -> LoadResult:
         unreached = self.unreached
         if unreached is not None:
             reached = [one.reached(self.fluid_pressure) for one in self.solvers]
             if force > min((one for one in reached if one is not None), default=math.inf):
                 raise unreached
-        before = next((one for one in reversed(self.known.values()) if isinstance(one, CaseLoad)), None)
+        before = next((one for one in reversed(self.known.values()) if isinstance(one, LoadResult)), None)
         starts = [None] * len(self.solvers) if before is None else before.of_faces or (before,)
         closes = [one.closes(self.fluid_pressure) for one in self.solvers]
         forces = [force - closes[0] + own for own in closes]
-        load = reduce(LoadResult.beside, map(self._face, self.solvers, forces, starts))
-        return case_loads(self.problem, [load])[0]
+        return reduce(LoadResult.beside, map(self._face, self.solvers, forces, starts))
 
     def _face(self, solver: LoadSolver, force: float, start: LoadResult | None) -> LoadResult:
         if not force > 0.0:
@@ -261,9 +260,9 @@ def search_forces(
         return {n: fit.after(outcome[n]) for n, fit in wanted.items()}
 
     def searched() -> list[list[ContactSolution]]:
-        own, ends = [solvers[n] for n in range(len(halves))], list[CaseLoad]()
+        own, ends = [solvers[n] for n in range(len(halves))], list[LoadResult]()
         for pressure, place in begin.items():
-            trials = Trials(problem, own, pressure, progress)
+            trials = Trials(own, pressure, progress)
             zero = find(trials, place)
             found[pressure] = trials, zero
             if zero is None:
@@ -288,7 +287,6 @@ def search_forces(
 def _contacts(solver: LoadSolver, loads: Sequence[LoadResult]) -> list[ContactSolution]:
     """Contacts that the mesh has to fit: of loads, of tightening their bolts, and of the largest load before."""
     contacts = [contact for load in loads for contact in load.contacts]
-    tightened = [
-        one.earlier for one in contacts if solver.problem.loads.unsolved_bolts is not None and one.earlier
-    ]
-    return [*contacts, *tightened, *([] if solver.earlier is None else [solver.earlier])]
+    bolted = solver.problem.loads.unsolved_bolts is not None
+    before = [solver.earlier, *(contact.earlier for contact in contacts if bolted)]
+    return contacts + [contact for contact in before if contact is not None]

@@ -11,6 +11,7 @@ import numpy as np
 
 from fem_seal.answers.answer import Answer, Request
 from fem_seal.answers.case_load import CaseLoad, SolvedSeal
+from fem_seal.answers.force_search import End, Trials, find_zero, sensible_forces
 from fem_seal.answers.leakage_class import leakage_classes, limits, test_of
 from fem_seal.case.case import Case
 from fem_seal.errors import ConvergenceError, OpenSealError
@@ -18,9 +19,7 @@ from fem_seal.form import FormError, Wave, WaveTolerance
 from fem_seal.seal.circumference import Circumference, LeakCurve, around_after
 from fem_seal.seal.leak_model import as_first_loaded
 from fem_seal.seal.load_solver import LoadSolver
-from fem_seal.seal.problem import largest_force
 from leak import Scratch, deepest_scratch
-from leak.numerics.roots import root_between
 
 # Sizes of the form error that the curve shows, over the one that is given.
 _FACTORS = (0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0)
@@ -279,33 +278,16 @@ def _closing_force(solver: LoadSolver, load: CaseLoad) -> float | None:
     if circumference is None or not circumference.form.felt:
         return None
 
-    def lacking(log_force: float) -> float:
-        contact, spring = solver.at_contact_force(load.fluid_pressure, math.exp(log_force), load.contact)
-        springs[log_force] = spring
-        found = solver.problem.circumference(contact)
+    trials = Trials([solver], load.fluid_pressure)
+    lowest, highest = sensible_forces(solver.problem)
+
+    def lacking(place: float) -> float:
+        found = trials.load(place).circumference
         return CLOSED - (1.0 if found is None else found.least_over_mean)
 
-    springs: dict[float, float] = {}
-    highest = math.log(largest_force(solver.problem))
-    root = _smallest(lacking, math.log(load.contact_force), highest)
-    return None if root is None else springs[root]
-
-
-def _smallest(lacking: Callable[[float], float], start: float, highest: float) -> float | None:
-    """Place from which on a falling function is not positive, near `start`; None if not below `highest`."""
-    at, value = start, lacking(start)
-    step = math.copysign(0.5, value)
-    for _ in range(40):
-        ahead = at + step
-        if ahead > highest:
-            return None
-        beyond = lacking(ahead)
-        if beyond * value <= 0:
-            root = root_between(lacking, at, ahead, xtol=_ACCURACY)
-            lacking(root)
-            return root
-        at, value, step = ahead, beyond, 1.5 * step
-    return None
+    start = math.log(load.contact_force)
+    zero = find_zero(lacking, start, lowest=lowest, highest=highest, step=0.5, accuracy=_ACCURACY)
+    return trials.load(zero.place).applied_force if zero is not None and zero.end is None else None
 
 
 def _goes_round(load: CaseLoad) -> float | None:
@@ -399,20 +381,15 @@ def _allowed(case: Case, load: CaseLoad, asked: _Formed, given: FormError) -> Al
 def _largest(leak_rate: Callable[[float], float], allowed: float, start: float, most: float) -> float:
     """Largest size with no more than the allowed leak rate; infinite if `most` has it."""
 
-    def excess(log_size: float) -> float:
-        return min(math.log(max(leak_rate(math.exp(log_size)), 1e-300) / allowed), 700.0)
+    def room(log_size: float) -> float:
+        return max(math.log(allowed / max(leak_rate(math.exp(log_size)), 1e-300)), -700.0)
 
-    low, high = math.log(start), math.log(most)
-    while excess(low) > 0:
-        low -= _STEP
-        if low < high - _DEEPEST:
-            return 0.0
-    above = low
-    while excess(above) <= 0:
-        low, above = above, above + _STEP
-        if above > high:
-            return math.inf
-    return math.exp(root_between(excess, low, above, xtol=_ACCURACY))
+    first, highest = math.log(start), math.log(most)
+    zero = find_zero(room, first, lowest=first - _DEEPEST, highest=highest, step=_STEP, accuracy=_ACCURACY)
+    assert zero is not None  # it is known everywhere
+    if zero.end is not None:
+        return math.inf if zero.end is End.HIGHEST else 0.0
+    return math.exp(zero.place)
 
 
 def _compute(seal: SolvedSeal, request: Request) -> FormAnswers:

@@ -8,12 +8,12 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 
 from fem_seal.answers.answer import Answer, Request
-from fem_seal.answers.case_load import CaseLoad, SolvedSeal
+from fem_seal.answers.case_load import CaseLoad, SolvedSeal, case_loads
 from fem_seal.answers.force_search import End, Trials, Zero, find_zero, search_forces, sensible_forces
 from fem_seal.errors import ConvergenceError, InputError, OpenSealError
 from fem_seal.loads import LARGEST_TURNING, contact_force
 from fem_seal.seal.findings import Finding, Level, Validity
-from fem_seal.seal.load_result import by_face
+from fem_seal.seal.load_result import LoadResult, by_face
 from fem_seal.seal.problem import SealFlow, SealProblem, expected_forces
 from fem_seal.seal.scenarios import SCENARIOS
 from fem_seal.units import briefly, format_quantity, quantity
@@ -176,7 +176,7 @@ def contacts_at_target(
                 return None
             if problem.follows_path and _turning(load) > LARGEST_TURNING:
                 return None
-            return log_excess(_leak_rate(_read(load, reading)), target)
+            return log_excess(_leak_rate(_read(problem, load, reading)), target)
 
         return find_zero(excess, start, lowest=lowest, highest=highest, accuracy=_ACCURACY)
 
@@ -193,7 +193,7 @@ def _at_target(
     """The load with the target's leak rate, or why there is none."""
     if zero is None:
         raise trials.unreached or ConvergenceError("no force was found that keeps the strains small")
-    pressure, load = trials.fluid_pressure, _read(trials.load(zero.place), reading)
+    pressure, load = trials.fluid_pressure, CaseLoad.of(_read(problem, trials.load(zero.place), reading))
     if zero.end is not None:
         why = "not_met"
         if zero.end is End.LOWEST:
@@ -211,18 +211,20 @@ def _at_target(
     return load.with_values(preload_for_target=max(preload, 0.0))
 
 
-def _read(load: CaseLoad, reading: Reading | None) -> CaseLoad:
+def _read(problem: SealProblem, load: LoadResult, reading: Reading | None) -> LoadResult:
+    if reading is None:
+        return load
     # asperities that do not yield are read in one way
-    return (load.scenario(reading) if reading is not None else None) or load
+    return case_loads(problem, [load])[0].scenario(reading) or load
 
 
-def _leak_rate(load: CaseLoad) -> float:
+def _leak_rate(load: LoadResult) -> float:
     assert load.leak is not None  # of what flows
     return load.leak.leak_rate
 
 
-def _turning(load: CaseLoad) -> float:
-    return max(own.contact.turning for own in load.contact_loads)
+def _turning(load: LoadResult) -> float:
+    return max(own.contact.turning for own in load.of_faces or (load,))
 
 
 def _first_guess(flow: SealFlow, fluid_pressure: float, target: float) -> float:

@@ -9,7 +9,7 @@ from functools import partial, reduce
 
 from fem_seal.answers.accuracy import discretisation_error, on_coarser_mesh
 from fem_seal.answers.answer import Answer, Request
-from fem_seal.answers.case_load import CaseLoad, SolvedSeal, solved_seal
+from fem_seal.answers.case_load import CaseLoad, SolvedSeal, case_loads, solved_seal
 from fem_seal.answers.force_search import End, Trials, Zero, find_zero, search_forces, sensible_forces
 from fem_seal.answers.judgement import (
     Judgement,
@@ -388,7 +388,7 @@ class _Search:
         if at not in self.tried:
             self._tell(f"a contact force of {briefly('force', math.exp(at))}")
             try:
-                load = self.trials.load(at)
+                (load,) = case_loads(self.result.problem, [self.trials.load(at)])
             except (ConvergenceError, InputError, OpenSealError):
                 self.tried[at] = None
             else:

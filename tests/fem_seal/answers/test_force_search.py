@@ -60,7 +60,7 @@ def test_a_place_beyond_what_is_known_is_never_the_answer(root: float, start: fl
 def test_below_what_is_known_the_smallest_known_force_is_the_answer() -> None:
     found = find_zero(lambda place: None if place < -1.0 else -2.0, 0.0, accuracy=ACCURACY)
     assert found is not None and found.end is None
-    assert found.place == pytest.approx(-1.0, abs=2 * ACCURACY)
+    assert -1.0 <= found.place <= -1.0 + 4 * ACCURACY
     assert find_zero(lambda place: None, 0.0, accuracy=ACCURACY) is None
 
 

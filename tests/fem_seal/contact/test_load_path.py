@@ -15,6 +15,7 @@ from sample_results import STEEL as STEEL_TABLE
 
 import fem_seal
 import meshes
+from fem_seal.answers.case_load import CaseLoad
 from fem_seal.answers.closed_forms import derive
 from fem_seal.answers.profile_files import read_profiles
 from fem_seal.answers.target import target_remarks
@@ -28,7 +29,6 @@ from fem_seal.output.report.page import report
 from fem_seal.output.report.words import far_field_sentence, headline, leakage_lines
 from fem_seal.output.tables import write_profile_csv
 from fem_seal.seal.load_names import different, load_axis, load_name
-from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.problem import SealProblem, larger_housing
 from leak import LeakResult, Reading
 
@@ -303,7 +303,7 @@ def test_summary_and_report_have_the_answers():
     assert "Far from the contact, at 5 bar (the load with the largest contact force): " in page
     opens = f"{valve().loads[0].blow_off_pressure / 1e5:.2f} bar"
     last = valve().loads[2]
-    force = f"{last.force_for_target:.0f} N to {last.reading(Reading.CAPPED).force_for_target / 1e3:.2f} kN"
+    force = f"{last.force_for_target:.0f} N to {last.scenarios[Reading.CAPPED].force_for_target / 1e3:.2f} kN"
     result = page[page.index('id="result"') : page.index('id="case"')]
     assert f"It opens at {opens}." in result and f"opens the seal at {opens}" in result
     for name, value in (("Opens at", opens), ("Force for the target leak rate", force)):
@@ -354,7 +354,7 @@ def test_a_single_pressure_under_several_forces_is_told_once():
     # that any force meets it is one remark and not three
     assert len(target_remarks(SealProblem.of(several))) == 1
     loads = [
-        LoadResult(5e5, force, None).with_values(leak=LeakResult(1e-9, 1e15, None)) for force in (0.0, 200.0)
+        CaseLoad(5e5, force, None).with_values(leak=LeakResult(1e-9, 1e15, None)) for force in (0.0, 200.0)
     ]
     (lines, _) = leakage_lines(several, loads[1], loads)
     assert lines.startswith("Leak rate at 5 bar with 200 N:")
