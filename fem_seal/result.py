@@ -48,7 +48,7 @@ class SealResult(SealSolution):
     seal_mesh : SealMesh
     model : ContactModel
     loads : tuple of CaseLoad
-        In the order of the case, with what is said of each; `verdicts` is their judgements.
+        In the order of the case, with what is said of each; `verdicts` is what is claimed.
     unloaded : Unloaded or None
         Residual stress and imprint after the last load; None if both bodies are elastic.
     earlier : ContactSolution or None
@@ -68,7 +68,7 @@ class SealResult(SealSolution):
         Elastic and plastic p(u), for `law = "spectrum"` with a hardness; else empty.
     uncertainty : LeakInterval or None
         Leak rates with an interval, if the case has a table [uncertainty].
-    judgement : SealJudgement or None
+    judgement : SealVerdict or None
         Whether the seal keeps what [requirement] asks of it; `verdict` and `margin` are its short form.
     sensitivities : tuple of Sensitivity
         What changes the leak rate, the strongest first, if asked for.

@@ -30,7 +30,7 @@ from fem_seal.answers.posterior import Posterior, columns_of
 from fem_seal.answers.response_surface import fit, variables
 from fem_seal.answers.solution import SealSolution
 from fem_seal.answers.uncertainty import AnyInput, drawn_values, leak_interval, uncertain_inputs
-from fem_seal.answers.verdict import VERDICT, Judgements, seal_judgement, with_judgements
+from fem_seal.answers.verdict import VERDICT, Verdicts, seal_verdict, with_verdicts
 from fem_seal.arrays import FloatArray, IntArray
 from fem_seal.case.case import Case
 from fem_seal.case.measured import MeasuredLeak, with_fluid
@@ -442,9 +442,9 @@ def _judged(case: Case, y: FloatArray, weights: FloatArray, progress: Progress) 
             },
         )
         loads.append(left.with_values(passing=_passing(case, left, own, weights)))
-    judged = with_judgements(case, loads)
-    verdict = Judgements(
-        seal_judgement(case, judged, seal.missing, seal.problem.hardness),
+    judged = with_verdicts(case, loads)
+    verdict = Verdicts(
+        seal_verdict(case, judged, seal.missing, seal.problem.hardness),
         tuple(one.judgement for one in judged),
     )
     return SealSolution(**vars(seal.with_loads(judged)), answers={VERDICT.name: verdict})

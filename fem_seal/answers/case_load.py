@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 
 from fem_seal.answers import interval
-from fem_seal.answers.judgement import BoltState, Judgement, PassProbability, Verdict, VerdictForce
+from fem_seal.answers.judgement import BoltState, LoadVerdict, PassProbability, Verdict, VerdictForce
 from fem_seal.seal.both_faces import joined_validity
 from fem_seal.seal.bounds import AGREE, EXACT, Bounds
 from fem_seal.seal.findings import VALID, Finding, Validity
@@ -77,7 +77,7 @@ class CaseLoad(LoadResult):
         What the gaps of the roughest samples let through over that of the surface as given, by h^3/eta [-].
     at_preload_ends : Bounds or None
         Leak rate with the least and the largest preload of its bolts [m^3/s]; None where the preload is taken as given.
-    judgement : Judgement or None
+    judgement : LoadVerdict or None
         Whether it keeps what [requirement] asks of it; None where nothing is asked.
     verdict_force : VerdictForce or None
         The force at which the verdict passes; None if not asked.
@@ -101,7 +101,7 @@ class CaseLoad(LoadResult):
     tested: bool = False
     rougher: float = 1.0
     at_preload_ends: Bounds | None = None
-    judgement: Judgement | None = None
+    judgement: LoadVerdict | None = None
     verdict_force: VerdictForce | None = None
     passing: PassProbability | None = None
     bolts: BoltState | None = None
@@ -408,7 +408,7 @@ class CaseLoad(LoadResult):
 
     @property
     def margin(self) -> float | None:
-        """Allowed over calculated leak rate, see `Judgement.margin`; None where nothing is required."""
+        """Allowed over calculated leak rate, see `LoadVerdict.margin`; None where nothing is required."""
         return None if self.judgement is None else self.judgement.margin
 
     @property

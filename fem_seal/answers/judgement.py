@@ -86,7 +86,7 @@ class Limit:
 
 
 @dataclass(frozen=True)
-class Judgement:
+class LoadVerdict:
     """What is said of one load.
 
     Parameters
@@ -106,7 +106,7 @@ class Judgement:
 
     Examples
     --------
-    >>> judged = Judgement.of(Limit("leak rate", 2e-9), (0.5e-9, 1e-9))
+    >>> judged = LoadVerdict.of(Limit("leak rate", 2e-9), (0.5e-9, 1e-9))
     >>> str(judged.verdict), judged.margin
     ('pass', 2.0)
     """
@@ -135,7 +135,7 @@ class Judgement:
         *,
         sampled: bool = True,
         calculated: Bounds | None = None,
-    ) -> Judgement:
+    ) -> LoadVerdict:
         """The judgement of a leak rate.
 
         Parameters
@@ -203,12 +203,12 @@ def _decided(
     return Verdict.INCONCLUSIVE, VerdictReason.TEST_FLUID if own else VerdictReason.INTERVAL
 
 
-def severity(judged: Judgement) -> tuple[int, float]:
-    """By which judgements are put in order: larger is worse. Of those that fail the surest is the worst.
+def severity(judged: LoadVerdict) -> tuple[int, float]:
+    """By which verdicts are put in order: larger is worse. Of those that fail the surest is the worst.
 
     Parameters
     ----------
-    judged : Judgement
+    judged : LoadVerdict
     """
     how = judged.times_over if judged.verdict in (Verdict.FAIL, Verdict.FAIL_UNLESS) else -judged.margin
     return RANK[judged.verdict], -math.inf if math.isnan(how) else how
@@ -230,7 +230,7 @@ class Judged(Protocol):
     """Something that has a judgement."""
 
     @property
-    def judgement(self) -> Judgement | None:
+    def judgement(self) -> LoadVerdict | None:
         """None where nothing is required."""
 
 
@@ -257,12 +257,12 @@ class Utilisation:
 
 
 @dataclass(frozen=True)
-class SealJudgement:
+class SealVerdict:
     """What is said of the seal: the worst of the loads at which the requirement is to be met.
 
     Parameters
     ----------
-    worst : Judgement
+    worst : LoadVerdict
         That of the deciding load.
     fluid_pressure, applied_force : float
         Of the deciding load [Pa], [N].
@@ -275,7 +275,7 @@ class SealJudgement:
     shares : Utilisation
     """
 
-    worst: Judgement
+    worst: LoadVerdict
     fluid_pressure: float
     applied_force: float
     number: int | None
@@ -290,7 +290,7 @@ class SealJudgement:
 
     @property
     def margin(self) -> float:
-        """Of the deciding load, see `Judgement.margin`."""
+        """Of the deciding load, see `LoadVerdict.margin`."""
         return self.worst.margin
 
 

@@ -12,7 +12,7 @@ from fem_seal.answers.case_load import CaseLoad, SolvedSeal
 from fem_seal.answers.compression import COMPRESSION
 from fem_seal.answers.error_shares import ERROR_SHARES
 from fem_seal.answers.form import FORM
-from fem_seal.answers.judgement import Judgement, SealJudgement, Verdict
+from fem_seal.answers.judgement import LoadVerdict, SealVerdict, Verdict
 from fem_seal.answers.own_contacts import OWN_CONTACTS
 from fem_seal.answers.particles import PARTICLES
 from fem_seal.answers.sensitivities import SENSITIVITIES
@@ -63,12 +63,12 @@ class SealSolution(SolvedSeal):
         return self.accuracy.far_field
 
     @property
-    def judgement(self) -> SealJudgement | None:
+    def judgement(self) -> SealVerdict | None:
         """Whether the seal keeps what [requirement] asks of it; None without one."""
         return VERDICT.of(self.answers).seal
 
     @property
-    def judgement_beside(self) -> Mapping[str, tuple[int, Judgement, Verdict]]:
+    def judgement_beside(self) -> Mapping[str, tuple[int, LoadVerdict, Verdict]]:
         """What would decide in a scenario that comes to another verdict, see `fem_seal.answers.verdict`."""
         return VERDICT.of(self.answers).beside
 

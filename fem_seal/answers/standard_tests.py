@@ -12,10 +12,10 @@ from fem_seal.answers.accuracy import ACCURACY
 from fem_seal.answers.answer import Answer, Request
 from fem_seal.answers.case_load import SolvedSeal
 from fem_seal.answers.findings import FINDINGS
-from fem_seal.answers.judgement import Judgement, Limit, Verdict, VerdictReason
+from fem_seal.answers.judgement import Limit, LoadVerdict, Verdict, VerdictReason
 from fem_seal.answers.opening import OPENING
 from fem_seal.answers.uncertainty import UNCERTAINTY
-from fem_seal.answers.verdict import VERDICT, of_missing
+from fem_seal.answers.verdict import VERDICT, missing_verdict
 from fem_seal.case.case import Case
 from fem_seal.case.tables import RELIEF
 from fem_seal.errors import LoadProblem, NoLoadLeftError, SealError
@@ -44,7 +44,7 @@ class TestedLoad:
         Infinite where the seal is open, NaN if not known [m^3/s].
     ends : Bounds
         Of its interval [m^3/s].
-    judgement : Judgement or None
+    judgement : LoadVerdict or None
         None where nothing is required.
     """
 
@@ -54,7 +54,7 @@ class TestedLoad:
     applied_force: float
     leak_rate: float
     ends: Bounds
-    judgement: Judgement | None
+    judgement: LoadVerdict | None
 
     __test__ = False  # no test of pytest
 
@@ -139,11 +139,11 @@ def _without_result(case: Case, test: ClosureTest, error: Exception) -> TestedLo
     point, problem = (pressure, force), getattr(error, "problems", (None,))[0]
     if isinstance(problem, LoadProblem):
         # the limit, from the test's fluid in a load that the seal holds
-        judgement = of_missing(under_test(case, test, at=own), point, problem)
+        judgement = missing_verdict(under_test(case, test, at=own), point, problem)
     else:
         assert case.requirement is not None  # of the tests
         limit = Limit(" ".join(case.requirement.standard_and_class or ()), math.nan)
-        judgement = Judgement(Verdict.INCONCLUSIVE, math.nan, VerdictReason.UNKNOWN, limit)
+        judgement = LoadVerdict(Verdict.INCONCLUSIVE, math.nan, VerdictReason.UNKNOWN, limit)
     rate = math.inf if judgement.verdict is Verdict.FAIL else math.nan
     return TestedLoad(test.name, test.medium, *point, rate, Bounds(rate, rate), judgement)
 
@@ -176,7 +176,7 @@ def _solved(case: Case, test: str, request: Request) -> tuple[SolvedSeal, tuple[
     for point, problem in seal.missing.items():
         rate = math.inf if problem.kind == "open" else math.nan
         found.append(
-            TestedLoad(test, name, *point, rate, Bounds(rate, rate), of_missing(case, point, problem))
+            TestedLoad(test, name, *point, rate, Bounds(rate, rate), missing_verdict(case, point, problem))
         )
     return seal, tuple(sorted(found, key=lambda one: one.fluid_pressure))
 

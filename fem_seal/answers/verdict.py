@@ -12,8 +12,8 @@ from fem_seal.answers.answer import Answer, Request
 from fem_seal.answers.case_load import CaseLoad, SolvedSeal, case_loads, solved_seal
 from fem_seal.answers.force_search import End, Trials, Zero, find_zero, search_forces, sensible_forces
 from fem_seal.answers.judgement import (
-    Judgement,
-    SealJudgement,
+    LoadVerdict,
+    SealVerdict,
     Utilisation,
     Verdict,
     VerdictForce,
@@ -34,7 +34,7 @@ from fem_seal.validity.checks import earlier_cautions, load_validity
 from fem_seal.validity.words import sentence
 
 
-def judged(case: Case, load: CaseLoad, *, sampled: bool = True) -> Judgement | None:
+def load_verdict(case: Case, load: CaseLoad, *, sampled: bool = True) -> LoadVerdict | None:
     """What is said of one load; None without a requirement for it.
 
     Parameters
@@ -48,16 +48,16 @@ def judged(case: Case, load: CaseLoad, *, sampled: bool = True) -> Judgement | N
     required = case.requirement
     if required is None or not required.judges(load.fluid_pressure):
         return None
-    return max(judgements(case, load, sampled=sampled), key=severity, default=None)
+    return max(limit_verdicts(case, load, sampled=sampled), key=severity, default=None)
 
 
-def judgements(case: Case, load: CaseLoad, *, sampled: bool = True) -> list[Judgement]:
+def limit_verdicts(case: Case, load: CaseLoad, *, sampled: bool = True) -> list[LoadVerdict]:
     """What is said of one load against each limit; where nothing is required of it the target leak rate is the limit.
 
     Parameters
     ----------
     case, load, sampled
-        See `judged`.
+        See `load_verdict`.
     """
     required, target = case.requirement, case.load.target_leak_rate
     if required is not None and required.judges(load.fluid_pressure):
@@ -66,10 +66,10 @@ def judgements(case: Case, load: CaseLoad, *, sampled: bool = True) -> list[Judg
         against = () if target is None else (limit_of_rate(target),)
     ends = load.leak_interval or (math.nan, math.nan)
     known, own = load.leak_validity, load.calculated_ends
-    return [Judgement.of(limit, ends, known, sampled=sampled, calculated=own) for limit in against]
+    return [LoadVerdict.of(limit, ends, known, sampled=sampled, calculated=own) for limit in against]
 
 
-def with_judgements(case: Case, loads: Sequence[CaseLoad], *, sampled: bool = True) -> tuple[CaseLoad, ...]:
+def with_verdicts(case: Case, loads: Sequence[CaseLoad], *, sampled: bool = True) -> tuple[CaseLoad, ...]:
     """Loads with what is said of them.
 
     Parameters
@@ -77,24 +77,24 @@ def with_judgements(case: Case, loads: Sequence[CaseLoad], *, sampled: bool = Tr
     case : Case
     loads : sequence of CaseLoad
     sampled : bool
-        See `judged`.
+        See `load_verdict`.
     """
-    return tuple(load.with_values(judgement=judged(case, load, sampled=sampled)) for load in loads)
+    return tuple(load.with_values(judgement=load_verdict(case, load, sampled=sampled)) for load in loads)
 
 
-def seal_judgement(
+def seal_verdict(
     case: Case,
     loads: Sequence[CaseLoad],
     missing: Mapping[tuple[float, float], LoadProblem],
     hardness: float | None = None,
-) -> SealJudgement | None:
+) -> SealVerdict | None:
     """What is said of the seal; None without a requirement.
 
     Parameters
     ----------
     case : Case
     loads : sequence of CaseLoad
-        With their judgements.
+        With their verdicts.
     missing : mapping
         Fluid pressure [Pa] and applied force [N] of each load without a result, with the reason.
     hardness : float, optional
@@ -103,11 +103,11 @@ def seal_judgement(
     required = case.requirement
     if required is None:
         return None
-    found: list[tuple[int, tuple[float, float], Judgement]] = [
+    found: list[tuple[int, tuple[float, float], LoadVerdict]] = [
         (number, load.point, load.judgement) for number, load in enumerate(loads) if load.judgement
     ]
     left_out = [
-        (None, point, of_missing(case, point, problem))
+        (None, point, missing_verdict(case, point, problem))
         for point, problem in missing.items()
         if required.judges(point[0])
     ]
@@ -118,10 +118,10 @@ def seal_judgement(
     numbers = tuple(number for number, _, _ in found)
     hard = (hardness, *(half.hardness for half in case.halves[1:]))
     shares = _shares([loads[n] for n in numbers], hard)
-    return SealJudgement(worst, *point, number, numbers, len(left_out), shares)
+    return SealVerdict(worst, *point, number, numbers, len(left_out), shares)
 
 
-def of_missing(case: Case, point: tuple[float, float], problem: LoadProblem) -> Judgement:
+def missing_verdict(case: Case, point: tuple[float, float], problem: LoadProblem) -> LoadVerdict:
     """What is said of a load that has no result.
 
     Parameters
@@ -135,8 +135,8 @@ def of_missing(case: Case, point: tuple[float, float], problem: LoadProblem) -> 
     """
     limit = limits(case, point[0])[0]
     if problem.kind == "open":
-        return Judgement(Verdict.FAIL, 0.0, VerdictReason.OPEN, limit)
-    return Judgement(Verdict.INCONCLUSIVE, math.nan, VerdictReason.UNKNOWN, limit, reason=problem.message)
+        return LoadVerdict(Verdict.FAIL, 0.0, VerdictReason.OPEN, limit)
+    return LoadVerdict(Verdict.INCONCLUSIVE, math.nan, VerdictReason.UNKNOWN, limit, reason=problem.message)
 
 
 def _crest(load: LoadResult) -> float:
@@ -170,32 +170,32 @@ def _shares(loads: Sequence[CaseLoad], hardness: Sequence[float | None]) -> Util
 
 
 @dataclass(frozen=True)
-class Judgements:
+class Verdicts:
     """What is said of a seal and of each of its loads.
 
     Parameters
     ----------
-    seal : SealJudgement or None
-    of_loads : tuple of Judgement or None
+    seal : SealVerdict or None
+    of_loads : tuple of LoadVerdict or None
     beside : mapping
         Number and judgement of the load that would decide in a scenario with contacts of its own, and the verdict in
         the nominal one, both with the inputs as given; where these verdicts differ.
     """
 
-    seal: SealJudgement | None = None
-    of_loads: tuple[Judgement | None, ...] = ()
-    beside: Mapping[str, tuple[int, Judgement, Verdict]] = field(default_factory=dict)
+    seal: SealVerdict | None = None
+    of_loads: tuple[LoadVerdict | None, ...] = ()
+    beside: Mapping[str, tuple[int, LoadVerdict, Verdict]] = field(default_factory=dict)
 
 
-def _compute(seal: SolvedSeal, request: Request) -> Judgements:
+def _compute(seal: SolvedSeal, request: Request) -> Verdicts:
     open_inputs = seal.problem.origin.usual_only or seal.case.sampled is not None
     sampled = UNCERTAINTY.of(request.answers) is not None or not open_inputs
-    loads = with_judgements(seal.case, seal.loads, sampled=sampled)
-    found = seal_judgement(seal.case, loads, seal.missing, seal.problem.hardness)
-    return Judgements(found, tuple(load.judgement for load in loads), _in_scenarios(seal))
+    loads = with_verdicts(seal.case, seal.loads, sampled=sampled)
+    found = seal_verdict(seal.case, loads, seal.missing, seal.problem.hardness)
+    return Verdicts(found, tuple(load.judgement for load in loads), _in_scenarios(seal))
 
 
-def _in_scenarios(seal: SolvedSeal) -> dict[str, tuple[int, Judgement, Verdict]]:
+def _in_scenarios(seal: SolvedSeal) -> dict[str, tuple[int, LoadVerdict, Verdict]]:
     own = _worst(seal.case, [load.with_values(sampled=None) for load in seal.loads])
     found = {}
     for scenario in with_own_contacts(seal.problem):
@@ -205,20 +205,20 @@ def _in_scenarios(seal: SolvedSeal) -> dict[str, tuple[int, Judgement, Verdict]]
     return found
 
 
-def _worst(case: Case, loads: Sequence[CaseLoad | None]) -> tuple[int, Judgement] | None:
+def _worst(case: Case, loads: Sequence[CaseLoad | None]) -> tuple[int, LoadVerdict] | None:
     known = [
         (number, one)
         for number, load in enumerate(loads)
-        if load is not None and (one := judged(case, load)) is not None
+        if load is not None and (one := load_verdict(case, load)) is not None
     ]
     return max(known, key=lambda one: severity(one[1]), default=None)
 
 
-VERDICT = Answer[Judgements](
+VERDICT = Answer[Verdicts](
     "verdict",
     "verdict on the requirement",
     _compute,
-    Judgements(),
+    Verdicts(),
     of_load=lambda load, n, found: load.with_values(judgement=found.of_loads[n]) if found.of_loads else load,
     needs=("case.requirement",),
 )
@@ -373,7 +373,7 @@ class _Search:
 
     def _excess(self, load: CaseLoad) -> float:
         """ln of the upper end over the limit, of several limits the largest; positive unless the verdict passes."""
-        return max(map(_excess, judgements(self.result.case, load)))
+        return max(map(_excess, limit_verdicts(self.result.case, load)))
 
     def _value(self, at: float) -> float | None:
         """The same at ln of a contact force, without samples and mesh error; None where nothing is known."""
@@ -445,13 +445,13 @@ def _along(added: Sequence[Added], at: float) -> float:
     return value + min(max(slope, -_STEEPEST), _STEEPEST) * (at - last)
 
 
-def _excess(judged: Judgement) -> float:
-    if judged.verdict is Verdict.PASS:
-        return -min(math.log(judged.margin), _FAR) if judged.margin < math.inf else -_FAR
-    if not 0.0 < judged.margin < 1.0:
+def _excess(found: LoadVerdict) -> float:
+    if found.verdict is Verdict.PASS:
+        return -min(math.log(found.margin), _FAR) if found.margin < math.inf else -_FAR
+    if not 0.0 < found.margin < 1.0:
         # of what must not be seen there is no margin
-        return 1.0 if math.isnan(judged.margin) else _FAR
-    return min(-math.log(judged.margin), _FAR)
+        return 1.0 if math.isnan(found.margin) else _FAR
+    return min(-math.log(found.margin), _FAR)
 
 
 def _forces(seal: SolvedSeal, request: Request) -> Sequence[VerdictForce]:

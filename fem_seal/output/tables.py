@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem_seal.answers.leakage_class import leakage_classes, nominal_size
-from fem_seal.answers.verdict import of_missing
+from fem_seal.answers.verdict import missing_verdict
 from fem_seal.files import write_bytes
 from fem_seal.output.columns import (
     COLUMNS,
@@ -66,7 +66,7 @@ def _texts(verdict: Verdict | None, validity: Validity) -> dict[str, Any]:
 
 def _missing_row(case: Case, load: MissingLoad, columns: Sequence[str]) -> dict[str, Any]:
     judged = case.requirement is not None and case.requirement.judges(load.fluid_pressure)
-    verdict = of_missing(case, load.point, load.problem).verdict if judged else None
+    verdict = missing_verdict(case, load.point, load.problem).verdict if judged else None
     why = why_missing(load.problem)
     said = dict(zip(VALIDITY_COLUMNS, (NOT_CALCULATED, [why]), strict=True))
     return _cells(columns, load) | _texts(verdict, VALID) | said

@@ -28,7 +28,7 @@ from fem_seal.answers.own_contacts import OWN_CONTACTS
 from fem_seal.answers.pass_probability import PASS_PROBABILITY, pass_probabilities
 from fem_seal.answers.target import TARGET
 from fem_seal.answers.uncertainty import UNCERTAINTY
-from fem_seal.answers.verdict import VERDICT, VERDICT_FORCE, judged
+from fem_seal.answers.verdict import VERDICT, VERDICT_FORCE, load_verdict
 from fem_seal.case.case import Case
 from fem_seal.errors import SealError, error_text
 from fem_seal.output.columns import COLUMNS
@@ -187,7 +187,9 @@ def _checked(
         known = UNCERTAINTY.of(request.answers) is not None
         if not known:
             load = load.with_values(validity=_if_any(partial(judged_by, usual_only=True), NOT_JUDGED))
-    judgement = _if_any(partial(judged, case, load, sampled=known), None) if "margin" in columns else None
+    judgement = (
+        _if_any(partial(load_verdict, case, load, sampled=known), None) if "margin" in columns else None
+    )
     likely: PassProbability | None = None
     if passing:
         try:

@@ -117,7 +117,7 @@ def gasket_result() -> SealResult:
     return run_loads(of)
 
 
-def judged_anew(result: SealResult) -> SealResult:
+def with_new_verdicts(result: SealResult) -> SealResult:
     """A result whose case or loads were changed, judged as a run does."""
     found = VERDICT.compute(result, Request(Mock(), Mock(), answers=dict(result.answers)))
     return replace(

@@ -12,7 +12,7 @@ from fem_seal.answers import leakage_class
 from fem_seal.answers.judgement import (
     RANK,
     Limit,
-    SealJudgement,
+    SealVerdict,
     Utilisation,
     Verdict,
     VerdictReason,
@@ -109,7 +109,7 @@ def verdict_in_brief(result: SealSolution) -> str:
     return f"{told}; {passes}" if passes and found.verdict is Verdict.INCONCLUSIVE else told
 
 
-def _passes(result: SealSolution, found: SealJudgement) -> str:
+def _passes(result: SealSolution, found: SealVerdict) -> str:
     """How many seals pass at the deciding load; empty where nobody knows."""
     passing = None if found.number is None else result.loads[found.number].passing
     if passing is None or passing.why_none:
@@ -117,12 +117,12 @@ def _passes(result: SealSolution, found: SealJudgement) -> str:
     return phrase("brief.first", "passes", share=_in_percent(passing.share))
 
 
-def _digits(result: SealSolution, found: SealJudgement) -> int:
+def _digits(result: SealSolution, found: SealVerdict) -> int:
     """Significant digits of the deciding leak rate, two at most, as for an interval."""
     return 2 if found.number is None else min(result.loads[found.number].leak_digits, 2)
 
 
-def _doubt(result: SealSolution, found: SealJudgement) -> str:
+def _doubt(result: SealSolution, found: SealVerdict) -> str:
     """Reason why the deciding load is doubtful; empty if it is not, and where it fails whatever the doubt."""
     if found.number is None or found.worst.why not in (VerdictReason.LIMIT, VerdictReason.INTERVAL):
         return ""
@@ -140,7 +140,7 @@ _BY_INTERVAL = (VerdictReason.LIMIT, VerdictReason.INTERVAL, VerdictReason.ACCUR
 _WITHOUT_RATES = (VerdictReason.OPEN, VerdictReason.OUTSIDE, VerdictReason.UNKNOWN)
 
 
-def _place(result: SealSolution, found: SealJudgement) -> str:
+def _place(result: SealSolution, found: SealVerdict) -> str:
     if found.number is not None:
         return load_name(result.loads[found.number], result.every_load)
     pressure = units.format_quantity("fluid pressure", found.fluid_pressure)
@@ -151,7 +151,7 @@ def _place(result: SealSolution, found: SealJudgement) -> str:
     )
 
 
-def _verdict(result: SealSolution, found: SealJudgement, *, brief: bool = False) -> str:
+def _verdict(result: SealSolution, found: SealVerdict, *, brief: bool = False) -> str:
     judged, limit, key = found.worst, found.worst.limit, _sentence(found)
     digits, volume, load = _digits(result, found), leakage_class.volume_of(result.case), _place(result, found)
     if found.number is not None and result.loads[found.number].tested:
@@ -194,7 +194,7 @@ def _verdict(result: SealSolution, found: SealJudgement, *, brief: bool = False)
     )
 
 
-def _doubts(result: SealSolution, found: SealJudgement) -> str:
+def _doubts(result: SealSolution, found: SealVerdict) -> str:
     """By what the calculation may be off in the direction of the limit: "lay, long waves"."""
     if found.number is None:
         return ""
@@ -204,7 +204,7 @@ def _doubts(result: SealSolution, found: SealJudgement) -> str:
     )
 
 
-def _sentence(found: SealJudgement) -> str:
+def _sentence(found: SealVerdict) -> str:
     """Key of the sentence."""
     judged = found.worst
     if judged.why is VerdictReason.UNKNOWN and found.number is None:
@@ -268,7 +268,7 @@ def allowed_in_words(loads: Sequence[AnyLoad]) -> str:
     return phrase("verdict.check", "beside", allowed=f"{allowed}{of}{own}")
 
 
-def _further_sentences(result: SealSolution, found: SealJudgement) -> Iterator[str]:
+def _further_sentences(result: SealSolution, found: SealVerdict) -> Iterator[str]:
     volume = leakage_class.volume_of(result.case)
     if volume.state and found.worst.why not in _WITHOUT_RATES:
         yield phrase("verdict.sentences", "volume", state=_state(result.case, found.worst.limit))
@@ -330,7 +330,7 @@ def _passing_height(result: SealSolution, number: int) -> float:
     return profiles.passing_height(judged.margin * load.leak_interval.high)
 
 
-def _in_scenarios(result: SealSolution, found: SealJudgement) -> Iterator[str]:
+def _in_scenarios(result: SealSolution, found: SealVerdict) -> Iterator[str]:
     """Verdict in a scenario with contacts of its own, if it differs."""
     sampled = found.number is not None and result.loads[found.number].sampled is not None
     for name, (place, judged, own) in result.judgement_beside.items():

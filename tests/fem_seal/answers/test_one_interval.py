@@ -9,7 +9,7 @@ from functools import cache
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from sample_results import case, judged_anew, rough_result, run_loads, single_result
+from sample_results import case, rough_result, run_loads, single_result, with_new_verdicts
 
 import fem_seal
 from fem_seal.answers.judgement import VerdictReason
@@ -45,7 +45,7 @@ def known_as(result, factor, level, limit):
     validity = Validity.of([Finding("x", level, "few channels", "...", factor)])
     loads = tuple(load.with_values(validity=validity) for load in result.loads)
     of = result.case.replace({"requirement": {"leak_rate": f"{limit!r} m^3/s"}})
-    return judged_anew(replace(result, case=of, loads=loads))
+    return with_new_verdicts(replace(result, case=of, loads=loads))
 
 
 @pytest.mark.slow

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 
 import pytest
 from places import EXAMPLES
-from sample_results import case, cone, judged_anew, rough_result, run_loads, smooth_result
+from sample_results import case, cone, rough_result, run_loads, smooth_result, with_new_verdicts
 
 import fem_seal
 from fem_seal.answers.chain import solve
@@ -269,7 +269,7 @@ def test_what_helps_and_is_not_enough_is_told_so(over, enough):
     result = rough_result()
     limit = max(load.leak.leak_rate for load in result.loads) / over
     asked = result.case.replace({"requirement.leak_rate": f"{limit} m^3/s"})
-    said = second_line(judged_anew(replace(result, case=asked)).answered(sensitivities=(lever,)))
+    said = second_line(with_new_verdicts(replace(result, case=asked)).answered(sensitivities=(lever,)))
     assert "helps most" in said and ("not enough" in said) is not enough
 
 

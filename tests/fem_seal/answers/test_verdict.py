@@ -10,12 +10,12 @@ import pytest
 from around_results import oval_result
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from sample_results import STEEL, ball, case, cone, judged_anew, rough_result, with_capped
+from sample_results import STEEL, ball, case, cone, rough_result, with_capped, with_new_verdicts
 
 import fem_seal
-from fem_seal.answers.judgement import Judgement, Limit, Verdict, VerdictReason, severity
+from fem_seal.answers.judgement import Limit, LoadVerdict, Verdict, VerdictReason, severity
 from fem_seal.answers.leakage_class import leakage_classes, limits, next_class
-from fem_seal.answers.verdict import _shares, seal_judgement
+from fem_seal.answers.verdict import _shares, seal_verdict
 from fem_seal.cli.terminal import show_answers, show_leak_table
 from fem_seal.errors import ConvergenceError, InputError, LoadProblem
 from fem_seal.output.answers.verdict import (
@@ -71,7 +71,7 @@ def required(result=None, missing=None, **table):
     result = rough_result() if result is None else result
     changed = replace(result, case=result.case.replace({"requirement": table}))
     others = enumerate((missing or {}).items(), start=len(changed.loads))
-    return judged_anew(
+    return with_new_verdicts(
         replace(changed, not_calculated=tuple(MissingLoad(n, *point, one) for n, (point, one) in others))
     )
 
@@ -91,14 +91,14 @@ def required(result=None, missing=None, **table):
     ],
 )
 def test_upper_end_within_is_pass_lower_end_above_fail_all_else_inconclusive(ends, verdict, margin):
-    judged = Judgement.of(Limit("leak rate", 2.0), ends)
+    judged = LoadVerdict.of(Limit("leak rate", 2.0), ends)
     assert (str(judged.verdict), judged.margin) == (verdict, margin)
     # outside the theory nothing is claimed, except of a seal that is open or leaks too much for any error of it
-    outside = Judgement.of(Limit("leak rate", 2.0), ends, OUTSIDE)
+    outside = LoadVerdict.of(Limit("leak rate", 2.0), ends, OUTSIDE)
     assert outside.verdict == ("fail" if math.isinf(ends[0]) else "inconclusive")
-    far = Judgement.of(Limit("leak rate", 2.0), (2001.0, 1e6), OUTSIDE)
+    far = LoadVerdict.of(Limit("leak rate", 2.0), (2001.0, 1e6), OUTSIDE)
     assert (far.verdict, far.why, far.reason) == (Verdict.FAIL, VerdictReason.FAR, OUTSIDE.reasons[0])
-    assert Judgement.of(Limit("leak rate", 2.0), (1999.0, 1e6), OUTSIDE).verdict == "inconclusive"
+    assert LoadVerdict.of(Limit("leak rate", 2.0), (1999.0, 1e6), OUTSIDE).verdict == "inconclusive"
     if math.isinf(margin):
         # of a zero that may not be claimed there is no margin
         assert math.isnan(outside.margin)
@@ -119,9 +119,9 @@ def test_upper_end_within_is_pass_lower_end_above_fail_all_else_inconclusive(end
 )
 def test_a_theory_that_lets_too_little_leak_leaves_a_fail_a_fail(factor, ends, verdict):
     beyond = Validity.of([Finding("fluid opens", Level.OUTSIDE, "opens", "...", Bounds(*factor))])
-    assert Judgement.of(Limit("leak rate", 2.0), ends, beyond).verdict is verdict
+    assert LoadVerdict.of(Limit("leak rate", 2.0), ends, beyond).verdict is verdict
     with_other = Validity.of([*beyond.cautions, *OUTSIDE.cautions])
-    assert Judgement.of(Limit("leak rate", 2.0), ends, with_other).verdict is Verdict.INCONCLUSIVE
+    assert LoadVerdict.of(Limit("leak rate", 2.0), ends, with_other).verdict is Verdict.INCONCLUSIVE
 
 
 @given(
@@ -134,8 +134,8 @@ def test_nothing_is_claimed_that_the_calculation_may_be_off_by(ends, limit, fact
     doubt = Validity.of([Finding("x", Level.DOUBTFUL, f"by {one}", "...", one) for one in factors])
     # what stands at a limit does so to the last digit or not
     assume(all(abs(limit / end - 1) > 1e-12 for end in ends))
-    judged = Judgement.of(Limit("leak rate", limit), widened(ends, doubt), doubt)
-    plain = Judgement.of(Limit("leak rate", limit), ends)
+    judged = LoadVerdict.of(Limit("leak rate", limit), widened(ends, doubt), doubt)
+    plain = LoadVerdict.of(Limit("leak rate", limit), ends)
     low, high = (end * math.prod(one[n] for one in factors) for n, end in enumerate(ends))
     # three orders of magnitude are all that a calculation is taken to be off by
     low, high = max(low, 1e-3 * ends[0]), min(high, 1e3 * ends[1])
@@ -174,7 +174,7 @@ def test_nothing_is_claimed_that_the_calculation_may_be_off_by(ends, limit, fact
 )
 def test_a_factor_that_the_theory_may_be_off_by_has_to_fit_between(factor, ends, verdict):
     few = Validity.of([Finding("few channels", Level.DOUBTFUL, "few channels", "...", factor)])
-    judged = Judgement.of(Limit("leak rate", 2.0), widened(ends, few), few)
+    judged = LoadVerdict.of(Limit("leak rate", 2.0), widened(ends, few), few)
     assert judged.verdict == verdict
     assert (judged.why, judged.reason) == (
         (VerdictReason.ACCURACY, "few channels") if "unless" in verdict else (VerdictReason.LIMIT, "")
@@ -209,7 +209,7 @@ def test_what_the_mesh_leaves_uncertain_has_to_fit_between_too():
 
 def test_without_a_leak_rate_or_a_limit_nothing_is_decided():
     for limit, ends in ((Limit("leak rate", 2.0), (math.nan, math.nan)), (Limit("x", math.nan), (1.0, 1.0))):
-        judged = Judgement.of(limit, ends)
+        judged = LoadVerdict.of(limit, ends)
         assert (
             judged.verdict is Verdict.INCONCLUSIVE
             and judged.why is VerdictReason.UNKNOWN
@@ -220,11 +220,11 @@ def test_without_a_leak_rate_or_a_limit_nothing_is_decided():
 def test_no_visible_leakage_is_met_by_what_nobody_sees_and_failed_by_a_drop_in_the_shortest_test():
     unseen, seen = invisible_leak_rate(gas=False), visible_leak_rate(gas=False)
     limit = Limit("ISO 5208 A", unseen, seen)
-    assert Judgement.of(limit, (0.0, 0.0)).verdict == "pass"
-    little = Judgement.of(limit, (0.0, 0.5 * unseen))
+    assert LoadVerdict.of(limit, (0.0, 0.0)).verdict == "pass"
+    little = LoadVerdict.of(limit, (0.0, 0.5 * unseen))
     assert little.verdict == "pass" and little.margin == pytest.approx(2.0)
-    assert Judgement.of(limit, (1.01 * seen, 2 * seen)).verdict == "fail"
-    few = Judgement.of(limit, (0.0, 0.5 * seen))
+    assert LoadVerdict.of(limit, (1.01 * seen, 2 * seen)).verdict == "fail"
+    few = LoadVerdict.of(limit, (0.0, 0.5 * seen))
     assert few.verdict == "inconclusive" and few.margin == pytest.approx(2.0 * unseen / seen)
     # 1/16 ml in 15 s
     assert seen == pytest.approx(1e-6 / 16 / 15, rel=1e-12)
@@ -309,17 +309,17 @@ def test_the_worst_load_decides_and_a_load_that_opens_fails():
 def test_of_loads_that_fail_the_surest_decides():
     """Not the one with the widest interval, whose upper end alone is far above the limit."""
     limit = Limit("leak rate", 1.0)
-    sure, wide = Judgement.of(limit, (100.0, 200.0)), Judgement.of(limit, (2.0, 1e6))
+    sure, wide = LoadVerdict.of(limit, (100.0, 200.0)), LoadVerdict.of(limit, (2.0, 1e6))
     assert wide.margin < sure.margin
     assert max((sure, wide), key=severity) is sure
-    opened = Judgement.of(limit, (math.inf, math.inf))
+    opened = LoadVerdict.of(limit, (math.inf, math.inf))
     assert max((sure, opened, wide), key=severity) is opened
     # of those that pass it is still the one with the least margin
-    near, far = Judgement.of(limit, (0.1, 0.9)), Judgement.of(limit, (0.01, 0.1))
+    near, far = LoadVerdict.of(limit, (0.1, 0.9)), LoadVerdict.of(limit, (0.01, 0.1))
     assert max((near, far), key=severity) is near
     doubt = Validity.of([Finding("lay", Level.VALID, "a lay", "...", Bounds.factor_bounds(3.0))])
     ranked = [
-        Judgement.of(limit, ends, doubt)
+        LoadVerdict.of(limit, ends, doubt)
         for ends in ((0.01, 0.1), (0.1, 2.0), (0.1, 9.0), (0.5, 9.0), (2.0, 9.0))
     ]
     assert [str(one.verdict) for one in ranked] == [*Verdict]
@@ -376,9 +376,9 @@ def test_a_class_is_judged_for_the_fluid_of_its_test(fluid, test_fluid, ratio):
 
 def test_a_gas_that_is_not_that_of_the_test_widens_the_interval():
     limit = Limit("ISO 5208 D", 1.0, test_fluid="air", ratio=(0.4, 1.1))
-    assert Judgement.of(limit, (0.5, 0.9)).verdict == "pass"
-    assert Judgement.of(limit, (2.6, 3.0)).verdict == "fail"
-    unsure = Judgement.of(limit, (1.5, 2.0))
+    assert LoadVerdict.of(limit, (0.5, 0.9)).verdict == "pass"
+    assert LoadVerdict.of(limit, (2.6, 3.0)).verdict == "fail"
+    unsure = LoadVerdict.of(limit, (1.5, 2.0))
     assert unsure.verdict == "inconclusive" and unsure.why is VerdictReason.TEST_FLUID
     assert unsure.ends == pytest.approx((0.6, 2.2))
 
@@ -590,7 +590,7 @@ def test_a_study_has_the_verdict_beside_its_margin(tmp_path):
 def test_nothing_is_said_where_nothing_is_required():
     result = rough_result()
     assert result.verdict is None and result.margin is None
-    assert seal_judgement(result.case, result.loads, {}) is None
+    assert seal_verdict(result.case, result.loads, {}) is None
     assert leak_table(result)["verdict"].tolist() == [""] * 3
     assert summary(result)["requirement"] is None
 
@@ -675,12 +675,12 @@ def test_a_verdict_with_doubt_says_so_in_its_first_words():
 
 @pytest.mark.parametrize("ends", [(1e-12, 2e-12), (1e-6, 2e-6), (0.0, 0.0)])
 def test_without_its_interval_a_leak_rate_decides_nothing(ends):
-    judged = Judgement.of(Limit("leak rate", 1e-9), ends, sampled=False)
+    judged = LoadVerdict.of(Limit("leak rate", 1e-9), ends, sampled=False)
     assert (judged.verdict, judged.why) == (Verdict.INCONCLUSIVE, VerdictReason.UNSAMPLED)
     assert math.isnan(judged.margin)
-    far = Judgement.of(Limit("leak rate", 1e-9), (1.01e-6, 1e-3), sampled=False)
+    far = LoadVerdict.of(Limit("leak rate", 1e-9), (1.01e-6, 1e-3), sampled=False)
     assert (far.verdict, far.why) == (Verdict.FAIL, VerdictReason.FAR)
-    opened = Judgement.of(Limit("leak rate", 1e-9), (math.inf, math.inf), sampled=False)
+    opened = LoadVerdict.of(Limit("leak rate", 1e-9), (math.inf, math.inf), sampled=False)
     assert opened.verdict is Verdict.FAIL
 
 
@@ -746,7 +746,7 @@ def test_less_than_a_molecule_per_hour_is_told_as_none_measurable():
     gas = case(fluid={"name": "air"}).fluid.volume
     assert leak_range_text(1.05e-29, volume=gas) == "none measurable, less than a molecule per hour"
     assert "measurable" not in leak_range_text(1.2e-29, volume=gas)
-    judged = Judgement.of(Limit("leak rate", 1e-9), little)
+    judged = LoadVerdict.of(Limit("leak rate", 1e-9), little)
     # the number itself is kept
     assert judged.verdict == "pass" and judged.margin == pytest.approx(1e-9 / 8e-62)
     solved = required(leak_rate="1e-3 m^3/s")
@@ -793,7 +793,7 @@ def test_a_gas_has_one_state_on_its_page_and_a_limit_in_another_says_so():
     assert "volumes are those of the gas at 200 °C and 1.01325 bar" in told
     assert not any("volumes" in one for one in requirement_lines(case(requirement={"leak_rate": "1 ml/min"})))
     limit = Limit("leak rate", case(fluid=warm, requirement={"leak_rate": "1 Nml/min"}).requirement.leak_rate)
-    judged = Judgement.of(limit, (1e-9, 2e-9))
+    judged = LoadVerdict.of(limit, (1e-9, 2e-9))
     solved = required(leak_rate="1e-3 m^3/s")
     shown = replace(solved, case=solved.case.replace({"fluid": {"name": "nitrogen"}}))
     sentences = verdict_sentences(with_worst(shown, judged))

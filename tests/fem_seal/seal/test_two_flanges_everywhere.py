@@ -18,7 +18,7 @@ from fem_seal.answers.leakage_class import nominal_size, seal_length
 from fem_seal.answers.pass_probability import pass_probabilities
 from fem_seal.answers.sensitivities import sensitivities
 from fem_seal.answers.target import contacts_at_target
-from fem_seal.answers.verdict import seal_judgement, with_judgements
+from fem_seal.answers.verdict import seal_verdict, with_verdicts
 from fem_seal.explore.factors import factors_of
 from fem_seal.explore.live import live_screen
 from fem_seal.output.columns import COLUMNS
@@ -93,7 +93,7 @@ def test_the_share_that_is_used_is_that_of_the_face_which_uses_more() -> None:
     }.items():
         of = case(bodies[0], FINE, seat=bodies[1], **required)
         seal = seal_of(of)
-        judged = seal_judgement(of, with_judgements(of, seal.loads), {}, of.hardness)
+        judged = seal_verdict(of, with_verdicts(of, seal.loads), {}, of.hardness)
         assert judged is not None
         found[name] = judged.shares
     assert found["lower"].body == "lower closure" and found["upper"].body == "closure"
