@@ -145,7 +145,7 @@ def test_the_filter_that_keeps_the_leak_keeps_it():
 
 
 def test_without_yielding_there_is_one_reading():
-    elastic = [replace(one, rough=one.rough.reading(Reading.ELASTIC)) for one in result().loads[-1:]]
+    elastic = [load.scenarios[Reading.ELASTIC] for load in result().loads[-1:]]
     (answers,) = particle_answers(elastic, leak.ParticleCounts.of_iso_4406("15/13/10"))
     assert answers.keeping_filter[0] == answers.keeping_filter[1]
     assert answers.leak_rate == (elastic[0].leak.leak_rate,) * 2
@@ -180,8 +180,9 @@ def test_a_power_more_of_particles_clogs_a_power_faster():
 
 def test_places_side_by_side_are_squares_at_least_and_particles_at_most():
     load = result().loads[-1]
-    elastic = replace(load, rough=load.rough.reading(Reading.ELASTIC))
-    (answers,) = particle_answers([elastic], leak.ParticleCounts.of_iso_4406("15/13/10"))
+    (answers,) = particle_answers(
+        [load.scenarios[Reading.ELASTIC]], leak.ParticleCounts.of_iso_4406("15/13/10")
+    )
     around = 2 * math.pi * load.contact.model.initial_contact_radius
     width = around / answers.places[0]
     # of the order of the contact's own width
@@ -196,7 +197,7 @@ def test_places_side_by_side_are_squares_at_least_and_particles_at_most():
 
 
 def test_a_sealed_load_has_no_answers():
-    load = replace(result().loads[0], rough=None)
+    load = replace(result().loads[0], rough=None, scenarios={})
     assert particle_answers([load], leak.ParticleCounts.of_iso_4406("15/13/10")) == ()
 
 

@@ -453,7 +453,7 @@ def test_a_leak_rate_that_nobody_can_measure_has_its_report() -> None:
             roughness={"spectrum": spectrum},
             load={"fluid_pressure": "20 bar", "applied_force": "32 kN"},
             leak={"plasticity": False},
-            interface={"law": "persson"},
+            interface={"law": "spectrum"},
         )
     )
     assert 0.0 < result.loads[0].leak.leak_rate < 1e-30

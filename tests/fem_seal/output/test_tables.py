@@ -314,7 +314,7 @@ def test_every_sentence_of_the_report_is_asked_for_and_every_one_asked_for_is_th
     asked |= {f"captions.{name}" for name in re.findall(r'group="([^"]+)"', code) if name}
     assert asked == set(tables)
     # chosen by the interface law of the case, by the order of its loads and by the reading
-    elsewhere = {"smooth", "exponential", "spectrum", "joined", "numbered", "conserved"}
+    elsewhere = {"smooth", "exponential", "spectrum", "joined", "numbered", "conserved", "reading"}
     elsewhere |= {
         f"{what}_{also}" for what in ("inputs", "finish", "mixed", "tested") for also in ("own", "both")
     }
