@@ -235,7 +235,7 @@ def without_extremes(table: TextTable) -> TextTable:
 
 # Beyond this no number of a table means anything, and beyond these none of its dimension [SI].
 _BEYOND = 1e100
-_LARGEST = {"length": 1e3, "pressure": 1e15, "strain": 100.0, "temperature": 1e5}
+_PLAUSIBLE = {"length": 1e3, "pressure": 1e15, "strain": 100.0, "temperature": 1e5}
 _NOTHING = 1e-30
 
 
@@ -299,7 +299,7 @@ def column(table: TextTable, place: int, dimension: str) -> FloatArray:
     import numpy as np
 
     values = _in_si(table, place, dimension)
-    limit = _LARGEST.get(dimension, _BEYOND)
+    limit = _PLAUSIBLE.get(dimension, _BEYOND)
     _check_sizes(values, table.lines, limit, f'{dimension} of column "{table.header[place]}" (in SI)')
     return np.where(np.abs(values) < _NOTHING, 0.0, values)
 

@@ -12,7 +12,6 @@ from fem_seal.answers.judgement import BoltState
 from fem_seal.bolts import Bolts
 from fem_seal.errors import ConvergenceError
 from fem_seal.seal.bounds import Bounds
-from fem_seal.seal.load_result import load_results
 from fem_seal.seal.load_solver import LoadSolver, solve_loads
 
 
@@ -98,7 +97,7 @@ def _leak_rates(seal: SolvedSeal, request: Request, bolts: Bolts, factor: float)
     solved = solve_loads(solver, request.clock.progress, unload=False)
     numbers = [n for n in range(len(left)) if n not in solved.failures]
     points = [solved.points[number] for number in numbers]
-    leaks = [load.leak for load in load_results(problem, points, solved.contacts, solved.around)]
+    leaks = [load.leak for load in solved.results(problem, points)]
     rates = dict.fromkeys(opened, math.inf)
     for n, leak in zip(numbers, leaks, strict=True):
         rates[left[n]] = math.nan if leak is None else leak.leak_rate

@@ -254,11 +254,11 @@ class CaseLoad(LoadResult):
         name : {"peak_pressure", "fwhm", "std", "leak_rate", "force_for_target"}
             Stresses in the bodies are as good as the peak pressure.
         """
-        of_theory = {"leak_rate": self.validity, "force_for_target": self.target_validity}.get(name)
-        theory = DIGITS if of_theory is None else digits_within(of_theory.leak_error)
+        validity = {"leak_rate": self.validity, "force_for_target": self.target_validity}.get(name)
+        known = DIGITS if validity is None else digits_within(validity.leak_error)
         # a leak rate off by orders of magnitude leaves more of the force, which stands beside its line load
         least = 3 if name == "force_for_target" else 1
-        return max(min(theory, super().digits_of("leak_rate" if least > 1 else name)), least)
+        return max(min(known, super().digits_of("leak_rate" if least > 1 else name)), least)
 
     @property
     def digits(self) -> int:
@@ -345,6 +345,11 @@ class CaseLoad(LoadResult):
     def gap_pressure(self) -> NDArray[np.float64] | None:
         """Fluid pressure at the points of the contact line [Pa]; None where nothing is known of it."""
         return self.contact.loads.gap_pressure if self.leak_round is None else self.leak_round.fluid_pressure
+
+    @property
+    def fwhm(self) -> float:
+        """Full width at half maximum on the line that is pressed hardest [m]."""
+        return self.tightest.fwhm
 
     @property
     def leak_digits(self) -> int:

@@ -19,7 +19,6 @@ from fem_seal.answers.findings import FINDINGS, all_cautions, findings_of_profil
 from fem_seal.answers.foreseen import foreseen
 from fem_seal.answers.form import FORM
 from fem_seal.answers.opening import OPENING
-from fem_seal.answers.own_contacts import OWN_CONTACTS
 from fem_seal.answers.particles import PARTICLES
 from fem_seal.answers.pass_probability import PASS_PROBABILITY
 from fem_seal.answers.profile_files import ImportedProfile
@@ -29,7 +28,7 @@ from fem_seal.answers.solution import SealSolution
 from fem_seal.answers.standard_tests import SET_PRESSURE, STANDARD_TESTS
 from fem_seal.answers.target import TARGET
 from fem_seal.answers.uncertainty import UNCERTAINTY
-from fem_seal.answers.variants import INTERFACE_VARIANTS
+from fem_seal.answers.variants import INTERFACE_VARIANTS, OWN_CONTACTS
 from fem_seal.answers.verdict import VERDICT, VERDICT_FORCE
 from fem_seal.case.case import Case
 from fem_seal.contact.solution import move_together

@@ -13,12 +13,11 @@ from fem_seal.answers.compression import COMPRESSION
 from fem_seal.answers.error_shares import ERROR_SHARES
 from fem_seal.answers.form import FORM
 from fem_seal.answers.judgement import LoadVerdict, SealVerdict, Verdict
-from fem_seal.answers.own_contacts import OWN_CONTACTS
 from fem_seal.answers.particles import PARTICLES
 from fem_seal.answers.sensitivities import SENSITIVITIES
 from fem_seal.answers.standard_tests import SET_PRESSURE, STANDARD_TESTS
 from fem_seal.answers.uncertainty import UNCERTAINTY
-from fem_seal.answers.variants import INTERFACE_VARIANTS
+from fem_seal.answers.variants import INTERFACE_VARIANTS, OWN_CONTACTS
 from fem_seal.answers.verdict import VERDICT
 from fem_seal.seal.load_result import DiscretisationError, highest_load, strongest_load
 

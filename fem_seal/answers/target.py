@@ -15,11 +15,10 @@ from fem_seal.loads import LARGEST_TURNING, contact_force
 from fem_seal.seal.findings import Finding, Level, Validity
 from fem_seal.seal.load_result import LoadResult, by_face
 from fem_seal.seal.problem import SealFlow, SealProblem, expected_forces
-from fem_seal.seal.scenarios import SCENARIOS
+from fem_seal.seal.scenarios import SCENARIOS, problem_in
 from fem_seal.units import briefly, format_quantity, quantity
 from fem_seal.validity.checks import target_cautions, target_validity
 from fem_seal.validity.words import sentence
-from leak import Reading
 
 # First step from where the fluid closes the seal alone.
 _STEP = math.log(4.0)
@@ -122,7 +121,7 @@ _ACCURACY = 1e-6
 
 
 def contacts_at_target(
-    problem: SealProblem, target_leak_rate: float | None = None, *, reading: Reading | None = None
+    problem: SealProblem, target_leak_rate: float | None = None, *, scenario: str = ""
 ) -> list[CaseLoad]:
     """Loads with the smallest force of spring or actuator at which a seal leaks as a target, at each fluid pressure.
 
@@ -132,8 +131,8 @@ def contacts_at_target(
         With surface and flow.
     target_leak_rate : float, optional
         [m^3/s], of a gas at 101325 Pa and its temperature; the problem's own target unless given.
-    reading : Reading, optional
-        Of yielding asperities, on the same contact; that of the problem unless given.
+    scenario : str
+        Name of one that shares the contacts, whose leak rate is meant; that of the problem unless given.
 
     Returns
     -------
@@ -157,7 +156,7 @@ def contacts_at_target(
     target = problem.loads.target_leak_rate if target_leak_rate is None else target_leak_rate
     if target is None or not target > 0:
         raise target_problem(problem, "missing", target)
-    flow = SealFlow.of(problem, reading)
+    flow = SealFlow.of(problem, partial(problem_in, name=scenario))
     if flow is None:
         raise target_problem(problem, "without_leak", target)
     # up and down again, or under several forces, a pressure may come more than once
@@ -176,24 +175,24 @@ def contacts_at_target(
                 return None
             if problem.follows_path and _turning(load) > LARGEST_TURNING:
                 return None
-            return log_excess(_leak_rate(_read(problem, load, reading)), target)
+            return log_excess(_leak_rate(_leaking(problem, load, scenario)), target)
 
         return find_zero(excess, start, lowest=lowest, highest=highest, accuracy=_ACCURACY)
 
     found = {
-        pressure: _at_target(problem, trials, zero, target, reading)
+        pressure: _at_target(problem, trials, zero, target, scenario)
         for pressure, (trials, zero) in search_forces(problem, starts, find).items()
     }
     return [found[pressure] for pressure in problem.loads.fluid_pressure]
 
 
 def _at_target(
-    problem: SealProblem, trials: Trials, zero: Zero | None, target: float, reading: Reading | None
+    problem: SealProblem, trials: Trials, zero: Zero | None, target: float, scenario: str
 ) -> CaseLoad:
     """The load with the target's leak rate, or why there is none."""
     if zero is None:
         raise trials.unreached or ConvergenceError("no force was found that keeps the strains small")
-    pressure, load = trials.fluid_pressure, CaseLoad.of(_read(problem, trials.load(zero.place), reading))
+    pressure, load = trials.fluid_pressure, CaseLoad.of(_leaking(problem, trials.load(zero.place), scenario))
     if zero.end is not None:
         why = "not_met"
         if zero.end is End.LOWEST:
@@ -211,11 +210,8 @@ def _at_target(
     return load.with_values(preload_for_target=max(preload, 0.0))
 
 
-def _read(problem: SealProblem, load: LoadResult, reading: Reading | None) -> LoadResult:
-    if reading is None:
-        return load
-    # asperities that do not yield are read in one way
-    return case_loads(problem, [load])[0].scenario(reading) or load
+def _leaking(problem: SealProblem, load: LoadResult, scenario: str) -> LoadResult:
+    return case_loads(problem, [load])[0].scenarios.get(scenario, load) if scenario else load
 
 
 def _leak_rate(load: LoadResult) -> float:
@@ -244,7 +240,7 @@ def _first_guess(flow: SealFlow, fluid_pressure: float, target: float) -> float:
 
 @dataclass(frozen=True)
 class TargetForces:
-    """Forces for the target leak rate in one reading of yielding asperities, and what to know before believing them.
+    """Forces for the target leak rate in one scenario, and what to know before believing them.
 
     Parameters
     ----------
@@ -253,10 +249,10 @@ class TargetForces:
     contact_force, preload : sequence of float or None
         See `LoadResult.contact_force_for_target` and `preload_for_target` [N].
     validity : sequence of Validity or None
-        Of the reading of the loads themselves.
+        Of the scenario of the loads themselves.
     remarks : tuple of Finding
     others : mapping
-        The forces in the other readings.
+        The forces in the scenarios beside.
     """
 
     force: Sequence[float | None]
@@ -270,34 +266,32 @@ class TargetForces:
 def _compute(seal: SolvedSeal, request: Request) -> TargetForces:
     none = [None] * len(seal.loads)
 
-    def compute(what: str, reading: Reading | None = None) -> TargetForces:
+    def compute(what: str, scenario: str = "") -> TargetForces:
         return request.steps.compute(
-            what, partial(_forces, seal, reading), TargetForces(none, none, none, none)
+            what, partial(_forces, seal, scenario), TargetForces(none, none, none, none)
         )
 
     with request.clock.step("questions", ""):
         own = compute(TARGET.what)
         others = {
-            name: compute(f"{TARGET.what} of {SCENARIOS[name].asperities}", Reading(name))
+            name: compute(f"{TARGET.what} of {SCENARIOS[name].asperities}", name)
             for name in seal.loads[0].others
         }
     remarks = [remark for one in (own, *others.values()) for remark in one.remarks]
-    return replace(
-        own, remarks=tuple(remarks), others={reading: one.force for reading, one in others.items()}
-    )
+    return replace(own, remarks=tuple(remarks), others={name: one.force for name, one in others.items()})
 
 
-def _forces(seal: SolvedSeal, reading: Reading | None) -> TargetForces:
-    """Forces in a reading of yielding asperities; how good they are is looked at in that of the problem alone."""
+def _forces(seal: SolvedSeal, scenario: str) -> TargetForces:
+    """Forces in a scenario; how good they are is looked at in that of the problem alone."""
     problem, none = seal.problem, [None] * len(seal.loads)
     if problem.loads.bolts is not None:
         # each force is looked for with its own preload before it
         loads = replace(problem.loads, earlier=None, tightened=(), solved=False)
         problem = replace(problem, loads=loads)
     try:
-        found = contacts_at_target(problem, reading=reading)
+        found = contacts_at_target(problem, scenario=scenario)
     except InputError as error:
-        when = "" if reading is None else f"{SCENARIOS[reading].condition}: "
+        when = f"{SCENARIOS[scenario].condition}: " if scenario else ""
         texts = [f"{when}{one}" for one in error.problems]
         return TargetForces(
             none, none, none, none, tuple(Finding("target", Level.DOUBTFUL, one, one) for one in texts)
@@ -308,7 +302,7 @@ def _forces(seal: SolvedSeal, reading: Reading | None) -> TargetForces:
         [one.preload_for_target for one in found],
         none,
     )
-    if reading is not None:
+    if scenario:
         return forces
     validity = [target_validity(problem, one) for one in found]
     upper, *lower = (list(target_cautions(*one)) for one in zip(problem.halves, by_face(found), strict=True))

@@ -1,20 +1,124 @@
-"""The load with the largest closing force with another interface law."""
+"""The same loads in the scenarios whose contacts are their own, and with another interface law, on the same bodies."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 from fem_seal.answers.accuracy import Comparison
-from fem_seal.answers.answer import Answer
-from fem_seal.answers.case_load import CaseLoad, case_loads
-from fem_seal.seal.load_result import load_results, strongest_load
+from fem_seal.answers.answer import Answer, Request
+from fem_seal.answers.case_load import CaseLoad, SolvedSeal, case_loads
+from fem_seal.contact.newton import solve_many
+from fem_seal.seal.load_result import highest_load, load_results, strongest_load
 from fem_seal.seal.load_solver import (
     LoadSolver,
+    SolvedLoads,
+    linearised_again,
     solve_load,
+    solve_loads,
     solved_again,
 )
 from fem_seal.seal.problem import SealProblem
+from fem_seal.seal.scenarios import SCENARIOS, with_own_contacts
+from fem_seal.units import format_quantity
+
+
+@dataclass(frozen=True)
+class OtherContacts:
+    """The loads in the scenarios with contacts of their own.
+
+    Parameters
+    ----------
+    loads : mapping
+        By scenario, in the order of the result; None where it has no contact or no leak rate.
+    same_contact : mapping
+        Leak rate by scenario through the very contact of the highest load [m^3/s].
+    """
+
+    loads: Mapping[str, Sequence[CaseLoad | None]] = field(default_factory=dict)
+    same_contact: Mapping[str, float] = field(default_factory=dict)
+
+
+def loads_in(problem: SealProblem, seal: SolvedSeal) -> list[CaseLoad | None]:
+    """The loads of a seal in the scenario of another problem, on the same bodies; None where it has no contact.
+
+    Where a body yields it is linearised at each load; what it would have yielded otherwise on the way is left out.
+
+    Parameters
+    ----------
+    problem : SealProblem
+    seal : SolvedSeal
+    """
+    numbers = list(range(len(seal.loads)))
+    if problem.follows_path:
+        solved = SolvedLoads(linearised_again(seal.contact, problem.law))
+    else:
+        solver = LoadSolver(problem, seal.model)
+        asked = solver.pressings()
+        solved = solve_loads(solver, pressed=dict(zip(asked, solve_many([*asked.values()]), strict=True)))
+        numbers = [number for number in numbers if number not in solved.failures]
+    own = [seal.loads[number] for number in numbers]
+    found = solved.results(problem, [load.point for load in own])
+    known = [
+        load.with_values(mesh_error=nominal.mesh_error, opening=nominal.opening)
+        for load, nominal in zip(found, own, strict=True)
+    ]
+    made = dict(zip(numbers, case_loads(problem, known), strict=True))
+    return [made.get(number) for number in range(len(seal.loads))]
+
+
+def _compute(seal: SolvedSeal, request: Request) -> OtherContacts:
+    highest = highest_load(seal.loads)
+
+    def settled(load: CaseLoad, what: str) -> CaseLoad:
+        at = format_quantity("fluid pressure", load.fluid_pressure)
+        return request.steps.compute_values(load, {"leak": f"{what} at {at}"})
+
+    def known(name: str, number: int, load: CaseLoad) -> CaseLoad | None:
+        what = f"leak rate by {SCENARIOS[name].title}"
+        load = settled(load, what)
+        if load.leak is None:
+            return None
+        if number != highest:
+            return load
+        # of what yielding makes of it one load is told
+        compared = {
+            other: settled(load.scenarios[other], f"{what} of {words.asperities}")
+            for other, words in SCENARIOS.items()
+            if words.asperities and not words.in_interval and other in load.scenarios
+        }
+        return load.with_scenarios(compared)
+
+    found = {
+        scenario.name: [
+            None if load is None else known(scenario.name, number, load)
+            for number, load in enumerate(loads_in(scenario.problem, seal))
+        ]
+        for scenario in with_own_contacts(seal.problem)
+    }
+    same_contact = {}
+    for name, loads in found.items():
+        other = loads[highest]
+        leak = None if other is None else replace(seal.loads[highest], rough=other.rough).leak
+        if leak is not None:
+            same_contact[name] = leak.leak_rate
+    return OtherContacts(found, same_contact)
+
+
+def _of_load(load: CaseLoad, number: int, found: OtherContacts) -> CaseLoad:
+    return load.with_scenarios({name: one for name, each in found.loads.items() if (one := each[number])})
+
+
+OWN_CONTACTS = Answer[OtherContacts](
+    "theories",
+    "leak rates by the other theory",
+    _compute,
+    OtherContacts(),
+    lambda seal, request: any(with_own_contacts(seal.problem)),
+    _of_load,
+    "contacts and leak rates by the other theory",
+    of_face=True,
+)
 
 
 def _with_law(problem: SealProblem, plastic: bool) -> SealProblem:

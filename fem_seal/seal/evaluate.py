@@ -20,7 +20,7 @@ from fem_seal.contact.sizing import MeshFit, fit_meshes
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError, LimitLoadError, LoadProblem, LongPathError, NoLoadLeftError
 from fem_seal.seal.cost import about, path_seconds
-from fem_seal.seal.load_result import LoadResult, load_results
+from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.load_solver import Clock, LoadSolver, SolvedLoads, solve_loads
 from fem_seal.seal.problem import Loads, SealProblem, sizing
 from fem_seal.seal.sources import EXACT, Source
@@ -172,8 +172,7 @@ class Evaluation:
     @cached_property
     def loads(self) -> tuple[LoadResult, ...]:
         """Each load with the contact that was found."""
-        problem, solved = self.problem, self.solved
-        own = load_results(problem, problem.loads.points, solved.contacts, solved.around, self.source.table)
+        own = self.solved.results(self.problem, self.problem.loads.points, self.source.table)
         if self.lower_half is None:
             return own
         return tuple(map(LoadResult.beside, own, self.lower_half.loads))

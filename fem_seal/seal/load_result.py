@@ -149,13 +149,8 @@ class LoadResult(Lazy):
         return self.tightest.peak_pressure
 
     @property
-    def fwhm(self) -> float:
-        """Full width at half maximum on that line [m]."""
-        return self.tightest.fwhm
-
-    @property
     def std(self) -> float:
-        """Square root of the second central moment of the pressure on that line [m]."""
+        """Square root of the second central moment of the pressure on the line that is pressed hardest [m]."""
         return self.tightest.std
 
     @property

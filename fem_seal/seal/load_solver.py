@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
@@ -53,6 +53,7 @@ from fem_seal.files import sentence
 from fem_seal.loads import blow_off_of_sealed_area, contact_force
 from fem_seal.profile import PressureProfile
 from fem_seal.seal.cost import about
+from fem_seal.seal.load_result import LoadResult, load_results
 from fem_seal.seal.problem import Loads, SealFlow, SealProblem, condensed
 from fem_seal.units import briefly, written
 from meshes import Sizing, build_contact
@@ -62,6 +63,8 @@ if TYPE_CHECKING:
     from fem_seal.contact.laws import Law
     from fem_seal.contact.model import ContactModel
     from fem_seal.seal.circumference import Circumference
+    from fem_seal.seal.leak_model import Conductivity, FlowModel
+    from leak import RoughContact
 
 
 @dataclass(frozen=True)
@@ -454,6 +457,21 @@ class SolvedLoads:
     def around(self) -> Sequence[Circumference | None]:
         """Each contact around the axis; None for a round seal."""
         return self.circumferences or [None] * len(self.contacts)
+
+    def results(
+        self,
+        problem: SealProblem,
+        points: Iterable[tuple[float, float]],
+        table: Callable[[FlowModel, RoughContact, Sequence[float]], Conductivity] | None = None,
+    ) -> tuple[LoadResult, ...]:
+        """What leaks through the contacts, see `load_results`.
+
+        Parameters
+        ----------
+        problem, points, table
+            See there.
+        """
+        return load_results(problem, points, self.contacts, self.around, table)
 
     @property
     def all_contacts(self) -> list[ContactSolution]:

@@ -7,7 +7,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, fields, is_dataclass, replace
 from functools import cached_property, partial
 from pathlib import Path
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from fem_seal.form import FormError
     from fem_seal.seal.circumference import Circumference
     from fem_seal.seal.direct import DirectSettings
-    from leak import LeakResult, Reading, RoughContact
+    from leak import LeakResult, RoughContact
 
 # Ratio of decay length to rms height of Fischer et al. 2020, below eq. 8.
 DEFAULT_GAMMA = 0.4
@@ -703,33 +703,35 @@ class SealFlow:
         Of which the expected contacts are.
     surface : RoughContact
     flow : FlowModel
-    reading : Reading or None
-        In which the surface is, where it is not the problem's own.
+    scenario : callable or None
+        Gives the problem of the same contacts of whose surface and fluid it is, where that is another one.
     """
 
     problem: SealProblem
     surface: RoughContact
     flow: FlowModel
-    reading: Reading | None = None
+    scenario: Callable[[SealProblem], SealProblem] | None = None
 
     @classmethod
-    def of(cls, problem: SealProblem, reading: Reading | None = None) -> SealFlow | None:
+    def of(
+        cls, problem: SealProblem, scenario: Callable[[SealProblem], SealProblem] | None = None
+    ) -> SealFlow | None:
         """The flow of a problem; None without roughness or fluid.
 
         Parameters
         ----------
         problem : SealProblem
-        reading : Reading, optional
-            Of yielding asperities; the problem's own unless given.
+        scenario : callable, optional
+            Gives the problem of the same contacts of whose surface and fluid it is; the problem itself unless given.
         """
-        surface = problem.surface
-        if surface is None or problem.flow is None:
+        changed = problem if scenario is None else scenario(problem)
+        if changed.surface is None or changed.flow is None:
             return None
-        return cls(problem, surface if reading is None else surface.reading(reading), problem.flow, reading)
+        return cls(problem, changed.surface, changed.flow, scenario)
 
     @cached_property
     def _of_halves(self) -> list[SealFlow]:
-        flows = [SealFlow.of(half, self.reading) for half in self.problem.halves]
+        flows = [SealFlow.of(half, self.scenario) for half in self.problem.halves]
         return [flow for flow in flows if flow is not None]
 
     def expected_rate(self, contact_force: float, fluid_pressure: float) -> float:

@@ -150,16 +150,6 @@ class Scenario:
         return replace(beside, surface=self.problem.surface, flow=self.problem.flow)
 
 
-def alternatives(problem: SealProblem) -> tuple[Scenario, ...]:
-    """Scenarios that belong beside the seal of a problem; of two different flanges ask each half.
-
-    Parameters
-    ----------
-    problem : SealProblem
-    """
-    return (*alternatives_on_contact(problem), *with_own_contacts(problem))
-
-
 def alternatives_on_contact(problem: SealProblem) -> Iterator[Scenario]:
     """Those that share the contacts of a problem: other surfaces, the ends of a simulation, the gas of the tests.
 
@@ -185,6 +175,19 @@ def alternatives_on_contact(problem: SealProblem) -> Iterator[Scenario]:
         yield Scenario(TEST_GAS, replace(problem, flow=tested))
     if surface.hardness is not None:
         yield Scenario(FIRST_LOADING, replace(problem, loads=problem.loads.on_new_surfaces))
+
+
+def problem_in(problem: SealProblem, name: str) -> SealProblem:
+    """A problem in one of `alternatives_on_contact`; itself where there is none of that name.
+
+    Parameters
+    ----------
+    problem : SealProblem
+    name : str
+        Of the scenario.
+    """
+    found = (one.problem for one in alternatives_on_contact(problem) if one.name == name)
+    return next(found, problem)
 
 
 def with_own_contacts(problem: SealProblem) -> Iterator[Scenario]:

@@ -24,10 +24,10 @@ from fem_seal.answers.chain import solve
 from fem_seal.answers.findings import FINDINGS
 from fem_seal.answers.judgement import PassProbability, Verdict
 from fem_seal.answers.opening import OPENING
-from fem_seal.answers.own_contacts import OWN_CONTACTS
 from fem_seal.answers.pass_probability import PASS_PROBABILITY, pass_probabilities
 from fem_seal.answers.target import TARGET
 from fem_seal.answers.uncertainty import UNCERTAINTY
+from fem_seal.answers.variants import OWN_CONTACTS
 from fem_seal.answers.verdict import VERDICT, VERDICT_FORCE, load_verdict
 from fem_seal.case.case import Case
 from fem_seal.errors import SealError, error_text
