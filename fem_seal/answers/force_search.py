@@ -1,7 +1,7 @@
 """One search for a force: where something that falls with it is zero, on a mesh that fits the contact there.
 
-It serves the force for a target leak rate, that with which the verdict passes, and that which closes a seal all around;
-they differ in what is judged of a load. Places are logarithms of the force F_N on the solid contact [ln N].
+It serves the force for a target leak rate, that with which the verdict passes, and that which closes a seal
+everywhere; they differ in what is judged of a load. Places are logarithms of the force F_N on the solid contact [ln N].
 """
 
 from __future__ import annotations
@@ -14,9 +14,9 @@ from functools import cache, reduce
 
 from fem_seal.contact.sizing import MeshFit, fit_meshes
 from fem_seal.contact.solution import ContactSolution
-from fem_seal.errors import ConvergenceError, OpenSealError, SealError
+from fem_seal.errors import ConvergenceError, SealError
 from fem_seal.loads import contact_force
-from fem_seal.seal.load_result import LoadResult, by_face, load_results
+from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.load_solver import LoadSolver, Progress
 from fem_seal.seal.problem import SealProblem, largest_force, sizing
 from leak.numerics.roots import root_between
@@ -163,8 +163,8 @@ class Trials:
     solvers: Sequence[LoadSolver]
     fluid_pressure: float
     progress: Progress | None = None
-    known: dict[float, LoadResult | SealError] = field(default_factory=dict)
-    """Those that were tried, by place, or why they have no contact."""
+    known: dict[float, tuple[LoadResult, ...] | SealError] = field(default_factory=dict)
+    """Those that were tried, by place and solver, or why they have no contact."""
 
     def load(self, place: float) -> LoadResult:
         """The load whose contact, of different faces that of the upper one, carries a force [ln N].
@@ -175,6 +175,10 @@ class Trials:
             If the fluid opens the seal.
         ConvergenceError
         """
+        return reduce(LoadResult.beside, self.of_each(place))
+
+    def of_each(self, place: float) -> tuple[LoadResult, ...]:
+        """The same load with each solver; see `load`."""
         if place not in self.known:
             try:
                 self.known[place] = self._solved(math.exp(place))
@@ -192,27 +196,19 @@ class Trials:
             return None
         return next((one for one in self.known.values() if isinstance(one, ConvergenceError)), None)
 
-    def _solved(self, force: float) -> LoadResult:
-        unreached = self.unreached
+    def _solved(self, force: float) -> tuple[LoadResult, ...]:
+        pressure, unreached = self.fluid_pressure, self.unreached
         if unreached is not None:
-            reached = [one.reached(self.fluid_pressure) for one in self.solvers]
+            reached = [one.reached(pressure) for one in self.solvers]
             if force > min((one for one in reached if one is not None), default=math.inf):
                 raise unreached
-        before = next((one for one in reversed(self.known.values()) if isinstance(one, LoadResult)), None)
-        starts = [None] * len(self.solvers) if before is None else before.of_faces or (before,)
-        closes = [one.closes(self.fluid_pressure) for one in self.solvers]
-        forces = [force - closes[0] + own for own in closes]
-        return reduce(LoadResult.beside, map(self._face, self.solvers, forces, starts))
-
-    def _face(self, solver: LoadSolver, force: float, start: LoadResult | None) -> LoadResult:
-        if not force > 0.0:
-            raise OpenSealError("nothing is left for the solid contact of the lower flange")
-        contact, applied = solver.at_contact_force(
-            self.fluid_pressure, force, None if start is None else start.contact, self.progress
+        nothing = (None,) * len(self.solvers)
+        starts = next((one for one in reversed(self.known.values()) if isinstance(one, tuple)), nothing)
+        applied = force - self.solvers[0].closes(pressure)
+        return tuple(
+            one.load_at_contact_force(pressure, applied + one.closes(pressure), start, self.progress)
+            for one, start in zip(self.solvers, starts, strict=True)
         )
-        near = None if start is None else start.circumference
-        around = solver.problem.circumference(contact, near=near)
-        return load_results(solver.problem, [(self.fluid_pressure, applied)], [contact], [around])[0]
 
 
 def search_forces(
@@ -260,19 +256,18 @@ def search_forces(
         return {n: fit.after(outcome[n]) for n, fit in wanted.items()}
 
     def searched() -> list[list[ContactSolution]]:
-        own, ends = [solvers[n] for n in range(len(halves))], list[LoadResult]()
+        own, ends = [solvers[n] for n in range(len(halves))], list[tuple[LoadResult, ...]]()
         for pressure, place in begin.items():
             trials = Trials(own, pressure, progress)
             zero = find(trials, place)
             found[pressure] = trials, zero
             if zero is None:
                 continue
-            ends.append(trials.load(zero.place))
+            ends.append(trials.of_each(zero.place))
             # on a better mesh it is looked for where it was
             begin[pressure] = zero.place
-        return (
-            [_contacts(*face) for face in zip(own, by_face(ends), strict=True)] if ends else [[]] * len(own)
-        )
+        each = zip(*ends, strict=True) if ends else [()] * len(own)
+        return [_contacts(*one) for one in zip(own, each, strict=True)]
 
     fit_meshes(
         {

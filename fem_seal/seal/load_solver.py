@@ -272,6 +272,28 @@ class LoadSolver:
         ).after(self.earlier)
         return contact, contact.applied_force
 
+    def load_at_contact_force(
+        self,
+        fluid_pressure: float,
+        contact_force: float,
+        start: LoadResult | None = None,
+        progress: Progress | None = None,
+    ) -> LoadResult:
+        """The load of `at_contact_force`, with its leak rate.
+
+        Raises
+        ------
+        OpenSealError
+            If nothing is left for the contact.
+        InputError, ConvergenceError
+        """
+        if not contact_force > 0.0:
+            raise OpenSealError("nothing is left for the solid contact")
+        contact, near = (None, None) if start is None else (start.contact, start.circumference)
+        contact, applied = self.at_contact_force(fluid_pressure, contact_force, contact, progress)
+        circumference = self.problem.circumference(contact, near=near)
+        return load_results(self.problem, [(fluid_pressure, applied)], [contact], [circumference])[0]
+
     def _tightened(
         self, fluid_pressure: float, preload: float, progress: Progress | None
     ) -> tuple[ContactSolution, float]:
