@@ -1,4 +1,9 @@
-"""Entry point of the command ``fem-seal`` and of ``python -m fem_seal``."""
+"""Entry point of the command ``fem-seal`` and of ``python -m fem_seal``.
+
+Its start is shortened here: modules that other libraries load and no command uses are imported lazily. Where fem_seal
+is a library, all modules are loaded as always.
+
+"""
 
 from __future__ import annotations
 
@@ -6,6 +11,10 @@ import gc
 import io
 import os
 import sys
+from collections.abc import Sequence
+from importlib.machinery import ModuleSpec, PathFinder
+from importlib.util import LazyLoader
+from types import ModuleType
 
 from fem_seal.version import __version__
 
@@ -30,8 +39,6 @@ def main() -> int:
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     # Nearly all that a command makes stays to its end: going through it a thousand times takes a fifteenth of a run.
     gc.set_threshold(150_000, 20, 50)
-    from fem_seal.cli.quick_start import postpone_unused_imports
-
     postpone_unused_imports()
     try:
         from fem_seal.cli.app import main as command_line
@@ -51,6 +58,37 @@ def _write_every_sign() -> None:
             # whoever has chosen an encoding gets it, and a question mark for what it lacks
             chosen = "PYTHONIOENCODING" in os.environ
             stream.reconfigure(errors="replace") if chosen else stream.reconfigure(encoding="utf-8")
+
+
+# Modules that scipy and matplotlib load, with a hundred and fifty others, and that no command uses.
+POSTPONED = frozenset(
+    {
+        "PIL.ExifTags",
+        "fontTools.agl",
+        "mpl_toolkits.mplot3d.art3d",
+        "numpy.f2py",
+        "numpy.testing",
+    }
+)
+
+
+def postpone_unused_imports() -> None:
+    """Load `POSTPONED` modules on first use; call this before anything is imported."""
+    sys.meta_path.insert(0, _Postponing)
+
+
+class _Postponing:
+    """Finder of the postponed modules that makes Python load them lazily."""
+
+    @staticmethod
+    def find_spec(
+        fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
+    ) -> ModuleSpec | None:
+        """Spec of a postponed module; None for all others, which Python finds itself."""
+        spec = PathFinder.find_spec(fullname, path, target) if fullname in POSTPONED else None
+        if spec is not None and spec.loader is not None:
+            spec.loader = LazyLoader(spec.loader)
+        return spec
 
 
 if __name__ == "__main__":

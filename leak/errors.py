@@ -1,4 +1,16 @@
-"""What can go wrong in `leak`, one sentence per class; all are `ValueError`, so existing handlers keep working."""
+"""What can go wrong in `leak`, one sentence per class, and the checks of numbers and arrays that raise it.
+
+All are `ValueError`, so existing handlers keep working.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from leak.arrays import BoolArray, FloatArray
 
 
 class LeakError(ValueError):
@@ -133,17 +145,6 @@ class FluidError(LeakError):
     """
 
 
-def positive(error: type[LeakError], name: str, value: float, unit: str) -> float:
-    """Return `value` as a float, or raise `error` when it is not a positive finite number."""
-    try:
-        number = float(value)
-    except (TypeError, ValueError):
-        number = float("nan")
-    if not 0.0 < number < float("inf"):
-        raise error(f"{name} = {value!r}: must be a positive finite number [{unit}]")
-    return number
-
-
 def um(length: float, digits: int = 4) -> str:
     """A length [m] for a message, in the unit of roughness.
 
@@ -159,3 +160,43 @@ def um(length: float, digits: int = 4) -> str:
     '25 um'
     """
     return f"{1e6 * float(length):.{digits}g} um"
+
+
+def positive(error: type[ValueError], name: str, value: float, unit: str) -> float:
+    """Return `value` as a float, or raise `error` when it is not a positive finite number."""
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        number = float("nan")
+    if not 0.0 < number < float("inf"):
+        raise error(f"{name} = {value!r}: must be a positive finite number [{unit}]")
+    return number
+
+
+def as_arrays(error: type[ValueError], must: str, *values: ArrayLike) -> list[FloatArray]:
+    """Arrays of numbers, or `error` with what the values must be and why one of them is not."""
+    # a command that answers before any calculation loads this file, too
+    import numpy as np
+
+    try:
+        return [np.asarray(value, dtype=float) for value in values]
+    except (TypeError, ValueError) as reason:
+        raise error(f"{must}: {reason}") from None
+
+
+def check_each(error: type[ValueError], name: str, values: FloatArray, right: BoolArray, must: str) -> None:
+    """Raise `error` with the first of several values that is not right, "p[3] = -1.0: must not be negative [Pa]"."""
+    wrong = (~right).nonzero()[0]
+    if wrong.size:
+        raise error(f"{name}[{wrong[0]}] = {values[wrong[0]]}: {must}")
+
+
+def check_order(
+    error: type[ValueError], name: str, values: FloatArray, must: str, *, equal: bool = False
+) -> None:
+    """Raise `error` with the first of several values that is below the one before, or as large unless it may be."""
+    before, after = values[:-1], values[1:]
+    back = (after < before if equal else after <= before).nonzero()[0]
+    if back.size:
+        i = int(back[0])
+        raise error(f"{name}[{i + 1}] = {values[i + 1]} follows {values[i]}: {must}")

@@ -300,7 +300,7 @@ def _square(point: FloatArray, scale: float) -> str:
 
 
 def _to_skfem(gmsh: ModuleType, drawn: _Drawn, scale: float) -> MeshTri:
-    from meshes.mesh.seal_mesh import Triangles, facets_between, smoothed
+    from meshes.mesh.triangles import Triangles, facets_between, smoothed
 
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
     # One node on each point, in the order of the points' tags.

@@ -14,10 +14,10 @@ from docutils.nodes import make_id
 from pydantic.fields import FieldInfo
 
 from fem_seal.case.case import Case
-from fem_seal.case.drawing_words import words_of
 from fem_seal.case.fields import Number, Place, Quantity, Several, Table, about, key_of
 from fem_seal.case.material_table import ALIASES, LIBRARY, MaterialTable
-from fem_seal.case.messages import choices, tables_of, toml
+from fem_seal.case.messages import toml
+from fem_seal.case.notation import choices, tables_of, words_of
 from fem_seal.case.schema import case_schema
 from fem_seal.files import as_json
 from fem_seal.output.columns import COLUMNS, MEANINGS, PROFILE_LEAK_COLUMNS

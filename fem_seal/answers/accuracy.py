@@ -11,7 +11,6 @@ from functools import cached_property, partial
 from fem_seal.answers.answer import Answer, Request
 from fem_seal.answers.case_load import SolvedSeal
 from fem_seal.bodies.supports import Supports
-from fem_seal.contact.load_path import yielding_bodies
 from fem_seal.contact.model import ContactModel
 from fem_seal.contact.plastic_step import PlasticSettings
 from fem_seal.contact.solution import ContactSolution
@@ -147,7 +146,7 @@ def discretisation_error(
         fine = solve_load(solver, coarser.number, steps=_STEPS * COARSER)
         coarse = coarser.compared("coarser", result)
     # Load steps of implicit Euler are of first order; elements of second at least.
-    order = 1 if yielding_bodies(coarser.solver.model) else 2
+    order = 1 if coarser.solver.model.yields else 2
     change = coarse.relative_to(coarser.compared("finer", fine))
 
     def estimated(change: float) -> float:

@@ -18,11 +18,21 @@ from pydantic.fields import FieldInfo
 
 from fem_seal.case import shapes
 from fem_seal.case.checks import contradictions, of_unlike_flanges
-from fem_seal.case.drawing_words import as_written, in_keys, partner, said_twice, same_entry, words_of
 from fem_seal.case.fields import quantities_of
-from fem_seal.case.gauge import as_differences, as_gauge
 from fem_seal.case.material_table import as_table, library_table
-from fem_seal.case.messages import choices, missing, problems, tables_of
+from fem_seal.case.messages import missing, problems
+from fem_seal.case.notation import (
+    as_differences,
+    as_gauge,
+    as_written,
+    choices,
+    in_keys,
+    partner,
+    said_twice,
+    same_entry,
+    tables_of,
+    words_of,
+)
 from fem_seal.case.roughness import roughness_like
 from fem_seal.case.tables import CaseTables, Uncertainty
 from fem_seal.case.temperature import with_film_temperature
@@ -165,8 +175,8 @@ class Case(CaseTables):
                 written["roughness"] = {key: one for key, one in rough.items() if key != "seat"}
         if not of_gasket and tables.get("seat") is None:
             wrong.append(missing(CaseTables, "seat"))
-        if "fluid" in written:
-            written["fluid"] = with_film_temperature(written["fluid"], tables.get("temperature"))
+        if "fluid" in written and tables.get("temperature") is not None:
+            written["fluid"] = with_film_temperature(written["fluid"], tables["temperature"])
         try:
             super().__init__(**{**written, **{name: getattr(like, name) for name in known}})
         except ValidationError as error:

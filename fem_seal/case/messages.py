@@ -8,18 +8,16 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
-from typing import Any, Literal, get_args, get_origin
+from typing import Any, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
-from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
-from fem_seal.case.drawing_words import words_of
 from fem_seal.case.fields import Table, key_of, shown
-from fem_seal.case.material_table import CURVE_FORMS, MaterialTable
+from fem_seal.case.material_table import CURVE_FORMS
+from fem_seal.case.notation import choices, tables_of, words_of
 from fem_seal.case.words import gone_entry, sentence
 from fem_seal.errors import Problem
-from fem_seal.materials import Material
 
 # What a table with several forms looks like, by the key that tells them apart.
 _EXAMPLES = {
@@ -35,33 +33,6 @@ def problems(error: ValidationError, case: type[BaseModel]) -> list[Problem]:
     forms = (".shape", ".kind")
     undecided = {one.key.rpartition(".")[0] for one in found if one.key.endswith(forms)}
     return [one for one in found if one.key.endswith(forms) or one.key.rpartition(".")[0] not in undecided]
-
-
-def tables_of(field: FieldInfo) -> list[type[Table]]:
-    """Models that may stand at a field: none for a plain value, several if its shape or kind decides."""
-    return list(dict.fromkeys(_tables(field.annotation)))
-
-
-def choices(table: type[BaseModel], key: str) -> list[str]:
-    """Words that may stand at a key, empty if it is not a choice."""
-    return [str(word) for word in _words(table.model_fields[key].annotation)]
-
-
-def _words(annotation: Any) -> tuple[Any, ...]:
-    """Words of a choice, also of one that may be left open or is read before it is compared."""
-    if get_origin(annotation) is Literal:
-        return get_args(annotation)
-    return next(filter(None, map(_words, get_args(annotation))), ()) if get_args(annotation) else ()
-
-
-def _tables(annotation: Any) -> Iterator[type[Table]]:
-    if annotation is Material:
-        yield MaterialTable
-    elif isinstance(annotation, type) and issubclass(annotation, Table):
-        yield annotation
-    else:
-        for member in get_args(annotation):
-            yield from _tables(member)
 
 
 def _locate(loc: tuple[int | str, ...], case: type[BaseModel]) -> tuple[list[str], type[BaseModel] | None]:

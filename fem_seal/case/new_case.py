@@ -12,10 +12,9 @@ from importlib.resources import files
 from typing import Any
 
 from fem_seal.case.case import Case, load_case
-from fem_seal.case.drawing_words import partner
 from fem_seal.case.fields import shown
-from fem_seal.case.gauge import without_reference
 from fem_seal.case.messages import nearest
+from fem_seal.case.notation import partner, without_reference
 from fem_seal.errors import InputError, QuantityError
 from fem_seal.files import TomlError, own_tables, parse_toml
 from fem_seal.units import parse_quantity

@@ -10,10 +10,9 @@ from typing import Any
 from pydantic import BaseModel
 
 from fem_seal.case.case import Case
-from fem_seal.case.drawing_words import same_entry, words_of
 from fem_seal.case.fields import Number, Quantity, Table, shown, values_of
 from fem_seal.case.material_table import MaterialTable, inheriting, library_table
-from fem_seal.case.messages import tables_of
+from fem_seal.case.notation import same_entry, tables_of, words_of
 from fem_seal.case.words import gone_entry
 from fem_seal.errors import InputError
 from fem_seal.materials import Material

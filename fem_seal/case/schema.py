@@ -11,9 +11,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from fem_seal.case.case import Case
-from fem_seal.case.drawing_words import words_of
 from fem_seal.case.fields import NUMBER_WITH_UNIT, Table
-from fem_seal.case.messages import tables_of
+from fem_seal.case.notation import tables_of, words_of
 
 _DIALECT = "https://json-schema.org/draft/2020-12/schema"
 # Where another part of the schema says which keys there are: tombi takes silence for a no.

@@ -10,26 +10,7 @@ from fem_seal.arrays import FloatArray
 from fem_seal.contact.laws import InterfaceLaw
 from fem_seal.contact.model import ContactModel
 
-# Compliance of the bodies at a point over that of the law from which on the law is all but rigid. Three pressures to an
-# element, whose displacement has two more nodes, are free to go up and down then: by 0.3 % of the peak here, by 30 % at
-# 1e8.
-_RIGID = 1e3
 _MOST_STEPS = 60
-
-
-def is_all_but_rigid(model: ContactModel, log_pressure: FloatArray, decay_length: FloatArray) -> bool:
-    """Whether a law yields next to nothing beside the bodies at some point of the contact line.
-
-    Parameters
-    ----------
-    model : ContactModel
-    log_pressure : ndarray, shape (m,)
-        ln(p/Pa).
-    decay_length : ndarray, shape (m,)
-        -du/d ln p of the law there [m].
-    """
-    force = model.line.area_weight * np.exp(log_pressure)
-    return bool(np.any(force * model.compliance.diagonal() > _RIGID * decay_length))
 
 
 def solve_flattened(

@@ -215,6 +215,11 @@ class ContactModel:
         return {"closure": self.closure, "seat": self.seat}
 
     @property
+    def yields(self) -> bool:
+        """Whether the material of a body has a hardening curve."""
+        return any(body.material.hardening is not None for body in self.bodies.values())
+
+    @property
     def line_alone(self) -> ContactModel:
         """The same without the factors of its bodies, which take most of the memory."""
         return replace(self, closure=self.closure.line_alone, seat=self.seat.line_alone)

@@ -12,8 +12,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal
 
-from fem_seal.case.drawing_words import same_entry
 from fem_seal.case.fields import OneOrRange
+from fem_seal.case.notation import same_entry
 from fem_seal.case.paths import entry_at, entry_paths, with_open_materials
 from fem_seal.case.roughness import read_roughness
 from fem_seal.errors import InputError, Problem

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 from fem_seal.answers.closed_forms import Derived, derive, widths
 from fem_seal.answers.leakage_class import limits
-from fem_seal.case.drawing_words import words_of
 from fem_seal.case.drawn import ProfileSource
+from fem_seal.case.notation import words_of
 from fem_seal.output.prose import phrase, prose, worded_rows, written
 from fem_seal.units import LeakVolume, attributes, format_quantity, number, quantity, trimmed, unit_for
 

@@ -20,7 +20,6 @@ from fem_seal.contact.sizing import Opening, contact_widths, element_sizes
 from fem_seal.errors import InputError, Problem
 from fem_seal.loads import line_load
 from fem_seal.materials import Material, effective_modulus
-from meshes import SealMesh, build_contact
 
 if TYPE_CHECKING:
     from fem_seal.arrays import FloatArray
@@ -28,6 +27,7 @@ if TYPE_CHECKING:
     from fem_seal.case.tables import CaseTables
     from fem_seal.contact.conduction import Surroundings, TemperatureField
     from fem_seal.contact.model import BodyLoads, ContactModel
+    from meshes import ContactGeometry, SealMesh, Sizing
 
 AnyCase = TypeVar("AnyCase", bound="CaseTables")
 
@@ -259,4 +259,9 @@ def warmed(case: AnyCase) -> AnyCase:
         raise error.in_file(case.file) from None
 
 
-_mesh = lru_cache(maxsize=4)(build_contact)
+@lru_cache(maxsize=4)
+def _mesh(contact: ContactGeometry, sizing: Sizing) -> SealMesh:
+    # the check of a case loads no finite elements
+    from meshes import build_contact
+
+    return build_contact(contact, sizing)

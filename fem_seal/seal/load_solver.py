@@ -23,7 +23,6 @@ from fem_seal.contact.load_path import (
     PlaceOnPath,
     Unloaded,
     load_path,
-    yielding_bodies,
 )
 from fem_seal.contact.newton import ContactProblem, solve, solve_many
 from fem_seal.contact.penetration import (
@@ -360,7 +359,7 @@ class LoadSolver:
     @property
     def yields(self) -> bool:
         """Whether a body of the seal yields, so that its loads are no questions of their own but a path."""
-        return self.problem.follows_path or bool(yielding_bodies(self.model))
+        return self.problem.follows_path or self.model.yields
 
     @property
     def asperities_remember(self) -> bool:

@@ -126,7 +126,7 @@ class Loads:
     @classmethod
     def of(cls, case: CaseTables) -> Loads:
         """Those of a case."""
-        load, earlier, bolts = case.load, case.load.earlier, bolts_of(case)
+        load, earlier, bolts = case.load, case.load.earlier, None if case.bolts is None else bolts_of(case)
         refused = {number: why for half in case.halves[::-1] for number, why in refused_loads(half).items()}
         preloads = () if bolts is None else tuple(force for _, force in load.points)
         if len(set(preloads)) == 1:

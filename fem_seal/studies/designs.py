@@ -12,9 +12,8 @@ import numpy as np
 
 from fem_seal.arrays import FloatArray
 from fem_seal.case.case import Case
-from fem_seal.case.drawing_words import said_twice
 from fem_seal.case.fields import Quantity, shown
-from fem_seal.case.gauge import as_difference
+from fem_seal.case.notation import as_difference, said_twice
 from fem_seal.case.paths import Entry, Value, entry_at, with_open_materials
 from fem_seal.errors import InputError
 from fem_seal.files import UnreadableFileError, read_text

@@ -11,8 +11,8 @@ import numpy as np
 
 from fem_seal.arrays import FloatArray
 from fem_seal.case.case import Case
-from fem_seal.case.drawing_words import same_entry
 from fem_seal.case.fields import shown
+from fem_seal.case.notation import same_entry
 from fem_seal.case.paths import Value
 from fem_seal.case.words import problem
 from fem_seal.errors import InputError

@@ -12,9 +12,8 @@ import numpy as np
 from pydantic import ValidationError
 
 from fem_seal.case.case import Case, case_of, load_case, with_files
-from fem_seal.case.drawing_words import said_twice
-from fem_seal.case.gauge import as_difference
 from fem_seal.case.messages import problems
+from fem_seal.case.notation import as_difference, said_twice
 from fem_seal.case.paths import entry_at, with_open_materials
 from fem_seal.case.words import problem
 from fem_seal.errors import InputError

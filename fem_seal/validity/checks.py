@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem_seal.contact.load_path import yielding_bodies
 from fem_seal.contact.solution import ContactSolution, PlasticZone, YieldedZone, yielded_zone, yielding_of
 from fem_seal.loads import LARGEST_EXCESS, LARGEST_TURNING, TURNED
 from fem_seal.materials import HARDNESS_OVER_YIELD_STRESS, creep_remarks
@@ -115,7 +114,7 @@ def contact_cautions(problem: SealProblem, loads: Sequence[LoadResult]) -> tuple
     """
     # remarks that do not make the numbers doubtful
     near = [
-        one for one in (*temperature_cautions(problem), *_face_cautions(problem)) if one.level is Level.VALID
+        one for one in (*_temperature_cautions(problem), *_face_cautions(problem)) if one.level is Level.VALID
     ]
     if problem.faces > 1:
         near.append(replace(caution("without_friction"), level=Level.VALID))
@@ -153,12 +152,19 @@ def load_cautions(
         _hot,
         _moved_by_heat,
         _flanges_meet,
-        form_cautions,
     )
     for check in bodies:
         yield from check(problem, loads)
+    if problem.form is not None:
+        yield from form_cautions(problem.form, problem, loads)
     if problem.surface is not None:
         yield from _interface_cautions(problem, problem.surface, loads, sealing)
+
+
+def _temperature_cautions(problem: SealProblem, *, bodies: bool = True) -> Iterator[Finding]:
+    """Those of `fem_seal.validity.materials`, where a temperature is given."""
+    if problem.at_rest.temperatures or problem.at_rest.fluid_temperature is not None:
+        yield from temperature_cautions(problem, bodies=bodies)
 
 
 def _interface_cautions(
@@ -245,7 +251,7 @@ def profile_validity(problem: SealProblem, load: LoadResult) -> Validity:
             *_of_surface(problem),
             *_above_hardness(problem, [load]),
             *_creeps(problem, [load]),
-            *(one for one in temperature_cautions(problem, bodies=False) if one.level is not Level.VALID),
+            *(one for one in _temperature_cautions(problem, bodies=False) if one.level is not Level.VALID),
             *_interface_cautions(problem, problem.surface, [load]),
         )
     )
@@ -590,7 +596,7 @@ def _creeps(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Findi
 
 
 def _hot(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
-    yield from (one for one in temperature_cautions(problem) if one.level is not Level.VALID)
+    yield from (one for one in _temperature_cautions(problem) if one.level is not Level.VALID)
 
 
 def _stress(pressure: float, load: LoadResult, limit: float) -> str:
@@ -890,7 +896,7 @@ def _coarse(load: LoadResult) -> Iterator[Finding]:
     worst = max(estimates)
     if not all(map(math.isfinite, estimates)):
         yield caution("mesh_not_estimated")
-    elif yielding_bodies(model):
+    elif model.yields:
         if worst > _LARGEST_ERROR_OF_PATH:
             yield caution("mesh_and_steps", share=share_text(worst))
     elif worst > _LARGEST_ERROR:

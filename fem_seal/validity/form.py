@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from fem_seal.form import FormError
 from fem_seal.loads import LARGEST_EXCESS
 from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.circumference import Circumference
@@ -28,18 +29,18 @@ _OPEN = 1e-2
 _FLUID_OPENS = 0.5
 
 
-def form_cautions(problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
+def form_cautions(form: FormError, problem: SealProblem, loads: Sequence[LoadResult]) -> Iterator[Finding]:
     """Cautions about a seal that is not round.
 
     Parameters
     ----------
+    form : FormError
+        Of the problem.
     problem : SealProblem
     loads : sequence of LoadResult
         Each caution is about the worst of them.
     """
-    if problem.form is None:
-        return
-    for text in problem.form.remarks:
+    for text in form.remarks:
         yield Finding("form", Level.DOUBTFUL, text, text)
     circumferences = [
         (load, load.circumference)

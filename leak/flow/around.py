@@ -9,8 +9,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leak.arrays import FloatArray, IntArray, as_arrays
-from leak.errors import ConductivityError
+from leak.arrays import FloatArray, IntArray
+from leak.errors import ConductivityError, as_arrays
 from leak.flow.conductivity import GasConductivity
 from leak.flow.contact_profile import checked_profile
 from leak.flow.leak_rate import GasPermeant, LiquidPermeant, Permeant, gap_of, potential_ends

@@ -10,11 +10,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leak.arrays import BoolArray, FloatArray, IntArray, as_arrays, check_each, check_order, different
-from leak.errors import ProfileError
+from leak.arrays import BoolArray, FloatArray, IntArray
+from leak.errors import ProfileError, as_arrays, check_each, check_order
 from leak.flow.conductivity import RemembersLoad
 from leak.numerics.curves import cubic_spline_slopes
-from leak.numerics.integrals import gauss
+from leak.numerics.integrals import gauss, sorted_unique
 
 # Faces that go on for ever.
 NO_ENDS = (-np.inf, np.inf)
@@ -169,7 +169,7 @@ class ContactProfile:
         edges = (
             first.x
             if whole
-            else different(np.concatenate([part for one in patches for part in (one.ends, one.x)]))
+            else sorted_unique(np.concatenate([part for one in patches for part in (one.ends, one.x)]))
         )
         return cls(patches, edges, (x, r), tails)
 

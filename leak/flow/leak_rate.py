@@ -19,8 +19,8 @@ from typing import Protocol, cast, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leak.arrays import FloatArray, as_arrays
-from leak.errors import ConductivityError, ProfileError, positive
+from leak.arrays import FloatArray
+from leak.errors import ConductivityError, ProfileError, as_arrays, positive
 from leak.flow.conductivity import GasConductivity, log_rarefied_flow
 from leak.flow.contact_profile import (
     SMALLEST_LOG_PRESSURE,

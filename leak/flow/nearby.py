@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leak.arrays import FloatArray, different
+from leak.arrays import FloatArray
 from leak.flow.conductivity import (
     AnyTable,
     ConductivityTable,
@@ -20,6 +20,7 @@ from leak.flow.conductivity import (
 )
 from leak.flow.rough_contact import RoughContact, asked_by, elastic_range, gas_conductivity_table
 from leak.numerics.curves import MonotoneCurve, cubic_spline_slopes, lagrange, spline_weights
+from leak.numerics.integrals import sorted_unique
 from leak.surfaces.spectrum import PowerSpectrum
 
 # Surfaces are calculated at the highest pressures of their contacts and at places below, in steps of the abscissa of
@@ -223,7 +224,7 @@ class NearbyTables:
         if not known.keys() >= set(places.tolist()):
             # also for contacts that carry a little more or less: many pressures at once cost little more than few
             wanted = places[:, None] + _LATTICE * _NEIGHBOURS
-            new = different(wanted[wanted <= _LATTICE * self._last])
+            new = sorted_unique(wanted[wanted <= _LATTICE * self._last])
             new = np.array([one for one in new.tolist() if one not in known])
             surface = self.surface
             if step and surface.hardness is not None:

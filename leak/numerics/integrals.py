@@ -62,3 +62,20 @@ def power_integral(exponent: FloatArray, length: FloatArray) -> FloatArray:
 def not_zero(exponent: FloatArray) -> FloatArray:
     """An exponent that divides: one of 1e-15 changes nothing that a floating-point number can show."""
     return np.where(np.abs(exponent) < 1e-15, 1e-15, exponent)
+
+
+def sorted_unique(values: FloatArray) -> FloatArray:
+    """Finite numbers in increasing order, each once: numpy.unique loads numpy.ma, which takes longer than all its work.
+
+    Parameters
+    ----------
+    values : ndarray
+        Of one dimension.
+
+    Examples
+    --------
+    >>> sorted_unique(np.array([2.0, 1.0, 2.0])).tolist()
+    [1.0, 2.0]
+    """
+    increasing = np.sort(values)
+    return increasing[np.diff(increasing, prepend=-np.inf) > 0]

@@ -10,8 +10,8 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leak.arrays import BoolArray, FloatArray, as_arrays, check_each
-from leak.errors import ScanError, positive, um
+from leak.arrays import BoolArray, FloatArray
+from leak.errors import ScanError, as_arrays, check_each, positive, um
 
 Detrend = Literal["mean", "tilt", "curvature"]
 DETRENDS: tuple[str, ...] = get_args(Detrend)

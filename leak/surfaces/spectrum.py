@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leak.arrays import FloatArray, IntArray, as_arrays, check_each, check_order, different
-from leak.errors import SpectrumError, positive
-from leak.numerics.integrals import not_zero, power_integral, power_law_moment, slopes
+from leak.arrays import FloatArray, IntArray
+from leak.errors import SpectrumError, as_arrays, check_each, check_order, positive
+from leak.numerics.integrals import not_zero, power_integral, power_law_moment, slopes, sorted_unique
 from leak.numerics.roots import newton_between
 
 if TYPE_CHECKING:
@@ -396,7 +396,7 @@ class PowerSpectrum:
         strong = (bend > _STRONG_KINK) | (step > _STRONG_STEP)
         kinks = self._spread(right[any_kink], right[strong])
         nodes = self._slope_moment[np.concatenate([[0], kinks, [self._last_piece + 1]])]
-        breaks = different(np.concatenate([nodes, self._saturation_moments()]))
+        breaks = sorted_unique(np.concatenate([nodes, self._saturation_moments()]))
         return np.append(breaks[breaks < self.last_moment], self.last_moment)
 
     def _spread(self, kinks: IntArray, strong: IntArray) -> IntArray:
@@ -490,7 +490,7 @@ class PowerSpectrum:
             steps = steps[:0]
         for step in steps:
             log_q[1 + int(np.argmin(np.abs(log_q[1:-1] - step)))] = step
-        ends = np.exp(different(log_q))
+        ends = np.exp(sorted_unique(log_q))
         ends[[0, -1]] = self.q_low, self.q_high
         return ends
 

@@ -28,8 +28,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leak.arrays import FloatArray, as_arrays, check_each
-from leak.errors import LawError, SurfaceError, positive
+from leak.arrays import FloatArray
+from leak.errors import LawError, SurfaceError, as_arrays, check_each, positive
 from leak.numerics.curves import MonotoneCurve, divided, shape_preserving_slopes, spline_slopes
 from leak.surfaces.spectrum import PowerSpectrum
 

@@ -15,8 +15,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from leak.arrays import FloatArray, IntArray, different
-from leak.numerics.integrals import gauss
+from leak.arrays import FloatArray, IntArray
+from leak.numerics.integrals import gauss, sorted_unique
 from leak.surfaces.spectrum import PowerSpectrum
 from leak.theory.plasticity import RoughnessSeen
 
@@ -265,7 +265,7 @@ class _Parts(NamedTuple):
 @lru_cache(maxsize=64)
 def _parts(spectrum: PowerSpectrum, kappa: float, end: float) -> _Parts:
     breaks, pieces = spectrum.break_moments, spectrum.break_pieces
-    ends = different(np.concatenate([breaks, np.array(_YIELDING) / kappa]) if kappa else breaks)
+    ends = sorted_unique(np.concatenate([breaks, np.array(_YIELDING) / kappa]) if kappa else breaks)
     ends = np.append(ends[(ends > 0.0) & (ends < end)], end)
     if pieces is not None:
         starts = np.concatenate([[0.0], ends[:-1]])

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from meshes.arrays import FloatArray, different
+from meshes.arrays import FloatArray
 from meshes.errors import GeometryError, mm
 from meshes.geometry.curve import Curve, Segment
 from meshes.geometry.outline import Outline
@@ -400,7 +400,7 @@ class ContactGeometry:
         seat, closure = self.seat_face, self.closure_face
         if seat.is_straight or closure.is_straight:
             return None
-        s = different(np.append(seat.dense(_PER_FACE), self._origin))
+        s = _sorted_unique(np.append(seat.dense(_PER_FACE), self._origin))
         # In the middle of a chamber the normal turns evenly from that of one land to that of the next.
         ends = [0.0, *(end for chamber in self._chambers for end in chamber), seat.length]
         lands = [s[(s >= low) & (s <= high)] for low, high in zip(ends[::2], ends[1::2], strict=True)]
@@ -466,7 +466,7 @@ class ContactGeometry:
         """x at which one of the two faces has a corner or bends differently from there on [m], increasing."""
         own = self.seat_face.bends - self._origin
         other = self.coordinate(*self.closure_face.point(self.closure_face.bends))
-        return different(np.concatenate([own, other]))
+        return _sorted_unique(np.concatenate([own, other]))
 
     @property
     def chambers(self) -> tuple[float, ...]:
@@ -592,3 +592,15 @@ def _normals(angle: FloatArray) -> FloatArray:
 def _smaller(a: FloatArray, b: FloatArray) -> FloatArray:
     """Of two turns the smaller one; none if they turn against each other."""
     return np.where(a * b > 0, np.copysign(np.minimum(np.abs(a), np.abs(b)), a), 0.0)
+
+
+def _sorted_unique(values: FloatArray) -> FloatArray:
+    """Finite numbers in increasing order, each once: numpy.unique loads numpy.ma, which takes longer than all its work.
+
+    Parameters
+    ----------
+    values : ndarray
+        Of one dimension.
+    """
+    increasing = np.sort(values)
+    return increasing[np.diff(increasing, prepend=-np.inf) > 0]

@@ -1,136 +1,29 @@
-"""The mesh of closure and seat: sizes of its elements, triangles, names, quality and files."""
+"""The mesh of closure and seat: sizes of its elements, its names, quality and files."""
 
 from __future__ import annotations
 
 import errno
 import math
 import os
-from collections.abc import Collection, Mapping
+from collections.abc import Collection
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING
 
 import numpy as np
-from skfem import MeshTri
 
-from meshes.arrays import BoolArray, FloatArray, IntArray
+from meshes.arrays import FloatArray
 from meshes.errors import GeometryError, MeshingError, mm
 from meshes.geometry.contact_geometry import ContactGeometry
 from meshes.geometry.outline import Outline
 from meshes.gmsh_session import gmsh_session
 
-# Rounds of smoothing: the second one makes far fewer poor triangles, a third one hardly any difference.
-_ROUNDS = 2
-# Shape of a triangle, see `triangle_shape`, that smoothing may make worse.
-_GOOD = 0.6
-
-
-def triangle_shape(p: FloatArray, t: IntArray) -> FloatArray:
-    """Return 2 r_in/r_circ of every triangle: 1 equilateral, 0 degenerate."""
-    a, b, c = (np.hypot(*(p[:, t[i]] - p[:, t[j]])) for i, j in ((0, 1), (1, 2), (2, 0)))
-    return (b + c - a) * (c + a - b) * (a + b - c) / (a * b * c)
-
-
-def doubled_area(p: FloatArray, t: IntArray) -> FloatArray:
-    """Twice the area of every triangle [m^2], negative where its vertices go round clockwise."""
-    e, f = p[:, t[1]] - p[:, t[0]], p[:, t[2]] - p[:, t[0]]
-    return e[0] * f[1] - e[1] * f[0]
-
-
-def section_area(mesh: MeshTri) -> float:
-    """Area of the meshed section [m^2]."""
-    return float(0.5 * np.abs(doubled_area(mesh.p, mesh.t)).sum())
-
-
-class Triangles(MeshTri):
-    """scikit-fem's triangles, whose edges are found among whole numbers: a tenth of the time."""
-
-    @staticmethod
-    def build_entities(t, indices, sort=True):  # type: ignore[no-untyped-def]
-        """Vertices of all edges, sorted, and the edges of every triangle; as scikit-fem numbers them."""
-        ends = np.sort(np.hstack([t[pair] for pair in indices]), axis=0)
-        stride = np.int64(ends.max(initial=0)) + 1
-        numbers, edge = np.unique(ends[0] * stride + ends[1], return_inverse=True)
-        pairs = np.stack([numbers // stride, numbers % stride]).astype(t.dtype)
-        return pairs, edge.reshape(len(indices), t.shape[1])
-
-    def with_boundaries(self, boundaries, boundaries_only=True):  # type: ignore[no-untyped-def]
-        """As scikit-fem does, without looking for the edges again."""
-        return super().with_boundaries(boundaries, boundaries_only)._with_edges_of(self)
-
-    def moved(self, p: FloatArray) -> Triangles:
-        """The same triangles over other places of the vertices [m], shape (2, n)."""
-        return replace(self, doflocs=p)._with_edges_of(self)
-
-    def _with_edges_of(self, other: Triangles) -> Triangles:
-        self._facets, self._t2f = other.facets, other.t2f
-        return self
-
-
-def facets_between(mesh: MeshTri, lines: Mapping[str, IntArray]) -> dict[str, IntArray]:
-    """The facets of some lines.
-
-    Parameters
-    ----------
-    mesh : skfem.MeshTri
-    lines : mapping of ndarray of int, shape (n, 2)
-        Pairs of vertices.
-
-    Raises
-    ------
-    MeshingError
-        If there is no facet between a pair.
-    """
-
-    def numbers(pairs: IntArray) -> IntArray:
-        return pairs.min(axis=1) * np.int64(mesh.nvertices) + pairs.max(axis=1)
-
-    # scikit-fem sorts the facets by their vertices, and so are these numbers.
-    known = numbers(mesh.facets.T)
-    facets = {name: np.searchsorted(known, numbers(pairs)) for name, pairs in lines.items()}
-    for name, pairs in lines.items():
-        if not np.array_equal(known.take(facets[name], mode="clip"), numbers(pairs)):
-            raise MeshingError(
-                "gmsh merged neighbouring vertices of a boundary; the elements asked for there are too small against "
-                "the bodies, use a larger contact size or edge radius"
-            )
-    return facets
-
-
-def smoothed(mesh: Triangles) -> Triangles:
-    """Vertices moved to the mean of their neighbours, where that harms no triangle; those of the boundary stay.
-
-    Parameters
-    ----------
-    mesh : Triangles
-    """
-    p, (start, end) = mesh.p, mesh.facets
-    neighbours = np.bincount(mesh.facets.ravel())
-    fixed = np.zeros(p.shape[1], dtype=bool)
-    fixed[mesh.facets[:, np.bincount(mesh.t2f.ravel()) == 1]] = True
-    before = _measured(p, mesh.t)
-    for _ in range(_ROUNDS):
-        total = [np.bincount(start, c[end], len(c)) + np.bincount(end, c[start], len(c)) for c in p]
-        moved = np.where(fixed, p, np.stack(total) / neighbours)
-        # a vertex that stays may be the next one's trouble
-        while np.any(harmed := _harmed(before, after := _measured(moved, mesh.t))):
-            moved[:, mesh.t[:, harmed]] = p[:, mesh.t[:, harmed]]
-        p, before = moved, after
-    return mesh.moved(p)
-
-
-def _measured(p: FloatArray, t: IntArray) -> tuple[FloatArray, FloatArray]:
-    """Shape and doubled area of triangles."""
-    return triangle_shape(p, t), doubled_area(p, t)
-
-
-def _harmed(before: tuple[FloatArray, FloatArray], after: tuple[FloatArray, FloatArray]) -> BoolArray:
-    """Triangles that are turned over, or worse than before and poor."""
-    (shape, area), (new_shape, new_area) = before, after
-    return (np.sign(area) != np.sign(new_area)) | ((new_shape < shape) & (new_shape < _GOOD))
+if TYPE_CHECKING:
+    from skfem import MeshTri
 
 
 # Far more than any contact that can be solved.
@@ -362,6 +255,8 @@ class SealMesh:
     @cached_property
     def quality(self) -> Quality:
         """Shape of the elements and error of the areas."""
+        from meshes.mesh.triangles import section_area, triangle_shape
+
         shape = triangle_shape(self.mesh.p, self.mesh.t)
         errors = [abs(section_area(getattr(self, o.name)) / o.area - 1) for o in self.outlines]
         return Quality(
@@ -439,6 +334,8 @@ def joined(bodies: list[tuple[str, MeshTri]]) -> MeshTri:
     bodies : list of (name, skfem.MeshTri)
         With their boundaries.
     """
+    from meshes.mesh.triangles import Triangles, facets_between
+
     offsets = np.cumsum([0, *(mesh.p.shape[1] for _, mesh in bodies)])
     counts = np.cumsum([0, *(mesh.nelements for _, mesh in bodies)])
     lines = {

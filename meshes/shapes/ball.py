@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from meshes.errors import mm
 from meshes.geometry.curve import Point, Segment
 from meshes.geometry.outline import Outline
-from meshes.shapes import check
+from meshes.shapes.shape import check_length, check_positive
 
 # The closing force acts above this angle from the downward axis, so that it does not bend the surface near the
 # contact, which lies below 90 degrees.
@@ -37,9 +37,9 @@ class Ball:
     cavity_radius: float = 0.0
 
     def __post_init__(self) -> None:
-        check.positive("closure", radius=self.radius)
+        check_positive("closure", radius=self.radius)
         hollow, must = 0 <= self.cavity_radius < self.radius, f"must be below the radius {mm(self.radius)}"
-        check.length("closure", "cavity_radius", self.cavity_radius, hollow, must)
+        check_length("closure", "cavity_radius", self.cavity_radius, hollow, must)
 
     @property
     def outline(self) -> Outline:

@@ -7,8 +7,18 @@ from dataclasses import dataclass
 
 from meshes.errors import GeometryError, mm
 from meshes.geometry.outline import Outline, chain
-from meshes.shapes import check
-from meshes.shapes.shape import NamedFace, Partner, Shape, housing, straight_part
+from meshes.shapes.shape import (
+    NamedFace,
+    Partner,
+    Shape,
+    check_angle,
+    check_exceeds,
+    check_length,
+    check_not_negative,
+    check_positive,
+    housing,
+    straight_part,
+)
 
 
 @dataclass(frozen=True)
@@ -57,9 +67,9 @@ class ConicalLand:
     height: float
 
     def __post_init__(self) -> None:
-        check.angle("seat", "angle", self.angle)
-        check.positive("seat", land_radius=self.land_radius, land_width=self.land_width, height=self.height)
-        check.not_negative("seat", "edge_radius", self.edge_radius)
+        check_angle("seat", "angle", self.angle)
+        check_positive("seat", land_radius=self.land_radius, land_width=self.land_width, height=self.height)
+        check_not_negative("seat", "edge_radius", self.edge_radius)
         if not 0 <= self.relief_angle < self.angle:
             raise GeometryError(
                 f"seat relief_angle = {math.degrees(self.relief_angle):.6g} deg: must be at least 0 and below the "
@@ -67,9 +77,9 @@ class ConicalLand:
             )
         allowed = f"allowed is below {mm(2 * self.land_radius / math.cos(self.angle))}"
         must = f"the land around r = {mm(self.land_radius)} would reach to the axis; {allowed}"
-        check.length("seat", "land_width", self.land_width, self.bore_radius > 0, must)
+        check_length("seat", "land_width", self.land_width, self.bore_radius > 0, must)
         upper_edge = "the radius of the upper edge of the land,"
-        check.exceeds("seat", "outer_radius", self.outer_radius, self.land_end, upper_edge)
+        check_exceeds("seat", "outer_radius", self.outer_radius, self.land_end, upper_edge)
 
     @classmethod
     def around(
@@ -102,7 +112,7 @@ class ConicalLand:
         outer_radius, height : float, optional
             First touch + 1.5 L and 1.5 L unless given [m], with L the radius of the closure.
         """
-        check.angle("seat", "angle", angle)
+        check_angle("seat", "angle", angle)
         partner = Partner(closure.outline)
         touch = partner.touch_on_cone(angle)
         radius = touch if land_radius is None else land_radius

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 
 from meshes.errors import GeometryError, mm
 from meshes.geometry.outline import Outline, chain
-from meshes.shapes import check
-from meshes.shapes.shape import Partner, Shape, housing
+from meshes.shapes.shape import Partner, Shape, check_angle, check_positive, housing
 
 
 @dataclass(frozen=True)
@@ -49,14 +48,14 @@ class ConicalSeat:
     height: float
 
     def __post_init__(self) -> None:
-        check.angle("seat", "angle", self.angle)
+        check_angle("seat", "angle", self.angle)
         if not 0 < self.bore_radius < self.face_radius <= self.outer_radius:
             raise GeometryError(
                 "seat radii must increase from the bore over the upper edge of the face to the housing, got "
                 f"{mm(self.bore_radius)}, {mm(self.face_radius)}, {mm(self.outer_radius)}; make the bore "
                 "smaller, or the upper edge or the housing larger (bore_radius, face_radius, outer_radius)"
             )
-        check.positive("seat", height=self.height)
+        check_positive("seat", height=self.height)
 
     @classmethod
     def around(
@@ -83,7 +82,7 @@ class ConicalSeat:
         bore_radius, face_radius, outer_radius, height : float, optional
             As of the class [m].
         """
-        check.angle("seat", "angle", angle)
+        check_angle("seat", "angle", angle)
         partner = Partner(closure.outline)
         touch = partner.touch_on_cone(angle)
         face = face_radius or touch + 0.6 * partner.size * math.cos(angle)

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 
 from meshes.errors import mm
 from meshes.geometry.outline import Outline
-from meshes.shapes import check
-from meshes.shapes.shape import NamedFace, straight_part
+from meshes.shapes.shape import NamedFace, check_length, check_positive, straight_part
 from meshes.shapes.toroidal_edge import ToroidalEdge
 
 
@@ -45,10 +44,10 @@ class Disc:
     height: float
 
     def __post_init__(self) -> None:
-        check.positive("closure", radius=self.radius, edge_radius=self.edge_radius, height=self.height)
+        check_positive("closure", radius=self.radius, edge_radius=self.edge_radius, height=self.height)
         for key, whole in (("radius", self.radius), ("height", self.height)):
             must = f"must be below the disc's {key} = {mm(whole)}"
-            check.length("closure", "edge_radius", self.edge_radius, self.edge_radius < whole, must)
+            check_length("closure", "edge_radius", self.edge_radius, self.edge_radius < whole, must)
 
     @classmethod
     def of(cls, radius: float, *, edge_radius: float | None = None, height: float | None = None) -> Disc:
@@ -63,7 +62,7 @@ class Disc:
         height : float, optional
             Half the radius unless given [m].
         """
-        check.positive("closure", radius=radius)
+        check_positive("closure", radius=radius)
         thick = 0.5 * radius if height is None else height
         return cls(radius, min(0.05 * radius, 0.25 * thick) if edge_radius is None else edge_radius, thick)
 

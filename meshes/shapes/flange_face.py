@@ -8,11 +8,10 @@ from dataclasses import dataclass, replace
 from meshes.errors import mm
 from meshes.geometry.curve import Curve, Point, Segment
 from meshes.geometry.outline import Outline, chain
-from meshes.shapes import check
 from meshes.shapes.conical_seat import ConicalSeat
 from meshes.shapes.flat_land import FlatLand
 from meshes.shapes.gaskets import FLANK_ANGLE
-from meshes.shapes.shape import housing
+from meshes.shapes.shape import check_angle, check_exceeds, check_length, check_positive, housing
 
 # What a boundary of the seat is on the flange.
 _NAMES = {
@@ -89,11 +88,11 @@ class FlangeFace:
         edge_radius, height : float, optional
             A hundredth of the bore's radius, and the width of the face unless given [m].
         """
-        check.positive("closure", bore_radius=bore_radius)
-        check.exceeds("closure", "outer_radius", outer_radius, bore_radius, "bore_radius =")
+        check_positive("closure", bore_radius=bore_radius)
+        check_exceeds("closure", "outer_radius", outer_radius, bore_radius, "bore_radius =")
         edge = 0.01 * bore_radius if edge_radius is None else edge_radius
         thick = outer_radius - bore_radius if height is None else height
-        check.positive("closure", height=thick, edge_radius=edge)
+        check_positive("closure", height=thick, edge_radius=edge)
         corners = [(bore_radius, -thick), (bore_radius, 0.0), (outer_radius, 0.0)]
         face = chain(corners, "seat_face", edge).without_first()
         return cls(turned_over(housing(face, outer_radius, thick - edge)), edge, outer_radius, thick)
@@ -118,8 +117,8 @@ class FlangeFace:
         edge_radius, land_height, outer_radius, height : float, optional
             A twentieth and a tenth of the ring's width, 1.2 land_outer_radius, the flange's width unless given [m].
         """
-        check.positive("closure", land_inner_radius=land_inner_radius)
-        check.exceeds(
+        check_positive("closure", land_inner_radius=land_inner_radius)
+        check_exceeds(
             "closure", "land_outer_radius", land_outer_radius, land_inner_radius, "land_inner_radius ="
         )
         width = land_outer_radius - land_inner_radius
@@ -190,19 +189,19 @@ class FlangeFace:
             above its bottom.
         """
         r, half = groove_mean_radius, 0.5 * groove_width
-        check.positive(
+        check_positive(
             "closure", bore_radius=bore_radius, groove_width=groove_width, groove_depth=groove_depth
         )
-        check.angle("closure", "angle", angle)
-        check.exceeds(
+        check_angle("closure", "angle", angle)
+        check_exceeds(
             "closure", "groove_mean_radius", r, bore_radius + half, "bore_radius + half groove_width,"
         )
         bottom = half - groove_depth / math.tan(angle)
         must = f"the flanks meet at {mm(half * math.tan(angle))}; make the groove wider or less deep"
-        check.length("closure", "groove_depth", groove_depth, bottom > 0, must)
+        check_length("closure", "groove_depth", groove_depth, bottom > 0, must)
         outer = 2 * r - bore_radius if outer_radius is None else outer_radius
         thick = 5 * groove_depth if height is None else height
-        check.exceeds("closure", "outer_radius", outer, r + half, "the outer edge of the groove,")
+        check_exceeds("closure", "outer_radius", outer, r + half, "the outer edge of the groove,")
         rounding = 0.1 * groove_depth if bottom_edge_radius is None else bottom_edge_radius
         corners = [
             (bore_radius, 0.0),

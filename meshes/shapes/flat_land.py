@@ -7,8 +7,16 @@ from dataclasses import dataclass
 
 from meshes.errors import mm
 from meshes.geometry.outline import Outline, chain
-from meshes.shapes import check
-from meshes.shapes.shape import NamedFace, Partner, Shape, housing, straight_part
+from meshes.shapes.shape import (
+    NamedFace,
+    Partner,
+    Shape,
+    check_exceeds,
+    check_length,
+    check_positive,
+    housing,
+    straight_part,
+)
 
 
 @dataclass(frozen=True)
@@ -53,7 +61,7 @@ class FlatLand:
     height: float
 
     def __post_init__(self) -> None:
-        check.positive(
+        check_positive(
             "seat",
             land_inner_radius=self.land_inner_radius,
             edge_radius=self.edge_radius,
@@ -63,12 +71,12 @@ class FlatLand:
         _check_land(self.land_inner_radius, self.land_outer_radius)
         width = self.land_outer_radius - self.land_inner_radius
         must = f"the roundings of both edges leave nothing flat of a land {mm(width)} wide; allowed is below half of it"
-        check.length("seat", "edge_radius", self.edge_radius, 2 * self.edge_radius < width, must)
+        check_length("seat", "edge_radius", self.edge_radius, 2 * self.edge_radius < width, must)
         must = f"must be at least edge_radius = {mm(self.edge_radius)}"
-        check.length("seat", "land_height", self.land_height, self.land_height >= self.edge_radius, must)
+        check_length("seat", "land_height", self.land_height, self.land_height >= self.edge_radius, must)
         wide = math.isfinite(self.outer_radius) and self.outer_radius >= self.land_outer_radius
         must = f"must be at least land_outer_radius = {mm(self.land_outer_radius)}"
-        check.length("seat", "outer_radius", self.outer_radius, wide, must)
+        check_length("seat", "outer_radius", self.outer_radius, wide, must)
 
     @classmethod
     def on(
@@ -96,7 +104,7 @@ class FlatLand:
         outer_radius, height : float, optional
             Middle of the land + 1.5 L and 1.5 L unless given [m], with L the radius of the closure.
         """
-        check.positive("seat", land_inner_radius=land_inner_radius, land_outer_radius=land_outer_radius)
+        check_positive("seat", land_inner_radius=land_inner_radius, land_outer_radius=land_outer_radius)
         _check_land(land_inner_radius, land_outer_radius)
         width = land_outer_radius - land_inner_radius
         partner = Partner(closure.outline)
@@ -134,4 +142,4 @@ class FlatLand:
 
 
 def _check_land(inner_radius: float, outer_radius: float) -> None:
-    check.exceeds("seat", "land_outer_radius", outer_radius, inner_radius, "land_inner_radius =")
+    check_exceeds("seat", "land_outer_radius", outer_radius, inner_radius, "land_inner_radius =")

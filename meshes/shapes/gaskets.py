@@ -13,8 +13,16 @@ from itertools import pairwise
 from meshes.errors import mm
 from meshes.geometry.curve import Curve, Point, Segment
 from meshes.geometry.outline import Outline, chain
-from meshes.shapes import check
-from meshes.shapes.shape import NamedFace, round_part, straight_part
+from meshes.shapes.shape import (
+    NamedFace,
+    check_angle,
+    check_exceeds,
+    check_length,
+    check_not_negative,
+    check_positive,
+    round_part,
+    straight_part,
+)
 
 # Of ring joints and their grooves to the horizontal plane [rad].
 FLANK_ANGLE = math.radians(67.0)
@@ -70,12 +78,12 @@ class SolidRing:
     section_radius: float
 
     def __post_init__(self) -> None:
-        check.positive("gasket", mean_radius=self.mean_radius, section_radius=self.section_radius)
+        check_positive("gasket", mean_radius=self.mean_radius, section_radius=self.section_radius)
         thin, must = (
             self.section_radius < self.mean_radius,
             f"must be below mean_radius = {mm(self.mean_radius)}",
         )
-        check.length("gasket", "section_radius", self.section_radius, thin, must)
+        check_length("gasket", "section_radius", self.section_radius, thin, must)
 
     @property
     def outline(self) -> Outline:
@@ -117,9 +125,9 @@ class LensRing:
     rim_height: float
 
     def __post_init__(self) -> None:
-        check.positive("gasket", inner_radius=self.inner_radius, rim_height=self.rim_height)
-        check.exceeds("gasket", "outer_radius", self.outer_radius, self.inner_radius, "inner_radius =")
-        check.exceeds(
+        check_positive("gasket", inner_radius=self.inner_radius, rim_height=self.rim_height)
+        check_exceeds("gasket", "outer_radius", self.outer_radius, self.inner_radius, "inner_radius =")
+        check_exceeds(
             "gasket", "spherical_radius", self.spherical_radius, self.outer_radius, "outer_radius ="
         )
 
@@ -169,10 +177,10 @@ class DeltaRing:
     edge_radius: float
 
     def __post_init__(self) -> None:
-        check.positive(
+        check_positive(
             "gasket", inner_radius=self.inner_radius, height=self.height, edge_radius=self.edge_radius
         )
-        check.angle("gasket", "angle", self.angle)
+        check_angle("gasket", "angle", self.angle)
 
     @property
     def crest_radius(self) -> float:
@@ -229,13 +237,13 @@ class DoubleConeRing:
     edge_radius: float
 
     def __post_init__(self) -> None:
-        check.positive("gasket", inner_radius=self.inner_radius, rim_height=self.rim_height)
-        check.angle("gasket", "angle", self.angle)
-        check.not_negative("gasket", "edge_radius", self.edge_radius)
-        check.exceeds("gasket", "height", self.height, self.rim_height, "rim_height =")
-        check.exceeds("gasket", "outer_radius", self.outer_radius, self.inner_radius, "inner_radius =")
+        check_positive("gasket", inner_radius=self.inner_radius, rim_height=self.rim_height)
+        check_angle("gasket", "angle", self.angle)
+        check_not_negative("gasket", "edge_radius", self.edge_radius)
+        check_exceeds("gasket", "height", self.height, self.rim_height, "rim_height =")
+        check_exceeds("gasket", "outer_radius", self.outer_radius, self.inner_radius, "inner_radius =")
         must = "the cones would reach the bore; make the rim_height larger or the ring wider"
-        check.length("gasket", "height", self.height, self.end_radius > self.inner_radius, must)
+        check_length("gasket", "height", self.height, self.end_radius > self.inner_radius, must)
 
     @property
     def end_radius(self) -> float:
@@ -296,13 +304,13 @@ class OctagonalRing:
     edge_radius: float = 0.0
 
     def __post_init__(self) -> None:
-        check.positive("gasket", flat_width=self.flat_width, height=self.height)
-        check.angle("gasket", "angle", self.angle)
-        check.not_negative("gasket", "edge_radius", self.edge_radius)
-        check.exceeds("gasket", "width", self.width, self.flat_width, "flat_width =")
-        check.exceeds("gasket", "mean_radius", self.mean_radius, 0.5 * self.width, "half the width,")
+        check_positive("gasket", flat_width=self.flat_width, height=self.height)
+        check_angle("gasket", "angle", self.angle)
+        check_not_negative("gasket", "edge_radius", self.edge_radius)
+        check_exceeds("gasket", "width", self.width, self.flat_width, "flat_width =")
+        check_exceeds("gasket", "mean_radius", self.mean_radius, 0.5 * self.width, "half the width,")
         must = "the flanks would meet; make it larger, or flat_width"
-        check.length("gasket", "height", self.height, self.side_height > 0, must)
+        check_length("gasket", "height", self.height, self.side_height > 0, must)
 
     @property
     def side_height(self) -> float:

@@ -10,10 +10,17 @@ from itertools import pairwise
 from meshes.errors import GeometryError, mm
 from meshes.geometry.curve import Curve, Point, Segment
 from meshes.geometry.outline import Outline, rounded
-from meshes.shapes import check
 from meshes.shapes.conical_land import ConicalLand
 from meshes.shapes.flat_land import FlatLand
-from meshes.shapes.shape import Partner, Shape, housing
+from meshes.shapes.shape import (
+    Partner,
+    Shape,
+    check_exceeds,
+    check_length,
+    check_not_negative,
+    check_positive,
+    housing,
+)
 
 # Depth of a chamber in units of the distance of its lands, unless given.
 _DEPTH = 0.25
@@ -46,7 +53,7 @@ class Land:
     set_back: float = 0.0
 
     def __post_init__(self) -> None:
-        check.not_negative("seat", "set_back", self.set_back)
+        check_not_negative("seat", "set_back", self.set_back)
 
     @property
     def ends(self) -> tuple[Point, Point]:
@@ -99,8 +106,8 @@ class Lands:
     height: float
 
     def __post_init__(self) -> None:
-        check.positive("seat", chamber_depth=self.chamber_depth, height=self.height)
-        check.exceeds(
+        check_positive("seat", chamber_depth=self.chamber_depth, height=self.height)
+        check_exceeds(
             "seat", "outer_radius", self.outer_radius, self.land_end, "the outer edge of the lands,"
         )
 
@@ -206,7 +213,7 @@ class Lands:
         used = before * math.cos(falls - along) + after * math.cos(rises - along)
         allowed = f"allowed is below {mm(self.chamber_depth * length / used)} between these lands"
         must = f"the walls of the chamber meet before they are so deep; {allowed}"
-        check.length("seat", "chamber_depth", self.chamber_depth, used < length, must)
+        check_length("seat", "chamber_depth", self.chamber_depth, used < length, must)
         return [
             (end[0] + before * math.cos(falls), end[1] + before * math.sin(falls)),
             (start[0] - after * math.cos(rises), start[1] - after * math.sin(rises)),

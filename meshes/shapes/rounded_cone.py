@@ -7,8 +7,15 @@ from dataclasses import dataclass
 
 from meshes.errors import GeometryError
 from meshes.geometry.outline import Outline, chain
-from meshes.shapes import check
-from meshes.shapes.shape import NamedFace, plunger, straight_part
+from meshes.shapes.shape import (
+    NamedFace,
+    check_angle,
+    check_exceeds,
+    check_not_negative,
+    check_positive,
+    plunger,
+    straight_part,
+)
 
 
 @dataclass(frozen=True)
@@ -51,10 +58,10 @@ class RoundedCone:
     height: float
 
     def __post_init__(self) -> None:
-        check.angle("closure", "angle", self.angle)
-        check.positive("closure", inner_radius=self.inner_radius, height=self.height)
-        check.exceeds("closure", "outer_radius", self.outer_radius, self.inner_radius, "inner_radius =")
-        check.not_negative("closure", "edge_radius", self.edge_radius)
+        check_angle("closure", "angle", self.angle)
+        check_positive("closure", inner_radius=self.inner_radius, height=self.height)
+        check_exceeds("closure", "outer_radius", self.outer_radius, self.inner_radius, "inner_radius =")
+        check_not_negative("closure", "edge_radius", self.edge_radius)
 
     @classmethod
     def of(
@@ -93,7 +100,7 @@ class RoundedCone:
                 outer_radius = 2 * inner_radius
         if inner_radius is None:
             inner_radius = outer_radius / 2 if mean_radius is None else 2 * mean_radius - outer_radius
-        check.angle("closure", "angle", angle)
+        check_angle("closure", "angle", angle)
         face = (outer_radius - inner_radius) / math.cos(angle)
         # the rounding takes edge_radius tan(angle/2) of the nose
         fitting = 0.9 * inner_radius / math.tan(0.5 * angle)

@@ -11,7 +11,79 @@ from meshes.errors import GeometryError, mm
 from meshes.geometry.contact_geometry import Touch, first_touch, with_faces
 from meshes.geometry.curve import Curve, Point, Segment
 from meshes.geometry.outline import Outline, chain
-from meshes.shapes import check
+
+
+def check_length(body: str, key: str, value: float, right: bool, must: str) -> None:
+    """Refuse a dimension [m] that is not right, and say what it must be.
+
+    Raises
+    ------
+    GeometryError
+    """
+    if not right:
+        raise GeometryError(f"{body} {key} = {mm(value)}: {must}")
+
+
+def check_positive(body: str, **lengths: float) -> None:
+    """Refuse dimensions that are not positive and finite.
+
+    Parameters
+    ----------
+    body : str
+        "closure" or "seat".
+    **lengths : float
+        By key [m].
+
+    Raises
+    ------
+    GeometryError
+    """
+    for key, value in lengths.items():
+        check_length(body, key, value, math.isfinite(value) and value > 0, "must be positive and finite")
+
+
+def check_not_negative(body: str, key: str, value: float) -> None:
+    """Refuse a dimension [m] that is negative or not finite; zero is sharp or flush.
+
+    Raises
+    ------
+    GeometryError
+    """
+    check_length(body, key, value, math.isfinite(value) and value >= 0, "must not be negative")
+
+
+def check_exceeds(body: str, key: str, value: float, limit: float, what: str) -> None:
+    """Refuse a dimension [m] that is not finite or not larger than another one.
+
+    Parameters
+    ----------
+    body : str
+        "closure" or "seat".
+    key : str
+    value, limit : float
+        [m]
+    what : str
+        The other one in words, in front of its value: "bore_radius =".
+
+    Raises
+    ------
+    GeometryError
+    """
+    check_length(body, key, value, math.isfinite(value) and value > limit, f"must exceed {what} {mm(limit)}")
+
+
+def check_angle(body: str, key: str, angle: float, low: float = 0.0, high: float = math.pi / 2) -> None:
+    """Refuse an angle [rad] outside the open interval (low, high).
+
+    Raises
+    ------
+    GeometryError
+    """
+    if not low < angle < high:
+        raise GeometryError(
+            f"{body} {key} = {math.degrees(angle):.6g} deg: must lie between {math.degrees(low):.6g} and "
+            f"{math.degrees(high):.6g} deg"
+        )
 
 
 class Shape(Protocol):
@@ -123,13 +195,13 @@ def housing(face: Curve, outer_radius: float, height: float, step: float = 0.0) 
         outer_radius >= end[0] * (1 - 1e-12),
         f"the face reaches to {mm(end[0])}, the housing must be wider",
     )
-    check.length("seat", "outer_radius", outer_radius, wide, must)
-    check.length("seat", "height", height, height > 0, "must be positive")
+    check_length("seat", "outer_radius", outer_radius, wide, must)
+    check_length("seat", "height", height, height > 0, "must be positive")
     bottom = start[1] - height
     top = end[1] - step
     lowest = min(top, *(p[1] for s in face.segments for p in (s.start, s.end)))
     must = f"the face goes {mm(start[1] - lowest)} deep, the housing must be higher"
-    check.length("seat", "height", height, bottom < lowest, must)
+    check_length("seat", "height", height, bottom < lowest, must)
     around: list[tuple[Point, str]] = [
         (start, "seat_inner"),
         ((start[0], bottom), "seat_bottom"),

@@ -6,8 +6,16 @@ import math
 from dataclasses import dataclass
 
 from meshes.geometry.outline import Outline, chain
-from meshes.shapes import check
-from meshes.shapes.shape import NamedFace, Partner, Shape, housing, round_part
+from meshes.shapes.shape import (
+    NamedFace,
+    Partner,
+    Shape,
+    check_angle,
+    check_exceeds,
+    check_positive,
+    housing,
+    round_part,
+)
 
 
 @dataclass(frozen=True)
@@ -50,9 +58,9 @@ class SharpEdge:
     height: float
 
     def __post_init__(self) -> None:
-        check.positive("seat", bore_radius=self.bore_radius, edge_radius=self.edge_radius, height=self.height)
-        check.angle("seat", "top_angle", self.top_angle, -math.pi / 2)
-        check.exceeds("seat", "outer_radius", self.outer_radius, self.bore_radius, "bore_radius =")
+        check_positive("seat", bore_radius=self.bore_radius, edge_radius=self.edge_radius, height=self.height)
+        check_angle("seat", "top_angle", self.top_angle, -math.pi / 2)
+        check_exceeds("seat", "outer_radius", self.outer_radius, self.bore_radius, "bore_radius =")
 
     @classmethod
     def around(
@@ -79,7 +87,7 @@ class SharpEdge:
         outer_radius, height : float, optional
             Bore + 1.5 L and 1.5 L unless given [m], with L the radius of the closure.
         """
-        check.positive("seat", bore_radius=bore_radius)
+        check_positive("seat", bore_radius=bore_radius)
         partner = Partner(closure.outline)
         outer, high = partner.housing(bore_radius, bore_radius, outer_radius, height)
         # A top that falls outwards needs a housing below it.

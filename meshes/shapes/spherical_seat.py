@@ -8,8 +8,18 @@ from dataclasses import dataclass
 from meshes.errors import GeometryError, mm
 from meshes.geometry.curve import Curve, Segment
 from meshes.geometry.outline import Outline, rounded
-from meshes.shapes import check
-from meshes.shapes.shape import NamedFace, Partner, Shape, housing, round_part
+from meshes.shapes.shape import (
+    NamedFace,
+    Partner,
+    Shape,
+    check_angle,
+    check_exceeds,
+    check_length,
+    check_not_negative,
+    check_positive,
+    housing,
+    round_part,
+)
 
 
 @dataclass(frozen=True)
@@ -58,8 +68,8 @@ class SphericalSeat:
     height: float
 
     def __post_init__(self) -> None:
-        check.positive("seat", radius=self.radius, bore_radius=self.bore_radius, height=self.height)
-        check.not_negative("seat", "edge_radius", self.edge_radius)
+        check_positive("seat", radius=self.radius, bore_radius=self.bore_radius, height=self.height)
+        check_not_negative("seat", "edge_radius", self.edge_radius)
         widest = self.radius + self.centre_offset
         between, upright = (
             f"bore_radius = {mm(self.bore_radius)} and {mm(widest)}",
@@ -67,10 +77,10 @@ class SphericalSeat:
         )
         must = f"must lie between {between}, where the hollow face of {upright} stands upright"
         inside = max(self.bore_radius, self.centre_offset) < self.face_radius < widest
-        check.length("seat", "face_radius", self.face_radius, inside, must)
+        check_length("seat", "face_radius", self.face_radius, inside, must)
         must = f"must not be below {mm(self.centre_offset)}, where the hollow face is lowest"
-        check.length("seat", "bore_radius", self.bore_radius, self.bore_radius >= self.centre_offset, must)
-        check.exceeds("seat", "outer_radius", self.outer_radius, self.face_radius, "face_radius =")
+        check_length("seat", "bore_radius", self.bore_radius, self.bore_radius >= self.centre_offset, must)
+        check_exceeds("seat", "outer_radius", self.outer_radius, self.face_radius, "face_radius =")
 
     @classmethod
     def around(
@@ -109,12 +119,12 @@ class SphericalSeat:
         GeometryError
             If no seat of this radius touches the closure at `contact_angle`.
         """
-        check.positive("seat", radius=radius)
+        check_positive("seat", radius=radius)
         partner = Partner(closure.outline)
         offset, touch = 0.0, 0.7 * min(partner.size, radius)
         bore, face = 0.5 * min(partner.size, radius), 0.9 * min(partner.size, radius)
         if contact_angle is not None:
-            check.angle("seat", "contact_angle", contact_angle)
+            check_angle("seat", "contact_angle", contact_angle)
             # The closure's point of this inclination does not depend on what it stands on.
             touch = partner.touch_on_cone(contact_angle)
             offset = touch - radius * math.sin(contact_angle)

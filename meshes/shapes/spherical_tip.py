@@ -8,8 +8,14 @@ from dataclasses import dataclass
 from meshes.errors import mm
 from meshes.geometry.curve import Curve, Segment
 from meshes.geometry.outline import Outline, rounded
-from meshes.shapes import check
-from meshes.shapes.shape import NamedFace, plunger, round_part
+from meshes.shapes.shape import (
+    NamedFace,
+    check_length,
+    check_not_negative,
+    check_positive,
+    plunger,
+    round_part,
+)
 
 
 @dataclass(frozen=True)
@@ -47,10 +53,10 @@ class SphericalTip:
     height: float
 
     def __post_init__(self) -> None:
-        check.positive("closure", radius=self.radius, stem_radius=self.stem_radius, height=self.height)
+        check_positive("closure", radius=self.radius, stem_radius=self.stem_radius, height=self.height)
         must = f"must be below the radius of the tip, {mm(self.radius)}; a full half sphere is a ball"
-        check.length("closure", "stem_radius", self.stem_radius, self.stem_radius < self.radius, must)
-        check.not_negative("closure", "edge_radius", self.edge_radius)
+        check_length("closure", "stem_radius", self.stem_radius, self.stem_radius < self.radius, must)
+        check_not_negative("closure", "edge_radius", self.edge_radius)
 
     @classmethod
     def of(

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 from meshes.errors import mm
 from meshes.geometry.curve import Curve, Segment
 from meshes.geometry.outline import Outline
-from meshes.shapes import check
-from meshes.shapes.shape import NamedFace, plunger, round_part
+from meshes.shapes.shape import NamedFace, check_length, check_positive, plunger, round_part
 
 
 @dataclass(frozen=True)
@@ -50,10 +49,10 @@ class ToroidalEdge:
     height: float
 
     def __post_init__(self) -> None:
-        check.positive("closure", centre_radius=self.centre_radius, radius=self.radius, height=self.height)
+        check_positive("closure", centre_radius=self.centre_radius, radius=self.radius, height=self.height)
         most = self.deepest_recess(self.centre_radius, self.radius)
         must = f"must lie between 0 and {mm(most)}, where the rim reaches the axis or stands upright"
-        check.length("closure", "recess", self.recess, 0 <= self.recess <= most * (1 + 1e-12), must)
+        check_length("closure", "recess", self.recess, 0 <= self.recess <= most * (1 + 1e-12), must)
 
     @classmethod
     def of(
@@ -70,7 +69,7 @@ class ToroidalEdge:
         height : float, optional
             The plunger's radius unless given [m].
         """
-        check.positive("closure", centre_radius=centre_radius, radius=radius)
+        check_positive("closure", centre_radius=centre_radius, radius=radius)
         if recess is None:
             recess = min(radius / 2, cls.deepest_recess(centre_radius / 2, radius))
         return cls(centre_radius, radius, recess, centre_radius + radius if height is None else height)

@@ -8,8 +8,16 @@ from dataclasses import dataclass
 from meshes.errors import mm
 from meshes.geometry.curve import Curve, Segment
 from meshes.geometry.outline import Outline
-from meshes.shapes import check
-from meshes.shapes.shape import NamedFace, Partner, Shape, housing, round_part
+from meshes.shapes.shape import (
+    NamedFace,
+    Partner,
+    Shape,
+    check_exceeds,
+    check_length,
+    check_positive,
+    housing,
+    round_part,
+)
 
 
 @dataclass(frozen=True)
@@ -56,7 +64,7 @@ class ToroidalSeat:
     height: float
 
     def __post_init__(self) -> None:
-        check.positive(
+        check_positive(
             "seat",
             centre_radius=self.centre_radius,
             radius=self.radius,
@@ -67,10 +75,10 @@ class ToroidalSeat:
         inside, last = lowest * (1 - 1e-12) <= self.bore_radius < self.centre_radius, mm(self.centre_radius)
         first = f"{mm(max(lowest, 0))}, the innermost circle of the ring"
         must = f"must lie between {first}, and its centre_radius = {last}"
-        check.length("seat", "bore_radius", self.bore_radius, inside, must)
+        check_length("seat", "bore_radius", self.bore_radius, inside, must)
         must = f"must be at least 0 and below the radius of the ring, {mm(self.radius)}"
-        check.length("seat", "recess", self.recess, 0 <= self.recess < self.radius, must)
-        check.exceeds("seat", "outer_radius", self.outer_radius, self.ring_end, "the outer end of the ring,")
+        check_length("seat", "recess", self.recess, 0 <= self.recess < self.radius, must)
+        check_exceeds("seat", "outer_radius", self.outer_radius, self.ring_end, "the outer end of the ring,")
 
     @classmethod
     def around(
@@ -98,7 +106,7 @@ class ToroidalSeat:
         outer_radius, height : float, optional
             Outer end of the ring + 1.5 L and 1.5 L unless given [m], with L the radius of the closure.
         """
-        check.positive("seat", centre_radius=centre_radius, radius=radius)
+        check_positive("seat", centre_radius=centre_radius, radius=radius)
         partner = Partner(closure.outline)
         depth = radius / 2 if recess is None else recess
         end = centre_radius + math.sqrt(max(depth * (2 * radius - depth), 0.0))

@@ -14,7 +14,7 @@ from skfem import MeshTri
 
 import meshes
 from meshes import Ball, ConicalSeat, GeometryError, MeshingError, SealMesh, Sizing
-from meshes.mesh.seal_mesh import (
+from meshes.mesh.triangles import (
     Triangles,
     doubled_area,
     facets_between,

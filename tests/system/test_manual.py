@@ -12,7 +12,7 @@ from reference_pages import check_first_pages
 import fem_seal
 from fem_seal.answers.closed_forms import derive
 from fem_seal.case.case import Case
-from fem_seal.case.messages import tables_of
+from fem_seal.case.notation import tables_of
 
 
 def test_the_gallery_has_a_page_for_every_example():

@@ -9,8 +9,8 @@ from dataclasses import asdict
 from fem_seal.answers.sensitivities import Sensitivity
 from fem_seal.answers.solution import SealSolution
 from fem_seal.case.case import Case
-from fem_seal.case.drawing_words import partner
 from fem_seal.case.material_table import UNNAMED
+from fem_seal.case.notation import partner
 from fem_seal.output.prose import phrase
 from fem_seal.output.shown import ReadableTable, Shown, worded_table
 from fem_seal.seal.load_names import load_name

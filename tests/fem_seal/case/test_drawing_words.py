@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 
 from fem_seal import Case, InputError, Study, load_case, load_study, run
 from fem_seal.case.case import input_tables
-from fem_seal.case.drawing_words import in_keys, partner, same_entry, words_of
-from fem_seal.case.messages import choices, tables_of
+from fem_seal.case.notation import choices, in_keys, partner, same_entry, tables_of, words_of
 from fem_seal.output.case_words import listed_dimensions
 from fem_seal.units import parse_quantity
 

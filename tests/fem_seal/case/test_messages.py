@@ -10,9 +10,8 @@ import pytest
 
 import fem_seal
 from fem_seal.case.case import Case
-from fem_seal.case.drawing_words import words_of
-from fem_seal.case.messages import choices, tables_of
 from fem_seal.case.new_case import template
+from fem_seal.case.notation import choices, tables_of, words_of
 from fem_seal.errors import InputError
 from fem_seal.files import parse_toml
 

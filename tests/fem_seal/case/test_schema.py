@@ -19,7 +19,7 @@ from places import ROOT
 
 from fem_seal.case import schema as of_a_case
 from fem_seal.case.fields import Table, key_of
-from fem_seal.case.messages import tables_of
+from fem_seal.case.notation import tables_of
 from fem_seal.files import own_tables
 from fem_seal.studies import tables as of_a_study
 

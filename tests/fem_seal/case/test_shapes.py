@@ -14,7 +14,7 @@ from shape_tables import CLOSURES, PAIRS, SHAPES, STEEL, dimensions_of, tables
 from fem_seal import Case, InputError, load_case, run
 from fem_seal.answers.closed_forms import derive
 from fem_seal.case.case import with_units
-from fem_seal.case.messages import choices, tables_of
+from fem_seal.case.notation import choices, tables_of
 from fem_seal.case.shapes import FLANGES, _model
 from fem_seal.cli.terminal import show_derived
 from fem_seal.output.case_words import chosen_dimensions, dimensions

@@ -21,7 +21,7 @@ from fem_seal.materials import effective_modulus
 from fem_seal.profile import PressureProfile
 from leak import ExponentialLaw
 from meshes import Ball, ConicalSeat, ContactGeometry, SharpEdge, Sizing
-from meshes.mesh.seal_mesh import doubled_area, triangle_shape
+from meshes.mesh.triangles import doubled_area, triangle_shape
 
 LAW = ExponentialLaw(p_c=5e9, u0=0.76e-6)
 FORCE = 1256.0

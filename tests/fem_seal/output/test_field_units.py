@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from sample_results import case
 
 from fem_seal.case.fields import Bubbles, LeakRate, NormalVolume, Throughput
-from fem_seal.case.gauge import as_differences
+from fem_seal.case.notation import as_differences
 from fem_seal.errors import InputError
 from fem_seal.units import leak_range_text, shown_in, unit_for
 

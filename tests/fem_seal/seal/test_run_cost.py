@@ -13,9 +13,9 @@ import pytest
 from sample_results import case
 
 import fem_seal
+from fem_seal.__main__ import POSTPONED
 from fem_seal.answers import accuracy, opening, variants
 from fem_seal.answers.variants import interface_variants
-from fem_seal.cli.quick_start import POSTPONED
 from leak.flow.rough_contact import _conductivity_table
 
 
@@ -30,7 +30,7 @@ def test_a_command_spares_itself_at_its_start_and_at_its_end():
         [sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=False
     )
     assert done.returncode == 0, done.stderr
-    assert done.stdout.splitlines()[-1] == "fem_seal.cli.quick_start True True"
+    assert done.stdout.splitlines()[-1] == "fem_seal.__main__ True True"
 
 
 def test_other_bodies_stand_one_at_a_time_and_are_gone_when_the_run_goes_on(monkeypatch):
@@ -95,7 +95,7 @@ def test_the_shapes_of_a_case_are_made_once():
 
 _DRAWN = """
 import json, sys, types
-from fem_seal.cli.quick_start import POSTPONED, postpone_unused_imports
+from fem_seal.__main__ import POSTPONED, postpone_unused_imports
 if sys.argv[1] == "command":
     postpone_unused_imports()
 import scipy.special

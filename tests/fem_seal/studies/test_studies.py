@@ -1026,7 +1026,7 @@ def test_example(name, tmp_path):
 
 def test_every_key_of_a_study_file_is_documented():
     text = (CASE.parent.parent / "docs" / "guide" / "studies.md").read_text()
-    from fem_seal.case.messages import tables_of
+    from fem_seal.case.notation import tables_of
     from fem_seal.studies.tables import StudyTables
 
     for key, field in StudyTables.model_fields.items():
