@@ -85,7 +85,7 @@ class Answer(Generic[T]):
     clock : str
         Name of its time; `name` unless given.
     of_face : bool
-        Whether each of two different flange faces is asked by itself, before the whole seal: `LoadResult.beside`
+        Whether each of two different flange faces is asked by itself, before the whole seal: `GasketLoad`
         joins what is known of its loads, and the answer that is kept is that of the upper one.
     needs : tuple of str
         Attributes of the solved seal, such as "case.form", none of which may be None or False where it applies.

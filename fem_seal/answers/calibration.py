@@ -432,7 +432,7 @@ def _judged(case: Case, y: FloatArray, weights: FloatArray, progress: Progress) 
     for load, own in zip(seal.loads, y.T, strict=True):
         low, middle, high = _exp(percentiles(own, weights, shares))
         left = load.with_values(
-            validity=validity_of(found, load),
+            validity=load.validity_by(validity_of, found),
             sampled=Bounds(low, high),
             leak_rate_p50=middle,
             tested=True,

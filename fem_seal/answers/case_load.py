@@ -7,19 +7,20 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, partial
 from html import escape
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Self, TypeVar
 
 import numpy as np
 
 from fem_seal.answers import interval
 from fem_seal.answers.judgement import BoltState, LoadVerdict, PassProbability, Verdict, VerdictForce
-from fem_seal.seal.both_faces import joined_validity
+from fem_seal.contact.solution import yielding_of
+from fem_seal.seal.both_faces import joined_validity, mean_leak, share_of
 from fem_seal.seal.bounds import AGREE, EXACT, Bounds
 from fem_seal.seal.findings import VALID, Finding, Validity
 from fem_seal.seal.load_result import (
+    DiscretisationError,
     LoadResult,
     MissingLoad,
-    by_face,
     highest_load,
     in_order,
     strongest_load,
@@ -41,6 +42,9 @@ if TYPE_CHECKING:
     from fem_seal.seal.problem import SealProblem
     from leak import FlowError, LeakResult, RoughContact
     from meshes import SealMesh
+
+
+Whole = TypeVar("Whole", "SealProblem", "Evaluation")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -87,7 +91,6 @@ class CaseLoad(LoadResult):
         What each bolt carries; None without bolts.
     """
 
-    of_faces: tuple[CaseLoad, CaseLoad] | None = None
     scenarios: Mapping[str, CaseLoad] = field(default_factory=dict)
     effective_radius: float | None = None
     blow_off_pressure: float | None = None
@@ -184,7 +187,17 @@ class CaseLoad(LoadResult):
     @property
     def contact_loads(self) -> tuple[CaseLoad, ...]:
         """The load on each contact that is another: its own, or of a gasket with two different flanges that of each."""
-        return self.of_faces or (self,)
+        return (self,)
+
+    def validity_by(self, check: Callable[[Whole, CaseLoad], Validity], whole: Whole) -> Validity:
+        """What a check says of it, given its problem or evaluation.
+
+        Parameters
+        ----------
+        check : callable
+        whole : SealProblem or Evaluation
+        """
+        return check(whole, self)
 
     @property
     def named_bodies(self) -> dict[str, tuple[CaseLoad, str]]:
@@ -196,29 +209,9 @@ class CaseLoad(LoadResult):
     def zones(self) -> dict[str, YieldedZone | PlasticZone | None]:
         """Where each body has yielded or, solved as elastic, exceeds its yield stress; None of one that does not."""
         # the check of a case loads no finite elements
-        from fem_seal.contact.solution import yielding_of
 
         beyond = {load: yielding_of(load.contact) for load in self.contact_loads}
         return {name: beyond[load].get(body) for name, (load, body) in self.named_bodies.items()}
-
-    def with_faces(self, upper: LoadResult, lower: LoadResult) -> Self:
-        """`beside` with all that is known of the whole seal already."""
-        made = super().with_faces(upper, lower)
-        if not isinstance(upper, CaseLoad) or not isinstance(lower, CaseLoad):
-            return made
-        opens = [face.blow_off_pressure for face in (upper, lower) if face.blow_off_pressure is not None]
-        return made.with_values(
-            effective_radius=upper.effective_radius,
-            blow_off_pressure=min(opens, default=None),
-            validity=joined_validity(upper.validity, lower.validity, made.upper_share),
-            scenarios={
-                name: self.scenarios[name].with_faces(face, lower.scenarios[name])
-                if name in self.scenarios and self.scenarios[name].of_faces
-                else face.beside(lower.scenarios[name])
-                for name, face in upper.scenarios.items()
-                if name in lower.scenarios
-            },
-        )
 
     def __repr__(self) -> str:
         pressure = format_quantity("fluid pressure", self.fluid_pressure)
@@ -272,9 +265,6 @@ class CaseLoad(LoadResult):
         By `RoughContact.flow_error` at the peak pressure, with the waves of the sealing area; None where the
         conductivity is itself simulated, and for the paper's theory, which does not know its error.
         """
-        if self.of_faces is not None:
-            # that of the face that decides
-            return self.of_faces[0 if self.upper_share() >= 0.5 else 1].flow_error
         surface = None if self.rough is None or self.rough.simulated else self.rough.surface
         if surface is None or not surface.knows_deviation or not self.peak_pressure > 0.0:
             return None
@@ -301,9 +291,6 @@ class CaseLoad(LoadResult):
     @cached_property
     def unsealed(self) -> tuple[float, float]:
         """What flows through the open bore, and through the rough gap without load [m^3/s]; infinite if not known."""
-        if self.of_faces is not None:
-            upper, lower = (one.unsealed for one in self.of_faces)
-            return 0.5 * (upper[0] + lower[0]), 0.5 * (upper[1] + lower[1])
         flow = None if self.rough is None else self.rough.flow
         if self.rough is None or flow is None:
             return math.inf, math.inf
@@ -437,6 +424,112 @@ class CaseLoad(LoadResult):
         return None if self.verdict_force is None else self.verdict_force.force
 
 
+@dataclass(frozen=True, eq=False, repr=False)
+class GasketLoad(CaseLoad):
+    """A load of a gasket between two different flanges: it leaks through both faces, half of it as with each alone.
+
+    All that is no leak rate is that of the upper one.
+
+    Parameters
+    ----------
+    of_faces : tuple of CaseLoad
+        The same load with the upper and with the lower flange on both faces.
+    """
+
+    of_faces: tuple[CaseLoad, ...] = ()
+
+    @classmethod
+    def joined(cls, upper: CaseLoad, *lower: CaseLoad) -> CaseLoad:
+        """The load with what is known of each face; of alike ones itself.
+
+        Parameters
+        ----------
+        upper, *lower : CaseLoad
+        """
+        if not lower:
+            return upper
+        known = {field.name: getattr(upper, field.name) for field in fields(CaseLoad)}
+        return cls(**known).with_faces(upper, *lower)
+
+    def with_faces(self, upper: CaseLoad, lower: CaseLoad) -> Self:
+        """The same load, of whose faces more is known.
+
+        Parameters
+        ----------
+        upper, lower : CaseLoad
+        """
+        made = self.with_values(of_faces=(upper, lower))
+        margins = [face.opening for face in (upper, lower) if face.opening is not None]
+        opens = [face.blow_off_pressure for face in (upper, lower) if face.blow_off_pressure is not None]
+        scenarios: dict[str, CaseLoad] = {}
+        for name, face in upper.scenarios.items():
+            known, below = self.scenarios.get(name), lower.scenarios.get(name)
+            if below is not None and isinstance(known, GasketLoad):
+                scenarios[name] = known.with_faces(face, below)
+            elif below is not None:
+                scenarios[name] = GasketLoad.joined(face, below)
+        return made.with_values(
+            effective_radius=upper.effective_radius,
+            blow_off_pressure=min(opens, default=None),
+            opening=min(margins, key=lambda margin: margin.share, default=None),
+            validity=joined_validity(upper.validity, lower.validity, made.upper_share),
+            mesh_error=_joined_error(upper.mesh_error, lower.mesh_error, made.upper_share),
+            scenarios=scenarios,
+        )
+
+    @property
+    def contact_loads(self) -> tuple[CaseLoad, ...]:
+        """The load with each of two different flanges."""
+        return self.of_faces
+
+    def validity_by(self, check: Callable[[Whole, CaseLoad], Validity], whole: Whole) -> Validity:
+        """That of both faces, each off by its own share of the leak."""
+        upper, lower = map(check, whole.halves, self.of_faces)
+        return joined_validity(upper, lower, self.upper_share)
+
+    def upper_share(self) -> float:
+        """Share of the upper face in the leak; a half without a leak rate."""
+        upper, lower = (face.leak for face in self.of_faces)
+        return 0.5 if upper is None or lower is None else share_of(upper, lower)
+
+    @cached_property
+    def leak(self) -> LeakResult | None:
+        """The mean of both faces, where it flows that of the upper one; None without roughness or fluid."""
+        upper, lower = (face.leak for face in self.of_faces)
+        return None if upper is None or lower is None else mean_leak(upper, lower)
+
+    @cached_property
+    def leak_before_sealing(self) -> float:
+        """What leaks at most where the percolation threshold decides, in the mean of both faces [m^3/s]."""
+        return 0.5 * sum(face.leak_before_sealing for face in self.of_faces)
+
+    @cached_property
+    def unsealed(self) -> tuple[float, float]:
+        """What flows through open bore and rough gap, in the mean of both faces [m^3/s]."""
+        upper, lower = (face.unsealed for face in self.of_faces)
+        return 0.5 * (upper[0] + lower[0]), 0.5 * (upper[1] + lower[1])
+
+    @cached_property
+    def flow_error(self) -> FlowError | None:
+        """That of the face that decides."""
+        return self.of_faces[0 if self.upper_share() >= 0.5 else 1].flow_error
+
+
+def _joined_error(
+    upper: DiscretisationError | None, lower: DiscretisationError | None, share: Callable[[], float]
+) -> DiscretisationError | None:
+    """Of two different faces, of which the upper one has a share in the leak."""
+    if upper is None or lower is None:
+        return upper or lower
+    peak, fwhm, std = (
+        max(getattr(upper, key), getattr(lower, key)) for key in ("peak_pressure", "fwhm", "std")
+    )
+    rate = upper.leak_rate
+    if rate is not None and lower.leak_rate is not None:
+        rate = share() * rate + (1.0 - share()) * lower.leak_rate
+    return DiscretisationError(peak, fwhm, std, rate)
+
+
 _NINE_OF_TEN = 0.05, 0.95
 AnyLoad = CaseLoad | MissingLoad
 Prepare = Callable[[str, "LeakModel"], "LeakModel"]
@@ -460,10 +553,10 @@ def case_loads(
     prepare : callable
         Given the name of a scenario, its surfaces and its fluid: may work out what all loads share.
     """
-    if problem.lower_half is not None:
-        faces = zip(problem.halves, by_face(loads), strict=True)
-        upper, lower = (case_loads(half, own, prepare) for half, own in faces)
-        return list(map(CaseLoad.beside, upper, lower))
+    if any(isinstance(load, GasketLoad) for load in loads):
+        faces = zip(*(load.contact_loads for load in loads if isinstance(load, GasketLoad)), strict=True)
+        each = zip(problem.halves, faces, strict=True)
+        return list(map(GasketLoad.joined, *(case_loads(half, own, prepare) for half, own in each)))
     # a load that comes again is the same one, and so is its leak rate
     different = {id(load): load for load in loads}
     models = {id(load.rough): load.rough for load in loads}
@@ -471,6 +564,21 @@ def case_loads(
     known = [load.with_values(rough=ready[id(load.rough)]) for load in different.values()]
     made = dict(zip(different, _beside(problem, known, prepare), strict=True))
     return [made[id(load)] for load in loads]
+
+
+def loads_of(evaluation: Evaluation, prepare: Prepare = _as_it_is) -> list[CaseLoad]:
+    """Loads of an evaluation with the scenarios that share their contacts, through all faces together.
+
+    Parameters
+    ----------
+    evaluation : Evaluation
+    prepare : callable
+        See `case_loads`.
+    """
+    solved = zip(evaluation.problem.halves, evaluation.halves, strict=True)
+    return list(
+        map(GasketLoad.joined, *(case_loads(problem, half.loads, prepare) for problem, half in solved))
+    )
 
 
 def _beside(
@@ -558,7 +666,7 @@ class SolvedSeal:
         """The seal with each of two different flanges on both faces; only itself where they are alike."""
         if self.lower_half is None:
             return (self,)
-        upper, lower = by_face(self.loads)
+        upper, lower = zip(*(load.contact_loads for load in self.loads), strict=True)
         known = {field.name: getattr(self, field.name) for field in fields(SolvedSeal)}
         return (
             SolvedSeal(**{**known, "loads": upper, "lower_half": None}),
@@ -581,7 +689,8 @@ class SolvedSeal:
             Its `faces`.
         """
         each = zip(self.loads, upper.loads, lower.loads, strict=True)
-        return replace(self, loads=tuple(load.with_faces(*faces) for load, *faces in each), lower_half=lower)
+        loads = (load.with_faces(*faces) for load, *faces in each if isinstance(load, GasketLoad))
+        return replace(self, loads=tuple(loads), lower_half=lower)
 
     def with_loads(self, loads: Sequence[CaseLoad]) -> Self:
         """The same seal, whose loads know more."""
@@ -634,7 +743,7 @@ def solved_seal(evaluation: Evaluation, case: Case, loads: Sequence[CaseLoad] | 
     loads : sequence of CaseLoad, optional
         Those of the evaluation, where they are made already.
     """
-    own = case_loads(evaluation.problem, evaluation.loads) if loads is None else loads
+    own = loads_of(evaluation) if loads is None else loads
     lower = evaluation.lower_half
     return SolvedSeal(
         case,

@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 from fem_seal.answers.accuracy import ACCURACY
 from fem_seal.answers.answer import Answer, Request, answered
 from fem_seal.answers.bolts import BOLTS
-from fem_seal.answers.case_load import CaseLoad, SolvedSeal, case_loads, solved_seal
+from fem_seal.answers.case_load import CaseLoad, SolvedSeal, loads_of, solved_seal
 from fem_seal.answers.compression import COMPRESSION
 from fem_seal.answers.error_shares import ERROR_SHARES
 from fem_seal.answers.findings import FINDINGS, all_cautions, findings_of_profiles
@@ -36,7 +36,7 @@ from fem_seal.seal.evaluate import evaluate
 from fem_seal.seal.heating import warmed
 from fem_seal.seal.lazy import OptionalSteps
 from fem_seal.seal.leak_model import LeakModel
-from fem_seal.seal.load_result import MissingLoad, by_face
+from fem_seal.seal.load_result import MissingLoad
 from fem_seal.seal.load_solver import Clock, LoadSolver, Progress
 from fem_seal.seal.problem import SealProblem
 from fem_seal.seal.scenarios import SCENARIOS
@@ -201,11 +201,11 @@ def _solved(case: Case, clock: Clock, steps: OptionalSteps, *, told: bool = Fals
     with clock.step("leak", "flow conductivity and leak rates"):
         loads = tuple(
             _read(steps, _compute_values(steps, load, {} if load.circumference is None else _AROUND), _LEAK)
-            for load in case_loads(problem, found.loads, partial(_with_table, steps))
+            for load in loads_of(found, partial(_with_table, steps))
         )
     with clock.step("stress", "stress in both bodies"):
         with suppress(MemoryError):  # one after the other they may fit
-            for same in by_face(loads):
+            for same in zip(*(load.contact_loads for load in loads), strict=True):
                 move_together([load.contact for load in same])
         loads = tuple(
             _compute_values(steps, _read(steps, load, _SEPARATION), _STRESS, _NO_STRESS) for load in loads

@@ -10,8 +10,9 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum, auto
-from functools import cache, reduce
+from functools import cache
 
+from fem_seal.answers.case_load import CaseLoad, GasketLoad
 from fem_seal.contact.sizing import MeshFit, fit_meshes
 from fem_seal.contact.solution import ContactSolution
 from fem_seal.errors import ConvergenceError, SealError
@@ -163,10 +164,10 @@ class Trials:
     solvers: Sequence[LoadSolver]
     fluid_pressure: float
     progress: Progress | None = None
-    known: dict[float, tuple[LoadResult, ...] | SealError] = field(default_factory=dict)
+    known: dict[float, tuple[CaseLoad, ...] | SealError] = field(default_factory=dict)
     """Those that were tried, by place and solver, or why they have no contact."""
 
-    def load(self, place: float) -> LoadResult:
+    def load(self, place: float) -> CaseLoad:
         """The load whose contact, of different faces that of the upper one, carries a force [ln N].
 
         Raises
@@ -175,9 +176,9 @@ class Trials:
             If the fluid opens the seal.
         ConvergenceError
         """
-        return reduce(LoadResult.beside, self.of_each(place))
+        return GasketLoad.joined(*self.of_each(place))
 
-    def of_each(self, place: float) -> tuple[LoadResult, ...]:
+    def of_each(self, place: float) -> tuple[CaseLoad, ...]:
         """The same load with each solver; see `load`."""
         if place not in self.known:
             try:
@@ -196,7 +197,7 @@ class Trials:
             return None
         return next((one for one in self.known.values() if isinstance(one, ConvergenceError)), None)
 
-    def _solved(self, force: float) -> tuple[LoadResult, ...]:
+    def _solved(self, force: float) -> tuple[CaseLoad, ...]:
         pressure, unreached = self.fluid_pressure, self.unreached
         if unreached is not None:
             reached = [one.reached(pressure) for one in self.solvers]
@@ -206,7 +207,9 @@ class Trials:
         starts = next((one for one in reversed(self.known.values()) if isinstance(one, tuple)), nothing)
         applied = force - self.solvers[0].closes(pressure)
         return tuple(
-            one.load_at_contact_force(pressure, applied + one.closes(pressure), start, self.progress)
+            CaseLoad.of(
+                one.load_at_contact_force(pressure, applied + one.closes(pressure), start, self.progress)
+            )
             for one, start in zip(self.solvers, starts, strict=True)
         )
 
@@ -256,7 +259,7 @@ def search_forces(
         return {n: fit.after(outcome[n]) for n, fit in wanted.items()}
 
     def searched() -> list[list[ContactSolution]]:
-        own, ends = [solvers[n] for n in range(len(halves))], list[tuple[LoadResult, ...]]()
+        own, ends = [solvers[n] for n in range(len(halves))], list[tuple[CaseLoad, ...]]()
         for pressure, place in begin.items():
             trials = Trials(own, pressure, progress)
             zero = find(trials, place)

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
 from fem_seal.answers.answer import Answer, Request
-from fem_seal.answers.case_load import CaseLoad, SolvedSeal, case_loads
+from fem_seal.answers.case_load import CaseLoad, SolvedSeal, loads_of
 from fem_seal.answers.uncertainty import changed_surface, stiffer_bodies
 from fem_seal.answers.verdict import VERDICT
 from fem_seal.case.case import Case, CaseBody
@@ -303,7 +303,7 @@ class _ChangedSeal:
             problem = change.problem(one.factor)
             found = evaluate(problem, Shared(tables=_short_table, stress=True))
             solved = [n for at, n in enumerate(self._solved(problem)) if at not in found.solved.problems]
-            loads = dict(zip(solved, case_loads(found.problem, found.loads), strict=True))
+            loads = dict(zip(solved, loads_of(found), strict=True))
             return all(
                 n in loads and self._better(found, loads[n], self.result.loads[n]) for n in self.numbers
             )
@@ -312,12 +312,14 @@ class _ChangedSeal:
     def _better(self, found: Evaluation, load: CaseLoad, before: CaseLoad) -> bool:
         rates = zip(_rates_of(load), _rates_of(before), strict=True)
         leaks_more = any(not after <= own * _SAME for after, own in rates)
-        return not leaks_more and (before.validity.outside or not validity_of(found, load).outside)
+        return not leaks_more and (
+            before.validity.outside or not load.validity_by(validity_of, found).outside
+        )
 
     def _rates(self, problem: SealProblem) -> Rates:
         """Leak rate in each reading of yielding asperities, or the only one [m^3/s]; none without a contact."""
         found = evaluate(problem, self.source)
-        load = case_loads(found.problem, found.loads[-1:])[0]
+        load = loads_of(found)[-1]
         return _rates_of(load) if load.point == problem.loads.points[-1] else ()
 
     def sensitivity(self, change: _Change) -> Sensitivity | None:

@@ -13,7 +13,6 @@ from fem_seal.answers.force_search import End, Trials, Zero, find_zero, search_f
 from fem_seal.errors import ConvergenceError, InputError, OpenSealError
 from fem_seal.loads import LARGEST_TURNING, contact_force
 from fem_seal.seal.findings import Finding, Level, Validity
-from fem_seal.seal.load_result import LoadResult, by_face
 from fem_seal.seal.problem import SealFlow, SealProblem, expected_forces
 from fem_seal.seal.scenarios import SCENARIOS, problem_in
 from fem_seal.units import briefly, format_quantity, quantity
@@ -192,7 +191,7 @@ def _at_target(
     """The load with the target's leak rate, or why there is none."""
     if zero is None:
         raise trials.unreached or ConvergenceError("no force was found that keeps the strains small")
-    pressure, load = trials.fluid_pressure, CaseLoad.of(_leaking(problem, trials.load(zero.place), scenario))
+    pressure, load = trials.fluid_pressure, _leaking(problem, trials.load(zero.place), scenario)
     if zero.end is not None:
         why = "not_met"
         if zero.end is End.LOWEST:
@@ -210,17 +209,17 @@ def _at_target(
     return load.with_values(preload_for_target=max(preload, 0.0))
 
 
-def _leaking(problem: SealProblem, load: LoadResult, scenario: str) -> LoadResult:
+def _leaking(problem: SealProblem, load: CaseLoad, scenario: str) -> CaseLoad:
     return case_loads(problem, [load])[0].scenarios.get(scenario, load) if scenario else load
 
 
-def _leak_rate(load: LoadResult) -> float:
+def _leak_rate(load: CaseLoad) -> float:
     assert load.leak is not None  # of what flows
     return load.leak.leak_rate
 
 
-def _turning(load: LoadResult) -> float:
-    return max(own.contact.turning for own in load.of_faces or (load,))
+def _turning(load: CaseLoad) -> float:
+    return max(own.contact.turning for own in load.contact_loads)
 
 
 def _first_guess(flow: SealFlow, fluid_pressure: float, target: float) -> float:
@@ -304,8 +303,9 @@ def _forces(seal: SolvedSeal, scenario: str) -> TargetForces:
     )
     if scenario:
         return forces
-    validity = [target_validity(problem, one) for one in found]
-    upper, *lower = (list(target_cautions(*one)) for one in zip(problem.halves, by_face(found), strict=True))
+    validity = [load.validity_by(target_validity, problem) for load in found]
+    faces = zip(*(load.contact_loads for load in found), strict=True)
+    upper, *lower = (list(target_cautions(*one)) for one in zip(problem.halves, faces, strict=True))
     known = {one.text for one in upper}
     remarks = [
         replace(one, text=sentence("lower_flange", said=one.text))

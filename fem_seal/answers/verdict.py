@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial, reduce
+from functools import partial
 
 from fem_seal.answers.accuracy import discretisation_error, on_coarser_mesh
 from fem_seal.answers.answer import Answer, Request
-from fem_seal.answers.case_load import CaseLoad, SolvedSeal, case_loads, solved_seal
+from fem_seal.answers.case_load import CaseLoad, GasketLoad, SolvedSeal, case_loads, solved_seal
 from fem_seal.answers.force_search import End, Trials, Zero, find_zero, search_forces, sensible_forces
 from fem_seal.answers.judgement import (
     LoadVerdict,
@@ -392,8 +392,8 @@ class _Search:
             except (ConvergenceError, InputError, OpenSealError):
                 self.tried[at] = None
             else:
-                faces = map(_checked, self.result.problem.halves, load.of_faces or (load,))
-                self.tried[at] = reduce(CaseLoad.beside, faces)
+                faces = map(_checked, self.result.problem.halves, load.contact_loads)
+                self.tried[at] = GasketLoad.joined(*faces)
         return self.tried[at]
 
     def _tell(self, tried: str) -> None:
@@ -479,7 +479,7 @@ def _alone(seal: SolvedSeal, progress: Progress, fluid_pressure: float, applied_
         before = earlier_cautions(problem, one.earlier, error)
         return load.with_values(validity=load_validity(problem, load, before))
 
-    load = reduce(CaseLoad.beside, map(checked, alone.faces))
+    load = GasketLoad.joined(*map(checked, alone.faces))
     if seal.case.sampled is None or load.validity.outside:
         return load
     return leak_interval(alone.with_loads([load]), progress=progress).of_load(load, 0)

@@ -54,7 +54,7 @@ def live_screen(case: Case, design: Mapping[str, str]) -> Screen:
     found, own = solved(case, whole, numbers)
     # the interval of every load is as wide as what its checks find
     seal = answered(solved_seal(found, case), request := Request(found.solver, SILENT), [OPENING])
-    loads = [load.with_values(validity=validity_of(found, load)) for load in seal.loads]
+    loads = [load.with_values(validity=load.validity_by(validity_of, found)) for load in seal.loads]
     failed = {numbers[n]: problem for n, problem in found.solved.problems.items() if n < len(numbers)}
     missing = [
         MissingLoad(n, *whole.loads.points[n], problem, whole.loads.bolts is not None)

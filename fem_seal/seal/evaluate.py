@@ -171,18 +171,18 @@ class Evaluation:
 
     @cached_property
     def loads(self) -> tuple[LoadResult, ...]:
-        """Each load with the contact that was found."""
-        own = self.solved.results(self.problem, self.problem.loads.points, self.source.table)
-        if self.lower_half is None:
-            return own
-        return tuple(map(LoadResult.beside, own, self.lower_half.loads))
+        """Each load with the contact that was found, of two different flanges with the upper one."""
+        return self.solved.results(self.problem, self.problem.loads.points, self.source.table)
 
     @property
     def halves(self) -> tuple[Evaluation, ...]:
         """Each of two different flanges on both faces; only itself where they are alike."""
         if self.lower_half is None:
             return (self,)
-        return replace(self, problem=self.problem.halves[0], lower_half=None), self.lower_half
+        upper = replace(self, problem=self.problem.halves[0], lower_half=None)
+        # what its loads have worked out stays
+        vars(upper)["loads"] = self.loads
+        return upper, self.lower_half
 
     def without(self, failures: Mapping[int, Exception]) -> Evaluation:
         """Without some more of the loads that were asked for, by their numbers."""

@@ -6,12 +6,11 @@ import math
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Self, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
 from fem_seal.profile import PressureProfile, joined, tightest
-from fem_seal.seal.both_faces import mean_leak, share_of
 from fem_seal.seal.lazy import Lazy
 from fem_seal.seal.leak_model import Conductivity, FlowModel, LeakModel
 from fem_seal.units import DIGITS, digits_within
@@ -48,9 +47,6 @@ class LoadResult(Lazy):
         How far the load is from opening the seal; None where neither fluid nor spring opens it, or it is not known.
     mesh_error : DiscretisationError or None
         What the mesh leaves uncertain; None where nobody asked.
-    of_faces : tuple of LoadResult or None
-        The same load with the upper and with the lower flange on both faces of a gasket, of which the leak rate is the
-        mean; None where the flanges are alike. All that is no leak rate is that of the upper one.
     """
 
     fluid_pressure: float
@@ -60,32 +56,6 @@ class LoadResult(Lazy):
     circumference: Circumference | None = None
     opening: OpeningMargin | None = None
     mesh_error: DiscretisationError | None = None
-    of_faces: tuple[LoadResult, LoadResult] | None = None
-
-    def beside(self, lower: LoadResult) -> Self:
-        """The load of a gasket with this face above and another one below, with what is known of each.
-
-        Parameters
-        ----------
-        lower : LoadResult
-            The same load with the lower flange on both faces.
-        """
-        return replace(self).with_faces(self, lower)
-
-    def with_faces(self, upper: LoadResult, lower: LoadResult) -> Self:
-        """`beside` with all that is known of the whole seal already."""
-        found = self.with_values(of_faces=(upper, lower))
-        margins = [face.opening for face in (upper, lower) if face.opening is not None]
-        return found.with_values(
-            opening=min(margins, key=lambda margin: margin.share, default=None),
-            mesh_error=_joined_error(upper.mesh_error, lower.mesh_error, found.upper_share),
-        )
-
-    def upper_share(self) -> float:
-        """Share of the upper of two different faces in the leak; a half without a leak rate."""
-        leaks = [None if self.leak is None else one.leak for one in self.of_faces or ()]
-        upper, lower = leaks or (None, None)
-        return 0.5 if upper is None or lower is None else share_of(upper, lower)
 
     @property
     def others(self) -> Mapping[str, LoadResult]:
@@ -165,13 +135,7 @@ class LoadResult(Lazy):
 
     @cached_property
     def leak(self) -> LeakResult | None:
-        """Flow through the contact, with its form error; None without roughness or fluid.
-
-        Through different faces the mean of both, where it flows that of the upper one.
-        """
-        if self.of_faces is not None:
-            upper, lower = (one.leak for one in self.of_faces)
-            return None if upper is None or lower is None else mean_leak(upper, lower)
+        """Flow through the contact, with its form error; None without roughness or fluid."""
         if self.circumference is None:
             return self.leak_round
         return None if self.around is None else self.around.leak
@@ -195,8 +159,6 @@ class LoadResult(Lazy):
     @cached_property
     def leak_before_sealing(self) -> float:
         """What leaks at most where the percolation threshold decides [m^3/s]; zero where it does not."""
-        if self.of_faces is not None:
-            return 0.5 * sum(one.leak_before_sealing for one in self.of_faces)
         if self.rough is None or self.rough.simulated or self.circumference is not None:
             return 0.0
         return self.rough.leak_before_sealing(self.whole, self.fluid_pressure)
@@ -293,20 +255,6 @@ def leak_rates(
     return found
 
 
-Load = TypeVar("Load", bound=LoadResult)
-
-
-def by_face(loads: Iterable[Load]) -> list[tuple[Load, ...]]:
-    """Loads with each of two different faces; of alike ones the loads themselves.
-
-    Parameters
-    ----------
-    loads : iterable of LoadResult
-    """
-    faces: Iterable[tuple[Load, ...]] = (load.of_faces or (load,) for load in loads)  # type: ignore[misc]
-    return list(zip(*faces, strict=True))
-
-
 def strongest_load(loads: Sequence[LoadResult]) -> int:
     """Number of the load with the largest closing force F_N."""
     return max(range(len(loads)), key=lambda n: loads[n].line_load)
@@ -371,21 +319,6 @@ class DiscretisationError:
     fwhm: float
     std: float
     leak_rate: float | None
-
-
-def _joined_error(
-    upper: DiscretisationError | None, lower: DiscretisationError | None, share: Callable[[], float]
-) -> DiscretisationError | None:
-    """Of two different faces, of which the upper one has a share in the leak."""
-    if upper is None or lower is None:
-        return upper or lower
-    peak, fwhm, std = (
-        max(getattr(upper, key), getattr(lower, key)) for key in ("peak_pressure", "fwhm", "std")
-    )
-    rate = upper.leak_rate
-    if rate is not None and lower.leak_rate is not None:
-        rate = share() * rate + (1.0 - share()) * lower.leak_rate
-    return DiscretisationError(peak, fwhm, std, rate)
 
 
 @dataclass(frozen=True)

@@ -178,15 +178,17 @@ def _checked(
     sampled = case.sampled is not None and not INTERVAL.isdisjoint(columns)
     passing = not PASSING.isdisjoint(columns)
     usual_only = leaks and not (sampled or passing)
-    judged_by = partial(validity_of, found, load, by_table=leaks and interpolated)
-    load = load.with_values(validity=_if_any(partial(judged_by, usual_only=usual_only), NOT_JUDGED))
+    by_table = partial(validity_of, by_table=leaks and interpolated)
+    judged_by = partial(load.validity_by, partial(by_table, usual_only=usual_only), found)
+    load = load.with_values(validity=_if_any(judged_by, NOT_JUDGED))
     known = True
     if sampled:
         request, seal = Request(found.solver, SILENT), solved_seal(found, case).with_loads([load])
         (load,) = answered(seal, request, [UNCERTAINTY]).loads
         known = UNCERTAINTY.of(request.answers) is not None
         if not known:
-            load = load.with_values(validity=_if_any(partial(judged_by, usual_only=True), NOT_JUDGED))
+            judged_by = partial(load.validity_by, partial(by_table, usual_only=True), found)
+            load = load.with_values(validity=_if_any(judged_by, NOT_JUDGED))
     judgement = (
         _if_any(partial(load_verdict, case, load, sampled=known), None) if "margin" in columns else None
     )

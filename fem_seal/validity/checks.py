@@ -12,7 +12,6 @@ import numpy as np
 from fem_seal.contact.solution import ContactSolution, PlasticZone, YieldedZone, yielded_zone, yielding_of
 from fem_seal.loads import LARGEST_EXCESS, LARGEST_TURNING, TURNED
 from fem_seal.materials import HARDNESS_OVER_YIELD_STRESS, creep_remarks
-from fem_seal.seal.both_faces import joined_validity
 from fem_seal.seal.bounds import EXACT, Bounds
 from fem_seal.seal.findings import ORDERS_OF_MAGNITUDE, Finding, Level, Validity
 from fem_seal.seal.leak_model import DIRECT_END
@@ -216,10 +215,6 @@ def validity_of(
     usual_only : bool
         Whether the range of a finish is left out.
     """
-    if load.of_faces is not None:
-        each = zip(found.halves, load.of_faces, strict=True)
-        upper, lower = (validity_of(*one, by_table=by_table, usual_only=usual_only) for one in each)
-        return joined_validity(upper, lower, load.upper_share)
     problem, before, sealing = found.problem, found.solved.earlier, None
     if usual_only and problem.origin.of_finish:
         problem = replace(problem, origin=replace(problem.origin, usual_only=True))
@@ -309,10 +304,7 @@ def target_validity(problem: SealProblem, answer: LoadResult) -> Validity:
     problem : SealProblem
     answer : LoadResult
     """
-    if answer.of_faces is None:
-        return Validity.of(_at_target(problem, [answer]))
-    upper, lower = map(target_validity, problem.halves, answer.of_faces)
-    return joined_validity(upper, lower, answer.upper_share)
+    return Validity.of(_at_target(problem, [answer]))
 
 
 def _at_target(problem: SealProblem, answers: Sequence[LoadResult]) -> Iterator[Finding]:

@@ -61,7 +61,6 @@ FIELDS = {
         "fluid_pressure",
         "circumference",
         "mesh_error",
-        "of_faces",
         "opening",
         "rough",
     },
