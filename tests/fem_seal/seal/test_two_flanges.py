@@ -40,7 +40,7 @@ def test_the_leak_rate_is_the_mean() -> None:
         assert load.leak.mass_flow == pytest.approx(
             0.5 * (one.leak.mass_flow + other.leak.mass_flow), rel=1e-12
         )
-        assert {"capped", "elastic", "corrected"} <= set(load.scenarios)
+        assert {"elastic", "paper"} <= set(load.scenarios)
         for name, found in load.scenarios.items():
             rates = one.scenarios[name].leak.leak_rate, other.scenarios[name].leak.leak_rate
             assert found.leak.leak_rate == pytest.approx(0.5 * sum(rates), rel=1e-12)
