@@ -212,7 +212,7 @@ def test_a_column_is_found_with_and_without_its_unit():
 
 def test_a_load_is_shown_line_by_line():
     page = sample_results.rough_result().loads[-1]._repr_html_()
-    assert "<b>LoadResult at 20 bar" in page
+    assert "<b>CaseLoad at 20 bar" in page
     assert "<br>FWHM" in page
 
 
