@@ -35,7 +35,6 @@ from .flow.medium import DirectionalGap as DirectionalGap
 from .flow.medium import anisotropic_medium as anisotropic_medium
 from .flow.medium import dimension_number as dimension_number
 from .flow.medium import effective_medium as effective_medium
-from .flow.nearby import NearbyTables as NearbyTables
 from .flow.particles import Clogging as Clogging
 from .flow.particles import GapDistribution as GapDistribution
 from .flow.particles import Paths as Paths

@@ -32,6 +32,8 @@ class Request:
         Those before it, by name.
     solve : callable
         Solves another case, `fem_seal.answers.chain.solve`, as a run of its own would.
+    samples : dict
+        Leak rates of samples of the uncertain inputs, see `fem_seal.answers.samples`: no answer calculates them again.
     lower_half : list of Request
         The one about a lower flange of its own, once it was asked anything.
     """
@@ -43,6 +45,7 @@ class Request:
     steps: OptionalSteps = field(default_factory=OptionalSteps)
     answers: dict[str, Any] = field(default_factory=dict)
     solve: Callable[..., SolvedSeal] | None = None
+    samples: dict[Any, Any] = field(default_factory=dict)
     lower_half: list[Request] = field(default_factory=list)
 
     def of_lower_half(self, seal: SolvedSeal) -> Request:
@@ -55,7 +58,7 @@ class Request:
         """
         if not self.lower_half:
             solver = LoadSolver(seal.problem, seal.model)
-            own = replace(self, solver=solver, steps=OptionalSteps(), answers={}, lower_half=[])
+            own = replace(self, solver=solver, steps=OptionalSteps(), answers={}, samples={}, lower_half=[])
             self.lower_half.append(own)
         return self.lower_half[0]
 

@@ -28,8 +28,9 @@ from fem_seal.answers.opening import OPENING
 from fem_seal.answers.pass_probability import why_none
 from fem_seal.answers.posterior import Posterior, columns_of
 from fem_seal.answers.response_surface import fit, variables
+from fem_seal.answers.samples import AnyInput, drawn_values, uncertain_inputs
 from fem_seal.answers.solution import SealSolution
-from fem_seal.answers.uncertainty import AnyInput, drawn_values, leak_interval, uncertain_inputs
+from fem_seal.answers.uncertainty import leak_interval
 from fem_seal.answers.verdict import VERDICT, Verdicts, seal_verdict, with_verdicts
 from fem_seal.arrays import FloatArray, IntArray
 from fem_seal.case.case import Case

@@ -16,11 +16,10 @@ from fem_seal.answers.judgement import Limit, PassProbability
 from fem_seal.answers.leakage_class import limits
 from fem_seal.answers.posterior import Posterior
 from fem_seal.answers.response_surface import Polynomials, ResponseSurface, fit_with_prior
-from fem_seal.answers.uncertainty import SampledSeal, UncertainScans
+from fem_seal.answers.samples import KnownRates, Samples, UncertainScans
 from fem_seal.arrays import FloatArray, IntArray
 from fem_seal.case.case import Case
 from fem_seal.case.tables import Uncertainty
-from fem_seal.errors import ConvergenceError
 from fem_seal.sampling import sobol_points
 from fem_seal.seal.kept import Kept
 from fem_seal.validity.words import sentence
@@ -30,8 +29,8 @@ from leak import FlowError
 _SAMPLES = 4096
 # Standard error at which the runs end; as many as the last number reach it by counting alone.
 _ERROR, _MOST_RUNS = 0.02, 640
-# Runs for each input at first, and more of them at a time; share of them that must converge.
-_FOR_EACH, _MORE, _FEWEST_KNOWN = 2, 3, 0.7
+# Runs for each input at first, and more of them at a time.
+_FOR_EACH, _MORE = 2, 3
 # Runs that are chosen to tell most, of so many samples; runs that are counted at first.
 _CHOSEN, _CANDIDATES, _COUNTED = 32, 256, 64
 # Inputs up to which the polynomial is a cubic, and up to which it is a quadratic one.
@@ -90,17 +89,19 @@ class QuickSamples:
 
     Parameters
     ----------
-    sampled : SampledSeal
-        Its loads are those that are judged.
+    sampled : Samples
+    loads : tuple of int
+        Numbers of those that are judged.
     known : ndarray of int, shape (runs,)
         Samples whose contact and leak rate were calculated.
-    runs : ndarray, shape (runs, readings and fluids times loads)
+    runs : ndarray, shape (runs, kinds times loads)
         Their leak rates at the case's own viscosity [m^3/s].
     tried : int
         Of the first so many samples all were tried: their runs stand for the others.
     """
 
-    sampled: SampledSeal
+    sampled: Samples
+    loads: tuple[int, ...]
     known: IntArray
     runs: FloatArray = field(repr=False)
     tried: int = 0
@@ -131,12 +132,13 @@ class QuickSamples:
 
     def column(self, reading: int, number: int, *, in_test: bool) -> int:
         """Of a reading at a load, of the case's fluid or of the gas of the test."""
-        kind = reading + (self.sampled.readings if in_test and len(self.sampled.flows) > 1 else 0)
-        return kind * len(self.sampled.result.loads) + number
+        other_gas = len(self.sampled.of_case) > self.sampled.readings
+        kind = reading + (self.sampled.readings if in_test and other_gas else 0)
+        return kind * len(self.loads) + self.loads.index(number)
 
 
 def pass_probabilities(
-    seal: SolvedSeal, progress: Callable[[str], None] = lambda text: None
+    seal: SolvedSeal, progress: Callable[[str], None] = lambda text: None, known: KnownRates | None = None
 ) -> list[PassProbability | None]:
     """The share of the samples that keep the requirement, at each load; None where nothing is required.
 
@@ -153,6 +155,8 @@ def pass_probabilities(
         Its loads with their validity.
     progress : callable, optional
         Called with a status message before each step.
+    known : dict, optional
+        See `Samples.calculated`.
 
     Raises
     ------
@@ -179,8 +183,7 @@ def pass_probabilities(
     judged = [n for n in asked if n not in none]
     found: dict[int, PassProbability] = {n: PassProbability(why_none=why) for n, why in none.items()}
     if judged:
-        part = seal.with_loads([seal.loads[n] for n in judged])
-        found |= dict(zip(judged, _found(part, settings, judged, progress), strict=True))
+        found |= dict(zip(judged, _found(seal, settings, judged, progress, known), strict=True))
     return [found.get(n) for n in range(len(seal.loads))]
 
 
@@ -205,15 +208,20 @@ def why_none(case: Case, load: CaseLoad) -> str:
 
 
 def _found(
-    seal: SolvedSeal, settings: Uncertainty | None, numbers: Sequence[int], progress: Callable[[str], None]
+    seal: SolvedSeal,
+    settings: Uncertainty | None,
+    loads: Sequence[int],
+    progress: Callable[[str], None],
+    known_rates: KnownRates | None,
 ) -> list[PassProbability]:
     if settings is None:
-        sampled = SampledSeal(seal, (), np.empty((1, 0)))
+        sampled = Samples(seal, (), np.empty((1, 0)))
     else:
         many = settings.model_copy(update={"samples": max(settings.samples, _SAMPLES)})
-        sampled = replace(SampledSeal.of(seal, many), lenient=True, numbers=numbers)
-    if not sampled.calculated:
-        twice = QuickSamples(sampled, np.array([0, 0]), np.tile(sampled.of_case, (2, 1)))
+        sampled = Samples.of(seal, many, known_rates)
+    if not sampled.evaluated:
+        of_case = sampled.of_case[:, loads].ravel()
+        twice = QuickSamples(sampled, tuple(loads), np.array([0, 0]), np.tile(of_case, (2, 1)))
         return _of_loads(seal.case, twice)
     order: Iterable[int] = Plan.of(sampled.scores).order
     most, rates = min(_MOST_RUNS, len(sampled.uniform)), dict[int, FloatArray]()
@@ -221,15 +229,12 @@ def _found(
     while True:
         new = list(islice((number for number in order if number not in rates), goal - len(rates)))
         progress(f"probability to pass: samples {len(rates) + 1} to {goal}")
-        rates.update(zip(new, sampled.leak_rates(new), strict=True))
-        known = [number for number, row in rates.items() if not np.isnan(row).any()]
-        if len(known) < _FEWEST_KNOWN * goal:
-            raise ConvergenceError(
-                f"pass probability: {goal - len(known)} of {goal} samples did not converge"
-            )
+        rates.update(zip(new, sampled.leak_rates(new, loads).reshape(len(new), -1), strict=True))
+        runs = np.array(list(rates.values()))
+        converged = sampled.converged(runs)
+        known, runs = np.array(list(rates))[converged], runs[converged]
         tried = next(number for number in range(len(rates) + 1) if number not in rates)
-        runs = np.array([rates[number] for number in known])
-        quick = QuickSamples(sampled, np.array(known), runs, tried)
+        quick = QuickSamples(sampled, tuple(loads), known, runs, tried)
         if len(known) > sampled.scores.shape[1] + 1:
             found = _of_loads(seal.case, quick)
             if goal >= most or all(one.error <= _ERROR for one in found):
@@ -242,7 +247,8 @@ def _found(
 
 
 def _of_loads(case: Case, quick: QuickSamples) -> list[PassProbability]:
-    return [_of_load(case, load, number, quick) for number, load in enumerate(quick.sampled.result.loads)]
+    loads = quick.sampled.seal.loads
+    return [_of_load(case, loads[number], number, quick) for number in quick.loads]
 
 
 def _of_load(case: Case, load: CaseLoad, number: int, quick: QuickSamples) -> PassProbability:
@@ -256,7 +262,7 @@ def _of_load(case: Case, load: CaseLoad, number: int, quick: QuickSamples) -> Pa
     for reading in range(quick.sampled.readings):
         columns = [quick.column(reading, number, in_test=_tested_with_gas(case, one)) for one in allowed]
         batch = math.nan
-        if quick.smooth(columns) or not quick.sampled.calculated:
+        if quick.smooth(columns) or not quick.sampled.evaluated:
             surface = quick.surface(columns, ln_most)
             share, off = _by_polynomial(quick, surface, own)
             # what a leak test has left belongs together, and is that of one seal
@@ -347,7 +353,7 @@ def _ln_ratio(ln_most: FloatArray, rates: FloatArray) -> FloatArray:
 PASS_PROBABILITY = Answer[Sequence[PassProbability | None]](
     "pass_probability",
     "share of the samples that keep the requirement",
-    lambda seal, request: pass_probabilities(seal, request.clock.progress),
+    lambda seal, request: pass_probabilities(seal, request.clock.progress, request.samples),
     (),
     # the preload of bolts is not among what is sampled
     lambda seal, request: seal.case.bolts is None or seal.case.bolts.torque_scatter == 0.0,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import combinations_with_replacement
@@ -12,7 +13,16 @@ from fem_seal.arrays import FloatArray, IntArray
 
 _HIGHEST_DEGREE = 6
 # Runs per coefficient below which a least-squares polynomial follows single runs instead of the model.
-_RUNS_PER_TERM = 1.6
+_RUNS_PER_TERM = 1.35
+# Error of a left-out run over the scatter, above which ln Q bends towards sealing; ln of how far it is followed.
+_ERROR_OF_BENT, _LEAST_LOG = 0.2, 6.0
+# What is less is no leak: a molecule of a gas in a hundred years [m^3/s], or so much of what the case itself leaks.
+# Next to sealing a sample that leaks so little may be off by a factor, and nobody sees it.
+_NOTHING, _TRACE = 1e-35, 1e-9
+# Beside the runs of the polynomial: samples at both ends of the interval, calculated to see how well it does there.
+_CHECKS = 4
+# Loads that are sampled where there are more.
+_LOADS = 5
 # Variance of coefficients of degree 0, 1, 2 and 3 over that of what the polynomial leaves. With it standard errors
 # suit leak rates of twelve seals, 150 to 200 samples each: elastic and yielding, liquid and gas, round and oval,
 # finishes of a drawing and given spectra. The constant may be anything.
@@ -135,9 +145,12 @@ class ResponseSurface:
         return (self.coefficients[alone] ** 2).sum(axis=0)
 
 
-def fit(
-    inputs: FloatArray, outputs: FloatArray, population: FloatArray, runs_per_term: float = _RUNS_PER_TERM
-) -> ResponseSurface:
+def first_runs(inputs: int) -> int:
+    """Runs that a quadratic polynomial in so many inputs needs."""
+    return math.ceil(_RUNS_PER_TERM * (inputs + 1) * (inputs + 2) / 2) + 1
+
+
+def fit(inputs: FloatArray, outputs: FloatArray, population: FloatArray) -> ResponseSurface:
     """Least-squares polynomial through runs, of the degree that predicts left-out runs best.
 
     Parameters
@@ -146,14 +159,12 @@ def fit(
     outputs : ndarray, shape (runs, outputs)
     population : ndarray, shape (n, d)
         Values of the inputs that represent their distribution; the runs may be among them.
-    runs_per_term : float
-        Runs that there must be for each coefficient, above 1.
     """
     best: ResponseSurface | None = None
     constant = Polynomials.of(population, 0)
     for degree in range(_HIGHEST_DEGREE + 1):
         polynomials = replace(constant, exponents=_exponents(inputs.shape[1], degree))
-        if degree and len(inputs) < runs_per_term * len(polynomials.exponents):
+        if degree and len(inputs) < _RUNS_PER_TERM * len(polynomials.exponents):
             break
         design = polynomials(inputs)
         q, r = np.linalg.qr(design)
@@ -193,6 +204,89 @@ def fit_with_prior(polynomials: Polynomials, inputs: FloatArray, outputs: FloatA
     free = len(inputs) - inputs.shape[1] - 1
     error = np.sqrt(((values - design @ coefficients) ** 2).sum(axis=0) / free)
     return ResponseSurface(polynomials, coefficients, error, np.linalg.inv(r))
+
+
+def bent_towards_sealing(
+    surface: ResponseSurface, runs: FloatArray, logs: FloatArray, population: FloatArray
+) -> FloatArray:
+    """ln Q of a population, also where it falls the faster the nearer a sample is to sealing.
+
+    A quadratic polynomial does not follow that: at the upper end of its samples too much leaks, in the median too
+    little. Where it leaves much, the likeliest cubic one of -ln(bound - ln Q) takes its place.
+
+    Parameters
+    ----------
+    surface : ResponseSurface
+    runs : ndarray, shape (runs, d)
+    logs : ndarray, shape (runs, outputs)
+        ln Q of the runs.
+    population : ndarray, shape (n, d)
+    """
+    found = surface(population)
+    poor = surface.error > _ERROR_OF_BENT * np.sqrt(surface.variance)
+    if not np.any(poor):
+        return found
+    # not by the standard deviation, most of which may be that of one sample next to sealing
+    bound = logs.max(axis=0) + 0.5 * np.subtract(*np.quantile(logs, (0.84, 0.16), axis=0))
+    bent = fit_with_prior(Polynomials.of(population, 3), runs, -np.log(bound - logs))
+    return np.where(poor, bound - np.exp(np.minimum(-bent(population), _LEAST_LOG)), found)
+
+
+def largest_difference(found: FloatArray, truth: FloatArray, of_case: FloatArray) -> float:
+    """Relative difference of samples, shape (samples, columns), whose case leaks so much in each column."""
+    least = np.maximum(_NOTHING, _TRACE * np.where(np.isfinite(of_case), of_case, 0.0))
+    with np.errstate(invalid="ignore"):
+        differ = np.abs((found + least) / (truth + least) - 1)
+    # both blown open is no difference; a path that did not converge says nothing
+    return float(np.nan_to_num(differ, nan=0.0).max())
+
+
+def allowed_difference(leak_rate: FloatArray, least: float, share: float) -> float:
+    """How far samples that scatter like these may be off, from shares of one and of their scatter in ln Q.
+
+    At each load the samples that leak count, also where it seals or opens others, or all at another load.
+    """
+    leaking = [column[(column > 0) & np.isfinite(column)] for column in leak_rate.T]
+    widths = [np.diff(np.quantile(np.log(column), (0.05, 0.95))) for column in leaking if column.size]
+    return max(least, share * float(np.max(widths, initial=0.0)))
+
+
+def representative(log_line_load: FloatArray) -> IntArray:
+    """Places of few loads over the whole range, the last one among them; of all if they are few."""
+    count = len(log_line_load)
+    if count <= _LOADS:
+        return np.arange(count)
+    even = np.linspace(0, count - 1, _LOADS).round().astype(int)
+    return np.unique([*np.argsort(log_line_load, kind="stable")[even], count - 1])
+
+
+def at_all_loads(log_line_load: FloatArray, places: IntArray, ratios: FloatArray) -> FloatArray:
+    """Ratios of leak rates at all loads from those at few, shape (kinds, samples, places) to (.., .., loads)."""
+    from scipy.interpolate import PchipInterpolator
+
+    nodes, first = np.unique(log_line_load[places], return_index=True)
+    nearest = np.argmin(np.abs(log_line_load[:, None] - log_line_load[places]), axis=1)
+    found = ratios[..., nearest]
+    smooth = np.all((ratios > 0) & np.isfinite(ratios), axis=-1)
+    if len(first) > 1 and smooth.any():
+        between = PchipInterpolator(nodes, np.log(ratios[smooth][:, first]), axis=-1)
+        found[smooth] = np.exp(between(log_line_load))
+    return found
+
+
+def samples_at_ends(leak_rate: FloatArray, confidence: float) -> IntArray:
+    """Samples at the ends of an interval: the lower one of the smaller reading, the upper one of the larger.
+
+    Parameters
+    ----------
+    leak_rate : ndarray, shape (samples, readings)
+    confidence : float
+    """
+    last, near = len(leak_rate) - 1, list[int]()
+    for share, outer in ((0.5 - 0.5 * confidence, np.argmin), (0.5 + 0.5 * confidence, np.argmax)):
+        order = np.argsort(leak_rate[:, outer(np.quantile(leak_rate, share, axis=0, method="lower"))])
+        near += [int(order[min(last, int(share * last) + n)]) for n in range(_CHECKS // 2)]
+    return np.unique(near)
 
 
 def variables(values: Mapping[str, FloatArray]) -> list[FloatArray]:

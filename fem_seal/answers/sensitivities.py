@@ -8,14 +8,14 @@ that of a complete run.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
 from fem_seal.answers.answer import Answer, Request
 from fem_seal.answers.case_load import CaseLoad, SolvedSeal, loads_of
-from fem_seal.answers.uncertainty import changed_surface, stiffer_bodies
+from fem_seal.answers.samples import changed_problem
 from fem_seal.answers.verdict import VERDICT
 from fem_seal.case.case import Case, CaseBody
 from fem_seal.case.fields import quantities_of
@@ -24,12 +24,12 @@ from fem_seal.case.roughness import self_affine_part
 from fem_seal.errors import SealError
 from fem_seal.processes import can_copy, fork_map
 from fem_seal.seal.evaluate import Evaluation, evaluate
-from fem_seal.seal.leak_model import Conductivity, FlowModel
+from fem_seal.seal.leak_model import FlowModel
 from fem_seal.seal.load_result import highest_load
 from fem_seal.seal.problem import SealProblem
 from fem_seal.seal.sources import Shared, Source
 from fem_seal.validity.checks import validity_of
-from leak import LeakError, RoughContact
+from leak import LeakError
 from meshes import GeometryError, MeshingError
 
 # Relative step of the local exponent of what costs a surface, and of a force.
@@ -72,8 +72,6 @@ _NOT_DRAWN = ("youngs_modulus", "q_rolloff", "hurst")
 # Largest ratio of leak rates that is told as less, and the ratio up to which it is the same.
 _CUTS, _SAME = 0.97, 1.001
 _DOING = "what changes the leak rate most"
-# Range and points of the table of a changed surface: resistance further down is below 1e-4 of the whole.
-_DECADES, _ABOVE, _POINTS = 2.0, 0.05, 16
 _FAILURES = (SealError, LeakError, GeometryError, MeshingError, ValueError, ArithmeticError)
 
 Rates = tuple[float, ...]
@@ -183,15 +181,6 @@ def sensitivities(
     return tuple(every)
 
 
-def _short_table(flow: FlowModel, surface: RoughContact, log_peaks: Sequence[float]) -> Conductivity:
-    """Flow conductivity around the peak pressures of a few contacts, the only ones that this surface has."""
-    if flow.simulated is not None:
-        return flow.table_around(surface, log_peaks)
-    low, high = min(log_peaks) - _DECADES, max(log_peaks) + _ABOVE
-    points = _POINTS + math.ceil(8 * (max(log_peaks) - min(log_peaks)))
-    return flow.table(surface, 10.0**low, 10.0**high, points)
-
-
 @dataclass(frozen=True)
 class _Change:
     """One thing that is changed.
@@ -248,7 +237,7 @@ class _ChangedSeal:
 
     @cached_property
     def source(self) -> Source:
-        return Shared(tables=_short_table)
+        return Shared(tables=FlowModel.short_table)
 
     @cached_property
     def case(self) -> Case:
@@ -301,7 +290,7 @@ class _ChangedSeal:
         change = next(change for change in self.changes() if (change.key, change.material) == same)
         with suppress(*_FAILURES):
             problem = change.problem(one.factor)
-            found = evaluate(problem, Shared(tables=_short_table, stress=True))
+            found = evaluate(problem, Shared(tables=FlowModel.short_table, stress=True))
             solved = [n for at, n in enumerate(self._solved(problem)) if at not in found.solved.problems]
             loads = dict(zip(solved, loads_of(found), strict=True))
             return all(
@@ -376,7 +365,7 @@ class _ChangedSeal:
         yield self._force()
         yield from self._surface()
         if self.problem.form is not None and (self.problem.form.waves or self.problem.form.tolerance):
-            yield _Change("form", 1.0 / _TWICE, self._with_form)
+            yield _Change("form", 1.0 / _TWICE, partial(self._with_surface, "form"))
         yield from self._dimensions()
         yield from self._materials()
 
@@ -452,20 +441,13 @@ class _ChangedSeal:
             return self._at_load(SealProblem.of(self.case.replace(halved)))
 
         def changed(problem: SealProblem, case: Case) -> SealProblem:
-            assert problem.surface is not None  # of `leaks`
             lower = problem.lower_half
             return replace(
-                problem,
-                surface=changed_surface(case, problem.surface, {key: factor}),
-                materials=stiffer_bodies(problem.materials, factor if key == "youngs_modulus" else 1.0),
+                changed_problem(problem, case, {key: factor}),
                 lower_half=None if lower is None else changed(lower, case.halves[-1]),
             )
 
         return changed(self.problem, self.case)
-
-    def _with_form(self, factor: float) -> SealProblem:
-        form = self.problem.form
-        return replace(self.problem, form=form and form.scaled(factor))
 
     def _with_entries(self, entries: Mapping[str, float], of: float, factor: float) -> SealProblem:
         """The problem with some numbers of the case larger by the same: a factor on one of them, or between two."""

@@ -312,6 +312,10 @@ class BoundaryLoad:
     free_strain: FloatArray | float = 0.0
 
 
+# Loads of a body that prescribe how far it moves, whatever its stiffness.
+_IMPOSED = ("wall", "expansion", "heat")
+
+
 @dataclass(frozen=True)
 class CondensedBody:
     """One elastic body seen from its contact line.
@@ -349,6 +353,16 @@ class CondensedBody:
     def with_loads(self, loads: Mapping[LoadName, BoundaryLoad]) -> CondensedBody:
         """The same body with other answers to its loads."""
         return replace(self, find_loads=lambda: loads)
+
+    def stiffer(self, factor: float) -> CondensedBody:
+        """The same body with Young's modulus times a factor, but for `compliance` and what is inside."""
+        material = replace(self.material, youngs_modulus=self.material.youngs_modulus * factor)
+        # the wall of a pressed-in housing and heat move a body as far as before; pressures move a stiffer one less
+        loads = {
+            name: load if name in _IMPOSED else replace(load, opening=load.opening / factor)
+            for name, load in self.loads.items()
+        }
+        return replace(self.with_loads(loads), held=replace(self.held, material=material))
 
     @property
     def line_alone(self) -> CondensedBody:

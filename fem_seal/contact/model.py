@@ -238,6 +238,18 @@ class ContactModel:
             else replace(self, stop=approach, touch=touch)
         )
 
+    def stiffer(self, factor: float) -> ContactModel:
+        """Model of the same bodies with both Young's moduli times a factor, as far as a contact needs it."""
+        if factor == 1.0:
+            return self
+        return replace(
+            self,
+            closure=self.closure.stiffer(factor),
+            seat=self.seat.stiffer(factor),
+            compliance=self.compliance / factor,
+            harmonics=(self.harmonics[0].stiffer(factor), self.harmonics[1].stiffer(factor)),
+        )
+
     def line_load(self, contact_force: float) -> float:
         """f_N = F_N / (2 pi r0 cos theta) [N/m] (Fischer et al., above eq. 1)."""
         return contact_force / (2 * np.pi * self.initial_contact_radius * self.touch_normal_z)

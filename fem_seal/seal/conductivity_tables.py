@@ -53,6 +53,11 @@ def family_law(surface: RoughContact) -> ScaledLaw:
     return ScaledLaw(_law(member.elastic), height, math.log(pressure))
 
 
+def same_family(surface: RoughContact, other: RoughContact) -> bool:
+    """Whether two surfaces differ in height, modulus and hardness alone."""
+    return _member(surface)[0].elastic == _member(other)[0].elastic
+
+
 def family_table(
     flow: FlowModel, surface: RoughContact, tables: Sequence[Conductivity] | None = None
 ) -> Conductivity | None:

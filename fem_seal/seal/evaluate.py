@@ -23,7 +23,7 @@ from fem_seal.seal.cost import about, path_seconds
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.load_solver import Clock, LoadSolver, SolvedLoads, solve_loads
 from fem_seal.seal.problem import Loads, SealProblem, sizing
-from fem_seal.seal.sources import EXACT, Source
+from fem_seal.seal.sources import EXACT, NearSolved, Source
 from meshes import MeshingError, SealMesh
 
 if TYPE_CHECKING:
@@ -258,18 +258,52 @@ def evaluate_many(
     clock : Clock
         Told what is being done.
     """
-    found = _evaluated({n: one.halves[0] for n, one in problems.items()}, sources, batch, clock)
+    upper_sources, lower_sources = (
+        {
+            n: source.of_face(face) if problems[n].lower_half is not None else source
+            for n, source in sources.items()
+        }
+        for face in (0, 1)
+    )
+    found = _evaluated({n: one.halves[0] for n, one in problems.items()}, upper_sources, batch, clock)
     unlike = {n: problems[n].halves[1] for n in found if problems[n].lower_half is not None}
     if not unlike:
         return found
     clock.progress("the lower flange on both faces of the gasket")
-    lower = _evaluated(unlike, sources, batch, clock)
+    lower = _evaluated(unlike, lower_sources, batch, clock)
     return {n: one for n, one in found.items() if n not in unlike} | batch.each(
         lower, lambda n: found[n].beside(lower[n])
     )
 
 
 def _evaluated(
+    problems: Mapping[int, SealProblem], sources: Mapping[int, Source], batch: Batch, clock: Clock
+) -> dict[int, Evaluation]:
+    near = {n: source for n in problems if isinstance(source := sources[n], NearSolved)}
+    others = {n: problem for n, problem in problems.items() if n not in near}
+    found = _near_solved({n: problems[n] for n in near}, near, batch) if near else {}
+    return found | (_on_own_meshes(others, sources, batch, clock) if others else {})
+
+
+def _near_solved(
+    problems: Mapping[int, SealProblem], sources: Mapping[int, NearSolved], batch: Batch
+) -> dict[int, Evaluation]:
+    """On the bodies of the solved seal, and from its contacts: all that move are pressed together."""
+    problems = batch.each(problems, lambda n: sources[n].problem(problems[n]))
+    models = batch.each(problems, lambda n: sources[n].model(problems[n]))
+    pressed = _pressed(batch.each(models, lambda n: sources[n].pressings(problems[n], models[n])), batch)
+
+    def solved(number: int) -> Evaluation:
+        problem, source, model = problems[number], sources[number], models[number]
+        loads = source.solve(problem, model, pressed.get(number, {}))
+        every = range(len(problem.loads.points))
+        asked = replace(problem, loads=problem.loads.without(set(every) - set(source.numbers)))
+        return Evaluation(_solved_part(asked, loads), loads, model, None, source, asked.loads)
+
+    return batch.each(models, solved)
+
+
+def _on_own_meshes(
     problems: Mapping[int, SealProblem], sources: Mapping[int, Source], batch: Batch, clock: Clock
 ) -> dict[int, Evaluation]:
     sources = {number: sources[number].suited(problem) for number, problem in problems.items()}

@@ -12,6 +12,7 @@ import numpy as np
 
 import leak
 from fem_seal.seal.lazy import Lazy
+from leak.flow.conductivity import table_abscissa
 from leak.numerics.roots import root_between
 
 if TYPE_CHECKING:
@@ -41,6 +42,11 @@ _APART = 5.0
 _DENSITY = 1000.0
 # Decades between the highest pressure and the end of a table.
 MARGIN = 0.3
+
+# A short table reaches so many decades below the lowest peak, where resistance is below 1e-4 of the whole, and above
+# the highest; so many points it has at least, and for each unit of what its values are smooth in, up to this share of
+# the sealing pressure.
+_SHORT_BELOW, _SHORT_ABOVE, _SHORT_LEAST, _SHORT_DENSITY, _SHORT_END = 2.0, 0.05, 8, 1.7, 0.95
 
 Conductivity: TypeAlias = "ConductivityTable | GasConductivityTable"
 
@@ -195,6 +201,23 @@ class FlowModel:
             Decimal logarithms of the peak pressures [Pa].
         """
         return self.table(surface, *range_around(log_peaks))
+
+    def short_table(self, surface: RoughContact, log_peaks: Sequence[float]) -> Conductivity:
+        """Flow conductivity around the peak pressures of a few contacts, the only ones that this surface has.
+
+        Parameters
+        ----------
+        surface : RoughContact
+        log_peaks : sequence of float
+            Decimal logarithms of the peak pressures [Pa].
+        """
+        if self.simulated is not None:
+            return self.table_around(surface, log_peaks)
+        low, high = 10.0 ** (min(log_peaks) - _SHORT_BELOW), 10.0 ** (max(log_peaks) + _SHORT_ABOVE)
+        sealing = surface.sealing_pressure
+        ends = np.log([low, min(high, _SHORT_END * sealing)])
+        way = np.diff(table_abscissa(ends, math.log(sealing)))
+        return self.table(surface, low, high, max(_SHORT_LEAST, math.ceil(_SHORT_DENSITY * float(way[0]))))
 
     def permeant(self, table: Conductivity, high: float, low: float = 0.0) -> Permeant:
         """What flows between two pressures.

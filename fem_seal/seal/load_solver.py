@@ -847,44 +847,19 @@ def solved_again(
     ------
     ConvergenceError
     """
-    (found,) = solved_with(contacts, [(model, law)], earlier)
-    if isinstance(found, ConvergenceError):
-        raise found
-    return found
-
-
-def solved_with(
-    contacts: Sequence[ContactSolution],
-    others: Sequence[tuple[ContactModel, Law]],
-    earlier: ContactSolution | None = None,
-    settings: ContactSettings = DEFAULT_SETTINGS,
-) -> list[list[ContactSolution] | ConvergenceError]:
-    """`solved_again` of several bodies and laws in one go; of each its contacts, or why there are none.
-
-    Parameters
-    ----------
-    contacts, earlier
-        See `solved_again`.
-    others : sequence of (ContactModel, InterfaceLaw or HardContact)
-    settings : ContactSettings
-    """
     loads = [*contacts] if earlier is None else [earlier, *contacts]
-    pressings = [
-        ContactProblem(model, law, one.pressing_force, one.loads, settings, one)
-        for model, law in others
-        for one in loads
-    ]
-    solved = solve_many(pressings)
-    found: list[list[ContactSolution] | ConvergenceError] = []
-    for first in range(0, len(solved), len(loads)):
-        own = solved[first : first + len(loads)]
-        contacts_of = [one for one in own if not isinstance(one, ConvergenceError)]
-        if len(contacts_of) < len(own):
-            found.append(next(one for one in own if isinstance(one, ConvergenceError)))
-        else:
-            before = None if earlier is None else contacts_of.pop(0)
-            found.append([one.after(before) for one in contacts_of])
-    return found
+    solved = solve_many(
+        [
+            ContactProblem(model, law, load.pressing_force, load.loads, DEFAULT_SETTINGS, start=load)
+            for load in loads
+        ]
+    )
+    for outcome in solved:
+        if isinstance(outcome, ConvergenceError):
+            raise outcome
+    again = [outcome for outcome in solved if not isinstance(outcome, ConvergenceError)]
+    before = None if earlier is None else again.pop(0)
+    return [contact.after(before) for contact in again]
 
 
 Progress = Callable[[str], None]

@@ -1,4 +1,4 @@
-"""Sources of condensed bodies and conductivity tables: exact for one problem, or shared by similar ones.
+"""Sources of condensed bodies and conductivity tables: exact for one problem, shared by similar ones, or near one.
 
 The default mesh follows from roughness and load, so that hardly two problems would have the same. Where bodies are
 shared its element sizes are rounded to powers of a root of two, to the finer and to the wider side. A problem's mesh
@@ -9,22 +9,28 @@ Surfaces of one family share tables, see `fem_seal.seal.conductivity_tables`.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import count
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
 from fem_seal.bodies.supports import Supports
 from fem_seal.contact.model import ContactModel, condense, with_stress_bound
-from fem_seal.contact.solution import DEFAULT_SETTINGS, ContactSettings
+from fem_seal.contact.newton import ContactProblem
+from fem_seal.contact.solution import DEFAULT_SETTINGS, ContactSettings, ContactSolution
 from fem_seal.materials import Material
-from fem_seal.seal.conductivity_tables import family_law, family_table
+from fem_seal.seal.conductivity_tables import family_law, family_table, same_family
 from fem_seal.seal.kept import Kept
 from fem_seal.seal.leak_model import Conductivity, FlowModel
-from fem_seal.seal.load_solver import Clock
+from fem_seal.seal.leak_model import log_peaks as log_peaks_of
+from fem_seal.seal.load_result import LoadResult
+from fem_seal.seal.load_solver import Clock, LoadSolver, SolvedLoads, linearised_again, path_again
 from fem_seal.seal.problem import SealProblem, condensed, with_stop
 from leak import RoughContact
 from meshes import ContactGeometry, SealMesh, Sizing, build_contact
+
+if TYPE_CHECKING:
+    from fem_seal.seal.circumference import Circumference
 
 # Elements in the core of a soft contact, as most are in a study, and what three digits of their size may add.
 _SOFT_CORE = 18.2
@@ -50,6 +56,10 @@ class Source:
     def problem(self, problem: SealProblem) -> SealProblem:
         """The problem as it is solved with what comes from here."""
         return problem
+
+    def of_face(self, number: int) -> Source:
+        """The source for the upper (0) or the lower (1) of two different flanges on both faces of a gasket."""
+        return self
 
     def bodies(
         self, problem: SealProblem, wanted: Sizing, clock: Clock
@@ -136,6 +146,14 @@ class Bodies:
         return self.made(known).line_alone
 
 
+def with_family_law(problem: SealProblem) -> SealProblem:
+    """A problem with the elastic law of its surface from that of its shape, where it has such a law."""
+    interface, surface = problem.interface, problem.surface
+    if interface.law == "spectrum" and not interface.plastic and surface is not None:
+        return replace(problem, given_law=family_law(surface))
+    return problem
+
+
 def family_or_own_table(flow: FlowModel, surface: RoughContact, log_peaks: Sequence[float]) -> Conductivity:
     """Flow conductivity of a surface from tables of its family; its own where it is simulated."""
     return family_table(flow, surface) or flow.table_around(surface, log_peaks)
@@ -170,10 +188,7 @@ class Shared(Source):
 
     def problem(self, problem: SealProblem) -> SealProblem:
         """With the law of its surface's family, made once for all surfaces of one shape."""
-        interface, surface = problem.interface, problem.surface
-        if interface.law == "spectrum" and not interface.plastic and surface is not None:
-            return replace(problem, given_law=family_law(surface))
-        return problem
+        return with_family_law(problem)
 
     def bodies(
         self, problem: SealProblem, wanted: Sizing, clock: Clock
@@ -194,6 +209,159 @@ class Shared(Source):
     def table(self, flow: FlowModel, surface: RoughContact, log_peaks: Sequence[float]) -> Conductivity:
         """From tables that are shared."""
         return self.tables(flow, surface, log_peaks)
+
+
+# What is known of the earlier load, beside the numbers of the loads.
+_EARLIER = -1
+
+
+@dataclass(frozen=True, eq=False)
+class NearSolved(Source):
+    """Bodies, contacts and tables for problems close to one that is solved.
+
+    They may differ from it in surface, fluid and form error, and by a factor on both Young's moduli. What the fluid
+    does between the surfaces and how many waves fill a tolerance stay as they are.
+
+    Parameters
+    ----------
+    solved : SealProblem
+        What is solved.
+    solved_model : ContactModel
+        Its bodies.
+    seal_mesh : SealMesh
+        Their mesh.
+    loads : sequence of LoadResult
+        Its loads.
+    earlier : ContactSolution or None
+        At the largest load before them.
+    numbers : tuple of int
+        Of the loads that are asked for, in their order.
+    whole_paths : bool
+        Whether bodies that yield go through all their loads, instead of being linearised at each of the known ones;
+        they do where their modulus changes.
+    lower_half : NearSolved or None
+        Near the solved seal with the lower one of two different flanges on both faces.
+    """
+
+    solved: SealProblem
+    solved_model: ContactModel
+    seal_mesh: SealMesh
+    loads: Sequence[LoadResult]
+    earlier: ContactSolution | None
+    numbers: tuple[int, ...]
+    whole_paths: bool = False
+    lower_half: NearSolved | None = None
+
+    # residual of the contacts, and so the relative error of their pressures
+    settings = ContactSettings(1e-4, 1e-4)
+
+    def of_face(self, number: int) -> Source:
+        """Near the solved seal with one of its two flanges on both faces."""
+        return self.lower_half if number and self.lower_half is not None else self
+
+    def problem(self, problem: SealProblem) -> SealProblem:
+        """With the law of the solved problem where it is the same, so that its contacts are, too."""
+        known, interface = self.solved, problem.interface
+        assert problem.surface is not None and known.surface is not None  # of all who ask
+        elastic = interface.law == "spectrum" and not interface.plastic
+        before, after = (each.elastic if elastic else each for each in (known.surface, problem.surface))
+        if self._given or before == after:
+            return replace(problem, given_law=known.law)
+        if elastic and same_family(problem.surface, known.surface):
+            return with_family_law(problem)
+        given = interface.law != "spectrum" and problem.law == known.law
+        return replace(problem, given_law=known.law) if given else problem
+
+    @property
+    def _given(self) -> bool:
+        """Whether its contacts are given pressure profiles, which stay as they are."""
+        return self.loads[0].of_profile
+
+    def _stiffness(self, problem: SealProblem) -> float:
+        """Factor on both Young's moduli."""
+        after, before = (each.materials["seat"].youngs_modulus for each in (problem, self.solved))
+        return after / before
+
+    def _moves(self, problem: SealProblem) -> bool:
+        """Whether a contact is not the known one; a given one stays what it is."""
+        changed = problem.law is not self.solved.law or self._stiffness(problem) != 1.0
+        return changed and not self._given
+
+    def model(self, problem: SealProblem) -> ContactModel:
+        """The known bodies, with another modulus where they have one."""
+        factor = self._stiffness(problem)
+        if factor != 1.0 and problem.follows_path:
+            return condensed(problem, self.seal_mesh)
+        return self.solved_model if self._given else self.solved_model.stiffer(factor)
+
+    def pressings(self, problem: SealProblem, model: ContactModel) -> dict[int, ContactProblem]:
+        """What is to be pressed again, from the known contacts: nothing on a path and where nothing moves."""
+        if problem.follows_path or not self._moves(problem):
+            return {}
+        contacts = {number: self.loads[number].contact for number in self.numbers}
+        if self.earlier is not None:
+            contacts[_EARLIER] = self.earlier
+        return {
+            number: ContactProblem(
+                model, problem.law, known.pressing_force, known.loads, self.settings, start=known
+            )
+            for number, known in contacts.items()
+        }
+
+    def contacts(
+        self, problem: SealProblem, model: ContactModel, pressed: Mapping[int, ContactSolution | Exception]
+    ) -> list[ContactSolution]:
+        """Contact of each of the loads that are asked for.
+
+        Parameters
+        ----------
+        problem : SealProblem
+        model : ContactModel
+        pressed : mapping
+            What became of `pressings`.
+
+        Raises
+        ------
+        ConvergenceError
+            If one of them does not converge.
+        """
+        known = [self.loads[number].contact for number in self.numbers]
+        if not self._moves(problem):
+            return known
+        if not problem.follows_path:
+            for outcome in pressed.values():
+                if isinstance(outcome, Exception):
+                    raise outcome
+            solved = {number: each for number, each in pressed.items() if not isinstance(each, Exception)}
+            return [solved[number].after(solved.get(_EARLIER)) for number in self.numbers]
+        if self.whole_paths or self._stiffness(problem) != 1.0:
+            contacts = path_again(LoadSolver(problem, model))
+            return [contacts[number] for number in self.numbers]
+        return linearised_again(known, problem.law)
+
+    def solve(
+        self, problem: SealProblem, model: ContactModel, pressed: Mapping[int, ContactSolution | Exception]
+    ) -> SolvedLoads:
+        """The loads that are asked for; see `contacts`."""
+        contacts = self.contacts(problem, model, pressed)
+        circumferences: list[Circumference] = []
+        for number, contact in zip(self.numbers, contacts, strict=True):
+            known = self.loads[number]
+            same = contact is known.contact and problem.form is self.solved.form
+            around = known.circumference if same else problem.circumference(contact, near=known.circumference)
+            circumferences += [] if around is None else [around]
+        return SolvedLoads(contacts, circumferences=circumferences)
+
+    def table(self, flow: FlowModel, surface: RoughContact, log_peaks: Sequence[float]) -> Conductivity:
+        """Of the known surface's family, or a short one for the pressures of the contacts themselves."""
+        if flow.simulated is not None:
+            # with the range of the solved seal, as long as it will do, the table's own error is that of all
+            known = log_peaks_of([contact for load in self.loads for contact in load.contacts])
+            return flow.table_around(surface, [*known, *log_peaks])
+        known_surface = self.solved.surface
+        assert known_surface is not None  # of all who ask
+        table = family_table(flow, surface) if same_family(surface, known_surface) else None
+        return table or flow.short_table(surface, log_peaks)
 
 
 # of all studies of this process

@@ -970,17 +970,13 @@ def _checked_range(p_min: float, p_max: float, num: int | None) -> tuple[float, 
 def _conductivity_table(
     surface: RoughContact, p_min: float, p_max: float, num: int | None, method: str, of_gas: bool = False
 ) -> AnyTable:
-    within, equivalent_elastic_surface = (
-        _Range.of(surface, p_min, p_max, method),
-        surface.equivalent_elastic_surface,
-    )
-    if equivalent_elastic_surface is not None and surface.theory == "corrected":
-        ends = _elastic_ends(surface, within)
-        return asked_by(surface, _conductivity_table(equivalent_elastic_surface, *ends, num, method, of_gas))
+    within, equivalent = _Range.of(surface, p_min, p_max, method), surface.equivalent_elastic_surface
+    if equivalent is not None and (surface.theory == "corrected" or num is not None):
+        # rounded out where neighbouring contacts may share a table
+        ends = _elastic_ends(surface, within) if num is None else _acting_ends(surface, within)
+        return asked_by(surface, _conductivity_table(equivalent, *ends, num, method, of_gas))
     # ln R with u_eff, or afterwards where u_eff is positive
-    with_rarefaction = of_gas and (
-        method == "bruggeman" if equivalent_elastic_surface is None else num is None
-    )
+    with_rarefaction = of_gas and (method == "bruggeman" if equivalent is None else num is None)
     values = _values_of(surface, within, method, with_rarefaction)
     if num is None:
         pressure, found = within.adapted(values, 0.5 * surface.spectrum.rms_height)
@@ -1036,28 +1032,17 @@ def asked_by(surface: RoughContact, table: AnyTable) -> AnyTable:
     )
 
 
-def elastic_range(
-    surface: RoughContact, within: tuple[float, float], method: str = "bruggeman"
-) -> tuple[float, float]:
-    """Range of pressures of the table of the surface that stands in for another one [Pa].
-
-    Parameters
-    ----------
-    surface : RoughContact
-        The other one.
-    within : tuple of float
-        Range of its own table [Pa].
-    method : {"bruggeman", "critical-junction", "threshold-law"}
-        See `RoughContact.effective_separation`.
-    """
-    return _elastic_ends(surface, _Range.of(surface, *within, method))
-
-
 def _elastic_ends(surface: RoughContact, within: _Range) -> tuple[float, float]:
     """Whole decades around what acts at the ends of a table [Pa]."""
-    # a table up to the sealing pressure goes on where a short contact is still open
-    low, high = np.log10(surface.equivalent_pressure(np.array([within.ends[0], within.end])))
+    low, high = np.log10(_acting_ends(surface, within))
     return float(10.0 ** np.floor(low)), float(10.0 ** np.ceil(high))
+
+
+def _acting_ends(surface: RoughContact, within: _Range) -> tuple[float, float]:
+    """What acts at the ends of a table [Pa]."""
+    # a table up to the sealing pressure goes on where a short contact is still open
+    low, high = surface.equivalent_pressure(np.array([within.ends[0], within.end])).tolist()
+    return low, high
 
 
 # The low-pressure law holds to 1e-9 50 below p_c (in ln p); above it ubar is tabulated at this spacing, and where it is

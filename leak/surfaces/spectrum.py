@@ -14,7 +14,6 @@ from numpy.typing import ArrayLike
 from leak.arrays import FloatArray, IntArray
 from leak.errors import SpectrumError, as_arrays, check_each, check_order, positive
 from leak.numerics.integrals import not_zero, power_integral, power_law_moment, slopes, sorted_unique
-from leak.numerics.roots import newton_between
 
 if TYPE_CHECKING:
     from leak.surfaces.periodogram import Window
@@ -34,11 +33,6 @@ _KINK, _STEP = 0.05, 1e-4
 _STRONG_KINK, _STRONG_STEP = 1.5, 0.7
 # With more kinks than this (a raw Fourier spectrum) they average out, and stopping at some of them is enough.
 _MOST_BREAKS = 400
-# A coarse spectrum: what is left of a difference of moments to be a number, steepest power law over a piece, and the
-# last step to the exponent of one, after which Newton's method is at rounding.
-_CANCELLED, _STEEPEST, _CLOSE = 1e-9, 300.0, 1e-9
-# Its smallest step in ln C.
-_COARSE_STEP = 0.1
 # The end of a spectrum that adds less than this fraction per e-fold of q to M; M itself resolves 1e-16.
 _FAINT = 1e-10
 # Of a steep piece of infinite length all but the last digit has grown.
@@ -449,51 +443,6 @@ class PowerSpectrum:
         C = np.asarray(self(ends))
         return PowerSpectrum(q, np.concatenate([C[:1], self.density[inside], C[1:]]))
 
-    def coarse(self, pieces: int) -> PowerSpectrum:
-        """About so many power laws, each with the mean square height and slope of what it stands for.
-
-        They are equally long in ln q, but for the steps of the spectrum, which stay where they are.
-
-        Parameters
-        ----------
-        pieces : int
-
-        Examples
-        --------
-        >>> q = np.geomspace(1e4, 1e6, 200)
-        >>> rough = PowerSpectrum(q, 1e-10 * q**-3 * np.exp(0.3 * np.sin(9 * np.log(q))))
-        >>> coarse = rough.coarse(10)
-        >>> coarse.wavenumber.size, f"{coarse.rms_slope / rough.rms_slope:.9f}"
-        (20, '1.000000000')
-        """
-        ends = self._coarse_ends(pieces)
-        length = np.diff(np.log(ends))
-        above, below = self.height_variance_above(ends), 2.0 * np.pi * self.slope_moment(ends)
-        height, slope = -np.diff(above), np.diff(below)
-        # next to nothing is lost by cancellation: there the law goes through both ends
-        known = (height > _CANCELLED * above[:-1]) & (slope > _CANCELLED * below[1:])
-        with np.errstate(divide="ignore", invalid="ignore"):
-            wanted = np.log(slope / height) - 2.0 * np.log(ends[:-1])
-        exponent = _exponent_of(wanted, length)  # of q^2 C
-        first = height / (2.0 * np.pi * power_integral(exponent, length) * ends[:-1] ** 2)
-        C = np.column_stack([first, first * np.exp((exponent - 2.0) * length)])
-        C = np.where(known[:, None], C, np.exp(self._at_ends_of(ends[:-1], ends[1:])))
-        return PowerSpectrum(np.column_stack([ends[:-1], ends[1:]]).ravel(), C.ravel())
-
-    def _coarse_ends(self, pieces: int) -> FloatArray:
-        """Wavenumbers between which the power laws of `coarse` run [1/m]."""
-        log_q = np.linspace(self._log_q[0], self._log_q[-1], pieces + 1)
-        jump = np.abs(np.diff(self._log_C)) > _COARSE_STEP
-        steps = self._log_q[:-1][(self._length == 0.0) & jump]
-        steps = steps[(steps > log_q[0]) & (steps < log_q[-1])]
-        if not 0 < steps.size <= pieces // 2:
-            steps = steps[:0]
-        for step in steps:
-            log_q[1 + int(np.argmin(np.abs(log_q[1:-1] - step)))] = step
-        ends = np.exp(sorted_unique(log_q))
-        ends[[0, -1]] = self.q_low, self.q_high
-        return ends
-
     # ---------------------------------------------------------------- pieces
 
     def _piece_of(self, q: FloatArray) -> IntArray:
@@ -582,22 +531,3 @@ def _self_affine_shape(low: float, rolloff: float, high: float, hurst: float) ->
     """Self-affine spectrum with a flat part of 1 m^4."""
     q = np.array(sorted({low, rolloff, high}))
     return PowerSpectrum(q, np.where(q > rolloff, (q / rolloff) ** (-2.0 * (1.0 + hurst)), 1.0))
-
-
-def _exponent_of(log_ratio: FloatArray, length: FloatArray) -> FloatArray:
-    """x at which int_0^length exp((x + 2) t) dt over int_0^length exp(x t) dt is exp(log_ratio)."""
-
-    def above(x: FloatArray) -> tuple[FloatArray, FloatArray]:
-        ratio = power_integral(x + 2.0, length) / power_integral(x, length)
-        return np.log(ratio) - log_ratio, _mean_place(x + 2.0, length) - _mean_place(x, length)
-
-    steepest = _STEEPEST / length
-    return newton_between(above, np.zeros(length.shape), -steepest, steepest, _CLOSE)
-
-
-def _mean_place(exponent: FloatArray, length: FloatArray) -> FloatArray:
-    """Mean of t with the weight exp(exponent t) on 0 to length."""
-    half = 0.5 * exponent * length
-    small = np.abs(half) < 1e-3
-    safe = np.where(small, 1.0, half)
-    return np.asarray(0.5 * length * (1.0 + np.where(small, half / 3.0, 1.0 / np.tanh(safe) - 1.0 / safe)))

@@ -24,7 +24,7 @@ from fem_seal.answers.calibration import (
 from fem_seal.answers.conflict import Data, conflict_of, data_p_value
 from fem_seal.answers.measurements import TRUTHS, Draws, weighted_quantiles
 from fem_seal.answers.posterior import Posterior
-from fem_seal.answers.uncertainty import drawn_values, uncertain_inputs
+from fem_seal.answers.samples import drawn_values, uncertain_inputs
 from fem_seal.case.measured import measured_in, read_measured
 from fem_seal.cli.app import main
 from fem_seal.output import calibration as module

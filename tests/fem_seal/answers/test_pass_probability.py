@@ -17,7 +17,7 @@ from fem_seal.answers.case_load import solved_seal
 from fem_seal.answers.judgement import PassProbability
 from fem_seal.answers.pass_probability import pass_probabilities
 from fem_seal.answers.response_surface import Polynomials, fit_with_prior
-from fem_seal.answers.uncertainty import SampledSeal, uncertain_inputs
+from fem_seal.answers.samples import Samples, uncertain_inputs
 from fem_seal.output.answers.verdict import verdict_facts, verdict_in_brief, verdict_lines, verdict_numbers
 from fem_seal.output.report.brief import first_line
 from fem_seal.output.tables import leak_table
@@ -142,9 +142,9 @@ def test_a_finish_is_known_within_its_standard_error():
     found, settings = passing(seal, rate), wanted.sampled
     assert 0.1 < found.share < 0.9 and found.error <= 0.02
     # four times the runs
-    many = SampledSeal.of(seal, settings.model_copy(update={"samples": 4096}))
-    runs = many.leak_rates(range(120))
-    told = module._of_loads(required(seal, rate).case, module.QuickSamples(many, np.arange(120), runs))
+    many = Samples.of(seal, settings.model_copy(update={"samples": 4096}))
+    runs = many.leak_rates(range(120)).reshape(120, -1)
+    told = module._of_loads(required(seal, rate).case, module.QuickSamples(many, (0,), np.arange(120), runs))
     assert abs(told[0].share - found.share) < 3 * math.hypot(found.error, told[0].error)
     # another scramble of the samples
     (other,) = pass_probabilities(
@@ -153,39 +153,27 @@ def test_a_finish_is_known_within_its_standard_error():
     assert abs(other.share - found.share) < 3 * math.hypot(found.error, other.error)
 
 
+@cache
+def exact_rate(problem):
+    """Leak rate of the only load of a problem, on a mesh of its own [m^3/s]."""
+    (load,) = evaluate(problem).loads
+    return load.leak.leak_rate
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("share", [0.1, 0.5, 0.95])
 def test_complete_runs_of_a_finish_find_the_same_share_within_its_standard_error(share):
     wanted = one(roughness=FINISH, seat=cone(HARD), leak={"theory": "corrected"})
     seal, every = seal_of(wanted), 64
-    samples = replace(SampledSeal.of(seal, wanted.sampled), exact=True)
-    rates = samples.leak_rates(range(every))[:, 0]
-    # from one table for all seals of this finish, on contacts of looser tolerance
-    few = replace(samples, exact=False).leak_rates(range(8))[:, 0]
-    assert few == pytest.approx(rates[:8], rel=0.01)
+    samples = Samples.of(seal, wanted.sampled)
+    # each of them solved as a run is, with a table of its own
+    rates = np.array([exact_rate(samples.problem(number)) for number in range(every)])
+    assert samples.leak_rates(range(8))[:, 0, 0] == pytest.approx(rates[:8], rel=0.01)
     limit = float(np.quantile(rates, share))
     found, error = passing(seal, limit), seal.loads[0].flow_error
     counted = float(error.share_below(limit / rates).mean())
     both = math.hypot(found.error, math.sqrt(counted * (1 - counted) / every))
     assert found.error <= 0.02 and abs(found.share - counted) < 3 * both
-
-
-@pytest.mark.slow
-def test_seals_with_one_finish_share_laws_and_tables_of_their_samples(monkeypatch):
-    made = []
-    monkeypatch.setattr(
-        SampledSeal, "_made", lambda self, n, f, of=SampledSeal._made: made.append(n) or of(self, n, f)
-    )
-    monkeypatch.setattr(
-        "fem_seal.answers.uncertainty.fork_map", lambda function, items: list(map(function, items))
-    )
-    rates = []
-    for angle in ("44 deg", "46 deg"):
-        table = {**cone(HARD), "angle": angle}
-        wanted = one(roughness={**FINISH, "closure": {"Ra": "0.11 um", "process": "lapped"}}, seat=table)
-        seal = seal_of(wanted)
-        rates.append(SampledSeal.of(seal, wanted.sampled).leak_rates([0, 5, 9])[:, 0])
-    assert made == [0, 5, 9] and (rates[0] != rates[1]).all()
 
 
 def test_a_polynomial_with_a_prior_knows_its_error_and_which_runs_tell_most():
@@ -216,11 +204,11 @@ def test_a_polynomial_with_a_prior_knows_its_error_and_which_runs_tell_most():
 def test_sealed_samples_pass_and_open_ones_fail(monkeypatch):
     seal = seal_with("paper", rms_height=0.1)
 
-    def some(study, samples):
-        factor = study.values["rms_height"][list(samples), 0]
+    def some(samples, numbers, loads):
+        factor = samples.values["rms_height"][list(numbers)]
         return np.where(factor < 0.95, 0.0, np.where(factor > 1.1, math.inf, 1e-9))[:, None]
 
-    monkeypatch.setattr(SampledSeal, "leak_rates", some)
+    monkeypatch.setattr(Samples, "leak_rates", some)
     few, all_closed = passing(seal, 1e-12), passing(seal, 1e-6)
     assert abs(few.share - ndtr(math.log(0.95) / 0.1)) < 3 * few.error
     assert abs(all_closed.share - ndtr(math.log(1.1) / 0.1)) < 3 * all_closed.error
@@ -382,10 +370,10 @@ def test_of_a_batch_the_unknown_inputs_leave_a_distribution(monkeypatch, of_theo
     own = FlowError(np.zeros(()), np.full((), math.hypot(of_theory, of_theory)), {"few waves": of_theory**2})
     seal = seal.with_loads([seal.loads[0].with_values(flow_error=own if of_theory else None)])
 
-    def heights(study, samples):
-        return 1e-9 * study.values["rms_height"][list(samples)] ** 2
+    def heights(samples, numbers, loads):
+        return 1e-9 * samples.values["rms_height"][list(numbers), None] ** 2
 
-    monkeypatch.setattr(SampledSeal, "leak_rates", heights)
+    monkeypatch.setattr(Samples, "leak_rates", heights)
     found = passing(seal, over * 1e-9)
     in_batch, of_batches = math.hypot(2 * part, of_theory), math.hypot(unknown, of_theory)
     assert found.share == pytest.approx(ndtr(math.log(over) / math.hypot(in_batch, of_batches)), abs=2e-3)

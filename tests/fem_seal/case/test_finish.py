@@ -13,7 +13,8 @@ import fem_seal
 from fem_seal.answers.case_load import solved_seal
 from fem_seal.answers.chain import solve_profiles
 from fem_seal.answers.profile_files import ImportedProfile
-from fem_seal.answers.uncertainty import SampledSeal, leak_interval
+from fem_seal.answers.samples import Samples
+from fem_seal.answers.uncertainty import leak_interval
 from fem_seal.case.roughness import ProcessName, read_finish
 from fem_seal.case.tables import Uncertainty
 from fem_seal.output.case_words import finish_numbers, finish_rows
@@ -183,41 +184,36 @@ def test_given_profiles_have_the_interval_of_the_finish(solved):
     assert all(abs(math.log(one / of_run)) < 0.3 for one, of_run in ends)
 
 
-def test_samples_with_tables_from_that_of_the_case_are_those_with_their_own(solved):
-    from fem_seal.answers.uncertainty import SampledSeal
+def test_samples_are_the_whole_calculations_with_their_inputs(solved):
+    """On meshes of their own, with tables over all pressures."""
     from fem_seal.case.tables import Uncertainty
 
-    study = SampledSeal.of(solved, Uncertainty(samples=16, seed=2))
-    assert study.leak_rates(range(2)) == pytest.approx(
-        replace(study, exact=True).leak_rates(range(2)), rel=5e-3
-    )
+    samples = Samples.of(solved, Uncertainty(samples=16, seed=2))
+    for number in range(2):
+        rates = [load.leak.leak_rate for load in evaluate(samples.problem(number)).loads]
+        assert samples.leak_rates([number])[0, 0] == pytest.approx(rates, rel=5e-3)
 
 
 def test_an_interval_at_few_loads_goes_through_all(base):
-    from fem_seal.answers.uncertainty import _at_all_loads, _representative
-
-    class Load:
-        def __init__(self, line_load):
-            self.line_load = line_load
+    from fem_seal.answers.response_surface import at_all_loads, representative
 
     log_load = np.log(np.geomspace(1e3, 1e5, 21))
-    loads = [Load(one) for one in np.exp(log_load)]
-    chosen = _representative(loads)
+    chosen = representative(log_load)
     assert len(chosen) == 5
     assert {0, 20} <= set(chosen)
     slopes = np.array([-0.5, 0.7])[None, :, None]
     ratios = np.exp(slopes * log_load)
-    assert _at_all_loads(log_load, chosen, ratios[..., chosen]) == pytest.approx(ratios)
+    assert at_all_loads(log_load, chosen, ratios[..., chosen]) == pytest.approx(ratios)
     # a sealed load makes no ratio: the nearest known one stands
     sealed = ratios[..., chosen].copy()
     sealed[0, 0, -1] = 0.0
-    found = _at_all_loads(log_load, chosen, sealed)
+    found = at_all_loads(log_load, chosen, sealed)
     assert found[0, 0, -1] == 0.0
     assert found[0, 1] == pytest.approx(ratios[0, 1])
 
 
 def test_what_the_user_knows_is_no_longer_uncertain(base):
-    from fem_seal.answers.uncertainty import uncertain_inputs
+    from fem_seal.answers.samples import uncertain_inputs
     from fem_seal.case.tables import Spread, Uncertainty
 
     known = base.replace_written({"roughness": {**LAPPED, "hurst": 0.8, "q_high": "6e6 1/m"}})
@@ -359,8 +355,10 @@ def test_samples_at_both_ends_are_those_of_the_single_values_and_bracket_the_int
     assert 0.02 < found["range"].shares[0, 0] < 0.9
     others = np.array([[0.3, 0.6, 0.4, 0.7]])
     for place, name in ((0.0, "low"), (1.0, "high")):
-        one = SampledSeal.of(seals[name], Uncertainty())
-        at_end = SampledSeal.of(seals["range"], Uncertainty())
-        told = replace(one, uniform=others, exact=True).leak_rates([0])
+        one = Samples.of(seals[name], Uncertainty())
+        at_end = Samples.of(seals["range"], Uncertainty())
+        told = replace(one, uniform=others).leak_rates([0])
         uniform = np.column_stack([[place], others])
-        assert replace(at_end, uniform=uniform, exact=True).leak_rates([0]) == pytest.approx(told, rel=2e-3)
+        assert replace(at_end, uniform=uniform, calculated={}).leak_rates([0]) == pytest.approx(
+            told, rel=2e-3
+        )

@@ -1,0 +1,503 @@
+"""Samples of the uncertain inputs of a seal: drawn once, each of them a problem with leak rates of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property, reduce
+from itertools import takewhile
+from operator import add
+from typing import TYPE_CHECKING, TypeAlias
+
+import numpy as np
+
+from fem_seal.answers.case_load import CaseLoad, SolvedSeal, loads_of
+from fem_seal.answers.posterior import Posterior, columns_of
+from fem_seal.answers.response_surface import variables
+from fem_seal.arrays import FloatArray, IntArray
+from fem_seal.case.roughness import (
+    SHAPE,
+    SelfAffine,
+    UncertainFinish,
+    UncertainHeight,
+    scan_spectra,
+    self_affine_part,
+    uncertain_finishes,
+    uncertain_heights,
+)
+from fem_seal.case.tables import Uncertainty
+from fem_seal.errors import ConvergenceError
+from fem_seal.processes import fork_map
+from fem_seal.sampling import UncertainInput, sobol_points
+from fem_seal.seal.evaluate import Batch, evaluate_many
+from fem_seal.seal.problem import SealProblem
+from fem_seal.seal.scenarios import TEST_GAS
+from fem_seal.seal.sources import NearSolved
+
+if TYPE_CHECKING:
+    from fem_seal.case.case import Case
+    from fem_seal.materials import Material
+    from leak import PowerSpectrum, RoughContact
+
+# Leak rates of samples [m^3/s], or why there are none: by number of the sample, number of the load, and whether bodies
+# that yield have gone through all loads.
+KnownRates: TypeAlias = dict[tuple[int, int, bool], FloatArray | ConvergenceError]
+
+# Samples that are evaluated side by side; paths of loads one by one.
+_AT_ONCE = 8
+# Samples whose heights say how rough the roughest are.
+_OF_HEIGHTS = 64
+# Share of the samples that must converge.
+_FEWEST_CONVERGED = 0.7
+
+
+@dataclass(frozen=True)
+class UncertainScans:
+    """The spectrum, from the differences between n scans: their mean with random weights.
+
+    The weights are uniform over all sets of n positive numbers with sum one (Bayesian bootstrap): what else the mean
+    of n scans could have been.
+
+    Parameters
+    ----------
+    name : {"spectrum", "seat", "closure"}
+        Which spectrum of the case it is.
+    scans : tuple of PowerSpectrum
+        One of each scan; two or more.
+
+    References
+    ----------
+    D. B. Rubin, Ann. Stat. 9, 130 (1981).
+    """
+
+    name: str
+    scans: tuple[PowerSpectrum, ...]
+
+    @property
+    def dimensions(self) -> int:
+        """Number of random numbers that it takes."""
+        return len(self.scans) - 1
+
+    def values(self, uniform: FloatArray) -> FloatArray:
+        """Weights from numbers between 0 and 1, by breaking a stick; shape (n, scans - 1) to (n, scans)."""
+        left = len(self.scans) - 1 - np.arange(self.dimensions)
+        rest = (1.0 - uniform) ** (1.0 / left)
+        before = np.cumprod(np.column_stack([np.ones(len(uniform)), rest]), axis=1)
+        return np.asarray(before * np.column_stack([1.0 - rest, np.ones(len(uniform))]), dtype=float)
+
+    def shown(self, values: FloatArray) -> FloatArray:
+        """The weights, shape (n, scans)."""
+        return values
+
+    def spectrum(self, weights: FloatArray) -> PowerSpectrum:
+        """Mean spectrum with weights, shape (scans,); those of 1e-6 or less are left out."""
+        known = [(scan, weight) for scan, weight in zip(self.scans, weights, strict=True) if weight > 1e-6]
+        return reduce(add, (scan.scaled(float(np.sqrt(weight))) for scan, weight in known))
+
+
+AnyInput = UncertainInput | UncertainScans | UncertainHeight | UncertainFinish
+
+
+def uncertain_inputs(case: Case, settings: Uncertainty) -> tuple[AnyInput, ...]:
+    """The uncertain inputs of a case, in the order of the table, then what a finish and too short scans leave open.
+
+    Of a lower flange of its own those follow that the upper one has not.
+
+    Parameters
+    ----------
+    case : Case
+    settings : Uncertainty
+        Its table [uncertainty], or another one.
+    """
+    own = _inputs_of_face(case, settings)
+    names = {uncertain.name for uncertain in own}
+    others = (uncertain for half in case.halves[1:] for uncertain in _inputs_of_face(half, settings))
+    return (*own, *(uncertain for uncertain in others if uncertain.name not in names))
+
+
+def _inputs_of_face(case: Case, settings: Uncertainty) -> tuple[AnyInput, ...]:
+    inputs: list[AnyInput] = [
+        UncertainInput(name, spread.distribution, spread.relative)
+        for name, spread in settings.spreads.items()
+    ]
+    if settings.spectrum is not None:
+        inputs += [UncertainScans(key, scans) for key, scans in scan_spectra(case.roughness).items()]
+    finishes = uncertain_finishes(case.roughness, known=settings.spreads)
+    heights = uncertain_heights(case.roughness, between_scans=settings.spectrum is not None)
+    return (*inputs, *finishes, *heights)
+
+
+def drawn_values(inputs: Sequence[AnyInput], uniform: FloatArray) -> dict[str, FloatArray]:
+    """Values of each input from numbers between 0 and 1, see the inputs.
+
+    Parameters
+    ----------
+    inputs : sequence
+    uniform : ndarray, shape (n, dimensions of all)
+    """
+    ends = np.cumsum([one.dimensions for one in inputs], dtype=int)
+    return {
+        one.name: one.values(uniform[:, end - one.dimensions : end])
+        for one, end in zip(inputs, ends, strict=True)
+    }
+
+
+def changed_surface(
+    case: Case,
+    surface: RoughContact,
+    factors: Mapping[str, float],
+    means: Mapping[str, PowerSpectrum] | None = None,
+    shares: Mapping[str, float] | None = None,
+) -> RoughContact:
+    """The rough contact with some of its inputs changed.
+
+    Parameters
+    ----------
+    case : Case
+    surface : RoughContact
+        The case's own.
+    factors : mapping
+        Factor of each uncertain input by its key.
+    means : mapping, optional
+        Spectra that stand instead of the case's own, by their key in [roughness].
+    shares : mapping, optional
+        Places in the ranges of what its finishes leave open.
+    """
+    means, shape = dict(means or {}), {key: factors[key] for key in SHAPE if key in factors}
+    key = self_affine_part(case.roughness)
+    if shape and key is not None:
+        means[key] = _reshaped(case, key, factors)
+    spectrum, peklenik = surface.spectrum, surface.peklenik
+    if means or shares or shape:
+        assert case.roughness is not None
+        spectrum, peklenik = case.roughness.combined(means, shares, shape)
+    hardness = surface.hardness
+    return replace(
+        surface,
+        spectrum=spectrum.scaled(factors["rms_height"]) if "rms_height" in factors else spectrum,
+        effective_modulus=surface.effective_modulus * factors.get("youngs_modulus", 1.0),
+        hardness=None if hardness is None else hardness * factors.get("hardness", 1.0),
+        peklenik=peklenik,
+    )
+
+
+def _reshaped(case: Case, key: str, factors: Mapping[str, float]) -> PowerSpectrum:
+    """Self-affine spectrum with other exponent or ends and the same rms height."""
+    from leak import PowerSpectrum
+
+    assert case.roughness is not None
+    given = case.roughness.parts[key]
+    assert isinstance(given, SelfAffine)
+    q_high = given.q_high * factors.get("q_high", 1.0)
+    q_high = max(q_high, given.q_rolloff, 1.001 * given.q_low)
+    return PowerSpectrum.self_affine(
+        rms_height=given.rms_height,
+        hurst=min(max(given.hurst * factors.get("hurst", 1.0), 0.01), 1.0),
+        q_low=given.q_low,
+        q_rolloff=min(max(given.q_rolloff * factors.get("q_rolloff", 1.0), given.q_low), q_high),
+        q_high=q_high,
+    )
+
+
+def sample_problem(
+    problem: SealProblem, case: Case, drawn: Sequence[tuple[AnyInput, FloatArray]]
+) -> SealProblem:
+    """The problem of one sample.
+
+    Parameters
+    ----------
+    problem : SealProblem
+        Of the seal as given.
+    case : Case
+        What its finishes and scans follow from.
+    drawn : sequence of (input, ndarray)
+        Uncertain inputs with their values; that of the viscosity is left out, to which the leak rate is proportional.
+    """
+    factors: dict[str, float] = {}
+    shares: dict[str, float] = {}
+    means: dict[str, PowerSpectrum] = {}
+    for uncertain, value in drawn:
+        if isinstance(uncertain, UncertainScans):
+            means[uncertain.name] = uncertain.spectrum(value)
+        elif isinstance(uncertain, UncertainFinish):
+            shares[uncertain.name] = float(value[0])
+        elif isinstance(uncertain, UncertainInput):
+            factors[uncertain.name] = float(value[0])
+    for uncertain, value in drawn:
+        if isinstance(uncertain, UncertainHeight):
+            assert case.roughness is not None  # of the checks
+            key = uncertain.key
+            mean = means[key] if key in means else case.roughness.parts[key].build()
+            means[key] = uncertain.spectrum(mean, float(value[0]))
+    return changed_problem(problem, case, factors, means, shares)
+
+
+def changed_problem(
+    problem: SealProblem,
+    case: Case,
+    factors: Mapping[str, float],
+    means: Mapping[str, PowerSpectrum] | None = None,
+    shares: Mapping[str, float] | None = None,
+) -> SealProblem:
+    """The problem with some inputs of its surface, its Young's moduli or its form error changed.
+
+    Parameters
+    ----------
+    problem : SealProblem
+    case, factors, means, shares
+        See `changed_surface`; a factor on "form" is one on all amplitudes.
+    """
+    assert problem.surface is not None  # of the checks
+    form, stiffer = problem.form, factors.get("youngs_modulus", 1.0)
+    return replace(
+        problem,
+        surface=changed_surface(case, problem.surface, factors, means, shares),
+        materials=problem.materials if stiffer == 1.0 else stiffer_bodies(problem.materials, stiffer),
+        form=form.scaled(factors["form"]) if form is not None and "form" in factors else form,
+        given_law=None,
+    )
+
+
+def stiffer_bodies(materials: Mapping[str, Material], factor: float) -> dict[str, Material]:
+    """Materials with both Young's moduli times a factor."""
+    return {
+        name: replace(material, youngs_modulus=material.youngs_modulus * factor)
+        for name, material in materials.items()
+    }
+
+
+@dataclass(frozen=True)
+class Samples:
+    """All samples of the uncertain inputs of one seal.
+
+    Parameters
+    ----------
+    seal : SolvedSeal
+    inputs : tuple
+    uniform : ndarray, shape (samples, dimensions)
+        Numbers between 0 and 1.
+    of_faces : tuple of tuple
+        Inputs of each of two different flange faces, with the same value where they have the same name.
+    calculated : KnownRates
+        What has been calculated so far; samples of the same inputs with the same seed may share it.
+    """
+
+    seal: SolvedSeal
+    inputs: tuple[AnyInput, ...]
+    uniform: FloatArray
+    of_faces: tuple[tuple[AnyInput, ...], ...] = ()
+    calculated: KnownRates = field(default_factory=dict, repr=False)
+
+    @classmethod
+    def of(
+        cls,
+        seal: SolvedSeal,
+        settings: Uncertainty,
+        calculated: KnownRates | None = None,
+    ) -> Samples:
+        """The samples of a seal.
+
+        Parameters
+        ----------
+        seal : SolvedSeal
+        settings : Uncertainty
+            The table [uncertainty].
+        calculated : dict, optional
+            Of samples of the same inputs with the same seed, however many: they are the first of these.
+        """
+        inputs = uncertain_inputs(seal.case, settings)
+        of_faces = tuple(_inputs_of_face(face.case, settings) for face in seal.faces)[
+            : 2 if seal.lower_half else 0
+        ]
+        if settings.posterior is None:
+            dimensions = sum(uncertain.dimensions for uncertain in inputs)
+            uniform = sobol_points(settings.samples, dimensions, settings.seed)
+        else:
+            columns = [name for each in inputs for name in columns_of(each.name, each.dimensions)]
+            uniform = Posterior.read(settings.posterior).of_inputs(columns)
+        return cls(seal, inputs, uniform, of_faces, {} if calculated is None else calculated)
+
+    @classmethod
+    def of_nothing(cls, seal: SolvedSeal) -> Samples:
+        """The only sample of a seal of which nothing is uncertain."""
+        return cls(seal, (), np.empty((1, 0)))
+
+    @property
+    def follow_paths(self) -> bool:
+        """Whether bodies that yield must go through all loads in each sample, because their modulus is another one."""
+        return self.seal.problem.follows_path and any(each.name == "youngs_modulus" for each in self.inputs)
+
+    @property
+    def readings(self) -> int:
+        """Leak rates of a sample at a load: that of the case's own reading of yielding asperities, then the others."""
+        return 1 + len(self.seal.loads[0].others)
+
+    @property
+    def of_finish(self) -> bool:
+        """Whether a face has a finish, a factor of ten or more."""
+        roughness = [face.case.roughness for face in self.seal.faces]
+        return any(each is not None and each.finishes for each in roughness)
+
+    @cached_property
+    def of_case(self) -> FloatArray:
+        """Leak rates of the case itself, as those of a sample: shape (kinds, loads), see `leak_rates` [m^3/s]."""
+        return np.array([_leak_rates(load) for load in self.seal.loads]).T
+
+    @cached_property
+    def evaluated(self) -> tuple[AnyInput, ...]:
+        """Inputs whose effect is not known beforehand: all but a liquid's viscosity."""
+        return tuple(each for each in self.inputs if each.name != "viscosity")
+
+    @cached_property
+    def values(self) -> dict[str, FloatArray]:
+        """Factors (samples, 1) or weights (samples, scans) of each input."""
+        return drawn_values(self.inputs, self.uniform)
+
+    @cached_property
+    def viscosity(self) -> FloatArray:
+        """Factor of the viscosity of each sample, shape (samples,)."""
+        return self.values.get("viscosity", np.ones((len(self.uniform), 1)))[:, 0]
+
+    @cached_property
+    def scores(self) -> FloatArray:
+        """Variables of a polynomial, shape (samples, dimensions of `evaluated`)."""
+        parts = variables({each.name: each.shown(self.values[each.name]) for each in self.evaluated})
+        return np.concatenate(parts, axis=1) if parts else np.empty((len(self.uniform), 0))
+
+    def columns(self, wanted: AnyInput) -> list[int]:
+        """Columns of `scores` that belong to an input."""
+        first = sum(each.dimensions for each in takewhile(lambda each: each is not wanted, self.evaluated))
+        return list(range(first, first + wanted.dimensions))
+
+    def problem(self, number: int) -> SealProblem:
+        """The problem of a sample, with the viscosity of the case."""
+        own, *below = (
+            sample_problem(face.problem, face.case, [(each, values[each.name][number]) for each in inputs])
+            for face, (inputs, values) in zip(self.seal.faces, self._drawn, strict=True)
+        )
+        return replace(own, lower_half=below[0]) if below else own
+
+    @cached_property
+    def _drawn(self) -> list[tuple[tuple[AnyInput, ...], dict[str, FloatArray]]]:
+        """Inputs of each face with their values."""
+        if not self.of_faces:
+            return [(self.inputs, self.values)]
+        ends = np.cumsum([each.dimensions for each in self.inputs], dtype=int)
+        columns = {
+            each.name: self.uniform[:, end - each.dimensions : end]
+            for each, end in zip(self.inputs, ends, strict=True)
+        }
+        for inputs in self.of_faces:
+            if any(columns[each.name].shape[1] != each.dimensions for each in inputs):
+                raise ConvergenceError("the scans of both flange faces must be as many")
+        return [
+            (inputs, {each.name: each.values(columns[each.name]) for each in inputs})
+            for inputs in self.of_faces
+        ]
+
+    def leak_rates(
+        self, numbers: Sequence[int], loads: Sequence[int] | None = None, *, whole_paths: bool = False
+    ) -> FloatArray:
+        """Leak rates of some samples at the case's own viscosity, calculated once [m^3/s].
+
+        Parameters
+        ----------
+        numbers : sequence of int
+        loads : sequence of int, optional
+            Numbers of the loads; all unless given.
+        whole_paths : bool
+            Whether bodies that yield go through all their loads, instead of being linearised at each load of the case.
+
+        Returns
+        -------
+        ndarray, shape (samples, kinds, loads)
+            Kinds are the readings of yielding asperities with the fluid of the case, then with the gas of the
+            standards' tests where it is another one. NaN where a contact does not converge.
+        """
+        loads = range(len(self.seal.loads)) if loads is None else loads
+        whole = self.seal.problem.follows_path and (whole_paths or self.follow_paths)
+        new = [n for n in numbers if any((n, load, whole) not in self.calculated for load in loads)]
+        at_once = 1 if whole else _AT_ONCE
+        # the first one makes what all share
+        parts = [new[:1], *(new[first : first + at_once] for first in range(1, len(new), at_once))]
+
+        def evaluated(part: Sequence[int]) -> list[list[FloatArray] | ConvergenceError]:
+            return self._evaluated(part, loads, whole)
+
+        outcomes = [*map(evaluated, parts[:1]), *fork_map(evaluated, parts[1:])] if new else []
+        for number, outcome in zip(new, (each for part in outcomes for each in part), strict=True):
+            for place, load in enumerate(loads):
+                rates = outcome if isinstance(outcome, ConvergenceError) else outcome[place]
+                self.calculated[number, load, whole] = rates
+        found = [[self.calculated[n, load, whole] for load in loads] for n in numbers]
+        none = np.full(self.of_case.shape[0], np.nan)
+        rows = [[none if isinstance(rates, ConvergenceError) else rates for rates in row] for row in found]
+        return np.array(rows).reshape(len(found), len(loads), -1).swapaxes(1, 2)
+
+    def converged(self, rates: FloatArray) -> IntArray:
+        """Which rows of `leak_rates` are those of samples that converged.
+
+        Raises
+        ------
+        ConvergenceError
+            If they are too few.
+        """
+        rows = np.flatnonzero(~np.isnan(rates.reshape(len(rates), -1)).any(axis=1))
+        if len(rows) < _FEWEST_CONVERGED * len(rates):
+            why = next(each for each in self.calculated.values() if isinstance(each, ConvergenceError))
+            few = f"{len(rates) - len(rows)} of {len(rates)} samples did not converge"
+            raise ConvergenceError(f"uncertainty: {few}, the first because {why}")
+        return rows
+
+    def _evaluated(
+        self, numbers: Sequence[int], loads: Sequence[int], whole: bool
+    ) -> list[list[FloatArray] | ConvergenceError]:
+        """Of each sample its leak rates at each load, or why there are none."""
+        batch, source = Batch(), _near(self.seal, tuple(loads), whole_paths=whole)
+        problems = batch.each(numbers, self.problem)
+        found = evaluate_many(problems, dict.fromkeys(problems, source), batch)
+
+        def leak_rates(number: int) -> list[FloatArray]:
+            return list(map(_leak_rates, loads_of(found[number])))
+
+        rates = batch.each(found, leak_rates)
+        for error in batch.failed.values():
+            if not isinstance(error, ConvergenceError):
+                raise error
+        return [rates[n] if n in rates else batch.failed[n] for n in numbers]  # type: ignore[misc]
+
+    def rougher(self, share: float) -> float:
+        """Quantile of what the gaps of samples let through over those of the case, by h^3/eta [-].
+
+        Parameters
+        ----------
+        share : float
+            Of the samples that let less through.
+        """
+        few = range(min(len(self.uniform), _OF_HEIGHTS))
+        heights = np.array([_rms_heights(self.problem(number)) for number in few])
+        ratio = (heights / _rms_heights(self.seal.problem)) ** 3 / self.viscosity[: len(few), None]
+        return float(np.quantile(ratio, share, axis=0).max())
+
+
+def _near(seal: SolvedSeal, loads: tuple[int, ...], *, whole_paths: bool) -> NearSolved:
+    """Source of problems close to that of a seal, at some of its loads."""
+    upper, *lower = (
+        NearSolved(face.problem, face.model, face.seal_mesh, face.loads, face.earlier, loads, whole_paths)
+        for face in seal.faces
+    )
+    return replace(upper, lower_half=lower[0]) if lower else upper
+
+
+def _rms_heights(problem: SealProblem) -> list[float]:
+    """Of each of two different flange faces, or of the only one [m]."""
+    return [half.surface.spectrum.rms_height for half in problem.halves if half.surface is not None]
+
+
+def _leak_rates(load: CaseLoad) -> FloatArray:
+    """Leak rate of a load in each of the kinds of `Samples.leak_rates` [m^3/s]."""
+    fluids = [load, *(other for name, other in load.scenarios.items() if name == TEST_GAS)]
+    leaks = [
+        read.leak for fluid in fluids for read in (fluid, *(fluid.scenarios[name] for name in load.others))
+    ]
+    return np.array([np.nan if leak is None else leak.leak_rate for leak in leaks])
