@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from fem_seal.answers.case_load import AnyLoad, CaseLoad
     from fem_seal.answers.solution import SealSolution
     from fem_seal.case.case import Case
-    from fem_seal.output.columns import TerminalColumn
+    from fem_seal.output.tables import TerminalColumn
 
 
 def option(command: str, name: str, **words: str) -> Any:
@@ -240,12 +240,11 @@ def show_result(result: SealSolution, *, details: bool) -> None:
         Everything: the whole table and the sentences of all answers.
     """
     from fem_seal.answers.leakage_class import volume_of
-    from fem_seal.output.report import brief
+    from fem_seal.output.report.brief import lines_in_brief
     from fem_seal.output.tables import leak_rows
 
     case = result.case
-    says = brief.first_line, *brief.ANSWERS, brief.second_line
-    show_first(*(line(result) for line in says))
+    show_first(*lines_in_brief(result))
     if not details:
         show_loads(case, result.every_load)
         return
@@ -273,7 +272,7 @@ def show_loads(case: Case, loads: Sequence[AnyLoad]) -> None:
     from fem_seal.materials import ROOM_TEMPERATURE
     from fem_seal.output.answers.verdict import allowed_in_words
     from fem_seal.output.report.brief import loads_in_brief
-    from fem_seal.output.report.tables import marks_of
+    from fem_seal.output.report.page import marks_of
     from fem_seal.seal.load_result import MissingLoad
 
     table, left_out = loads_in_brief(case, loads)
@@ -325,8 +324,8 @@ def show_leak_table(
     volume : LeakVolume, optional
         State of the leaking volume; that of a liquid unless given.
     """
-    from fem_seal.output.columns import COLUMNS, LEAK_ON_TERMINAL, own_columns
     from fem_seal.output.report.words import volume_notes
+    from fem_seal.output.tables import COLUMNS, LEAK_ON_TERMINAL, own_columns
     from fem_seal.seal.findings import Level
     from fem_seal.seal.load_result import MissingLoad
 
@@ -372,7 +371,7 @@ def show_leak_table(
 
 def _leak_cell(value: float | None, shown: TerminalColumn, load: AnyLoad, volume: LeakVolume) -> str:
     """A cell of a load: "<" for an unmeasurable leak rate, ">1e6" for a margin above a million."""
-    from fem_seal.output.columns import COLUMNS
+    from fem_seal.output.tables import COLUMNS
 
     column = COLUMNS[shown.name]
     if value is not None and column.kind in ("flow", "throughput"):
@@ -406,10 +405,10 @@ def show_answers(result: SealSolution) -> None:
     ----------
     result : SealSolution
     """
-    from fem_seal.output import shown_answers
+    from fem_seal.output.answers import SHOWN
     from fem_seal.output.report.words import remembered
 
-    groups = (remembered(result), *(shown.lines(result) for shown in shown_answers.shown_of(result)))
+    groups = (remembered(result), *(shown.lines(result) for shown in SHOWN if shown.asked(result)))
     for line in chain.from_iterable(groups):
         tell(line)
 
@@ -489,7 +488,7 @@ def case_of_command(path: Path) -> Case:
 def show_derived(case: Case, numbers: Mapping[str, Any], *, details: bool = False) -> None:
     """Print the derived numbers of a case, of the loads six columns or all that are known."""
     from fem_seal.output.case_words import section_text
-    from fem_seal.output.columns import CHECK_OF_CASE, CHECK_ON_TERMINAL, MOST_COLUMNS, SHOWN_COLUMNS
+    from fem_seal.output.tables import CHECK_OF_CASE, CHECK_ON_TERMINAL, MOST_COLUMNS, SHOWN_COLUMNS
 
     lower = numbers.get("lower_flange")
     for part in case.every_body:

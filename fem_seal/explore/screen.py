@@ -16,11 +16,11 @@ from fem_seal import units
 from fem_seal.answers.judgement import Verdict
 from fem_seal.answers.leakage_class import leakage_classes, limits, volume_of
 from fem_seal.files import own_tables
-from fem_seal.output.answers.lands import on_land
+from fem_seal.output.answers.lands import hardest_land
 from fem_seal.output.answers.verdict import next_class_of, verdict_facts, verdict_sentences, worst_verdict
 from fem_seal.output.case_words import state_in_words
-from fem_seal.output.columns import COLUMNS
 from fem_seal.output.pictures.section import contact_window
+from fem_seal.output.tables import COLUMNS
 from fem_seal.seal.findings import Level
 from fem_seal.seal.load_result import highest_load
 
@@ -289,7 +289,7 @@ def shown_load(load: CaseLoad, case: Case) -> ShownLoad:
         load.validity.reasons,
         tuple(str(met) for met in leakage_classes(case, load)),
         {name: COLUMNS[name].digits(load) for name in SHOWN},
-        dict.fromkeys(("peak_pressure_Pa", "fwhm_m"), on_land(load)),
+        dict.fromkeys(("peak_pressure_Pa", "fwhm_m"), hardest_land(load) if len(load.profiles) > 1 else ""),
     )
 
 

@@ -53,7 +53,7 @@ def result_html(result: SealSolution) -> str:
     """
     from fem_seal.output.pictures.style import Picture, svg
     from fem_seal.output.plots import result_figure
-    from fem_seal.output.report.tables import load_table, marks_in_words
+    from fem_seal.output.report.page import load_table, marks_in_words
     from fem_seal.output.report.words import headline
 
     picture = Picture(

@@ -6,8 +6,8 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from fem_seal.output.columns import COLUMNS, Column, known_columns
 from fem_seal.output.prose import filled, prose
+from fem_seal.output.tables import COLUMNS, Column, known_columns
 from fem_seal.seal.scenarios import BESIDE
 from fem_seal.units import LIQUID, LeakVolume, Unit, fixed_unit, format_digits, trimmed, unit_for
 
@@ -74,8 +74,8 @@ class Shown:
 
     Parameters
     ----------
-    answers : tuple of str
-        Names of those that it shows: where each is empty or None it is asked for nothing. Always asked unless given.
+    asked : callable
+        The answers that it shows; where they are empty or None it is asked for nothing.
     summary : callable
         Keys of summary.json with their values.
     absent : mapping
@@ -92,7 +92,7 @@ class Shown:
         Lines on the terminal.
     """
 
-    answers: tuple[str, ...] = ()
+    asked: Callable[[SealSolution], object] = lambda result: True
     summary: Callable[[SealSolution], dict[str, Any]] = lambda result: {}
     absent: Mapping[str, Any] = field(default_factory=dict)
     tables: Mapping[str, Callable[[SealSolution], CsvTable]] = field(default_factory=dict)
@@ -101,17 +101,13 @@ class Shown:
     pictures: Callable[[SealSolution], Iterable[Picture | None]] = lambda result: ()
     lines: Callable[[SealSolution], Sequence[str]] = lambda result: ()
 
-    def has_something(self, result: SealSolution) -> bool:
-        """Whether a result has one of its answers."""
-        return not self.answers or any(result.answers.get(name) for name in self.answers)
-
     def summary_of(self, result: SealSolution) -> Mapping[str, Any]:
         """Keys of summary.json with their values, or what stands there without an answer."""
-        return self.summary(result) if self.has_something(result) else self.absent
+        return self.summary(result) if self.asked(result) else self.absent
 
     def words_of(self, result: SealSolution) -> dict[str, Any]:
         """Values for the template of the report by name."""
-        has = self.has_something(result)
+        has = self.asked(result)
         return {name: value(result) if has else None for name, value in self.words.items()}
 
 

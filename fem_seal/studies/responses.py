@@ -31,7 +31,7 @@ from fem_seal.answers.variants import OWN_CONTACTS
 from fem_seal.answers.verdict import VERDICT, VERDICT_FORCE, load_verdict
 from fem_seal.case.case import Case
 from fem_seal.errors import SealError, error_text
-from fem_seal.output.columns import COLUMNS
+from fem_seal.output.tables import COLUMNS
 from fem_seal.seal.evaluate import SILENT, Batch, Evaluation, evaluate_many
 from fem_seal.seal.findings import NOT_JUDGED, Finding, Level, Validity
 from fem_seal.seal.heating import warmed
@@ -90,7 +90,7 @@ def evaluate_design(case: Case, columns: Sequence[str], *, interpolate: bool = T
     case : Case
         With one fluid pressure.
     columns : sequence of str
-        Names of `fem_seal.output.columns.LEAK_COLUMNS`. Most cost milliseconds once geometry and surface are known;
+        Names of `fem_seal.output.tables.LEAK_COLUMNS`. Most cost milliseconds once geometry and surface are known;
         `fem_seal.studies.cost` estimates what bodies that yield, heat, a form error and answers such as the interval of
         uncertain inputs take beyond that.
     interpolate : bool

@@ -6,11 +6,11 @@ from dataclasses import asdict, astuple
 from typing import TYPE_CHECKING
 
 from fem_seal.answers.compression import COMPRESSION, Compression
-from fem_seal.output.columns import COMPRESSION_COLUMNS
 from fem_seal.output.pictures.colours import BLUE, GREY
 from fem_seal.output.pictures.style import Picture, captioned, label, number_dots, panels
 from fem_seal.output.prose import phrase
 from fem_seal.output.shown import Section, Shown, worded_section, worded_table
+from fem_seal.output.tables import COMPRESSION_COLUMNS
 from fem_seal.units import fixed_unit, unit_for
 
 if TYPE_CHECKING:
@@ -87,7 +87,7 @@ def _numbers(found: Compression | None) -> dict[str, object] | None:
 
 
 SHOWN = Shown(
-    ("compression",),
+    lambda result: result.compression,
     summary=lambda result: {"compression": _numbers(COMPRESSION.of(result.answers))},
     absent={"compression": None},
     tables={"compression.csv": _rows},

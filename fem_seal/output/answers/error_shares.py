@@ -153,7 +153,7 @@ def measurement_table(result: SealSolution) -> ReadableTable:
 
 
 SHOWN = Shown(
-    ("error_shares",),
+    lambda result: result.error_shares,
     summary=lambda result: {"error_shares": [asdict(one) for one in result.error_shares]},
     absent={"error_shares": []},
     words={"error_sentence": error_sentence, "measurements": measurement_table},

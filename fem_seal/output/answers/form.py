@@ -12,9 +12,9 @@ import numpy as np
 from fem_seal.answers.case_load import CaseLoad
 from fem_seal.answers.leakage_class import OF_LEAK_RATE, volume_of
 from fem_seal.answers.solution import SealSolution
-from fem_seal.output.columns import AROUND_COLUMNS
 from fem_seal.output.prose import in_scenario, phrase
 from fem_seal.output.shown import ReadableTable, Section, Shown, by_scenario, worded_section, worded_table
+from fem_seal.output.tables import AROUND_COLUMNS
 from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.scenarios import BESIDE
@@ -304,7 +304,7 @@ def _angles_of(load: CaseLoad) -> list[tuple[float | str, ...]]:
 
 
 SHOWN = Shown(
-    ("form",),
+    lambda result: result.form,
     summary=lambda result: {"form": None if result.form is None else by_scenario(asdict(result.form))},
     absent={"form": None},
     tables={"around.csv": around_rows},

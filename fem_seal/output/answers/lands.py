@@ -16,7 +16,7 @@ _FACES = {"closure": "upper", "seat": "lower"}
 
 
 def lands_in_words(result: SealSolution) -> list[str]:
-    """Line loads of the lands and the pressures between them under the highest load; empty where there is one land.
+    """Line loads of several lands and the pressures between them under the highest load.
 
     Parameters
     ----------
@@ -25,8 +25,6 @@ def lands_in_words(result: SealSolution) -> list[str]:
     load = result.highest
     if len(load.contact_loads) > 1:
         return [_shares(*load.contact_loads)]
-    if len(load.profiles) == 1:
-        return []
     unit = fixed_unit("N/mm")
     carried = ", ".join(f"{unit.of(one.moment(0)):.3g}" for one in load.profiles) + f" {unit.name}"
     told = [phrase("lands.result", "carry", load=load_name(load, result.loads), carried=carried)]
@@ -40,16 +38,14 @@ def lands_in_words(result: SealSolution) -> list[str]:
     return told
 
 
-def on_land(load: CaseLoad) -> str:
-    """Which of several lands is pressed hardest, whose peak pressure and width are those of the load; "" of one.
+def hardest_land(load: CaseLoad) -> str:
+    """Which of several lands is pressed hardest, whose peak pressure and width are those of the load.
 
     Parameters
     ----------
     load : CaseLoad
     """
-    if len(load.profiles) == 1:
-        return ""
-    peaks = [one.peak_pressure for one in load.profiles]
+    peaks = [land.peak_pressure for land in load.profiles]
     return phrase("lands.result", "hardest", number=peaks.index(max(peaks)) + 1)
 
 
@@ -62,8 +58,6 @@ def _shares(upper: CaseLoad, lower: CaseLoad) -> str:
 
 def _section(result: SealSolution) -> Section | None:
     sentences = lands_in_words(result)
-    if not sentences:
-        return None
     alike, (columns, contacts) = len(result.highest.contact_loads) == 1, contact_rows(result)
     rows = [dict(zip(columns, row, strict=True)) for row in contacts]
     for row in rows:
@@ -75,4 +69,8 @@ def _section(result: SealSolution) -> Section | None:
     return worded_section("faces", [*sentences, phrase("faces.result", "meaning")], table)
 
 
-SHOWN = Shown(section=_section, lines=lands_in_words)
+SHOWN = Shown(
+    lambda result: max(len(result.highest.profiles), len(result.highest.contact_loads)) > 1,
+    section=_section,
+    lines=lands_in_words,
+)

@@ -225,7 +225,7 @@ def sensitivity_note(result: SealSolution) -> str:
 
 
 SHOWN = Shown(
-    ("sensitivities",),
+    lambda result: result.sensitivities,
     # under the key that result files have had from the beginning
     summary=lambda result: {
         "levers": [asdict(one) | {"says": in_words(result.case, one)} for one in result.sensitivities]

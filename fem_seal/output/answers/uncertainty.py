@@ -116,7 +116,7 @@ def interval_numbers(result: SealSolution, interval: LeakInterval) -> dict[str, 
 
 
 SHOWN = Shown(
-    ("uncertainty",),
+    lambda result: result.uncertainty,
     summary=lambda result: {
         "uncertainty": None if result.uncertainty is None else interval_numbers(result, result.uncertainty)
     },

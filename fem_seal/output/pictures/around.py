@@ -13,7 +13,7 @@ from fem_seal.answers.leakage_class import volume_of
 from fem_seal.arrays import FloatArray
 from fem_seal.output.pictures import style
 from fem_seal.output.pictures.colours import GREY, INK, ORANGE
-from fem_seal.output.pictures.fields import SCALE_ROOM, even_levels, scale_of_colours
+from fem_seal.output.pictures.contact import SCALE_ROOM, even_levels, scale_of_colours
 from fem_seal.seal.circumference import Circumference
 from fem_seal.seal.load_names import different, load_axis, load_name
 from fem_seal.units import unit_for

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from fem_seal.arrays import FloatArray
 from fem_seal.errors import DrawingError, InputError
 from fem_seal.files import own_tables, write_bytes
-from fem_seal.output.pictures.fields import QUARTERS
+from fem_seal.output.pictures.contact import QUARTERS
 from fem_seal.output.pictures.style import Picture, captioned
 from fem_seal.output.vtk import write_around, write_contact, write_contact_line
 from fem_seal.seal.load_names import load_name

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -20,11 +20,11 @@ from fem_seal.output.answers.sensitivities import in_words
 from fem_seal.output.answers.standard_tests import spring_in_words, standard_in_brief
 from fem_seal.output.answers.target import OPENS, target_in_brief
 from fem_seal.output.answers.uncertainty import told_after_test
-from fem_seal.output.columns import MOST_COLUMNS, SHOWN_COLUMNS
 from fem_seal.output.pictures.style import few
 from fem_seal.output.prose import phrase
 from fem_seal.output.report.words import PEAK, Fact, contact_alone, facts
 from fem_seal.output.shown import ReadableTable, ReportColumn, columns_table, filled_column
+from fem_seal.output.tables import MOST_COLUMNS, SHOWN_COLUMNS
 from fem_seal.seal.findings import YIELD_STRESS, Level
 from fem_seal.seal.load_names import load_axis, load_name, load_values
 from fem_seal.seal.load_result import MissingLoad, highest_load
@@ -61,6 +61,17 @@ def first_line(result: SealSolution) -> str:
         return f"{contact_alone(result).removesuffix('.')}{missing_in_brief(result)}"
     told = verdict.verdict_in_brief(result) or leak_in_brief(result.case, result.highest, result.every_load)
     return f"{told}{missing_in_brief(result)}"
+
+
+def lines_in_brief(result: SealSolution) -> list[str]:
+    """The verdict, what the case asks for in so many words, and what would decide, a line each.
+
+    Parameters
+    ----------
+    result : SealSolution
+    """
+    requested = (line(result) for is_asked, line in _REQUESTED.items() if is_asked(result))
+    return list(filter(None, (first_line(result), *requested, second_line(result))))
 
 
 def missing_in_brief(result: SealSolution) -> str:
@@ -184,12 +195,12 @@ def _used(result: SealSolution, load: CaseLoad) -> str:
 
 
 # Between the first and the second line: what the case asks for in so many words.
-ANSWERS: Sequence[Callable[[SealSolution], str]] = (
-    standard_in_brief,
-    spring_in_words,
-    target_in_brief,
-    form_in_brief,
-)
+_REQUESTED: Mapping[Callable[[SealSolution], object], Callable[[SealSolution], str]] = {
+    lambda result: result.standard_tests: standard_in_brief,
+    lambda result: result.set_pressure: spring_in_words,
+    lambda result: result.case.load.target_leak_rate: target_in_brief,
+    lambda result: result.form: form_in_brief,
+}
 
 _ADVICE: dict[str, Callable[[SealSolution, CaseLoad], str]] = {
     "profile": lambda result, load: verdict.would_pass(result, brief=True),

@@ -14,14 +14,13 @@ from fem_seal.answers.leakage_class import class_size, is_flange, leakage_classe
 from fem_seal.answers.solution import SealSolution
 from fem_seal.case.roughness import uncertain_heights
 from fem_seal.contact.solution import PlasticZone, yielding_of
-from fem_seal.output.answers.lands import on_land
+from fem_seal.output.answers.lands import hardest_land
 from fem_seal.output.answers.target import TARGET_FORCE, opening_reasons, opens_at, valve_facts
-from fem_seal.output.answers.theories import told_in_headline
 from fem_seal.output.answers.uncertainty import told_after_test
+from fem_seal.output.answers.variants import told_in_headline
 from fem_seal.output.case_words import earlier_load, state_in_words
-from fem_seal.output.columns import COLUMNS, in_words
 from fem_seal.output.prose import phrase
-from fem_seal.output.report.tables import imprint_in_words, yielding_reasons
+from fem_seal.output.tables import COLUMNS, in_words
 from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.findings import Level, Validity
 from fem_seal.seal.load_names import load_name, load_values
@@ -35,6 +34,7 @@ from fem_seal.units import (
     format_digits,
     leak_range_text,
     percent,
+    quantity_worth,
     range_text,
     rounded,
     unit_for,
@@ -97,14 +97,15 @@ def _facts(result: SealSolution, load: CaseLoad) -> Iterator[tuple[Fact, Validit
     yield from (
         (Fact(*fact), of_target if fact[0] == TARGET_FORCE else contact) for fact in valve_facts(result, load)
     )
+    land = hardest_land(load) if len(load.profiles) > 1 else ""
     uneven = load.circumference is not None and load.circumference.form.felt
     if uneven:
         remark = f"around the axis; {_peak(load)} at the mean line load"
         yield Fact(PEAK, in_words(load, "peak_pressure_max_Pa"), remark), contact
     else:
-        yield Fact(PEAK, _peak(load), on_land(load)), contact
+        yield Fact(PEAK, _peak(load), land), contact
     width = in_words(load, "fwhm_m")
-    remarks = ["full width at half of the peak pressure", on_land(load)]
+    remarks = ["full width at half of the peak pressure", land]
     yield Fact("Width of the contact", width, ", ".join(filter(None, remarks))), contact
     if load.critical_separation is not None:
         yield Fact("Narrowest point of the leak path", *_narrowest(load)), leaks
@@ -695,3 +696,26 @@ def _as_given(case: Case, load: CaseLoad) -> str:
     rate = leakage_text(load, volume_of(case), usual_rate_of(load)).split(" = ")[0]
     finish, inputs = ("tested_finish", "tested_inputs") if load.tested else ("finish", "inputs")
     return phrase("interval.as_given", finish if has_finish(case) else inputs, rate=rate)
+
+
+def imprint_in_words(result: SealSolution) -> tuple[str, str] | None:
+    """Depth of the deepest imprint, and its body and width; None if nothing has yielded."""
+    imprints = result.imprints
+    if not imprints:
+        return None
+    name, imprint = max(imprints.items(), key=lambda item: item[1].deepest)
+    digits = result.strongest.digits_of("fwhm")  # with the accuracy of the width of the contact
+    where = phrase("facts.remark", "imprint", imprint=imprint, body=result.case.label_of(name), digits=digits)
+    return quantity_worth("length", imprint.deepest, digits), where
+
+
+def yielding_reasons(result: SealSolution, load: CaseLoad) -> Iterator[str]:
+    """How far the bodies have yielded at a load that was solved as elastoplastic."""
+    if result.unloaded is None:
+        return
+    zones = {name: zone for name, zone in load.zones.items() if isinstance(zone, PlasticZone)}
+    if not zones:
+        yield phrase("reasons.yielding", "none")
+    for name, zone in zones.items():
+        values = {"body": result.case.label_of(name), "zone": zone, "digits": load.digits_of("fwhm")}
+        yield phrase("reasons.yielding", "zone", **values)

@@ -13,7 +13,7 @@ from fem_seal import InputError, load_case
 from fem_seal.answers.judgement import worst_of
 from fem_seal.answers.standard_tests import under_test
 from fem_seal.output.answers.standard_tests import in_words, standard_in_brief
-from fem_seal.output.columns import SET_PRESSURE_COLUMNS, STANDARD_TEST_COLUMNS
+from fem_seal.output.tables import SET_PRESSURE_COLUMNS, STANDARD_TEST_COLUMNS
 from leak.standards import STANDARDS
 
 VALVE = {

@@ -34,10 +34,9 @@ from fem_seal.output.answers.target import target_in_brief
 from fem_seal.output.files import summary
 from fem_seal.output.pictures.style import label, logarithmic, number_dots, panels, style
 from fem_seal.output.pictures.style import svg as written_svg
-from fem_seal.output.report import tables
 from fem_seal.output.report import words as report_words
 from fem_seal.output.report.brief import _curve, loads_in_brief
-from fem_seal.output.report.page import pictures, report
+from fem_seal.output.report.page import load_table, pictures, report
 from fem_seal.result import SealResult
 from fem_seal.seal.findings import Finding, Level, Validity
 from fem_seal.units import leak_range_text, unit_for
@@ -357,10 +356,10 @@ def test_headline_claims_nothing_outside_the_theory():
 def test_loads_and_their_reasons_stand_in_the_tables():
     page = Page(report(judged(rough_result(), Level.VALID, Level.DOUBTFUL, Level.OUTSIDE)))
     assert "Validity of each load" in page.text
-    table = tables.load_table(rough_result())
+    table = load_table(rough_result())
     assert [row[0] for row in table.rows] == ["2", "5", "20"]
     marked = judged(rough_result(), Level.VALID, Level.DOUBTFUL, Level.OUTSIDE)
-    table = tables.load_table(marked)
+    table = load_table(marked)
     assert [row[0] for row in table.rows] == ["2", "5 ?", "20 !"]
     assert "in leak.csv. ? doubtful, ! outside the theory." in page.text
     assert "How far each load can be trusted" not in Page(told(rough_result)).text

@@ -17,11 +17,16 @@ import fem_seal
 from fem_seal.answers.judgement import VerdictReason
 from fem_seal.errors import OutputError
 from fem_seal.files import write_bytes, write_text
-from fem_seal.output.columns import PROFILE_COLUMNS
 from fem_seal.output.files import summary, write_summary
 from fem_seal.output.prose import phrase, prose
 from fem_seal.output.sources import used
-from fem_seal.output.tables import leak_table, profile_array, write_leak_csv, write_profile_csv
+from fem_seal.output.tables import (
+    PROFILE_COLUMNS,
+    leak_table,
+    profile_array,
+    write_leak_csv,
+    write_profile_csv,
+)
 from fem_seal.units import format_quantity, leak_rate_text, number, percent, quantity, trimmed
 
 LEAK_HEADER = (

@@ -29,7 +29,6 @@ from fem_seal.errors import InputError
 from fem_seal.loads import contact_force
 from fem_seal.output.files import summary
 from fem_seal.output.pictures import contact as pictures_contact
-from fem_seal.output.pictures import fields as pictures_fields
 from fem_seal.output.pictures import leak as pictures_leak
 from fem_seal.output.pictures.style import style
 from fem_seal.output.report import words
@@ -325,7 +324,7 @@ def test_plastic_strain_is_drawn_whole_with_a_readable_scale(
     less = replace(state, plastic=replace(state.plastic, accumulated=share * state.plastic.accumulated))
     unloaded = replace(proof.unloaded, states={"seat": less})
     weaker = replace(proof, unloaded=unloaded)
-    figure = drawn(monkeypatch, lambda: pictures_fields.imprint_picture(weaker))
+    figure = drawn(monkeypatch, lambda: pictures_contact.imprint_picture(weaker))
     FigureCanvasAgg(figure).draw()
     _, view, scale = figure.axes
     field = unloaded.fields["seat"]

@@ -19,7 +19,7 @@ from fem_seal.case.case import Case, load_case
 from fem_seal.contact.load_path import ElastoplasticContact
 from fem_seal.errors import InputError
 from fem_seal.materials import HardeningCurve, HardeningOverTemperature, Material, OverTemperature
-from fem_seal.output.report.tables import curve_in_words
+from fem_seal.output.report.page import curve_in_words
 from fem_seal.seal.load_solver import LoadSolver, solve_load
 from fem_seal.seal.problem import SealProblem, build_mesh, condensed
 from fem_seal.studies.responses import evaluate_design

@@ -24,11 +24,9 @@ from fem_seal.cli import app as cli
 from fem_seal.cli.terminal import show_result
 from fem_seal.errors import ConvergenceError, InputError, NoLoadLeftError, OutputError
 from fem_seal.output import files
-from fem_seal.output.columns import LEAK_COLUMNS
 from fem_seal.output.files import summary
-from fem_seal.output.report.page import report
-from fem_seal.output.report.tables import load_table
-from fem_seal.output.tables import leak_table
+from fem_seal.output.report.page import load_table, report
+from fem_seal.output.tables import LEAK_COLUMNS, leak_table
 from fem_seal.seal.lazy import OptionalSteps
 from fem_seal.seal.leak_model import FlowModel, LeakModel
 from fem_seal.seal.load_result import LoadResult, digits_near_opening

@@ -16,7 +16,7 @@ import fem_seal
 import leak
 from fem_seal.answers.closed_forms import closed_form_limits
 from fem_seal.explore.session import Session
-from fem_seal.output.answers.theories import theories_in_words
+from fem_seal.output.answers.variants import theories_in_words
 from fem_seal.output.answers.verdict import verdict_lines
 from fem_seal.output.report.words import headline
 from fem_seal.output.tables import leak_rows

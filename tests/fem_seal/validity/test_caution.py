@@ -17,7 +17,7 @@ from fem_seal.answers.case_load import case_loads
 from fem_seal.answers.closed_forms import closed_form_limits, derive, nearly_open
 from fem_seal.case.case import Case
 from fem_seal.output.report.brief import first_line, second_line
-from fem_seal.output.report.tables import comparison_note
+from fem_seal.output.report.page import comparison_note
 from fem_seal.profile import PressureProfile
 from fem_seal.result import run
 from fem_seal.seal.findings import NOT_JUDGED, VALID, Finding, Level, Validity, worst_first
