@@ -8,10 +8,11 @@ that of a complete run.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
+from itertools import chain
 
 from fem_seal.answers.answer import Answer, Request
 from fem_seal.answers.case_load import CaseLoad, SolvedSeal, loads_of
@@ -23,7 +24,7 @@ from fem_seal.case.material_table import library_table
 from fem_seal.case.roughness import self_affine_part
 from fem_seal.errors import SealError
 from fem_seal.processes import can_copy, fork_map
-from fem_seal.seal.evaluate import Evaluation, evaluate
+from fem_seal.seal.evaluate import Batch, Evaluation, evaluate, evaluate_many
 from fem_seal.seal.leak_model import FlowModel
 from fem_seal.seal.load_result import highest_load
 from fem_seal.seal.problem import SealProblem
@@ -73,6 +74,9 @@ _NOT_DRAWN = ("youngs_modulus", "q_rolloff", "hurst")
 _CUTS, _SAME = 0.97, 1.001
 _DOING = "what changes the leak rate most"
 _FAILURES = (SealError, LeakError, GeometryError, MeshingError, ValueError, ArithmeticError)
+
+# Changes that are evaluated side by side.
+_AT_ONCE = 4
 
 Rates = tuple[float, ...]
 
@@ -166,11 +170,13 @@ def sensitivities(
 
     tell = progress if progress is not None and not can_copy() else lambda text: None
 
-    def found(change: _Change) -> Sensitivity | None:
+    def found(changes: Sequence[_Change]) -> list[Sensitivity | None]:
         tell(_DOING)
-        return changed.sensitivity(change)
+        return changed.sensitivities(changes)
 
-    every = sorted(filter(None, fork_map(found, list(changed.changes()))), key=lambda one: -one.strength)
+    changes = list(changed.changes())
+    parts = [changes[first : first + _AT_ONCE] for first in range(0, len(changes), _AT_ONCE)]
+    every = sorted(filter(None, chain.from_iterable(fork_map(found, parts))), key=lambda one: -one.strength)
     everywhere = _ChangedSeal(result, (*(n for n in judged if n != number), number))
     for place, one in enumerate(every):
         if one.drawn and one.strength > 0.0 and max(one.ratio) <= _CUTS:
@@ -181,7 +187,7 @@ def sensitivities(
     return tuple(every)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Change:
     """One thing that is changed.
 
@@ -251,7 +257,7 @@ class _ChangedSeal:
     @cached_property
     def rates(self) -> Rates:
         """Of the case itself, from the source that its changes share."""
-        return self._rates(self.problem)
+        return self._rates(self.problem, evaluate(self.problem, self.source))
 
     @property
     def leaks(self) -> bool:
@@ -305,24 +311,43 @@ class _ChangedSeal:
             before.validity.outside or not load.validity_by(validity_of, found).outside
         )
 
-    def _rates(self, problem: SealProblem) -> Rates:
+    def _rates(self, problem: SealProblem, found: Evaluation) -> Rates:
         """Leak rate in each reading of yielding asperities, or the only one [m^3/s]; none without a contact."""
-        found = evaluate(problem, self.source)
         load = loads_of(found)[-1]
         return _rates_of(load) if load.point == problem.loads.points[-1] else ()
 
-    def sensitivity(self, change: _Change) -> Sensitivity | None:
-        """What a change does; None where it is none or cannot be calculated.
+    def sensitivities(self, changes: Sequence[_Change]) -> list[Sensitivity | None]:
+        """What each of several changes does, evaluated side by side; None where it is none or cannot be calculated.
 
         A dimension whose larger value opens the seal is made smaller.
         """
-        small = change.small and max(change.small, _SMALL_PATH if self.problem.follows_path else 0.0)
-        near = self._rates_if_any(change.problem, 1.0 + small) if small else self.rates
-        factor = 1.0 / change.step if sum(near) > sum(self.rates) else change.step
-        far = self._rates_if_any(change.problem, factor)
-        if not far and not small and factor > 1:
-            factor = 2.0 - factor
-            far = self._rates_if_any(change.problem, factor)
+        least = _SMALL_PATH if self.problem.follows_path else 0.0
+        small = [change.small and max(change.small, least) for change in changes]
+        near = self._rates_after(
+            {change: 1.0 + step for change, step in zip(changes, small, strict=True) if step}
+        )
+        near = {change: near.get(change, self.rates) for change in changes}
+        factors = {
+            change: 1.0 / change.step if sum(near[change]) > sum(self.rates) else change.step
+            for change in changes
+        }
+        far = self._rates_after(factors)
+        smaller = {
+            change: 2.0 - factors[change]
+            for change, step in zip(changes, small, strict=True)
+            if not far[change] and not step and factors[change] > 1
+        }
+        factors |= smaller
+        far |= self._rates_after(smaller)
+        return [
+            self._sensitivity(change, step, near[change], factors[change], far[change])
+            for change, step in zip(changes, small, strict=True)
+        ]
+
+    def _sensitivity(
+        self, change: _Change, small: float, near: Rates, factor: float, far: Rates
+    ) -> Sensitivity | None:
+        """From the leak rates after a small step up and after the step that is told."""
         after = change.after(factor)
         if not len(near) == len(far) == len(self.rates) or (
             change.key == "hurst" and after is not None and after > _LARGEST_HURST
@@ -355,10 +380,16 @@ class _ChangedSeal:
         softer = min(own, key=lambda one: one.hardness or math.inf)
         return (*_NOT_DRAWN, "hardness") if "hardness" in library_table(softer.name) else _NOT_DRAWN
 
-    def _rates_if_any(self, problem: Callable[[float], SealProblem], factor: float) -> Rates:
-        with suppress(*_FAILURES):
-            return self._rates(problem(factor))
-        return ()
+    def _rates_after(self, factors: Mapping[_Change, float]) -> dict[_Change, Rates]:
+        """Leak rates after each of some changes by a factor; none where they cannot be calculated."""
+        changes, batch = list(factors), Batch()
+        problems = batch.each(range(len(changes)), lambda n: changes[n].problem(factors[changes[n]]))
+        found = evaluate_many(problems, dict.fromkeys(problems, self.source), batch)
+        rates = batch.each(found, lambda n: self._rates(problems[n], found[n]))
+        for error in batch.failed.values():
+            if not isinstance(error, _FAILURES):
+                raise error
+        return {change: rates.get(n, ()) for n, change in enumerate(changes)}
 
     def changes(self) -> Iterator[_Change]:
         """All that can be changed."""

@@ -408,7 +408,7 @@ def test_a_sensitivity_is_the_ratio_of_two_complete_runs(name):
     changed = _ChangedSeal(result, (number,))
     known = {one.key: one for one in changed.changes() if one.material in ("", "316L")}
     for key, change in changes.items():
-        found = changed.sensitivity(known[key])
+        (found,) = changed.sensitivities([known[key]])
         run = run_loads(result.case.replace(change))
         ratios = [
             after.leak.leak_rate / before.leak.leak_rate
