@@ -315,7 +315,7 @@ def _controller() -> ThreadpoolController:
 
 
 @contextmanager
-def given_back() -> Iterator[None]:
+def returned_memory() -> Iterator[None]:
     """Give back at the end what was used in between and is free again.
 
     The C library of Linux keeps it in reserve, hundreds of megabytes after a large case; others have no such function

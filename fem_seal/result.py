@@ -17,7 +17,7 @@ from fem_seal.answers.solution import SealSolution
 from fem_seal.arrays import FloatArray
 from fem_seal.case.case import CaseSource, case_of
 from fem_seal.errors import InputError
-from fem_seal.processes import given_back
+from fem_seal.processes import returned_memory
 from fem_seal.seal.problem import SealProblem
 from fem_seal.units import shown_in
 
@@ -151,7 +151,7 @@ class SealResult(SealSolution):
         from fem_seal.output.files import write
         from fem_seal.output.folders import folder_lock
 
-        with folder_lock(Path(folder)), given_back(), shown_in(*self.case.shown):
+        with folder_lock(Path(folder)), returned_memory(), shown_in(*self.case.shown):
             for failure in write(self, Path(folder)):
                 warnings.warn(failure, stacklevel=2)
         return Path(folder)
@@ -171,7 +171,7 @@ class SealResult(SealSolution):
         """
         from fem_seal.output.report.page import write_report
 
-        with given_back(), shown_in(*self.case.shown):
+        with returned_memory(), shown_in(*self.case.shown):
             return write_report(self, Path(path))
 
     @overload
@@ -321,7 +321,7 @@ def run(
     192 MPa
     """
     case = case_of(case)
-    with given_back(), shown_in(*case.shown):
+    with returned_memory(), shown_in(*case.shown):
         solution = solve(case, progress, sensitivities=sensitivities, verdict_force=verdict_force)
     return SealResult(**{field.name: getattr(solution, field.name) for field in fields(solution)})
 
@@ -361,7 +361,7 @@ def calibrate(
         readings = read_measured(case, Path(measured))
     else:
         readings = measured_in(case, measured.to_csv(index=False))
-    with given_back():
+    with returned_memory():
         return calibration.calibrate(case, readings, progress or (lambda text: None))
 
 

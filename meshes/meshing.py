@@ -300,7 +300,7 @@ def _square(point: FloatArray, scale: float) -> str:
 
 
 def _to_skfem(gmsh: ModuleType, drawn: _Drawn, scale: float) -> MeshTri:
-    from meshes.mesh.triangles import Triangles, facets_between, smoothed
+    from meshes.mesh.triangles import Triangles, facets_between, smooth_triangles
 
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
     # One node on each point, in the order of the points' tags.
@@ -317,7 +317,7 @@ def _to_skfem(gmsh: ModuleType, drawn: _Drawn, scale: float) -> MeshTri:
     places = scale * coordinates.reshape(-1, 3)[:, :2]
     places[row[on_points]] = [drawn.points[point] for point in sorted(drawn.points)]
     t = np.ascontiguousarray(index[triangles].T)
-    mesh = smoothed(Triangles(np.ascontiguousarray(places[row[used]].T), t))
+    mesh = smooth_triangles(Triangles(np.ascontiguousarray(places[row[used]].T), t))
     return mesh.with_boundaries(facets_between(mesh, {name: index[pairs] for name, pairs in lines.items()}))
 
 

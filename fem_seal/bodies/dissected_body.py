@@ -160,7 +160,7 @@ class Dissection:
             Nodes of each element, or some of them: halves that share few of them share few unknowns.
         """
         places = np.asarray(places, dtype=np.int64)
-        levels = _halved(unknowns + 1 if nodes is None else nodes, coordinates)
+        levels = _halve_elements(unknowns + 1 if nodes is None else nodes, coordinates)
         return cls(_parts(levels, unknowns, places, size), places, size, elastic)
 
     def condensed(
@@ -187,7 +187,7 @@ class Dissection:
         RuntimeError
             If the stiffness is not positive definite.
         """
-        return self._answers(self._eliminated(changed, stiffness))
+        return self._answers(self._eliminate_parts(changed, stiffness))
 
     def unchanged(self) -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
         """The same as `condensed` where no element has another stiffness than the elastic one."""
@@ -238,11 +238,11 @@ class Dissection:
     @cached_property
     def _elastic(self) -> list[_Eliminated]:
         """All parts before anything yields."""
-        return self._eliminated(
+        return self._eliminate_parts(
             np.ones(len(self.elastic), dtype=bool), lambda elements: self.elastic[elements]
         )
 
-    def _eliminated(
+    def _eliminate_parts(
         self, changed: BoolArray, stiffness: Callable[[IntArray], FloatArray]
     ) -> list[_Eliminated]:
         """Every part, anew where an element has changed."""
@@ -259,7 +259,7 @@ class Dissection:
         return found
 
 
-def _halved(nodes: IntArray, coordinates: FloatArray) -> list[IntArray]:
+def _halve_elements(nodes: IntArray, coordinates: FloatArray) -> list[IntArray]:
     """In which part each element is: of the whole, of its halves, of theirs and so on, each of shape (elements,).
 
     The halves of the n-th part are 2n and 2n + 1 of the next level; -1 where a part is not halved again. They lie along
@@ -278,7 +278,7 @@ def _halved(nodes: IntArray, coordinates: FloatArray) -> list[IntArray]:
             return levels
         # elements by the part that is halved, and in it along each coordinate
         orders = [one[size[part[one]] > 0] for one in orders]
-        orders = [one[_sorted(part[one])] for one in orders]
+        orders = [one[_sort_parts(part[one])] for one in orders]
         halved = part[orders[0]]
         behind = np.arange(len(halved)) - (np.cumsum(size) - size)[halved] >= size[halved] // 2
         shared, halves = [], np.zeros((len(orders), len(part)), dtype=np.int64)
@@ -302,7 +302,7 @@ def _have(node: IntArray, half: IntArray, count: int) -> BoolArray:
 
 
 def _parts(levels: list[IntArray], unknowns: IntArray, places: IntArray, size: int) -> tuple[_Part, ...]:
-    """All parts, halves before what they are halves of; `levels` as from `_halved`."""
+    """All parts, halves before what they are halves of; `levels` as from `_halve_elements`."""
     level_of, ordered = _elimination(levels, unknowns, places, size)
     rank = np.full(size + 1, -1)
     rank[ordered] = np.arange(size)
@@ -314,7 +314,7 @@ def _parts(levels: list[IntArray], unknowns: IntArray, places: IntArray, size: i
     for level, part in reversed([*enumerate(levels)]):
         count = 1 + int(part.max())
         inside = np.flatnonzero(part >= 0)
-        inside = inside[_sorted(part[inside])]
+        inside = inside[_sort_parts(part[inside])]
         smallest = inside[below[inside] < 0]
         free = rank[smallest] >= 0
         own = (part[smallest, None] * size + rank[smallest])[free]
@@ -326,14 +326,14 @@ def _parts(levels: list[IntArray], unknowns: IntArray, places: IntArray, size: i
         place = np.arange(len(known)) - (np.cumsum(sizes) - sizes)[owner]
         of_elements = np.repeat(sizes[part[smallest], None], free.shape[1], axis=1)
         of_elements[free] = place[which[: len(own)]]
-        of_halves = _cut(place[which[len(own) :]], giver, 2 * count)
+        of_halves = _split_groups(place[which[len(own) :]], giver, 2 * count)
         pieces.append(
             list(
                 zip(
-                    _cut(inside, part[inside], count),
-                    _cut(ordered[unknown[~outer]], owner[~outer], count),
-                    _cut(ordered[unknown[outer]], owner[outer], count),
-                    _cut(of_elements, part[smallest], count),
+                    _split_groups(inside, part[inside], count),
+                    _split_groups(ordered[unknown[~outer]], owner[~outer], count),
+                    _split_groups(ordered[unknown[outer]], owner[outer], count),
+                    _split_groups(of_elements, part[smallest], count),
                     zip(of_halves[::2], of_halves[1::2], strict=True),
                     strict=True,
                 )
@@ -376,12 +376,12 @@ def _elimination(
     return level_of[:-1], np.append(order[level_of[order] >= 0], places)
 
 
-def _sorted(part: IntArray) -> IntArray:
+def _sort_parts(part: IntArray) -> IntArray:
     """What sorts numbers of parts, of which there are few: they are not compared, but counted."""
     return np.argsort(part.astype(np.min_scalar_type(part.max())), kind="stable")
 
 
-def _cut(values: IntArray, group: IntArray, count: int) -> list[IntArray]:
+def _split_groups(values: IntArray, group: IntArray, count: int) -> list[IntArray]:
     """Values by the group that each is in, which do not fall."""
     ends = np.searchsorted(group, np.arange(count + 1)).tolist()
     return [values[begin:end] for begin, end in pairwise(ends)]
@@ -426,7 +426,7 @@ class DissectedBody:
         RuntimeError
             If its stiffness is not positive definite.
         """
-        return self._seen(
+        return self._normal_compliance(
             *self._dissection.condensed(
                 np.asarray(flow.yielding.any(axis=1)),
                 lambda elements: self._stiffness(elements, flow.tangent[elements]),
@@ -441,13 +441,13 @@ class DissectedBody:
         RuntimeError
             If its stiffness is not positive definite.
         """
-        return self._seen(*self._dissection.unchanged())
+        return self._normal_compliance(*self._dissection.unchanged())
 
-    def _seen(
+    def _normal_compliance(
         self, inverse: FloatArray, solve_turned: Callable[[FloatArray], FloatArray]
     ) -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
         """Compliance along the normals, and a solver without turned nodes, from those of the dissection."""
-        (radial, axial), (n_r, n_z) = self._turned_rows, self.held.normal[:, self._turned][..., None]
+        (radial, axial), (n_r, n_z) = self._turned_rows, self.held.normal[:, self._turned_nodes][..., None]
 
         def solve(forces: FloatArray) -> FloatArray:
             turned = forces.reshape(len(forces), -1).copy()
@@ -464,46 +464,46 @@ class DissectedBody:
     def _stiffness(self, elements: IntArray, tangent: FloatArray) -> FloatArray:
         """Stiffness of elements with turned contact nodes; their tangent has the shape (k, points, 4, 4)."""
         assert self.solid is not None  # only of a body that yields
-        return self._with_turned(elements, self.solid.element_stiffness(elements, tangent))
+        return self._add_turned_nodes(elements, self.solid.element_stiffness(elements, tangent))
 
-    def _with_turned(self, elements: IntArray, local: FloatArray) -> FloatArray:
-        touched = self._touched[elements]
+    def _add_turned_nodes(self, elements: IntArray, local: FloatArray) -> FloatArray:
+        touched = self._elements_of_turned_nodes[elements]
         turn = self._turn[self._number[elements[touched]]]
         local[touched] = turn.transpose(0, 2, 1) @ local[touched] @ turn
         return local
 
     @cached_property
-    def _turned(self) -> BoolArray:
+    def _turned_nodes(self) -> BoolArray:
         """Which contact nodes can move both ways, shape (n,)."""
         return np.all(self.held.free_rows[self.held.contact_dofs] >= 0, axis=0)
 
     @cached_property
     def _turned_rows(self) -> IntArray:
         """Rows of the free dofs that are turned to normal and tangent, shape (2, turned)."""
-        return self.held.free_rows[self.held.contact_dofs[:, self._turned]]
+        return self.held.free_rows[self.held.contact_dofs[:, self._turned_nodes]]
 
     @cached_property
-    def _touched(self) -> BoolArray:
+    def _elements_of_turned_nodes(self) -> BoolArray:
         """Which elements have a turned node."""
-        turned = self.held.contact_dofs[0, self._turned]
+        turned = self.held.contact_dofs[0, self._turned_nodes]
         return np.asarray(np.isin(element_dofs(self.held.mesh), turned).any(axis=1))
 
     @cached_property
     def _number(self) -> IntArray:
         """Number of each element among those with a turned node."""
-        return np.cumsum(self._touched) - 1
+        return np.cumsum(self._elements_of_turned_nodes) - 1
 
     @cached_property
     def _turn(self) -> FloatArray:
         """From normal and tangent to r and z, of the shapes of elements with a turned node; (k, shapes, shapes)."""
-        radial, axial = self.held.contact_dofs[:, self._turned]
-        dofs = element_dofs(self.held.mesh)[self._touched]
+        radial, axial = self.held.contact_dofs[:, self._turned_nodes]
+        dofs = element_dofs(self.held.mesh)[self._elements_of_turned_nodes]
         node = np.full(self.held.size, -1)
         node[radial] = np.arange(len(radial))
         element, first = np.nonzero(node[dofs] >= 0)
         which = node[dofs[element, first]]
         second = np.argmax(dofs[element] == axial[which][:, None], axis=1)
-        n_r, n_z = self.held.normal[:, self._turned][:, which]
+        n_r, n_z = self.held.normal[:, self._turned_nodes][:, which]
         turn = np.broadcast_to(np.eye(dofs.shape[1]), (*dofs.shape, dofs.shape[1])).copy()
         turn[element, first, first], turn[element, first, second] = n_r, -n_z
         turn[element, second, first], turn[element, second, second] = n_z, n_r
@@ -513,10 +513,10 @@ class DissectedBody:
     def _last(self) -> tuple[IntArray, csr_matrix]:
         """Rows eliminated last, and the projection of nodal forces on the contact normals."""
         rows, normal = self.held.free_rows[self.held.contact_dofs], self.held.normal
-        node = np.flatnonzero(self._turned)
+        node = np.flatnonzero(self._turned_nodes)
         parts = [(rows[0, node], node, np.ones(len(node)))]
         for way in (0, 1):
-            node = np.flatnonzero(~self._turned & (rows[way] >= 0))
+            node = np.flatnonzero(~self._turned_nodes & (rows[way] >= 0))
             parts.append((rows[way, node], node, normal[way, node]))
         places, nodes, values = (np.concatenate(column) for column in zip(*parts, strict=True))
         shape = (len(places), rows.shape[1])
@@ -531,7 +531,7 @@ class DissectedBody:
             places_of_elements(held),
             self._last[0],
             len(held.free),
-            self._with_turned(everywhere, element_stiffness(mesh, held.material)),
+            self._add_turned_nodes(everywhere, element_stiffness(mesh, held.material)),
             mesh.t.T,  # halves that share few vertices share few nodes
         )
 

@@ -140,10 +140,10 @@ def strain_matrix(mesh: MeshTri) -> FloatArray:
 def element_stiffness(mesh: MeshTri, material: Material) -> FloatArray:
     """Stiffness int 2 pi r sigma(u) : epsilon(v) dr dz of every element [N/m]; shape (elements, shapes, shapes)."""
     B = strain_matrix(mesh)
-    return contracted(B, ring_volume(mesh)[..., None, None] * (elasticity_matrix(material) @ B))
+    return contract(B, ring_volume(mesh)[..., None, None] * (elasticity_matrix(material) @ B))
 
 
-def contracted(strain: FloatArray, stress: FloatArray) -> FloatArray:
+def contract(strain: FloatArray, stress: FloatArray) -> FloatArray:
     """Sum of stress : strain over the points of each element, both (elements, points, components, shapes)."""
     flat = (len(strain), -1, strain.shape[-1])
     return np.asarray(strain.reshape(flat).transpose(0, 2, 1) @ stress.reshape(flat))
@@ -151,10 +151,10 @@ def contracted(strain: FloatArray, stress: FloatArray) -> FloatArray:
 
 def stiffness_matrix(mesh: MeshTri, material: Material) -> csr_matrix:
     """Assembled `element_stiffness` [N/m]."""
-    return assembled(element_stiffness(mesh, material), element_dofs(mesh), node_dofs(mesh).size)
+    return assemble_elements(element_stiffness(mesh, material), element_dofs(mesh), node_dofs(mesh).size)
 
 
-def assembled(local: FloatArray, dofs: IntArray, size: int) -> csr_matrix:
+def assemble_elements(local: FloatArray, dofs: IntArray, size: int) -> csr_matrix:
     """Sum of element matrices (elements, k, k) over the dofs of their shapes (elements, k); shape (size, size)."""
     rows, columns = np.broadcast_arrays(dofs[:, :, None], dofs[:, None, :])
     return csr_matrix((local.ravel(), (rows.ravel(), columns.ravel())), shape=(size, size))

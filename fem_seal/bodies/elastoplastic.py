@@ -225,7 +225,7 @@ class ElastoplasticBody:
         strain[..., :3] -= np.broadcast_to(free_strain, strain.shape[:2])[..., None]
         return radial_return(strain, before.plastic, self.material, self.hardening)
 
-    def hindered(self, free_strain: FloatArray | float) -> FloatArray:
+    def restraint_stress(self, free_strain: FloatArray | float) -> FloatArray:
         """Stress that would keep the elastic body from a free strain, as a size [Pa]; shape (elements, points, 4)."""
         lam, mu = elasticity.lame_parameters(self.material)
         strain = np.broadcast_to(np.abs(free_strain), self.weight.shape)
@@ -242,7 +242,7 @@ class ElastoplasticBody:
     def element_stiffness(self, elements: IntArray, tangent: FloatArray) -> FloatArray:
         """Stiffness of some elements [N/m], shape (k, shapes, shapes), with their tangent, (k, points, 4, 4) [Pa]."""
         shapes = self.strain_shapes[elements]
-        return elasticity.contracted(shapes, (self.weight[elements][..., None, None] * tangent) @ shapes)
+        return elasticity.contract(shapes, (self.weight[elements][..., None, None] * tangent) @ shapes)
 
     @cached_property
     def nodal_average(self) -> csr_matrix:

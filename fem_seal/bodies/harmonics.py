@@ -67,7 +67,7 @@ def harmonic_stiffness(mesh: MeshTri, material: Material) -> tuple[FloatArray, F
     constant, linear = harmonic_strains(mesh)
 
     def element(left: FloatArray, right: FloatArray) -> FloatArray:
-        return elasticity.contracted(left, elasticity.ring_volume(mesh)[..., None, None] * (D @ right))
+        return elasticity.contract(left, elasticity.ring_volume(mesh)[..., None, None] * (D @ right))
 
     mixed = element(constant, linear)
     return element(constant, constant), mixed + mixed.transpose(0, 2, 1), element(linear, linear)
@@ -130,7 +130,7 @@ class HarmonicBody:
         if n < 1 or n != int(n):
             raise ValueError(f"{n} waves around the axis: a whole number from 1 on is needed")
         if n not in self._known:
-            compliance = self._factorised(int(n))
+            compliance = self._factorise(int(n))
             while self._known and (len(self._known) + 1) * compliance.nbytes > _KEPT:
                 self._known.pop(next(iter(self._known)))
             self._known[n] = compliance
@@ -166,7 +166,7 @@ class HarmonicBody:
         return _StifferBody(self.held, self, factor)
 
     @single_threaded
-    def _factorised(self, n: int) -> FloatArray:
+    def _factorise(self, n: int) -> FloatArray:
         return (_HeldHarmonics.of(self, guided=True) if n == 1 else self._unguided).compliance(n, self)
 
     @cached_property

@@ -324,7 +324,7 @@ class Case(CaseTables):
         >>> case.replace({"closure.radius": 0.025, "load.fluid_pressure": ["1 bar", 5e5]}).load.fluid_pressure
         (100000.0, 500000.0)
         """
-        changed = _changed(self._with(changes or {}), copy.deepcopy(tables))
+        changed = _change_tables(self._with(changes or {}), copy.deepcopy(tables))
         new = {name: table for name, table in changed.items() if table is not self._input.get(name)}
         of_gasket = changed.get("gasket") is not None
         return self._checked({**changed, **_tables_with_units(new, of_gasket=of_gasket)})
@@ -359,7 +359,7 @@ class Case(CaseTables):
             if value is not None or same_entry(str(key)) not in entries
         }
         for key, value in copy.deepcopy(dict(changes)).items():
-            changed = _changed(changed, _nested(changed, str(key).split("."), value))
+            changed = _change_tables(changed, _nest_value(changed, str(key).split("."), value))
         return changed
 
     def _checked(self, tables: dict[str, Any]) -> Case:
@@ -407,21 +407,21 @@ def load_case(source: str | os.PathLike[str] | Mapping[str, Any]) -> Case:
         odd = [key for key in source if not isinstance(key, str)]
         if odd:
             raise InputError.at(str(odd[0]), "keys must be words, such as closure, seat, load")
-        return _as_written(source)
+        return _read_case(source)
     path = Path(source)
     folder = path.absolute().parent
     tables = with_files(read_toml(path, "case"), lambda named: str(folder / named))
     tables.setdefault("title", path.stem)
     _place_results(tables, path)
     try:
-        case = _as_written(tables)
+        case = _read_case(tables)
     except InputError as error:
         raise error.in_file(path) from None
     case._file = path
     return case
 
 
-def _as_written(tables: Mapping[str, Any]) -> Case:
+def _read_case(tables: Mapping[str, Any]) -> Case:
     """A case of the tables of a file, where a quantity without a unit is an error."""
     case = Case.__new__(Case)
     case._read_alone(dict(tables))
@@ -469,13 +469,13 @@ def _named_files(entry: Any, name: str = "") -> Iterator[str]:
         yield entry
 
 
-def _changed(tables: dict[str, Any], new: Mapping[str, Any]) -> dict[str, Any]:
+def _change_tables(tables: dict[str, Any], new: Mapping[str, Any]) -> dict[str, Any]:
     """All tables of a case with changes merged in."""
     if "roughness" not in new:
-        return _merged(tables, new)
+        return _merge_tables(tables, new)
     prepared, change = roughness_like(tables.get("roughness"), new["roughness"])
     before = tables if prepared is tables.get("roughness") else {**tables, "roughness": prepared}
-    return _merged(before, {**new, "roughness": change})
+    return _merge_tables(before, {**new, "roughness": change})
 
 
 def _in_keys(tables: Mapping[str, Any]) -> tuple[dict[str, Any], list[Problem]]:
@@ -509,7 +509,7 @@ def _shape_in_keys(
     return found, wrong
 
 
-def _merged(old: dict[str, Any], new: Mapping[str, Any]) -> dict[str, Any]:
+def _merge_tables(old: dict[str, Any], new: Mapping[str, Any]) -> dict[str, Any]:
     """A new table; entries without a change are the very ones of the old table."""
     merged = dict(old)
     for key, value in new.items():
@@ -527,13 +527,13 @@ def _merged(old: dict[str, Any], new: Mapping[str, Any]) -> dict[str, Any]:
             if key == "material" and isinstance(before, str) and not whole:
                 # some numbers of a material that stands there by its name
                 before, same = library_table(before), True
-            merged[key] = _merged(before if same and before else {}, value)
+            merged[key] = _merge_tables(before if same and before else {}, value)
         else:
             merged[key] = value
     return merged
 
 
-def _nested(old: Any, path: Sequence[str], value: Any, before: tuple[str, ...] = ()) -> Any:
+def _nest_value(old: Any, path: Sequence[str], value: Any, before: tuple[str, ...] = ()) -> Any:
     """A value at a dotted key as nested tables; where the key leads into a list, the list with that entry changed.
 
     Parameters
@@ -560,7 +560,7 @@ def _nested(old: Any, path: Sequence[str], value: Any, before: tuple[str, ...] =
                 f"{here}.{key}", f"{here} is no list whose entries could be changed; give all of it"
             )
         inside = old.get(key) if isinstance(old, Mapping) else None
-        return {key: _nested(inside, rest, value, (*before, key))}
+        return {key: _nest_value(inside, rest, value, (*before, key))}
     if not key.isdecimal() or int(key) >= len(old):
         few = {0: "it is empty", 1: "0 is its only entry"}
         numbers = few.get(len(old), f"it has 0 to {len(old) - 1}")
@@ -568,9 +568,9 @@ def _nested(old: Any, path: Sequence[str], value: Any, before: tuple[str, ...] =
             f"{here}.{key}", f"{here} is a list, entries are named by their number: {numbers}"
         )
     number = int(key)
-    entry = _nested(old[number], rest, value, (*before, key))
+    entry = _nest_value(old[number], rest, value, (*before, key))
     if isinstance(entry, Mapping) and isinstance(old[number], dict):
-        entry = _merged(old[number], entry)
+        entry = _merge_tables(old[number], entry)
     return [*old[:number], *([] if entry is None else [entry]), *old[number + 1 :]]
 
 
@@ -714,11 +714,11 @@ def case_text(tables: Mapping[str, Any], folder: Path, remark: str = "") -> str:
         if name in plain:
             continue
         lines += ["", f"[{_key(name)}]"]
-        lines += [f"{_key(key)} = {_value(value, key, folder)}" for key, value in _given(table)]
+        lines += [f"{_key(key)} = {_value(value, key, folder)}" for key, value in _given_entries(table)]
     return "\n".join(lines).lstrip("\n") + "\n"
 
 
-def _given(table: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+def _given_entries(table: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
     return ((key, value) for key, value in table.items() if value is not None)
 
 
@@ -730,7 +730,11 @@ def _value(value: Any, key: str, folder: Path) -> str:
     if isinstance(value, Material):
         value = as_table(value)
     if isinstance(value, Mapping):
-        return "{ " + ", ".join(f"{_key(k)} = {_value(one, k, folder)}" for k, one in _given(value)) + " }"
+        return (
+            "{ "
+            + ", ".join(f"{_key(k)} = {_value(one, k, folder)}" for k, one in _given_entries(value))
+            + " }"
+        )
     if isinstance(value, (list, tuple)):
         return "[" + ", ".join(_value(one, key, folder) for one in value) + "]"
     if isinstance(value, (bool, int, float)):

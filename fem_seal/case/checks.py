@@ -610,7 +610,9 @@ def refused_loads(case: CaseTables) -> dict[int, LoadProblem]:
     refused: dict[int, LoadProblem] = {}
     crushed = None
     for number, (pressure, applied_force) in enumerate(case.load.points):
-        problem = _open(case, pressure, applied_force) or _too_large(case, pressure, applied_force)
+        problem = _opening_problem(case, pressure, applied_force) or _strain_problem(
+            case, pressure, applied_force
+        )
         if problem is None and crushed is not None:
             problem = load_problem("after_a_load", "path", load=crushed)
         if problem is not None:
@@ -643,12 +645,15 @@ def problem_of_earlier_load(case: CaseTables) -> LoadProblem | None:
     if case.load.earlier is None:
         return None
     pressure, force = case.load.earlier
-    open_seal, key = None if pressure == 0.0 else _open(case, pressure, force), case.load.earlier_key
-    found = open_seal or _too_large(case, pressure, force, key.removeprefix("load."))
+    open_seal, key = (
+        None if pressure == 0.0 else _opening_problem(case, pressure, force),
+        case.load.earlier_key,
+    )
+    found = open_seal or _strain_problem(case, pressure, force, key.removeprefix("load."))
     return None if found is None else replace(found, key=key)
 
 
-def _open(case: CaseTables, fluid_pressure: float, applied_force: float) -> LoadProblem | None:
+def _opening_problem(case: CaseTables, fluid_pressure: float, applied_force: float) -> LoadProblem | None:
     """Why a load leaves the seal open, as far as this is known before where the fluid gets to; None if it does not."""
     load, r0 = case.load, case.initial_contact_radius
     lifts = load.pressure_side == "inner"
@@ -674,7 +679,7 @@ def _open(case: CaseTables, fluid_pressure: float, applied_force: float) -> Load
     )
 
 
-def _too_large(
+def _strain_problem(
     case: CaseTables,
     fluid_pressure: float,
     applied_force: float,
@@ -707,7 +712,7 @@ def _too_large(
     turned = turning(contact, half_width)
     if turned <= MOST_TURNED:
         return None
-    share = _share_within(lambda share: turning(contact, share * half_width) <= LARGEST_TURNING)
+    share = _largest_share(lambda share: turning(contact, share * half_width) <= LARGEST_TURNING)
     said = {"force": briefly("force", force), "most": briefly("force", force * share)}
     limits_of = {"turned": turned, "largest": LARGEST_TURNING}
     return load_problem("turned", "strain", **said, **limits_of, width=2 * half_width, lower=lower)
@@ -745,7 +750,7 @@ def turning(contact: ContactGeometry, half_width: float) -> float:
     return min(2.0 * float(widest[at]) / half_width, slope)
 
 
-def _share_within(holds: Callable[[float], bool]) -> float:
+def _largest_share(holds: Callable[[float], bool]) -> float:
     """Largest share below one that holds, to two digits."""
     low, high = 0.0, 1.0
     for _ in range(_HALVINGS):

@@ -304,7 +304,7 @@ def required_class(text: str, given: str) -> dict[str, str]:
     from leak.standards import STANDARDS, classes_of, standard_named
 
     # what is required is what is asked for here
-    tables = {name: table for name, table in _parsed(text).items() if name != "requirement"}
+    tables = {name: table for name, table in _parse_tables(text).items() if name != "requirement"}
     fluid = load_case(tables).fluid
     gas = fluid is not None and fluid.gas is not None
     known = {standard: classes_of(standard, gas=gas) for standard in STANDARDS}
@@ -376,10 +376,10 @@ def read_text_case(text: str) -> Case:
     InputError
         It lists every problem.
     """
-    return load_case(_parsed(text))
+    return load_case(_parse_tables(text))
 
 
-def _parsed(text: str) -> dict[str, Any]:
+def _parse_tables(text: str) -> dict[str, Any]:
     try:
         return parse_toml(text)
     except TomlError as error:

@@ -100,11 +100,11 @@ def words_of(table: type[BaseModel]) -> Mapping[str, Word]:
     for key, field in table.model_fields.items() if "shape" in table.model_fields else ():
         name, marker = partner(key), next(quantities_of(field), None)
         if name is not None and marker is not None and key != _ROUNDING:
-            words[name] = Word(name, key, _twice(marker))
+            words[name] = Word(name, key, _double_range(marker))
     return words
 
 
-def _twice(marker: Quantity) -> Quantity:
+def _double_range(marker: Quantity) -> Quantity:
     """Range of a diameter or an included angle; both are twice as wide as that of radius and angle."""
     low, high = (
         f"{2 * float(number):g} {unit}" for number, unit in map(str.split, (marker.low, marker.high))
@@ -180,7 +180,7 @@ def in_keys(
         except (QuantityError, ValueError) as error:
             wrong.append(Problem(f"{body}.{name}", str(error), shown(value)))
             # what stands there is not known, but something does
-            found[word.key] = _within(table, word.key)
+            found[word.key] = _example_value(table, word.key)
     return found, wrong
 
 
@@ -204,7 +204,7 @@ def as_written(problem: Problem, tables: Mapping[str, Any]) -> Problem:
     )
 
 
-def _within(table: type[BaseModel], key: str) -> str:
+def _example_value(table: type[BaseModel], key: str) -> str:
     """Something that may stand at a key."""
     marker = next(quantities_of(table.model_fields[key]))
     low, high = (parse_quantity(text, marker.dimension) for text in (marker.low, marker.high))
@@ -248,7 +248,7 @@ def without_reference(text: str) -> str:
     ('20 bar', '20 bar')
     """
     match = _match(text)
-    return text if match is None else _bare(match)
+    return text if match is None else _plain_text(match)
 
 
 def as_differences(tables: Mapping[str, Any], fluid: object) -> tuple[dict[str, Any], list[Problem]]:
@@ -270,7 +270,7 @@ def as_differences(tables: Mapping[str, Any], fluid: object) -> tuple[dict[str, 
     if (match := _match(outlet)) and "fluid" in changed:
         if _kind(match) == "g":
             wrong.append(problem("gauge_outlet", value=shown(outlet), remedy=_absolute(match)))
-        changed["fluid"] = {**changed["fluid"], "outlet_pressure": _bare(match)}
+        changed["fluid"] = {**changed["fluid"], "outlet_pressure": _plain_text(match)}
     for table, key in _DIFFERENCES:
         entries = changed.get(table)
         if isinstance(entries, Mapping) and is_said_of_one_side(entries.get(key)):
@@ -324,7 +324,7 @@ def as_gauge(problem: Problem, tables: Mapping[str, Any]) -> Problem:
     message = problem.message
     for text in _texts(entry):
         if match := _match(text):
-            message = message.replace(f'"{_bare(match)}"', shown(text))
+            message = message.replace(f'"{_plain_text(match)}"', shown(text))
     return replace(problem, message=message, value=shown(entry))
 
 
@@ -344,7 +344,7 @@ class _Differences:
         return entry if match is None else self._of_text(entry, match)
 
     def _of_text(self, text: str, match: re.Match[str]) -> str:
-        plain, refused = _bare(match), self._refused
+        plain, refused = _plain_text(match), self._refuse
         if _kind(match) == "g":
             far = self.outlet is not None and abs(self.outlet / STANDARD_PRESSURE - 1) > _NEAR
             return refused("gauge_far_outlet", text, plain) if far else plain
@@ -357,7 +357,7 @@ class _Differences:
             return plain
         return refused("absolute_below_outlet", text, plain) if difference < 0 else f"{difference!r} Pa"
 
-    def _refused(self, name: str, text: str, plain: str) -> str:
+    def _refuse(self, name: str, text: str, plain: str) -> str:
         """The pressure as it is written, and one problem more."""
         outlet = (self.outlet or 0.0) / 1e5
         self.wrong.append(problem(name, key=self.key, outlet=outlet, value=shown(text)))
@@ -385,13 +385,13 @@ def _kind(match: re.Match[str]) -> str:
 def _absolute(match: re.Match[str]) -> str:
     """How a gauge pressure is written as an absolute one."""
     try:
-        bar = (float(exact_quantity(_bare(match), "pressure")) + STANDARD_PRESSURE) / 1e5
+        bar = (float(exact_quantity(_plain_text(match), "pressure")) + STANDARD_PRESSURE) / 1e5
     except (QuantityError, OverflowError):
         bar = math.nan
     return f'write it as "{bar:.6g} bara"' if bar >= 0 else "there is no pressure below 0 bara"
 
 
-def _bare(match: re.Match[str]) -> str:
+def _plain_text(match: re.Match[str]) -> str:
     """The number and the unit without what it is measured from."""
     return f"{match[1]} {match[2]}"
 
@@ -409,7 +409,7 @@ def _outlet(fluid: object) -> tuple[float | None, bool]:
         return (STANDARD_PRESSURE if gas else None), gas
     match = _match(outlet)
     try:
-        return float(exact_quantity(_bare(match) if match else str(outlet), "pressure")), gas
+        return float(exact_quantity(_plain_text(match) if match else str(outlet), "pressure")), gas
     except (QuantityError, OverflowError):
         # which the reading of the table says
         return None, gas

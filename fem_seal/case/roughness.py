@@ -515,7 +515,7 @@ class Roughness(FinishKeys):
             for key, one in self.parts.items()
         }
         if "along" in spectra:
-            found = _stretched(spectra["along"], spectra["across"])
+            found = _stretch(spectra["along"], spectra["across"])
             return found.spectrum, found.peklenik
         total = reduce(lambda total, one: total + one, spectra.values())
         if "peklenik" in self.model_fields_set or not faces:
@@ -540,7 +540,7 @@ class Roughness(FinishKeys):
                 for warning in one.measured().warnings:
                     yield f"roughness.{key}: {warning}"
         if self.along is not None and self.across is not None:
-            found = _stretched(self.along.build(), self.across.build())
+            found = _stretch(self.along.build(), self.across.build())
             if found.misfit > _LARGEST_MISFIT:
                 yield sentence("no_stretch", best=found.peklenik, off=math.exp(found.misfit))
 
@@ -639,7 +639,7 @@ def _as_tables(entries: object) -> dict[str, Any]:
 
 
 @lru_cache(maxsize=64)
-def _stretched(along: PowerSpectrum, across: PowerSpectrum) -> StretchedRoughness:
+def _stretch(along: PowerSpectrum, across: PowerSpectrum) -> StretchedRoughness:
     from leak import stretched_roughness
 
     return stretched_roughness(along, across)

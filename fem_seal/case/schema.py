@@ -164,7 +164,7 @@ def _chosen_by_word(schema: dict[str, Any], known: Mapping[str, Any]) -> dict[st
     table: dict[str, Any] = {
         "properties": {
             word: {"enum": list(forms), "description": f"{word}: one of {', '.join(forms)}"},
-            **_described(word, [known[place.rpartition("/")[2]] for place in forms.values()]),
+            **_describe_keys(word, [known[place.rpartition("/")[2]] for place in forms.values()]),
         },
         **_OPEN,
         "required": [] if implied else [word],
@@ -187,7 +187,7 @@ def _chosen_by_word(schema: dict[str, Any], known: Mapping[str, Any]) -> dict[st
     }
 
 
-def _described(word: str, tables: list[Mapping[str, Any]]) -> dict[str, Any]:
+def _describe_keys(word: str, tables: list[Mapping[str, Any]]) -> dict[str, Any]:
     """Keys of all forms with what they are, for completion before the form is chosen; the form itself checks them."""
     keys: dict[str, Any] = {}
     for table in tables:

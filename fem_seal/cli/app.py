@@ -266,7 +266,7 @@ def mesh(
     path = folder / "mesh.msh"
     with folder_lock(folder), replaced_together(folder, whole=False) as draft:
         seal_mesh.write(draft / path.name)
-    _warn_of_unfinished(folder)
+    _warn_of_unfinished_designs(folder)
     quality = asdict(seal_mesh.quality)
     if json:
         terminal.say_json({"file": str(path), **quality})
@@ -296,7 +296,7 @@ def leak(
 
     case = terminal.case_of_command(case_file)
     profiles = read_profiles(profile_file, case.contact)
-    folder = _created(output or profile_file.with_suffix(".leak"))
+    folder = _create_folder(output or profile_file.with_suffix(".leak"))
     with folder_lock(folder), terminal.progress_of(quiet) as progress:
         result = solve_profiles(case, profiles, progress)
         progress("writing results")
@@ -320,7 +320,7 @@ def direct(
 
     case = terminal.case_of_command(case_file)
     given = None if case.direct is None else case.direct.folder
-    folder = _created(output or (Path(given) if given else case_file.with_suffix(".direct")))
+    folder = _create_folder(output or (Path(given) if given else case_file.with_suffix(".direct")))
     processes = jobs or os.cpu_count() or 1
     with folder_lock(folder), terminal.progress_of(quiet) as progress:
         if seal:
@@ -381,7 +381,7 @@ def surface(
         "q_high": q_high,
     }
     measured = scan_case([str(file) for file in files], entries).measured()
-    folder = _created(output or files[0].with_suffix(".surface"))
+    folder = _create_folder(output or files[0].with_suffix(".surface"))
     with folder_lock(folder), replaced_together(folder, whole=False) as draft:
         write_surface(measured, draft)
     terminal.warn(measured.warnings)
@@ -404,7 +404,7 @@ def view(
     """Show a results folder in 3D: the seal cut open, contact pressure on the seat, a slider over the loads."""
     from fem_seal.output.pictures import three_d
 
-    _warn_of_unfinished(folder)
+    _warn_of_unfinished_designs(folder)
     three_d.view(folder, png, load)
     if png is not None and not quiet:
         terminal.say(f"picture in {png}")
@@ -424,10 +424,10 @@ def schema(study: Annotated[bool, terminal.option("schema", "study")] = False) -
 
 
 def _results_folder(output: Path | None, case: Case) -> Path:
-    return _created(output or Path(case.output.folder or "fem-seal.out"))
+    return _create_folder(output or Path(case.output.folder or "fem-seal.out"))
 
 
-def _created(folder: Path) -> Path:
+def _create_folder(folder: Path) -> Path:
     """Create a results folder, before the calculation starts."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -463,7 +463,7 @@ def _remarks(case: Case) -> list[str]:
     return remarks
 
 
-def _warn_of_unfinished(folder: Path) -> None:
+def _warn_of_unfinished_designs(folder: Path) -> None:
     said = unfinished(folder)
     terminal.warn([f"{folder}: {said}"] if said else [])
 
@@ -493,13 +493,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except Exception as error:
         if "--debug" in words:
             raise
-        code, message = _explained(error)
+        code, message = _explain_error(error)
         terminal.complain(message)
         return code
     return DONE
 
 
-def _explained(error: Exception) -> tuple[int, str]:
+def _explain_error(error: Exception) -> tuple[int, str]:
     """Exit code and message of an error."""
     own = type(error).__module__.split(".")[0] in ("fem_seal", "leak", "meshes")
     if isinstance(error, (ConvergenceError, NoLoadLeftError)):

@@ -91,8 +91,8 @@ def new(
         scale = ", to the scale of what you gave" if {"bore", "diameter"} & given.keys() else ""
         say(f"From the template{scale}: {', '.join(kept)}")
     say(f"{path} is written; next:")
-    say(f"  fem-seal check {_quoted(path)} --picture   (draws its section)")
-    say(f"  fem-seal run {_quoted(path)}   (leak rate and report)")
+    say(f"  fem-seal check {_quote_text(path)} --picture   (draws its section)")
+    say(f"  fem-seal run {_quote_text(path)}   (leak rate and report)")
 
 
 class ForceTakesNoValue(TyperCommand):
@@ -204,7 +204,7 @@ def _with_answers(text: str, given: Mapping[str, str]) -> str:
         for question in new_case.QUESTIONS:
             found = next((one for one in new_case.asked(text) if one[0] is question), None)
             if found is not None and question.name not in given:
-                text = _answered(text, *found, kept=answered)
+                text = _answer_question(text, *found, kept=answered)
             answered += [] if found is None else [found[1]]
         try:
             new_case.read_text_case(text)
@@ -217,7 +217,7 @@ def _with_answers(text: str, given: Mapping[str, str]) -> str:
             return text
 
 
-def _answered(text: str, question: Question, path: str, value: str, kept: list[str]) -> str:
+def _answer_question(text: str, question: Question, path: str, value: str, kept: list[str]) -> str:
     """The text with a valid answer to a question; entries not answered yet are scaled with the size of the valve."""
     from fem_seal.case import new_case
 
@@ -262,5 +262,5 @@ def _write(text: str, path: Path) -> None:
         raise InputError.at("--output", f"cannot be written ({reason})", str(path)) from None
 
 
-def _quoted(path: Path) -> str:
+def _quote_text(path: Path) -> str:
     return f'"{path}"' if " " in str(path) else str(path)

@@ -18,7 +18,7 @@ from scipy.sparse import block_diag, bmat, coo_matrix, csc_matrix, csr_matrix
 from fem_seal.arrays import FloatArray
 from fem_seal.bodies.constrained_body import trace_matrix
 from fem_seal.bodies.elasticity import (
-    assembled,
+    assemble_elements,
     at_quadrature_points,
     boundary_nodes,
     edge_shapes,
@@ -136,7 +136,7 @@ class _Body:
         slopes = shape_gradients(self.mesh, quadrature()[0])
         weight = conductivity * ring_volume(self.mesh)
         local = np.einsum("eq,eqid,eqjd->eij", weight, slopes, slopes, optimize=True)
-        return assembled(local, quadratic_nodes(self.mesh)[1], self.size)
+        return assemble_elements(local, quadratic_nodes(self.mesh)[1], self.size)
 
     def film(self, face: str) -> csr_matrix:
         """int 2 pi r T v over a face [m^2]; zero where the body has no such face."""
@@ -147,7 +147,9 @@ class _Body:
         radius = p[0, start, None] + (p[0, end] - p[0, start])[:, None] * along
         area = 2 * np.pi * radius * np.hypot(*(p[:, end] - p[:, start]))[:, None] * weights
         local = np.einsum("eq,iq,jq->eij", area, shapes, shapes)
-        return assembled(local, np.stack([start, end, self.mesh.nvertices + facets], axis=1), self.size)
+        return assemble_elements(
+            local, np.stack([start, end, self.mesh.nvertices + facets], axis=1), self.size
+        )
 
     def nodes(self, face: str) -> NDArray[np.int64]:
         """Of a face, if the body has it."""

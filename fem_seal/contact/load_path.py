@@ -466,7 +466,7 @@ class _Walk:
             load = begin.between(end, aim)
             guess = None if earlier is None else here.ahead(earlier, (aim - way) / taken)
             try:
-                reached = self._pressed(load, here, guess, elastic=step > usual)
+                reached = self._press(load, here, guess, elastic=step > usual)
             except _FAILURES as error:
                 if step > usual:
                     step = usual
@@ -474,7 +474,7 @@ class _Walk:
                 step = (aim - way) / 2
                 smallest = step < self.settings.smallest_step
                 if isinstance(error, OpenSealError) and (smallest or step < _NEAR_OPENING):
-                    opened = self._open(end, here, error)
+                    opened = self._open_load(end, here, error)
                     if smallest or opened.error is not error:
                         raise _Opened(opened, here) from error
                 if not smallest:
@@ -507,7 +507,7 @@ class _Walk:
             try:
                 aim = load.balanced(here, self.law, tightened)
             except OpenSealError as error:
-                raise _Opened(self._open(load, here, error), here) from error
+                raise _Opened(self._open_load(load, here, error), here) from error
             assert load.held is not None  # of all who ask
             if last is not begin and abs(aim.force - last.force) <= _HELD * load.held.preload:
                 return last, here, steps
@@ -522,7 +522,7 @@ class _Walk:
         except _Opened as opened:
             return self.to(rest, rest, opened.reached)[0]
 
-    def _pressed(
+    def _press(
         self, load: PathLoad, here: Equilibrium, guess: Mapping[str, FloatArray] | None, *, elastic: bool
     ) -> Equilibrium:
         with np.errstate(over="raise", invalid="raise", divide="raise", under="ignore"):
@@ -538,7 +538,7 @@ class _Walk:
                 elastic=elastic,
             )
 
-    def _open(self, load: PathLoad, reached: Equilibrium, error: OpenSealError) -> OpenLoad:
+    def _open_load(self, load: PathLoad, reached: Equilibrium, error: OpenSealError) -> OpenLoad:
         """What is said of a load by the bodies as they last touched; what was said on the way if they are closed."""
         model = unloading_model(self.model, self.bodies, reached.states, load.further)
         try:

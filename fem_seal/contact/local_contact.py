@@ -324,7 +324,7 @@ class LocalContact:
         if not new:
             return
         model, loads, force = self.mean.model, self.mean.loads, self.mean.contact_force
-        found = self._pressed(
+        found = self._press(
             [
                 ContactProblem(model, self.law, force * math.exp(_STEP * k), loads, start=self._ahead(k))
                 for k in new
@@ -333,7 +333,7 @@ class LocalContact:
         self._rungs.update(zip(new, found, strict=True))
 
     @staticmethod
-    def _pressed(problems: Sequence[ContactProblem]) -> list[ContactSolution]:
+    def _press(problems: Sequence[ContactProblem]) -> list[ContactSolution]:
         found = solve_many(problems)
         for one in found:
             if isinstance(one, ConvergenceError):
@@ -373,7 +373,7 @@ class LocalContact:
         line, bend = self.mean.model.line, _BEND / self.mean.model.relative_radius
         bent = replace(line, initial_gap=line.initial_gap + bend * line.x**2)
         model = replace(self.mean.model, line=bent)
-        changed = self._pressed(
+        changed = self._press(
             [ContactProblem(model, self.law, one.contact_force, one.loads, start=one) for one in contacts]
         )
         peaks = [[one.profile.peak_pressure for one in each] for each in (changed, contacts)]

@@ -189,7 +189,11 @@ def _softened_first(one: ContactProblem) -> ContactSolution | ConvergenceError:
         if state is None:
             break
         states = [state]
-    return _solution(one, states[0], residuals) if state is not None else _flattened(one, states, residuals)
+    return (
+        _solution(one, states[0], residuals)
+        if state is not None
+        else _solve_flattened_law(one, states, residuals)
+    )
 
 
 # Compliance of the bodies at a point over that of the law from which on the law is all but rigid. Three pressures to an
@@ -209,12 +213,12 @@ def _solution(
 ) -> ContactSolution | ConvergenceError:
     assert not isinstance(one.law, HardContact)  # that has no states
     if _is_all_but_rigid(one.model, state[0], one.law.decay_length(state[0])):
-        return _flattened(one, [state], residuals)
+        return _solve_flattened_law(one, [state], residuals)
     # the last residual is that of the solution, after which no step is taken
-    return _pressed(one, state, len(residuals) - 1, residuals)
+    return _solution_of_state(one, state, len(residuals) - 1, residuals)
 
 
-def _flattened(
+def _solve_flattened_law(
     one: ContactProblem, states: Sequence[State], residuals: Sequence[float]
 ) -> ContactSolution | ConvergenceError:
     """With a law that is all but rigid, from a state that may still be softer."""
@@ -228,7 +232,7 @@ def _flattened(
         )
         if found is not None:
             v, d, steps = found
-            return _pressed(one, (v, d), len(residuals) - 1 + steps, residuals)
+            return _solution_of_state(one, (v, d), len(residuals) - 1 + steps, residuals)
     return ConvergenceError(
         f"contact at axial force {one.contact_force:.6g} N (line load {model.line_load(one.contact_force):.6g} N/m) "
         f"did not converge in {one.settings.max_iterations} iterations; last residual {residuals[-1]:.2g} decay "
@@ -236,7 +240,9 @@ def _flattened(
     )
 
 
-def _pressed(one: ContactProblem, state: State, steps: int, residuals: Sequence[float]) -> ContactSolution:
+def _solution_of_state(
+    one: ContactProblem, state: State, steps: int, residuals: Sequence[float]
+) -> ContactSolution:
     assert not isinstance(one.law, HardContact)
     (v, d), carried, line = state, one.contact_force, one.model.line
     if d >= one.model.stop:
@@ -345,7 +351,7 @@ def _newton(
             at_v, at_d = v[left], d[left]
             hardest = rows.hardest(floor, at_v, at_d)
             decay = rows.law.decay_length(at_v) + hardest
-            gap_residual, missing_force, worst = _unbalanced(rows, hardest, at_v, at_d, decay, settings)
+            gap_residual, missing_force, worst = _residual(rows, hardest, at_v, at_d, decay, settings)
             for number, one in zip(left.tolist(), worst.tolist(), strict=True):
                 residuals[number].append(one)
             stopped = at_d[:, 0] >= rows.model.stop
@@ -392,7 +398,7 @@ def _first_guess(rows: _Rows, floor: float) -> tuple[FloatArray, FloatArray]:
     return v, np.take_along_axis(opening / line.normal[1], centre, axis=1)
 
 
-def _unbalanced(
+def _residual(
     rows: _Rows,
     hardest: FloatArray,
     v: FloatArray,

@@ -389,7 +389,7 @@ def solve_penetration(
     >>> contact.contact_force > 500.0, round(contact.applied_force)
     (True, 500)
     """
-    given = _under(applied_force, fluid_pressure)
+    given = _fluid_and_force(applied_force, fluid_pressure)
     carried = expected_force(
         seal.model.initial_contact_radius,
         fluid_pressure,
@@ -460,7 +460,7 @@ def effective_radius(solution: ContactSolution, fluid_pressure: float) -> float:
     return math.sqrt(abs(solution.loads.lift(solution.model)) / (math.pi * fluid_pressure))
 
 
-def _under(applied_force: float, fluid_pressure: float) -> Balance:
+def _fluid_and_force(applied_force: float, fluid_pressure: float) -> Balance:
     """Fluid pressure, and the force that is left to the solid contact [N] for the fluid's lift [m^2]."""
     return lambda lift: (fluid_pressure, applied_force - fluid_pressure * lift)
 
@@ -610,5 +610,5 @@ def contact_near_blow_off(
     root_between(miss, math.log(before.share), math.log(way[after].share), xtol=1e-6)
     nearest = min(steps, key=lambda step: abs(step.pressure / fluid_pressure - 1))
     assert nearest.unknowns is not None
-    given = _under(applied_force, fluid_pressure)
+    given = _fluid_and_force(applied_force, fluid_pressure)
     return coupled_contact(seal, given, nearest.unknowns, nearest.contact)[0]

@@ -199,14 +199,14 @@ def _between(first: BodyLoads, second: BodyLoads, way: float) -> BodyLoads:
         if load.gap_pressure is not None
     ]
     return BodyLoads(
-        _mixed(first.closure, second.closure, way),
-        _mixed(first.seat, second.seat, way),
+        _mix_iterates(first.closure, second.closure, way),
+        _mix_iterates(first.seat, second.seat, way),
         np.sum(shares, axis=0) if shares else None,
         second.temperature or first.temperature,
     )
 
 
-def _mixed(
+def _mix_iterates(
     first: Mapping[LoadName, float], second: Mapping[LoadName, float], way: float
 ) -> dict[LoadName, float]:
     return {
@@ -494,7 +494,10 @@ class _Step:
         found = {}
         for name, body in self.bodies.items():
             # what grows freely has no stress to measure by, only the one that would keep it from growing
-            stresses = [np.abs(self.before[name].stress), body.solid.hindered(self._free_strain[name])]
+            stresses = [
+                np.abs(self.before[name].stress),
+                body.solid.restraint_stress(self._free_strain[name]),
+            ]
             found[name] = max(float(np.abs(body.solid.internal_forces(one)).max()) for one in stresses)
         return found
 

@@ -505,7 +505,7 @@ def better_sizing(
         changed = _resolving(changed, profiles)
         spots = [spot for profile in profiles for spot in _steep_places(sizing, profile)]
         if spots:
-            changed = replace(changed, spots=(*changed.spots, *_thinned(spots)))
+            changed = replace(changed, spots=(*changed.spots, *_thin_spots(spots)))
     if changed == sizing:
         return None
     return rounded(changed, contact, size_given=size_given)
@@ -560,7 +560,7 @@ def _steep_places(sizing: Sizing, profile: PressureProfile) -> list[tuple[float,
     ]
 
 
-def _thinned(spots: list[tuple[float, float]]) -> list[tuple[float, float]]:
+def _thin_spots(spots: list[tuple[float, float]]) -> list[tuple[float, float]]:
     """Leave out spots that a neighbour of the same size covers."""
     kept: list[tuple[float, float]] = []
     for place, size in sorted(spots, key=lambda spot: spot[1]):

@@ -140,7 +140,7 @@ class ContactSolution:
     @cached_property
     def moved(self) -> dict[str, tuple[FloatArray, FloatArray]]:
         """Displacement (dofs,) [m] of "closure" and "seat" by all that acts on them, and its stress (nodes, 4) [Pa]."""
-        return _moved([self])[0]
+        return _move_bodies([self])[0]
 
     @cached_property
     def fields(self) -> dict[str, BodyField]:
@@ -262,11 +262,11 @@ def move_together(solutions: Sequence[ContactSolution]) -> None:
     """
     solutions = [one for one in solutions if one.model is solutions[0].model]
     if solutions:
-        for one, moved in zip(solutions, _moved(solutions), strict=True):
+        for one, moved in zip(solutions, _move_bodies(solutions), strict=True):
             vars(one)["moved"] = moved
 
 
-def _moved(solutions: Sequence[ContactSolution]) -> list[dict[str, tuple[FloatArray, FloatArray]]]:
+def _move_bodies(solutions: Sequence[ContactSolution]) -> list[dict[str, tuple[FloatArray, FloatArray]]]:
     """`ContactSolution.moved` of contacts on the same model."""
     model = solutions[0].model
     forces = np.stack([one.line_forces for one in solutions], axis=1)

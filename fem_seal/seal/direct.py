@@ -36,7 +36,7 @@ from leak.direct import (
     smoothed,
     streams,
 )
-from leak.numerics.roots import bisected
+from leak.numerics.roots import bisect_roots
 from leak.theory.plasticity import READINGS, Reading
 
 Branch = Literal["load", "unload", "cutoff"]
@@ -802,4 +802,6 @@ def usual_pressures(surface: RoughContact) -> tuple[float, ...]:
 
 def _pressure_of_area(surface: RoughContact, area: float) -> float:
     ends = np.log([[1e-12 * surface.effective_modulus], [surface.hardness or surface.effective_modulus]])
-    return float(np.exp(bisected(lambda x: np.asarray(surface.contact_area(np.exp(x))) < area, *ends)[0][0]))
+    return float(
+        np.exp(bisect_roots(lambda x: np.asarray(surface.contact_area(np.exp(x))) < area, *ends)[0][0])
+    )

@@ -40,11 +40,11 @@ def temperature_cautions(problem: SealProblem, *, bodies: bool = True) -> Iterat
     bodies : bool, optional
         Whether the bodies themselves are solved; otherwise only the contact of the rough surfaces is checked.
     """
-    yield from _film(problem)
+    yield from _film_cautions(problem)
     for name, temperature in problem.at_rest.temperatures.items():
         material, label, plain = problem.materials[name], problem.contact.label_of(name), []
         named: dict[str, Any] = {"name": label, "table": _TABLES.get(label, name)}
-        for key in _used(problem, material) if bodies else _OF_SURFACE:
+        for key in _used_keys(problem, material) if bodies else _OF_SURFACE:
             value = getattr(material, key)
             # asperities yield at the hardness of the softer body alone
             if value is None or (key == "hardness" and value != problem.hardness):
@@ -53,19 +53,19 @@ def temperature_cautions(problem: SealProblem, *, bodies: bool = True) -> Iterat
             if table is None:
                 plain.append(key)
                 continue
-            at = max(_reached(problem, key, temperature), key=table.beyond)
+            at = max(_used_temperatures(problem, key, temperature), key=table.beyond)
             if table.nearest and table.beyond(at) > _NEAR:
-                yield _beyond(named, material, key, at)
+                yield _caution_beyond_table(named, material, key, at)
         away = abs(temperature - ROOM_TEMPERATURE)
         if plain and away > _NEAR:
-            yield _plain(named, material, plain, temperature)
+            yield _plain_caution(named, material, plain, temperature)
         curves = material.hardening_over_temperature
         if bodies and curves is not None and curves.nearest and curves.beyond(temperature) > _NEAR:
             found = caution("library_curve", **named, material=material.name, at=in_degrees(temperature))
             yield found if away >= _FAR else replace(found, level=Level.VALID)
 
 
-def _film(problem: SealProblem) -> Iterator[Finding]:
+def _film_cautions(problem: SealProblem) -> Iterator[Finding]:
     """A fluid whose given temperature is not that of the faces, which a film of micrometres takes at once."""
     given = problem.at_rest.fluid_temperature
     if given is None:
@@ -81,7 +81,7 @@ def _film(problem: SealProblem) -> Iterator[Finding]:
         yield found if abs(given - film) >= _FAR else replace(found, level=Level.VALID)
 
 
-def _used(problem: SealProblem, material: Material) -> Iterator[str]:
+def _used_keys(problem: SealProblem, material: Material) -> Iterator[str]:
     """Keys of the numbers that the result depends on."""
     yield from _OF_SURFACE
     if material.hardening is None:
@@ -92,7 +92,7 @@ def _used(problem: SealProblem, material: Material) -> Iterator[str]:
         yield "thermal_conductivity"
 
 
-def _reached(problem: SealProblem, key: str, temperature: float) -> list[float]:
+def _used_temperatures(problem: SealProblem, key: str, temperature: float) -> list[float]:
     """Temperatures at which a number is used [K]; those of a body that conducts heat lie between those around it."""
     heating = problem.at_rest.heating
     if heating is None or key in ("youngs_modulus", "hardness", "yield_stress"):
@@ -115,7 +115,7 @@ def _table(key: str, known: float, at: float, value: str) -> str:
     return f"{key} = {{ temperature = [{', '.join(ends[order])}], value = [{', '.join(values[order])}] }}"
 
 
-def _beyond(named: Mapping[str, Any], material: Material, key: str, at: float) -> Finding:
+def _caution_beyond_table(named: Mapping[str, Any], material: Material, key: str, at: float) -> Finding:
     table = material.table(key)
     assert table is not None  # only keys with a table are checked
     end = table.temperature[0] if at < table.temperature[0] else table.temperature[-1]
@@ -136,7 +136,9 @@ def _beyond(named: Mapping[str, Any], material: Material, key: str, at: float) -
     return found if table.beyond(at) >= _FAR else replace(found, level=Level.VALID)
 
 
-def _plain(named: Mapping[str, Any], material: Material, keys: list[str], temperature: float) -> Finding:
+def _plain_caution(
+    named: Mapping[str, Any], material: Material, keys: list[str], temperature: float
+) -> Finding:
     value, several = _with_unit(keys[0], getattr(material, keys[0])), len(keys) > 1
     found = caution(
         "no_temperature",

@@ -109,10 +109,12 @@ def not_calculated(loads: Loads, problems: Mapping[int, LoadProblem]) -> Iterato
     """
     for kind in dict.fromkeys(problem.kind for problem in problems.values()):
         # they do not concern the remaining loads
-        yield from _alike(loads, {number: one for number, one in problems.items() if one.kind == kind}, kind)
+        yield from _findings_of_kind(
+            loads, {number: one for number, one in problems.items() if one.kind == kind}, kind
+        )
 
 
-def _alike(loads: Loads, problems: Mapping[int, LoadProblem], kind: str) -> Iterator[Finding]:
+def _findings_of_kind(loads: Loads, problems: Mapping[int, LoadProblem], kind: str) -> Iterator[Finding]:
     """Findings about loads with one kind of problem, each with the reason of the load that is nearest to a result."""
     points = {number: loads.points[number] for number in problems}
     # the one with the lowest pressure; of an open seal that with the largest force; without a solution the first
@@ -120,16 +122,16 @@ def _alike(loads: Loads, problems: Mapping[int, LoadProblem], kind: str) -> Iter
     if len(set(loads.fluid_pressure)) == 1:
         nearest = min(points, key=lambda number: direction * points[number][1])
         forces = [force for _, force in points.values()]
-        yield _found(loads, nearest, problems[nearest], "with", forces)
+        yield _finding_of_loads(loads, nearest, problems[nearest], "with", forces)
         return
     for applied_force in dict.fromkeys(force for _, force in points.values()):
         numbers = [number for number, (_, force) in points.items() if force == applied_force]
         nearest = min(numbers, key=lambda number: abs(direction) * loads.fluid_pressure[number])
         pressures = [loads.fluid_pressure[number] for number in numbers]
-        yield _found(loads, nearest, problems[nearest], "at", pressures)
+        yield _finding_of_loads(loads, nearest, problems[nearest], "at", pressures)
 
 
-def _found(
+def _finding_of_loads(
     loads: Loads, number: int, problem: LoadProblem, how: Literal["with", "at"], values: Collection[float]
 ) -> Finding:
     """A finding about the loads with these forces, or at these pressures and with one force."""

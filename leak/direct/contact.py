@@ -197,7 +197,7 @@ def press(
         if stays >= total or (np.isfinite(H) and stays + H * np.count_nonzero(takes) <= total):
             y, takes, stays = p - step * g, np.ones_like(takes), 0.0
         p = np.clip(y, 0.0, H)
-        p[takes] = _shifted(y[takes], total - stays, H)
+        p[takes] = _shift_to_load(y[takes], total - stays, H)
     raise DirectError(
         f"contact at the mean pressure {P:g} Pa did not converge in {_MOST_ITERATIONS} iterations: "
         f"the largest error of the gap is {error:.1e} of the rms height, allowed are {tolerance:.1e}"
@@ -229,11 +229,11 @@ def _with_load(p: FloatArray, takes: BoolArray, total: float, H: float) -> Float
     if H * np.count_nonzero(takes) <= total:
         takes = np.ones_like(takes)
     carried = np.zeros_like(p)
-    carried[takes] = _shifted(p[takes], total, H)
+    carried[takes] = _shift_to_load(p[takes], total, H)
     return carried
 
 
-def _shifted(y: FloatArray, total: float, H: float) -> FloatArray:
+def _shift_to_load(y: FloatArray, total: float, H: float) -> FloatArray:
     """clip(y + c, 0, H) with the c that makes the sum `total`: the nearest pressures of that load."""
     low, high = -float(y.max()), (H if np.isfinite(H) else total) - float(y.min())
     c = 0.0

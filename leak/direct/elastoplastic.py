@@ -274,7 +274,7 @@ class _Indentation:
                 tolerance=_CONTACT * self.tolerance,
             )
             p = contact.pressure
-            found, flowed = self._returned(self.solid.distortion(response, p), strain, equivalent)
+            found, flowed = self._return_radially(self.solid.distortion(response, p), strain, equivalent)
             # nothing has flowed, or no more than rounding
             if _norm(found - at) <= self.tolerance * _norm(found - strain) + _ROUNDING * _norm(found):
                 return found, flowed, raised, contact
@@ -288,7 +288,7 @@ class _Indentation:
             "smaller steps of the pressure, or a larger tolerance"
         )
 
-    def _returned(
+    def _return_radially(
         self, distortion: FloatArray, strain: FloatArray, equivalent: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
         """Plastic and equivalent strain after a step to a distortion, by radial return; it is overwritten.

@@ -19,7 +19,7 @@ from leak.flow.leak_rate import LogConductivity, SigmaOfPressure, by_log_pressur
 from leak.flow.leak_result import LeakResult
 from leak.fluids.properties import FlowPotential, PressureLaw
 from leak.numerics.curves import cell_cubics, spline_slopes
-from leak.numerics.roots import bisected, root_between, root_of_rising
+from leak.numerics.roots import bisect_roots, root_between, root_of_rising
 
 # The outlet tail is left where p is this small a part of the pressure drop; p_f <= p there, so it is the error, too.
 _CUT = 1e-10
@@ -382,7 +382,9 @@ class ResistanceCurve(_Curve):
         high, sealing = log_p_max, inf
         if not flows.all():
             first = int(np.argmin(flows))
-            _, (high,) = bisected(lambda at: sigma(at) > _NONE, v[first - 1 : first], v[first : first + 1])
+            _, (high,) = bisect_roots(
+                lambda at: sigma(at) > _NONE, v[first - 1 : first], v[first : first + 1]
+            )
             sealing = exp(high)
         near = high + np.log1p(-np.exp(-np.arange(1.0, _NEAR_SEALING, 0.1)))
         v = np.concatenate([v[v < near[0] - 0.5 * _SPACING], near])

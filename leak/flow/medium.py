@@ -21,7 +21,7 @@ from leak.errors import ConductivityError
 from leak.flow.rarefied import log_flow_factor
 from leak.numerics.curves import MonotoneCurve
 from leak.numerics.integrals import gauss_panels
-from leak.numerics.roots import bisected
+from leak.numerics.roots import bisect_roots
 from leak.surfaces.spectrum import PowerSpectrum
 from leak.theory.persson import moment_of_all, separations
 from leak.theory.plasticity import RoughnessSeen
@@ -439,7 +439,7 @@ def _elastic_moment(seen: RoughnessSeen, remaining: FloatArray) -> FloatArray:
     if not seen.kappa:
         return remaining
     ends = np.log(remaining), np.full(remaining.shape, np.log(seen.end))
-    low, high = bisected(lambda log_M: seen.moment(np.exp(log_M)[:, None])[:, 0] < remaining, *ends)
+    low, high = bisect_roots(lambda log_M: seen.moment(np.exp(log_M)[:, None])[:, 0] < remaining, *ends)
     # the exponential of a logarithm may lie above the end by a rounding, where there is no spectrum
     return np.minimum(np.exp(0.5 * (low + high)), seen.end)
 

@@ -97,7 +97,7 @@ class GapDistribution:
         size : float
             [m]
         """
-        return self.contact + (self.weight * self._shut(size)).sum(axis=1)
+        return self.contact + (self.weight * self._shut_shares(size)).sum(axis=1)
 
     def remaining(self, size: float) -> FloatArray:
         """Conductivity with all gaps below a size shut, over that with all open, shape (P,) [-].
@@ -111,7 +111,7 @@ class GapDistribution:
         """
         if size == 0.0:
             return np.ones(self.pressure.shape)
-        shut = self._shut(size)
+        shut = self._shut_shares(size)
         after = self._medium(self.weight * (1.0 - shut), self.below(size))
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.where(self._open > 0.0, np.minimum(after / self._open, 1.0) ** 3, 0.0)
@@ -136,7 +136,7 @@ class GapDistribution:
             ]
         )
 
-    def _shut(self, size: float) -> FloatArray:
+    def _shut_shares(self, size: float) -> FloatArray:
         """Share of each cell below a size, shape (P, U)."""
         low, high = self.edges[:, :-1], self.edges[:, 1:]
         return np.clip((size - low) / np.maximum(high - low, 1e-300), 0.0, 1.0)

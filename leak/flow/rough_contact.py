@@ -16,8 +16,8 @@ from leak.flow import conductivity as flow
 from leak.flow import medium
 from leak.flow.conductivity import AnyTable, ConductivityTable, GasConductivityTable, LoadMemory
 from leak.flow.rarefied import log_flow_factor
-from leak.numerics.curves import MonotoneCurve, divided, sampled, spline_slopes
-from leak.numerics.roots import bisected, root_of_rising
+from leak.numerics.curves import MonotoneCurve, divide_stretches, sample_curve, spline_slopes
+from leak.numerics.roots import bisect_roots, root_of_rising
 from leak.surfaces.spectrum import PowerSpectrum
 from leak.theory.interface_law import RoughSurfaceLaw, gap_law
 from leak.theory.own_error import FlowError, flow_error
@@ -312,7 +312,7 @@ class RoughContact:
         if np.any(harder):
             wanted = self._equivalent(p[harder], most[harder])
             ends = np.log(p[harder]), np.log(most[harder])
-            found[harder] = np.exp(bisected(lambda x: self._equivalent(np.exp(x)) < wanted, *ends)[1])
+            found[harder] = np.exp(bisect_roots(lambda x: self._equivalent(np.exp(x)) < wanted, *ends)[1])
         return found
 
     @cached_property
@@ -421,7 +421,7 @@ class RoughContact:
             return self.spectrum
         if not 0.0 <= float(pressure) < self.hardness:
             raise SurfaceError(f"pressure = {pressure}: must be below the hardness {self.hardness} [Pa]")
-        fine = np.exp(divided(np.log(self.spectrum.wavenumber), spacing))
+        fine = np.exp(divide_stretches(np.log(self.spectrum.wavenumber), spacing))
         q = np.unique(np.concatenate([fine, self.spectrum.wavenumber]))
         q = np.clip(q, self.spectrum.q_low, self.spectrum.q_high)
         C = np.asarray(self.spectrum(q)) * np.asarray(self.smoothing(float(pressure), q))
@@ -944,12 +944,12 @@ class _Range:
             return np.column_stack([flow.logarithmic(found[:, 0] / length), found[:, 1:]])
 
         closest = (self._even[-1] - self._even[0]) / _MOST_INTERVALS
-        found, table = sampled(smooth, start, _allowed, closest=closest)
+        found, table = sample_curve(smooth, start, _allowed_error, closest=closest)
         table[:, 0] = length * np.logaddexp(0.0, table[:, 0])
         return np.exp(np.interp(found, abscissa, x)), table
 
 
-def _allowed(values: FloatArray) -> FloatArray:
+def _allowed_error(values: FloatArray) -> FloatArray:
     """Error of `logarithmic`, the first column, that is the same share of u_eff everywhere; any of the others."""
     allowed = np.full(values.shape, np.inf)
     allowed[:, 0] = _PREDICTED * np.maximum(1.0, values[:, 0])

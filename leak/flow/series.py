@@ -89,9 +89,9 @@ def in_series(
     if not touching:
         raise ProfileError("no land touches: the seal is open")
     # chambers that an open land does not part are one, and those beside an end belong to it
-    joined = [_held(given[before:after]) for before, after in pairwise(touching)]
+    joined = [_chamber_pressures(given[before:after]) for before, after in pairwise(touching)]
     for end, part in ((inner, given[: touching[0]]), (outer, given[touching[-1] :])):
-        _held([end, *part])
+        _chamber_pressures([end, *part])
     found = chamber_pressures([contacts[n].flow for n in touching], inner, outer, joined)
     pressure = [inner, *found.tolist(), outer]
     outwards, parts, results = [], {}, list[LeakResult]()
@@ -158,13 +158,13 @@ def chamber_pressures(
     found: list[float] = []
     for first, last in pairwise(known):
         found += [
-            *_between(flows[first:last], float(ends[first] or 0.0), float(ends[last] or 0.0)),
+            *_inner_pressures(flows[first:last], float(ends[first] or 0.0), float(ends[last] or 0.0)),
             ends[last] or 0.0,
         ]
     return np.array(found[:-1])
 
 
-def _between(flows: Sequence[Flow], first: float, last: float) -> list[float]:
+def _inner_pressures(flows: Sequence[Flow], first: float, last: float) -> list[float]:
     """Pressures between contacts in series, of which none is given."""
     if len(flows) == 1 or first == last:
         return [first] * (len(flows) - 1)
@@ -219,7 +219,7 @@ def _passing(
     return 0.0
 
 
-def _held(given: Sequence[float | None]) -> float | None:
+def _chamber_pressures(given: Sequence[float | None]) -> float | None:
     """Pressure of chambers that are open to each other [Pa]; None where it follows from the flow."""
     held = sorted({one for one in given if one is not None})
     if len(held) > 1:

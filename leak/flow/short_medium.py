@@ -305,7 +305,7 @@ def _with_threshold(table: ConductivityTable, endless: float, threshold: float) 
     steps = (math.log1p(-endless) - math.log1p(-threshold)) / _SPACING
     first = math.floor(steps) - 1
     sealing = table.sealing_pressure * _argument(endless, threshold)
-    return _opened(table, endless, first).between(lagrange(steps - first), sealing)
+    return _open_table(table, endless, first).between(lagrange(steps - first), sealing)
 
 
 def _argument(endless: float, threshold: float) -> float:
@@ -314,7 +314,7 @@ def _argument(endless: float, threshold: float) -> float:
 
 
 @lru_cache
-def _opened(table: ConductivityTable, endless: float, first: int) -> AlikeTables:
+def _open_table(table: ConductivityTable, endless: float, first: int) -> AlikeTables:
     """The table at four steps of ln n from that of the endless medium."""
     return AlikeTables.of([_at_step(table, endless, first + step) for step in range(4)])
 

@@ -52,7 +52,7 @@ def _pressure_law(fluid: str, T: float, pressure: float) -> PressureTable | None
     first = [package.PropsSI(key, "T", T, "P", pressure, fluid) for key in ("V", "D")]
     most = min(float(package.PropsSI("PMAX", fluid)), _HIGHEST) - pressure
     p = np.linspace(0.0, most, _PRESSURES)
-    known = _known(package, fluid, T, pressure + p[1:])
+    known = _known_range(package, fluid, T, pressure + p[1:])
     if len(known) + 1 < _FEWEST:
         return None
     eta, rho = ((1.0, *(known[:, n] / one).tolist()) for n, one in enumerate(first))
@@ -97,7 +97,7 @@ def _real_gas(fluid: str, T: float) -> RealGas | None:
     most = min(most, _HIGHEST_OF_GAS, float(package.PropsSI("PMAX", fluid)))
     # closer together where the gas is dilute
     p = most * np.linspace(0.0, 1.0, _PRESSURES_OF_GAS) ** 2
-    known = _known(package, fluid, T, p[1:])
+    known = _known_range(package, fluid, T, p[1:])
     count = len(known) + 1
     if count < _FEWEST:
         return None
@@ -108,7 +108,7 @@ def _real_gas(fluid: str, T: float) -> RealGas | None:
     return RealGas(tuple(p[:count].tolist()), Z, ratios, condenses and count == _PRESSURES_OF_GAS)
 
 
-def _known(package: Any, fluid: str, T: float, pressures: FloatArray) -> FloatArray:
+def _known_range(package: Any, fluid: str, T: float, pressures: FloatArray) -> FloatArray:
     """Viscosity and density up to the first pressure [Pa] at which the package has none, shape (n, 2)."""
     found = []
     for p in pressures.tolist():

@@ -234,7 +234,7 @@ def _mineral_oil(points: list[list[float]], density: Callable[[float], float]) -
     return lambda T: walther(T, first, second) * density(T)
 
 
-def _interpolated(points: tuple[tuple[float, float], ...]) -> Callable[[float], float]:
+def _interpolate_viscosity(points: tuple[tuple[float, float], ...]) -> Callable[[float], float]:
     """Viscosity from a table (degC, mPa s): ln eta as a polynomial of 1/T through all points."""
     T = np.array([t + 273.15 for t, _ in points])
     log_eta = np.log([eta * 1e-3 for _, eta in points])
@@ -298,7 +298,9 @@ def _liquid_entry(name: str, data: Mapping[str, Any]) -> _Entry[Liquid]:
         viscosity, density, law = _water_viscosity, _water_density, lambda T, viscosity: water_law(T)
     else:
         known, density = "log_viscosity" in data, _polynomial(*data["density"])
-        viscosity = _exponential(*data["log_viscosity"]) if known else _interpolated(data["viscosity"])
+        viscosity = (
+            _exponential(*data["log_viscosity"]) if known else _interpolate_viscosity(data["viscosity"])
+        )
         law = _known_law(data)
 
     def at(T: float) -> Liquid:

@@ -21,7 +21,7 @@ from leak.numerics.roots import newton_between
 _WIDEST = 3.5
 
 
-def divided(ends: FloatArray, longest: float, slack: float = 0.0) -> FloatArray:
+def divide_stretches(ends: FloatArray, longest: float, slack: float = 0.0) -> FloatArray:
     """The ends of stretches, and between them points that cut each into as many equal parts as it needs.
 
     Parameters
@@ -35,7 +35,7 @@ def divided(ends: FloatArray, longest: float, slack: float = 0.0) -> FloatArray:
 
     Examples
     --------
-    >>> divided(np.array([0.0, 1.0, 1.5]), 0.5).tolist()
+    >>> divide_stretches(np.array([0.0, 1.0, 1.5]), 0.5).tolist()
     [0.0, 0.5, 1.0, 1.5]
     """
     counts = np.maximum(np.ceil(np.diff(ends) / longest - slack), 1).astype(int)
@@ -46,7 +46,7 @@ def divided(ends: FloatArray, longest: float, slack: float = 0.0) -> FloatArray:
     return np.concatenate([*parts, ends[-1:]])
 
 
-def sampled(
+def sample_curve(
     function: Callable[[FloatArray], FloatArray],
     start: FloatArray,
     allowed: Callable[[FloatArray], FloatArray],
@@ -80,7 +80,7 @@ def sampled(
     Examples
     --------
     >>> bell, allowed = lambda x: np.exp(-(x**2))[:, None], lambda y: np.full(y.shape, 1e-3)
-    >>> x, y = sampled(bell, np.linspace(-8.0, 8.0, 9), allowed, closest=0.01)
+    >>> x, y = sample_curve(bell, np.linspace(-8.0, 8.0, 9), allowed, closest=0.01)
     >>> steps = np.diff(x)
     >>> bool(steps.max() > 3.0 * steps.min())
     True
@@ -99,7 +99,7 @@ def sampled(
         middle = 0.5 * (x[at] + x[at + 1])
         values = function(middle)
         with np.errstate(invalid="ignore"):
-            good = (np.abs(values - _predicted(x, y, at, middle)) <= allowed(values)).all(axis=1)
+            good = (np.abs(values - _predict_values(x, y, at, middle)) <= allowed(values)).all(axis=1)
         np.put(open_, at, ~good)
         x, y = np.insert(x, at + 1, middle), np.insert(y, at + 1, values, axis=0)
         # both halves of a bad interval are bad, both of a good one good
@@ -119,7 +119,7 @@ def _has_value(y: FloatArray) -> BoolArray:
     return np.asarray(np.isfinite(y).all(axis=1))
 
 
-def _predicted(x: FloatArray, y: FloatArray, cell: IntArray, at: FloatArray) -> FloatArray:
+def _predict_values(x: FloatArray, y: FloatArray, cell: IntArray, at: FloatArray) -> FloatArray:
     """Values at `at`, in the intervals `cell`, of the cubics through the four points around them."""
     first = np.clip(cell - 1, 0, x.size - 4)
     nodes = [x[first + n] for n in range(4)]

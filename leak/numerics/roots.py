@@ -69,7 +69,7 @@ def root_of_rising(
     return last
 
 
-def bisected(
+def bisect_roots(
     is_below: Callable[[FloatArray], BoolArray], low: FloatArray, high: FloatArray, halvings: int = 60
 ) -> tuple[FloatArray, FloatArray]:
     """Ends between which each of many functions changes, `halvings` times as close as two others.
@@ -84,7 +84,7 @@ def bisected(
 
     Examples
     --------
-    >>> low, high = bisected(lambda x: x**2 < 2.0, np.zeros(1), np.ones(1) * 2.0)
+    >>> low, high = bisect_roots(lambda x: x**2 < 2.0, np.zeros(1), np.ones(1) * 2.0)
     >>> (0.5 * (low + high)).round(9).tolist()
     [1.414213562]
     """

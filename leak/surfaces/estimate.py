@@ -70,11 +70,11 @@ def estimate(scans: Sequence[Topography], settings: ScanSettings) -> Estimate:
     ranges = tuple(reliable_range(scan, one, settings) for scan, one in zip(flat, waves, strict=True))
     variances = np.array([float(np.mean(scan.heights**2)) for scan in flat])
     measured, log_error, rolloff = _spectrum(waves, ranges, variances)
-    continued = _continued(measured, settings.extrapolation)
+    continued = _continue_ends(measured, settings.extrapolation)
     return Estimate(measured, continued, log_error, rolloff, found, flat, waves, ranges, variances)
 
 
-def _continued(nodes: Nodes, by: Literal["cut"] | SelfAffineContinuation) -> Nodes:
+def _continue_ends(nodes: Nodes, by: Literal["cut"] | SelfAffineContinuation) -> Nodes:
     """The spectrum with its ends continued."""
     if by == "cut":
         return nodes

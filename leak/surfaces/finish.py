@@ -283,9 +283,9 @@ class Finish:
         longest = max(self.band.lambda_c, rolloff) if self.q_low is None else 2.0 * math.pi / self.q_low
         if factors:
             rolloff = min(max(rolloff, shortest), longest)
-        return self._made(hurst, longest, rolloff, shortest, at["lay"], height)
+        return self._make_surface(hurst, longest, rolloff, shortest, at["lay"], height)
 
-    def _made(
+    def _make_surface(
         self, hurst: float, longest: float, rolloff: float, shortest: float, aspect: float, height: float
     ) -> FinishedSurface:
         q_low, q_rolloff, q_high = (2.0 * math.pi / one for one in (longest, rolloff, shortest))
@@ -296,7 +296,7 @@ class Finish:
         rms_height = height * self.value / expected.value(self.parameter)
         across = PowerSpectrum(unit.wavenumber, unit.density * rms_height**2)
         return FinishedSurface(
-            _averaged(across, aspect),
+            _average_directions(across, aspect),
             across,
             aspect,
             self.lay or self.process.lay,
@@ -306,7 +306,7 @@ class Finish:
         )
 
 
-def _averaged(across: PowerSpectrum, aspect: float) -> PowerSpectrum:
+def _average_directions(across: PowerSpectrum, aspect: float) -> PowerSpectrum:
     """Average over all directions of a surface with a lay, from the isotropic one with the same profiles across it.
 
     The same as `stretched_spectrum` on few nodes: the average is a power law but near the ends and the roll-off, over a

@@ -70,7 +70,7 @@ def check_length(x: FloatArray, h: FloatArray, units: Sequence[float]) -> None:
 
 def _check(length: float, height: float, slope: float, units: Sequence[float]) -> None:
     if wrong := _wrong(length, height, slope):
-        meant = _meant(length, height, slope, units)
+        meant = _likely_units(length, height, slope, units)
         hint = f"; is {meant}?" if meant else "; are its units and columns right?"
         raise ScanError(f"{wrong}, which is no measured surface{hint}")
 
@@ -93,7 +93,7 @@ def _wrong(length: float, height: float, slope: float) -> str:
     return ""
 
 
-def _meant(length: float, height: float, slope: float, units: Sequence[float]) -> str:
+def _likely_units(length: float, height: float, slope: float, units: Sequence[float]) -> str:
     """Which unit x or height, or both of them, are likely in; empty if none makes a surface of it."""
     found = []
     for in_x, in_h in product(_COMMON, repeat=2):

@@ -179,7 +179,7 @@ def _rows_of_spans(
     shift, share = (np.array(list(column)) for column in zip(*_NEIGHBOURS[window].items(), strict=True))
     rows = []
     for first, behind in spans:
-        q = _represented(step * np.arange(first + 1.0, behind + 1.0), _LINE_SAMPLES)
+        q = _thin_wavenumbers(step * np.arange(first + 1.0, behind + 1.0), _LINE_SAMPLES)
         near, part = q[:, None] + shift * step, np.broadcast_to(share / q.size, (q.size, share.size))
         real = near > 0.5 * step
         rows.append(part[real] @ abel_weights(near[real], np.array(edges)))
@@ -188,7 +188,7 @@ def _rows_of_spans(
     return found
 
 
-def _represented(q: FloatArray, most: int) -> FloatArray:
+def _thin_wavenumbers(q: FloatArray, most: int) -> FloatArray:
     """Few wavenumbers with the mean of many."""
     if q.size <= most:
         return q

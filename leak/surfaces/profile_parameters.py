@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from leak.arrays import FloatArray
 from leak.errors import ScanError, SpectrumError, positive
 from leak.files import own_tables
-from leak.numerics.curves import divided
+from leak.numerics.curves import divide_stretches
 from leak.numerics.integrals import gauss_panels
 from leak.surfaces.scans import HeightMap, LineScan, Topography
 from leak.surfaces.spectrum import PowerSpectrum
@@ -169,7 +169,7 @@ def expected_roughness(spectrum: PowerSpectrum, band: ProfileFilter) -> Expected
     >>> print(f"{whole.Rq / surface.rms_height:.4f}")
     1.0000
     """
-    ends = divided(np.log(np.unique(spectrum.wavenumber)), _PIECE)
+    ends = divide_stretches(np.log(np.unique(spectrum.wavenumber)), _PIECE)
     log_q, weight = (one.ravel() for one in gauss_panels(ends, _NODES))
     q = np.exp(log_q)
     share = (np.arange(_ANGLES) + 0.5) / _ANGLES
@@ -385,11 +385,11 @@ def filtered_profile(heights: FloatArray, spacing: float, band: ProfileFilter) -
     ----------
     ISO 16610-21: s(x) = exp(-pi (x/(alpha lambda))^2)/(alpha lambda), alpha = sqrt(ln 2/pi).
     """
-    fine = _smoothed(heights, spacing, band.lambda_s) if band.lambda_s > 0.0 else np.asarray(heights)
-    return np.asarray(fine - _smoothed(fine, spacing, band.lambda_c), dtype=np.float64)
+    fine = _smooth(heights, spacing, band.lambda_s) if band.lambda_s > 0.0 else np.asarray(heights)
+    return np.asarray(fine - _smooth(fine, spacing, band.lambda_c), dtype=np.float64)
 
 
-def _smoothed(heights: FloatArray, spacing: float, cutoff: float) -> FloatArray:
+def _smooth(heights: FloatArray, spacing: float, cutoff: float) -> FloatArray:
     from scipy.signal import fftconvolve
 
     if not spacing > 0.0:

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from leak.arrays import FloatArray
 from leak.errors import ScanError, positive
-from leak.numerics.curves import divided
+from leak.numerics.curves import divide_stretches
 from leak.surfaces.periodogram import beyond
 from leak.surfaces.spectrum import PowerSpectrum
 
@@ -48,7 +48,7 @@ def profile_density(spectrum: PowerSpectrum, wavenumber: ArrayLike) -> FloatArra
     True
     """
     q = np.atleast_1d(np.asarray(wavenumber, dtype=float))
-    edges = np.exp(divided(np.log(np.unique(spectrum.wavenumber)), _PIECE))
+    edges = np.exp(divide_stretches(np.log(np.unique(spectrum.wavenumber)), _PIECE))
     C = np.asarray(spectrum(np.sqrt(edges[1:] * edges[:-1])))
     # `abel_weights` @ C, summed by what C falls by at each edge
     falls = -2.0 * np.diff(C, prepend=0.0, append=0.0)

@@ -97,7 +97,7 @@ def _read_instrument_file(file: Path, unit: Unit | None, why_not_text: str) -> T
             with open_topography(str(file)) as reader:
                 given = {} if reader.default_channel.unit is not None or unit is None else {"unit": "m"}
                 topography = reader.topography(**given)
-                return _converted(
+                return _convert_units(
                     topography, unit if given else None, reader.default_channel.unit, unit, file.name
                 )
     except ScanError:
@@ -109,7 +109,7 @@ def _read_instrument_file(file: Path, unit: Unit | None, why_not_text: str) -> T
         raise ScanError(f"{why_not_text}, and SurfaceTopography cannot read it") from None
 
 
-def _converted(
+def _convert_units(
     topography: Any, given: Unit | None, stated: object, unit: Unit | None, name: str
 ) -> Topography:
     """Heights and positions in metres."""

@@ -123,7 +123,7 @@ def fit_rolloff(nodes: FloatArray, evidence: Sequence[Evidence], variance: float
     P. Whittle, J. Royal Stat. Soc. B 15, 125 (1953): likelihood of Fourier power; L. Tierney, J. B. Kadane,
     J. Am. Stat. Assoc. 81, 82 (1986): probability of each line by Laplace's approximation.
     """
-    seen = pooled([_trusted(one, _TRUSTED * nodes[-1]) for one in evidence])
+    seen = pooled([_trusted_bins(one, _TRUSTED * nodes[-1]) for one in evidence])
     lines = _Lines.through(np.log(nodes), seen)
     waves = _scatter_of_waves(evidence)
     if lines is None:
@@ -156,7 +156,7 @@ def fit_rolloff(nodes: FloatArray, evidence: Sequence[Evidence], variance: float
     )
 
 
-def _trusted(one: Evidence, last: float) -> Evidence:
+def _trusted_bins(one: Evidence, last: float) -> Evidence:
     """Bins without aliasing, and coarser pieces of C."""
     keep = (one.wavenumber <= last) & (one.wavenumber > 1.5 * one.wavenumber[0])
     firsts = np.arange(0, one.samples.size, _COARSER)

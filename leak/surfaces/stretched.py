@@ -163,7 +163,7 @@ def stretched_roughness(along: PowerSpectrum, across: PowerSpectrum) -> Stretche
     root = np.sqrt(gamma)
     first = PowerSpectrum(along.wavenumber * root, along.density / gamma)
     second = PowerSpectrum(across.wavenumber / root, across.density * gamma)
-    average = stretched_spectrum(_joined(first, second), gamma)
+    average = stretched_spectrum(_join_means(first, second), gamma)
     return StretchedRoughness(average, gamma, float(np.sqrt(error)))
 
 
@@ -178,7 +178,7 @@ def _mismatch(along: PowerSpectrum, across: PowerSpectrum, log_gamma: FloatArray
     return np.asarray(np.vecdot(log_ratio, log_ratio) / _COMPARED)
 
 
-def _joined(first: PowerSpectrum, second: PowerSpectrum) -> PowerSpectrum:
+def _join_means(first: PowerSpectrum, second: PowerSpectrum) -> PowerSpectrum:
     """Geometric mean where both are known, else the one that is."""
     q = np.union1d(first.wavenumber, second.wavenumber)
     known = [(q >= one.q_low) & (q <= one.q_high) for one in (first, second)]

@@ -30,7 +30,7 @@ from numpy.typing import ArrayLike
 
 from leak.arrays import FloatArray
 from leak.errors import LawError, SurfaceError, as_arrays, check_each, positive
-from leak.numerics.curves import MonotoneCurve, divided, shape_preserving_slopes, spline_slopes
+from leak.numerics.curves import MonotoneCurve, divide_stretches, shape_preserving_slopes, spline_slopes
 from leak.surfaces.spectrum import PowerSpectrum
 
 # Places in ln p, relative to E* h', closest at the upper end; fewer and the gap errs by more than 1e-4 h_rms.
@@ -155,13 +155,13 @@ def _places_in_m(spectrum: PowerSpectrum, log_q: FloatArray, log_m: FloatArray) 
     way = np.concatenate([[0.0], np.cumsum(np.diff(log_m) / _IN_M - np.diff(log_q) / _IN_Q)])
     kinks = np.log(spectrum.wavenumber) if spectrum.wavenumber.size <= _FEW else np.empty(0)
     ends = np.unique(np.concatenate([way[[0, -1]], np.interp(-kinks, -log_q, way)]))
-    return np.unique(np.interp(divided(ends, 1.0, _SLACK), way, log_m))
+    return np.unique(np.interp(divide_stretches(ends, 1.0, _SLACK), way, log_m))
 
 
 def _bands(spectrum: PowerSpectrum) -> tuple[FloatArray, FloatArray]:
     """ln q, falling, and ln(m/h_rms^2) of all waves above it, rising; from the first band on."""
     kinks = np.log(spectrum.wavenumber)
-    even = divided(kinks, _STEP, _SLACK)
+    even = divide_stretches(kinks, _STEP, _SLACK)
     log_q = np.unique(np.concatenate([even, kinks[-1] - np.geomspace(_CLOSEST, _STEP, 30)]))
     log_q = log_q[log_q >= kinks[0]]
     q = np.exp(log_q)
@@ -399,7 +399,7 @@ class RoughSurfaceLaw:
         x = np.asarray(log_pressure, dtype=float)
         if self._all_inside(x):
             return np.exp(self._curve.inside(x)[0])
-        below, above = self._outside(x)
+        below, above = self._distance_outside(x)
         inside = np.exp(self._curve.value(x - below - above))
         return inside / (1.0 + self._last_rate * above) - self.decay_nodes[0] * below
 
@@ -409,7 +409,7 @@ class RoughSurfaceLaw:
         if self._all_inside(x):
             log_gap, slope = self._curve.inside(x)
             return -slope * np.exp(log_gap)
-        below, above = self._outside(x)
+        below, above = self._distance_outside(x)
         log_gap, slope = self._curve.value_and_derivative(x - below - above)
         return -slope * np.exp(log_gap) / (1.0 + self._last_rate * above) ** 2
 
@@ -436,7 +436,7 @@ class RoughSurfaceLaw:
         least, most = np.minimum.reduce, np.maximum.reduce
         return bool(x.size and least(x, axis=None) >= nodes[0] and most(x, axis=None) <= nodes[-1])
 
-    def _outside(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _distance_outside(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
         """How far ln p lies below the first point (negative) and above the last one (positive)."""
         return np.minimum(x - self.log_pressure_nodes[0], 0.0), np.maximum(
             x - self.log_pressure_nodes[-1], 0.0

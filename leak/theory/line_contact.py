@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 from leak.arrays import BoolArray, FloatArray
 from leak.errors import ProfileError, positive
 from leak.numerics.integrals import gauss
-from leak.numerics.roots import bisected
+from leak.numerics.roots import bisect_roots
 
 _BISECTIONS = 28
 # A window in which the integrand stays above exp(-40) of its peak, cut into Gauss panels.
@@ -348,5 +348,5 @@ def _log_N(share: FloatArray, X: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 def _bisect(is_below: Callable[[FloatArray], BoolArray], low: FloatArray, high: FloatArray) -> FloatArray:
     """Where `is_below` turns from true to false between `low` and `high`."""
-    low, high = bisected(is_below, low, high, _BISECTIONS)
+    low, high = bisect_roots(is_below, low, high, _BISECTIONS)
     return 0.5 * (low + high)

@@ -63,8 +63,8 @@ def kernel(gamma: float) -> Kernel:
     gauss = np.exp(-(x**2))
     k = erf**2 * gauss
     dk = (4.0 / np.sqrt(np.pi)) * x * erf * gauss**2 - 2.0 * x**2 * k
-    K = _above(k, dk)
-    F = gamma * _above(gauss, -2.0 * x**2 * gauss) + 3.0 * (1.0 - gamma) * K
+    K = _integral_above(k, dk)
+    F = gamma * _integral_above(gauss, -2.0 * x**2 * gauss) + 3.0 * (1.0 - gamma) * K
     f = gamma * gauss + 3.0 * (1.0 - gamma) * k
     F[-1] = f[-1] = 0.0
     return Kernel(
@@ -72,7 +72,7 @@ def kernel(gamma: float) -> Kernel:
     )
 
 
-def _above(k: FloatArray, dk: FloatArray) -> FloatArray:
+def _integral_above(k: FloatArray, dk: FloatArray) -> FloatArray:
     """Integral of k over ln x from each point to the end: corrected trapezoids, of fourth order with dk/dln x."""
     cells = 0.5 * _KERNEL_STEP * (k[1:] + k[:-1]) + _KERNEL_STEP**2 / 12.0 * (dk[:-1] - dk[1:])
     return np.concatenate([np.cumsum(cells[::-1])[::-1], [0.0]])

@@ -232,7 +232,7 @@ def read_step(path: Path, axis: str, tolerance: float) -> list[Segment]:
         if not shapes:
             raise GeometryError(f"{path.name}: holds no shapes")
         if max(dimension for dimension, _ in shapes) == 3:
-            shapes = _cut(gmsh, shapes, axis)
+            shapes = _cut_solids(gmsh, shapes, axis)
         faces = [shape for shape in shapes if shape[0] == 2]
         curves = gmsh.model.getBoundary(faces, combined=True, oriented=False) if faces else shapes
         tags = [abs(tag) for dimension, tag in curves if dimension == 1]
@@ -243,7 +243,7 @@ def read_step(path: Path, axis: str, tolerance: float) -> list[Segment]:
         return [s for tag in tags for s in _edge(gmsh, tag, columns, tolerance)]
 
 
-def _cut(gmsh: ModuleType, solids: list[tuple[int, int]], axis: str) -> list[tuple[int, int]]:
+def _cut_solids(gmsh: ModuleType, solids: list[tuple[int, int]], axis: str) -> list[tuple[int, int]]:
     """Section of solids with the half-plane through the axis."""
     occ = gmsh.model.occ
     box = np.array([gmsh.model.getBoundingBox(*solid) for solid in solids])

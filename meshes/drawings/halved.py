@@ -63,7 +63,7 @@ def upper_half(pieces: Sequence[Segment], rounding: float = 0.0) -> list[Segment
     slack = max(rounding, 1e-6 * size)
     if not _is_mirrored(pieces, level, slack):
         return list(pieces)
-    parts = [part for s in pieces for part in _cut(s, level, slack)]
+    parts = [part for s in pieces for part in _cut_piece(s, level, slack)]
     above = [0.5 * (s.start[1] + s.end[1]) > level + 1e-7 * size for s in parts]
     starts = [n for n, here in enumerate(above) if here and not above[n - 1]]
     if len(starts) != 1:
@@ -88,7 +88,7 @@ def _is_mirrored(pieces: Sequence[Segment], level: float, slack: float) -> bool:
     return all(has_image(one, corners) for one in corners) and all(has_image(one, middles) for one in middles)
 
 
-def _cut(s: Segment, level: float, slack: float) -> list[Segment]:
+def _cut_piece(s: Segment, level: float, slack: float) -> list[Segment]:
     """A piece in two where it crosses a height [m]."""
     (r, z), (end_r, end_z) = s.start, s.end
     if min(z, end_z) > level - slack or max(z, end_z) < level + slack:

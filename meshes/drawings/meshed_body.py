@@ -136,7 +136,7 @@ class MeshedBody:
             If the file cannot be read, or not in time, or the mesh is not that of a body.
         """
         try:
-            points, triangles, lines = run_in_subprocess(time_limit, _read, path, name)
+            points, triangles, lines = run_in_subprocess(time_limit, _read_body, path, name)
         except OwnProcessError as error:
             longer = "; allow a longer time_limit" if isinstance(error, TimeLimitError) else ""
             raise GeometryError(f"{path.name}: cannot be read as gmsh mesh ({error}){longer}") from error
@@ -149,7 +149,7 @@ class MeshedBody:
         return cls(outline, length_unit)
 
 
-def _read(path: Path, name: str) -> tuple[FloatArray, IntArray, dict[str, IntArray]]:
+def _read_body(path: Path, name: str) -> tuple[FloatArray, IntArray, dict[str, IntArray]]:
     """Points, the body's triangles, and the lines of each of its parts."""
     from meshio import ReadError, gmsh
 

@@ -80,20 +80,20 @@ class Profile:
     @cached_property
     def outline(self) -> Outline:
         """Section; pieces of the face and of the surface beside it may still wait for the face, see `with_faces`."""
-        pieces = _closed(self.name, [s for s in self.pieces if s.start != s.end])
+        pieces = _close_pieces(self.name, [s for s in self.pieces if s.start != s.end])
         _check_crossings(self.name, pieces)
         pieces = [part for s in pieces for part in _upright_parts(s)]
         outline = Outline(self.name, tuple(pieces))
         if outline.area < 0:
             outline = Outline(self.name, tuple(s.reversed for s in reversed(pieces)))
-        return _named(outline, walled=self.walled)
+        return _name_pieces(outline, walled=self.walled)
 
 
 def _size(pieces: Sequence[Segment]) -> float:
     return max(max(abs(c) for c in s.start) for s in pieces)
 
 
-def _closed(name: str, pieces: list[Segment]) -> list[Segment]:
+def _close_pieces(name: str, pieces: list[Segment]) -> list[Segment]:
     """The pieces with ends that meet exactly."""
     if len(pieces) < 3:
         raise GeometryError(f"{name} outline: has {len(pieces)} pieces; a closed outline needs at least 3")
@@ -174,7 +174,7 @@ def _upright_parts(s: Segment) -> list[Segment]:
     return [Segment(a, b, s.name, s.centre) for a, b in pairwise(cuts)]
 
 
-def _named(outline: Outline, *, walled: bool) -> Outline:
+def _name_pieces(outline: Outline, *, walled: bool) -> Outline:
     """Every piece with the full name of its boundary; "" where only the face will tell."""
     name = outline.name
     pieces = [replace(s, name=f"{name}_{s.name}" if s.name else "") for s in outline.segments]

@@ -116,7 +116,7 @@ def _section(
     loop = _loop(_once(pieces, _JOINED * size), apart, path)
     gaps = [math.dist(before.end, after.start) for before, after in _joints(loop)]
     widest = max((gap for gap in gaps if gap <= apart), default=0.0)
-    return replace(profile_of(name, _joined(loop, apart), unit, apart), joined=widest)
+    return replace(profile_of(name, _join_pieces(loop, apart), unit, apart), joined=widest)
 
 
 def _check_pieces(pieces: list[Segment], path: Path) -> None:
@@ -167,14 +167,14 @@ def _joints(loop: list[Segment]) -> Iterator[tuple[Segment, Segment]]:
     return pairwise([*loop, loop[0]])
 
 
-def _joined(loop: list[Segment], apart: float) -> list[Segment]:
+def _join_pieces(loop: list[Segment], apart: float) -> list[Segment]:
     """The pieces with ends that meet where they lie within a distance [m] of each other; arcs remain arcs."""
     meets = [
         _meeting(before, after, apart) if math.dist(before.end, after.start) <= apart else None
         for before, after in _joints(loop)
     ]
     return [
-        _between(s, start or s.start, end or s.end)
+        _fit_piece(s, start or s.start, end or s.end)
         for s, start, end in zip(loop, [meets[-1], *meets[:-1]], meets, strict=True)
     ]
 
@@ -196,7 +196,7 @@ def _meeting(before: Segment, after: Segment, apart: float) -> Point:
     return as_point((1 - weight) * np.array(before.end) + weight * np.array(after.start))
 
 
-def _between(s: Segment, start: Point, end: Point) -> Segment:
+def _fit_piece(s: Segment, start: Point, end: Point) -> Segment:
     """A piece turned and stretched so that it runs between two points."""
     if s.centre is None or (start, end) == (s.start, s.end):
         return replace(s, start=start, end=end)

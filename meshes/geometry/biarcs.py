@@ -137,15 +137,15 @@ def _directions(points: FloatArray, units: FloatArray) -> Sequence[FloatArray]:
     # Tangent and chord enclose the angle that the chord is seen under from a third point of the circle.
     chord, across = points[1:-1] - points[2:], points[:-2] - points[2:]
     seen = np.arctan2(chord[:, 0] * across[:, 1] - chord[:, 1] * across[:, 0], np.sum(chord * across, axis=1))
-    inner = [_rotated(u, -t) for u, t in zip(units[:-1], seen, strict=True)]
-    return [_mirrored(inner[0], units[0]), *inner, _mirrored(inner[-1], units[-1])]
+    inner = [_rotate(u, -t) for u, t in zip(units[:-1], seen, strict=True)]
+    return [_mirror_direction(inner[0], units[0]), *inner, _mirror_direction(inner[-1], units[-1])]
 
 
-def _rotated(u: FloatArray, angle: float) -> FloatArray:
+def _rotate(u: FloatArray, angle: float) -> FloatArray:
     cos, sin = math.cos(angle), math.sin(angle)
     return np.array([cos * u[0] - sin * u[1], sin * u[0] + cos * u[1]])
 
 
-def _mirrored(direction: FloatArray, chord: FloatArray) -> FloatArray:
+def _mirror_direction(direction: FloatArray, chord: FloatArray) -> FloatArray:
     """Direction at the other end of the arc that has this direction at one end of its chord."""
     return 2 * float(direction @ chord) * chord - direction

@@ -223,7 +223,7 @@ def _faces_in(outline: Outline) -> list[Outline]:
         side = "downwards" if outline.name == "closure" else "upwards"
         raise GeometryError(f"{outline.name} outline: no piece without another name looks {side}")
     face = f"{outline.name}_face"
-    return [named_beside(_renamed(outline, dict.fromkeys(chain, face))) for chain in chains]
+    return [named_beside(_rename_segments(outline, dict.fromkeys(chain, face))) for chain in chains]
 
 
 def looks(s: Segment) -> int:
@@ -241,10 +241,10 @@ def named_beside(outline: Outline) -> Outline:
     # The surface of the closure begins at the axis, that of the seat at the wall.
     before, after = ("inner", "outer") if outline.name == "closure" else ("outer", "inner")
     unnamed = [n for n, s in enumerate(outline.segments) if not s.name]
-    return _renamed(outline, {n: f"{outline.name}_{before if n < at[0] else after}" for n in unnamed})
+    return _rename_segments(outline, {n: f"{outline.name}_{before if n < at[0] else after}" for n in unnamed})
 
 
-def _renamed(outline: Outline, names: Mapping[int, str]) -> Outline:
+def _rename_segments(outline: Outline, names: Mapping[int, str]) -> Outline:
     """The outline with new names of some of its segments, by their numbers."""
     pieces = (replace(s, name=names.get(n, s.name)) for n, s in enumerate(outline.segments))
     return Outline(outline.name, tuple(pieces), label=outline.label)
@@ -404,10 +404,10 @@ class ContactGeometry:
         # In the middle of a chamber the normal turns evenly from that of one land to that of the next.
         ends = [0.0, *(end for chamber in self._chambers for end in chamber), seat.length]
         lands = [s[(s >= low) & (s <= high)] for low, high in zip(ends[::2], ends[1::2], strict=True)]
-        turned = np.concatenate([self._turned(land) for land in lands])
+        turned = np.concatenate([self._normal_angle(land) for land in lands])
         return None if np.ptp(turned) < 1e-12 else (np.concatenate(lands), turned)
 
-    def _turned(self, s: FloatArray) -> FloatArray:
+    def _normal_angle(self, s: FloatArray) -> FloatArray:
         """Angle of the contact normal at arc lengths of one land [rad]."""
         seat, closure, own = self.seat_face, self.closure_face, _angles(self.seat_face, s)
         if s[0] <= self._origin <= s[-1]:

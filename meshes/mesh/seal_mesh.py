@@ -106,7 +106,7 @@ class Sizing:
             near = np.min(np.abs(np.subtract.outer(breaks, fixed)), axis=1, initial=np.inf)
             inside = (breaks > start) & (breaks < end) & (near > 0.5 * self.size(breaks))
             fixed = np.unique(np.concatenate([fixed, breaks[inside]]))
-        return np.concatenate([[start], *(self._divided(a, b) for a, b in pairwise(fixed.tolist()))])
+        return np.concatenate([[start], *(self._divide_stretch(a, b) for a, b in pairwise(fixed.tolist()))])
 
     def size(self, x: FloatArray) -> FloatArray:
         """Element size on the contact line at x [m]."""
@@ -116,7 +116,7 @@ class Sizing:
             size = np.minimum(size, smallest + self.growth_along * np.abs(x - place))
         return np.minimum(size, self.far_size)
 
-    def _divided(self, a: float, b: float) -> FloatArray:
+    def _divide_stretch(self, a: float, b: float) -> FloatArray:
         """Vertices in (a, b], b the last."""
         # Away from the small elements the size grows in proportion to the distance: so do the steps.
         steps = np.concatenate([[0.0], np.geomspace(1e-3, 1e3, 600)])
@@ -250,7 +250,7 @@ class SealMesh:
     @cached_property
     def mesh(self) -> MeshTri:
         """Both bodies, not connected, with all boundaries and the subdomains "closure" and "seat"."""
-        return joined([("closure", self.closure), ("seat", self.seat)])
+        return join_bodies([("closure", self.closure), ("seat", self.seat)])
 
     @cached_property
     def quality(self) -> Quality:
@@ -326,7 +326,7 @@ def _in_gmsh_format(mesh: MeshTri) -> bytes:
     return text
 
 
-def joined(bodies: list[tuple[str, MeshTri]]) -> MeshTri:
+def join_bodies(bodies: list[tuple[str, MeshTri]]) -> MeshTri:
     """One mesh of several bodies that share no node, with a subdomain for each.
 
     Parameters

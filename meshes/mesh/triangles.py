@@ -89,7 +89,7 @@ def facets_between(mesh: MeshTri, lines: Mapping[str, IntArray]) -> dict[str, In
     return facets
 
 
-def smoothed(mesh: Triangles) -> Triangles:
+def smooth_triangles(mesh: Triangles) -> Triangles:
     """Vertices moved to the mean of their neighbours, where that harms no triangle; those of the boundary stay.
 
     Parameters
@@ -100,23 +100,25 @@ def smoothed(mesh: Triangles) -> Triangles:
     neighbours = np.bincount(mesh.facets.ravel())
     fixed = np.zeros(p.shape[1], dtype=bool)
     fixed[mesh.facets[:, np.bincount(mesh.t2f.ravel()) == 1]] = True
-    before = _measured(p, mesh.t)
+    before = _measure_triangles(p, mesh.t)
     for _ in range(_ROUNDS):
         total = [np.bincount(start, c[end], len(c)) + np.bincount(end, c[start], len(c)) for c in p]
         moved = np.where(fixed, p, np.stack(total) / neighbours)
         # a vertex that stays may be the next one's trouble
-        while np.any(harmed := _harmed(before, after := _measured(moved, mesh.t))):
+        while np.any(harmed := _harmed_triangles(before, after := _measure_triangles(moved, mesh.t))):
             moved[:, mesh.t[:, harmed]] = p[:, mesh.t[:, harmed]]
         p, before = moved, after
     return mesh.moved(p)
 
 
-def _measured(p: FloatArray, t: IntArray) -> tuple[FloatArray, FloatArray]:
+def _measure_triangles(p: FloatArray, t: IntArray) -> tuple[FloatArray, FloatArray]:
     """Shape and doubled area of triangles."""
     return triangle_shape(p, t), doubled_area(p, t)
 
 
-def _harmed(before: tuple[FloatArray, FloatArray], after: tuple[FloatArray, FloatArray]) -> BoolArray:
+def _harmed_triangles(
+    before: tuple[FloatArray, FloatArray], after: tuple[FloatArray, FloatArray]
+) -> BoolArray:
     """Triangles that are turned over, or worse than before and poor."""
     (shape, area), (new_shape, new_area) = before, after
     return (np.sign(area) != np.sign(new_area)) | ((new_shape < shape) & (new_shape < _GOOD))

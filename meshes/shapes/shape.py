@@ -145,7 +145,7 @@ def named_face(shape: Shape) -> NamedFace | None:
 
 def straight_part(name: str, outline: Outline, angle: float) -> NamedFace:
     """The straight part of a face that is inclined by `angle` [rad] to the horizontal plane."""
-    return _part(name, [s for s in outline.face.segments if s.centre is None and _inclined(s, angle)])
+    return _part(name, [s for s in outline.face.segments if s.centre is None and _incline(s, angle)])
 
 
 def round_part(name: str, outline: Outline, radius: float) -> NamedFace:
@@ -154,7 +154,7 @@ def round_part(name: str, outline: Outline, radius: float) -> NamedFace:
     return _part(name, [s for s in arcs if math.isclose(math.dist(s.start, s.centre or s.start), radius)])
 
 
-def _inclined(segment: Segment, angle: float) -> bool:
+def _incline(segment: Segment, angle: float) -> bool:
     (r, z), (end_r, end_z) = segment.start, segment.end
     return abs(math.atan2(end_z - z, end_r - r) - angle) < 1e-9
 
@@ -278,11 +278,11 @@ class Partner:
 
     def touch_on(self, face: Curve) -> float:
         """Radius of first touch on a seat's face [m]."""
-        return self._met(face)[1].radius
+        return self._meeting_point(face)[1].radius
 
     def drop_on(self, face: Curve) -> float:
         """Way of the closure along -z from where it is drawn to first touch on a seat's face [m]."""
-        return self._met(face)[1].drop
+        return self._meeting_point(face)[1].drop
 
     def touch_on_cone(self, angle: float) -> float:
         """Radius of first touch [m] on a cone without ends, inclined by `angle` [rad] to the horizontal plane."""
@@ -291,10 +291,10 @@ class Partner:
 
     def curvature_on(self, face: Curve) -> float:
         """Curvature of the closure where it first touches a seat's face [1/m], positive where it bulges."""
-        closure, touch = self._met(face)
+        closure, touch = self._meeting_point(face)
         return closure.curvature(closure.project_radius(touch.radius))
 
-    def _met(self, face: Curve) -> tuple[Curve, Touch]:
+    def _meeting_point(self, face: Curve) -> tuple[Curve, Touch]:
         closure, seat = with_faces(self.outline, Outline("seat", face.reversed.segments))
         return closure.face, first_touch(closure.face, seat.face)
 

@@ -19,7 +19,7 @@ from meshes.mesh.triangles import (
     doubled_area,
     facets_between,
     section_area,
-    smoothed,
+    smooth_triangles,
     triangle_shape,
 )
 
@@ -236,7 +236,7 @@ def test_smoothing_makes_triangles_better_and_turns_none() -> None:
     inside = ~np.isin(np.arange(mesh.nvertices), mesh.facets[:, mesh.boundary_facets()])
     shaken = mesh.p + 0.04 * inside * rng.uniform(-1, 1, mesh.p.shape)
     rough = Triangles(shaken, mesh.t)
-    p = smoothed(rough).p
+    p = smooth_triangles(rough).p
     np.testing.assert_array_equal(p[:, ~inside], shaken[:, ~inside])
     assert np.all(doubled_area(p, mesh.t) * doubled_area(shaken, mesh.t) > 0)
     before, after = triangle_shape(shaken, mesh.t), triangle_shape(p, mesh.t)
@@ -246,7 +246,7 @@ def test_smoothing_makes_triangles_better_and_turns_none() -> None:
 
 def test_smoothing_leaves_even_triangles_alone() -> None:
     mesh = Triangles.init_tensor(np.linspace(0, 2, 9), np.linspace(0, 1, 5))
-    np.testing.assert_allclose(smoothed(mesh).p, mesh.p, atol=1e-15)
+    np.testing.assert_allclose(smooth_triangles(mesh).p, mesh.p, atol=1e-15)
 
 
 def test_a_body_of_a_known_mesh_is_that_which_would_be_made(seal_mesh: SealMesh) -> None:

@@ -13,7 +13,7 @@ from scipy.sparse.linalg import spsolve
 from skfem import Basis, MeshTri, MeshTri2
 
 import meshes
-from fem_seal.bodies.elasticity import assembled, element_dofs, node_dofs
+from fem_seal.bodies.elasticity import assemble_elements, element_dofs, node_dofs
 from fem_seal.bodies.elastoplastic import BodyState, ElastoplasticBody
 from fem_seal.bodies.supports import Supports
 from fem_seal.contact.laws import Law
@@ -45,7 +45,7 @@ class HeldSolid(ElastoplasticBody):
     def stiffness(self, tangent: np.ndarray) -> csc_matrix:
         """Of the free dofs with a given tangent (elements, points, 4, 4) at the quadrature points [N/m]."""
         local = self.element_stiffness(np.arange(len(self.weight)), tangent)
-        whole = assembled(local, element_dofs(self.mesh), node_dofs(self.mesh).size)
+        whole = assemble_elements(local, element_dofs(self.mesh), node_dofs(self.mesh).size)
         return whole[self.free][:, self.free].tocsc()
 
 

@@ -684,7 +684,7 @@ def ends_in_a_sentence(read, content: bytes) -> None:
     try:
         read()
     except Exception as error:
-        assert cli._explained(error)[0] == 2, content
+        assert cli._explain_error(error)[0] == 2, content
 
 
 @pytest.mark.slow

@@ -196,11 +196,11 @@ def _is_ours(one: object) -> bool:
 @pytest.mark.skipif(sys.platform != "linux", reason="the reserve is one of Linux's C library")
 def test_free_memory_goes_back_to_the_system():
     code = (
-        "from fem_seal.processes import given_back\n"
+        "from fem_seal.processes import returned_memory\n"
         "def resident():\n"
         "    with open('/proc/self/statm') as file: return int(file.read().split()[1]) * 4096 / 2**20\n"
         "before = resident()\n"
-        "with given_back():\n"
+        "with returned_memory():\n"
         "    many = [bytearray(100_000) for _ in range(2000)]; above = bytearray(100_000); del many\n"
         "    kept = resident() - before\n"
         "print(kept, resident() - before)"
