@@ -130,10 +130,10 @@ class QuickSamples:
         inputs = self.sampled.scores[self.known]
         return fit_with_prior(self.plan.polynomials, inputs, np.clip(ln_ratio, -_FAR, _FAR))
 
-    def column(self, reading: int, number: int, *, in_test: bool) -> int:
-        """Of a reading at a load, of the case's fluid or of the gas of the test."""
-        other_gas = len(self.sampled.of_case) > self.sampled.readings
-        kind = reading + (self.sampled.readings if in_test and other_gas else 0)
+    def column(self, scenario: int, number: int, *, in_test: bool) -> int:
+        """Of a scenario at a load, of the case's fluid or of the gas of the test."""
+        other_gas = len(self.sampled.of_case) > self.sampled.scenario_count
+        kind = scenario + (self.sampled.scenario_count if in_test and other_gas else 0)
         return kind * len(self.loads) + self.loads.index(number)
 
 
@@ -259,8 +259,8 @@ def _of_load(case: Case, load: CaseLoad, number: int, quick: QuickSamples) -> Pa
         left = Posterior.read(settings.posterior).error_at(np.log10([load.peak_pressure]), settings.seed)[0]
         own = FlowError(error.bias + error.spread * left, _EXACT.spread)
     ln_most, read = _ln_most(allowed), []
-    for reading in range(quick.sampled.readings):
-        columns = [quick.column(reading, number, in_test=_tested_with_gas(case, one)) for one in allowed]
+    for scenario in range(quick.sampled.scenario_count):
+        columns = [quick.column(scenario, number, in_test=_tested_with_gas(case, one)) for one in allowed]
         batch = math.nan
         if quick.smooth(columns) or not quick.sampled.evaluated:
             surface = quick.surface(columns, ln_most)

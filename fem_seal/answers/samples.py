@@ -328,8 +328,8 @@ class Samples:
         return self.seal.problem.follows_path and any(each.name == "youngs_modulus" for each in self.inputs)
 
     @property
-    def readings(self) -> int:
-        """Leak rates of a sample at a load: that of the case's own reading of yielding asperities, then the others."""
+    def scenario_count(self) -> int:
+        """Leak rates of a sample at a load: that of the nominal scenario, then of those beside it."""
         return 1 + len(self.seal.loads[0].others)
 
     @property

@@ -284,8 +284,8 @@ class _Sampling:
             numbers, rates = (runs, predicted) if surface is None else (numbers, predicted.copy())
             rates[np.searchsorted(numbers, runs)] = self.rates(runs.tolist())
         if samples.evaluated and (surface is not None or linearised):
-            # the readings of the case's own fluid at the last load
-            last = slice(loads - 1, samples.readings * loads, loads)
+            # the scenarios with the fluid of the case at the last load
+            last = slice(loads - 1, samples.scenario_count * loads, loads)
             ends = samples_at_ends((predicted / viscosity[numbers])[:, last], self.confidence)
             checked, allowed = numbers[ends], allowed_difference(predicted, *_OF_LINEAR)
             truth = self.rates(checked.tolist(), whole_paths=True)
@@ -363,7 +363,7 @@ def _interval(samples: Samples, settings: Uncertainty, parts: Sequence[_Part]) -
         peaks = np.log10([load.peak_pressure for load in loads])
         scores = Posterior.read(settings.posterior).error_at(peaks, settings.seed)
         scores = np.take_along_axis(scores, numbers, axis=1)
-    readings, others = samples.readings, tuple(loads[0].others)
+    count, others = samples.scenario_count, tuple(loads[0].others)
     intervals = [
         LeakInterval(
             tuple(uncertain.name for uncertain in samples.inputs),
@@ -373,7 +373,7 @@ def _interval(samples: Samples, settings: Uncertainty, parts: Sequence[_Part]) -
             rates[first],
             shares,
             max((part.error for part in parts if part.error is not None), default=None),
-            dict(zip(others, rates[first + 1 : first + readings], strict=True)),
+            dict(zip(others, rates[first + 1 : first + count], strict=True)),
             [load.flow_error for load in loads],
             values={
                 uncertain.name: uncertain.shown(samples.values[uncertain.name])[parts[0].numbers]
@@ -382,7 +382,7 @@ def _interval(samples: Samples, settings: Uncertainty, parts: Sequence[_Part]) -
             error_scores=scores,
             rougher=samples.rougher(0.5 + 0.5 * settings.confidence),
         )
-        for first in range(0, kinds, readings)
+        for first in range(0, kinds, count)
     ]
     return replace(intervals[0], in_test=intervals[1]) if len(intervals) > 1 else intervals[0]
 
