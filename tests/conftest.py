@@ -119,7 +119,7 @@ def read_here(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture
 def unrendered(monkeypatch: pytest.MonkeyPatch) -> None:
     """Figures are made as always but not turned into SVG, for tests of files and sentences, not of pictures."""
-    monkeypatch.setattr("fem_seal.output.pictures.style._drawn", lambda figure: b"<svg></svg>")
+    monkeypatch.setattr("fem_seal.output.pictures.style._render", lambda figure: b"<svg></svg>")
 
 
 @pytest.fixture

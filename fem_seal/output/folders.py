@@ -50,7 +50,7 @@ def folder_lock(folder: Path) -> Iterator[None]:
     path = Path(folder) / FILE
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        handle = _locked(path)
+        handle = _open_locked(path)
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         raise OutputError(f"{folder}: cannot be written ({reason})") from error
@@ -60,13 +60,13 @@ def folder_lock(folder: Path) -> Iterator[None]:
         _release(path, handle)
 
 
-def _locked(path: Path) -> int:
+def _open_locked(path: Path) -> int:
     """Handle of the locked file; InputError if another process has it."""
     while True:
         handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
         try:
             _lock(handle)
-            if _is_at(path, handle):
+            if _is_same_file(path, handle):
                 return handle
         except OSError as error:
             if error.errno not in _TAKEN:
@@ -87,7 +87,7 @@ def _lock(handle: int) -> None:
         fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
 
-def _is_at(path: Path, handle: int) -> bool:
+def _is_same_file(path: Path, handle: int) -> bool:
     try:
         return os.path.samestat(os.fstat(handle), path.stat())
     except FileNotFoundError:
@@ -103,7 +103,7 @@ def _release(path: Path, handle: int) -> None:
             path.unlink()
         return
     with suppress(OSError):
-        if _is_at(path, handle):
+        if _is_same_file(path, handle):
             path.unlink()
     os.close(handle)
 

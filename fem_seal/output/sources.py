@@ -43,7 +43,7 @@ def sources(result: SealSolution) -> Iterator[Source]:
     ----------
     result : SealSolution
     """
-    parts = {name for name, is_used in used(result).items() if is_used}
+    parts = {name for name, is_used in features_used(result).items() if is_used}
     flow = {"roughness", "flow"} <= parts
     for entry in prose()["sources"]:
         if "placeholder" in entry:
@@ -52,12 +52,12 @@ def sources(result: SealSolution) -> Iterator[Source]:
             yield Source(
                 entry["name"],
                 entry["reference"],
-                ", ".join(_chosen(entry["used_for"], parts)),
-                tuple(_chosen(entry.get("equations", {}), parts)),
+                ", ".join(_choose_parts(entry["used_for"], parts)),
+                tuple(_choose_parts(entry.get("equations", {}), parts)),
             )
 
 
-def used(result: SealSolution) -> dict[str, bool]:
+def features_used(result: SealSolution) -> dict[str, bool]:
     """Features that a result used, by their names in words.toml.
 
     Parameters
@@ -106,7 +106,7 @@ def _own_sources(result: SealSolution, what: str) -> Iterator[Source]:
         yield Source(fluid.name, fluid.library_entry.source, "properties of the fluid")
 
 
-def _chosen(parts: Mapping[str, str], used: set[str]) -> Iterator[str]:
+def _choose_parts(parts: Mapping[str, str], used: set[str]) -> Iterator[str]:
     return (text for name, text in parts.items() if name == "always" or name in used)
 
 

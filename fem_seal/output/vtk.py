@@ -89,7 +89,7 @@ def write_contact_line(result: SealSolution, folder: Path) -> list[Path]:
         points, ends, data = lines[0]
         if levels:
             below, ends_below, data_below = lines[-1]
-            points, ends = np.concatenate([points, _mirrored(below, *levels)]), ends + ends_below
+            points, ends = np.concatenate([points, _mirror_points(below, *levels)]), ends + ends_below
             data = {name: np.concatenate([values, data_below[name]]) for name, values in data.items()}
         return write_cells(
             path,
@@ -223,7 +223,7 @@ def _write_bodies(
 
     Of each half its fields and approach [m]; of two faces that are alike there is but one.
     """
-    of_halves = [[_placed(fields[name], approach) for name in BODIES] for fields, approach in halves]
+    of_halves = [[_move_to_place(fields[name], approach) for name in BODIES] for fields, approach in halves]
     bodies, numbers, alike = of_halves[0], [0, 1], bool(levels) and len(of_halves) == 1
     if levels:
         if alike:
@@ -277,7 +277,7 @@ def _on_level(points: FloatArray, level: float) -> NDArray[np.bool_]:
     return np.abs(points[:, 1] - level) <= 1e-9 * np.abs(points).max()
 
 
-def _mirrored(points: FloatArray, level: float, own: float) -> FloatArray:
+def _mirror_points(points: FloatArray, level: float, own: float) -> FloatArray:
     """Points (n, 2 or 3) of a half with its mid-plane at its own z, below that of the other half at a level z [m]."""
     image = points.copy()
     image[:, 1] = level + own - image[:, 1]
@@ -288,7 +288,7 @@ def _mirrored(points: FloatArray, level: float, own: float) -> FloatArray:
 _VECTOR, _TENSOR = np.array([1.0, -1.0]), np.array([1.0, 1.0, 1.0, -1.0])
 
 
-def _scaled(body: BodyField, share: FloatArray) -> BodyField:
+def _scale_stress(body: BodyField, share: FloatArray) -> BodyField:
     """A body with a share of its stress and plastic strain (rr, zz, tt, rz)."""
     changed = replace(body, stress=share * body.stress)
     if isinstance(changed, ElastoplasticField):
@@ -298,14 +298,14 @@ def _scaled(body: BodyField, share: FloatArray) -> BodyField:
 
 def _without_shear(body: BodyField, level: float) -> BodyField:
     """Half of a gasket whose mean with its image is free of shear on the mid-plane, as all of it is."""
-    return _scaled(body, np.where(_on_level(body.points, level)[:, None], [1.0, 1.0, 1.0, 0.0], 1.0))
+    return _scale_stress(body, np.where(_on_level(body.points, level)[:, None], [1.0, 1.0, 1.0, 0.0], 1.0))
 
 
 def _image(body: BodyField, level: float, own: float) -> BodyField:
-    """The mirror image of a body, see `_mirrored`."""
+    """The mirror image of a body, see `_mirror_points`."""
     return replace(
-        _scaled(body, _TENSOR),
-        points=_mirrored(body.points, level, own),
+        _scale_stress(body, _TENSOR),
+        points=_mirror_points(body.points, level, own),
         displacement=_VECTOR * body.displacement,
     )
 
@@ -333,7 +333,7 @@ def _plastic(bodies: Sequence[BodyField]) -> dict[str, FloatArray]:
     }
 
 
-def _placed(body: BodyField, approach: float) -> BodyField:
+def _move_to_place(body: BodyField, approach: float) -> BodyField:
     """The body with its displacement to its true position, so that warped bodies show the gap."""
     rigid = -approach if body.name == "closure" else 0.0
     return replace(body, displacement=body.displacement + np.array([0.0, rigid]))

@@ -38,12 +38,12 @@ def input_name(name: str) -> str:
 def error_sentence(result: SealSolution) -> str:
     """What makes the interval of the highest load, and what would narrow it; empty where it is narrow."""
     load = result.loads[highest_load(result.loads)]
-    found = _highest(result)
+    found = _of_highest_load(result)
     if found is None or found.factor < _NARROW or len(found.of_width) < 2:
         return ""
     largest = next(iter(found.of_width))
     told = [(name, share) for name, share in list(found.of_width.items())[:_NAMED] if share >= _LEAST]
-    (first, after), *others = [*_told(result, found)] or [("", 0.0)]
+    (first, after), *others = [*_measurements_worth_it(result, found)] or [("", 0.0)]
     return phrase(
         "notes.error_shares",
         "interval",
@@ -86,7 +86,9 @@ def measurement_in_brief(result: SealSolution, number: int) -> str:
         Of the load.
     """
     found = _of_load(result, number)
-    what, left = min([] if found is None else _told(result, found), key=itemgetter(1), default=("", 0.0))
+    what, left = min(
+        [] if found is None else _measurements_worth_it(result, found), key=itemgetter(1), default=("", 0.0)
+    )
     if not what or found is None:
         return ""
     at = f" at {load_name(result.loads[number], result.loads)}"
@@ -97,11 +99,11 @@ def _of_load(result: SealSolution, number: int) -> ErrorShares | None:
     return result.error_shares[number] if number < len(result.error_shares) else None
 
 
-def _highest(result: SealSolution) -> ErrorShares | None:
+def _of_highest_load(result: SealSolution) -> ErrorShares | None:
     return _of_load(result, highest_load(result.loads))
 
 
-def _told(result: SealSolution, found: ErrorShares) -> Iterator[tuple[str, float]]:
+def _measurements_worth_it(result: SealSolution, found: ErrorShares) -> Iterator[tuple[str, float]]:
     """Measurements that are worth it with the factor that each leaves: profiles of a finish first, a leak test last."""
     worth = [one for one in found.measurements if one.left and one.left * _NARROWER <= found.factor]
     best: dict[str, Measurement] = {}
@@ -147,7 +149,7 @@ def measurement_table(result: SealSolution) -> ReadableTable:
     ----------
     result : SealSolution
     """
-    found = _highest(result)
+    found = _of_highest_load(result)
     rows = [] if found is None else [_words(result, one) for one in found.measurements]
     return worded_table("measurements", rows, now="" if found is None else format_digits(found.factor, 2))
 

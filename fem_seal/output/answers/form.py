@@ -52,7 +52,7 @@ def form_in_brief(result: SealSolution) -> str:
     if found is None or not asked or result.highest.validity.outside:
         return ""
     aside = phrase("form.allowed", "aside")
-    told = [one for one in _allowed(found, {}, result.highest) if one != aside]
+    told = [one for one in _allowed_in_words(found, {}, result.highest) if one != aside]
     return told[-1].rstrip(".") if told else ""
 
 
@@ -81,7 +81,7 @@ def _sentences(result: SealSolution, answers: FormAnswers) -> Iterator[str]:
         yield phrase("form.waves", "worst", worst=answers.waves[0], load=at)
     yield from _closing(answers, load)
     if answers.allowed is not None and not load.validity.outside:
-        yield from _allowed(answers.allowed, answers.allowed_others, load)
+        yield from _allowed_in_words(answers.allowed, answers.allowed_others, load)
     yield from _scratches(answers, load)
     if answers.goes_round is not None:
         yield phrase("form.round", "share", share=answers.goes_round, load=at)
@@ -107,7 +107,7 @@ def _closing(answers: FormAnswers, load: CaseLoad) -> Iterator[str]:
     yield phrase("form.closing", kind, force=force, load=load, closed=CLOSED)
 
 
-def _allowed(allowed: Allowed, others: Mapping[str, Allowed], load: CaseLoad) -> Iterator[str]:
+def _allowed_in_words(allowed: Allowed, others: Mapping[str, Allowed], load: CaseLoad) -> Iterator[str]:
     """Allowed size of the form error, each followed by that of the other readings of yielding asperities."""
     names = {"target": "target", OF_LEAK_RATE: "required leak rate"}
     limit = names.get(allowed.limit, f"limit of {allowed.limit}")

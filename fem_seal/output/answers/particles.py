@@ -37,7 +37,7 @@ def _sentences(result: SealSolution, answers: ParticleAnswers) -> Iterator[str]:
     at = load_name(result.highest, result.loads)
     yield phrase("particles.narrow", "from", load=at, sizes=answers.narrowest)
     yield _filter(answers)
-    yield _stopped(result, answers)
+    yield _stopped_in_words(result, answers)
     if math.isfinite(answers.half_volume[0]):
         yield phrase("particles.decay", "half", found=answers)
     around = result.highest.around
@@ -45,7 +45,7 @@ def _sentences(result: SealSolution, answers: ParticleAnswers) -> Iterator[str]:
     yield phrase("particles.estimate", "all", "scratches" if scratched else "")
 
 
-def _stopped(result: SealSolution, answers: ParticleAnswers) -> str:
+def _stopped_in_words(result: SealSolution, answers: ParticleAnswers) -> str:
     fluid, (few, many) = result.case.fluid, answers.stopped
     assert fluid is not None and fluid.particles is not None  # the answers are about them
     size = fluid.particles.counts.sizes[0]

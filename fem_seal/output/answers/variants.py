@@ -29,7 +29,7 @@ def _rate_text(result: SealSolution, load: CaseLoad) -> str:
     return leak_range_text(rate_of(load), min(result.highest.leak_digits, 2), volume=volume_of(result.case))
 
 
-def _inputs(load: CaseLoad) -> str:
+def _remark_on_inputs(load: CaseLoad) -> str:
     """Remark that the other theory uses the inputs as given: only one theory is sampled."""
     return "" if load.sampled is None else " with the inputs as given"
 
@@ -48,7 +48,7 @@ def told_in_headline(result: SealSolution) -> str:
         return ""
     other, at = load.scenarios[others[0]], load_name(load, result.loads)
     rate = _rate_text(result, other) if _rate(other) else "nothing"
-    return phrase("theories.rate", "headline", rate=rate, load=at, inputs=_inputs(load))
+    return phrase("theories.rate", "headline", rate=rate, load=at, inputs=_remark_on_inputs(load))
 
 
 def theories_in_words(result: SealSolution) -> list[str]:
@@ -62,14 +62,14 @@ def theories_in_words(result: SealSolution) -> list[str]:
     others = {name: one for name, one in load.scenarios.items() if SCENARIOS[name].own_contact}
     if not others:
         return []
-    found = [_compared(result, load, theory, other) for theory, other in others.items()]
+    found = [_compare_rates(result, load, theory, other) for theory, other in others.items()]
     if len(others) == 1:
         ((theory, other),) = others.items()
-        found += [*_contact(result, theory, other), *_yielding(load, theory, other)]
-    return [*found, *_simulated(load), phrase("theories.why", "believe")]
+        found += [*_share_of_contact(result, theory, other), *_share_of_yielding(load, theory, other)]
+    return [*found, *_error_of_simulation(load), phrase("theories.why", "believe")]
 
 
-def _compared(result: SealSolution, load: CaseLoad, theory: str, other: CaseLoad) -> str:
+def _compare_rates(result: SealSolution, load: CaseLoad, theory: str, other: CaseLoad) -> str:
     own, rate = _rate(load), _rate(other)
     kind = "tight" if not rate else "compared" if own else "leaks"
     return phrase(
@@ -77,14 +77,14 @@ def _compared(result: SealSolution, load: CaseLoad, theory: str, other: CaseLoad
         kind,
         theory=SCENARIOS[theory].title,
         load=load_name(load, result.loads),
-        inputs=_inputs(load),
+        inputs=_remark_on_inputs(load),
         rate=_rate_text(result, other) if rate else "",
         factor=rate / own if own else None,
         own=leak_range_text(own, min(load.leak_digits, 2), volume=volume_of(result.case)) if own else "",
     )
 
 
-def _contact(result: SealSolution, theory: str, other: CaseLoad) -> Iterator[str]:
+def _share_of_contact(result: SealSolution, theory: str, other: CaseLoad) -> Iterator[str]:
     """Shares of the difference from the contact, and from the leak through the same contact."""
     load = result.highest
     own, same, rate = _rate(load), result.theories.same_contact.get(theory, 0.0), _rate(other)
@@ -103,7 +103,7 @@ def _contact(result: SealSolution, theory: str, other: CaseLoad) -> Iterator[str
     )
 
 
-def _yielding(load: CaseLoad, theory: str, other: CaseLoad) -> Iterator[str]:
+def _share_of_yielding(load: CaseLoad, theory: str, other: CaseLoad) -> Iterator[str]:
     """Share of the elastic leak rate that remains with yielding asperities in each theory."""
     left = {}
     for name, one in ((theory, other), (load.names[-1], load)):
@@ -114,7 +114,7 @@ def _yielding(load: CaseLoad, theory: str, other: CaseLoad) -> Iterator[str]:
     yield phrase("theories.why", "yielding", **left)
 
 
-def _simulated(load: CaseLoad) -> Iterator[str]:
+def _error_of_simulation(load: CaseLoad) -> Iterator[str]:
     """Error of the corrected theory found by direct simulation."""
     corrected = load.scenario("corrected")
     if corrected is not None and corrected.theory_error != EXACT:

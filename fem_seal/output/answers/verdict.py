@@ -65,8 +65,9 @@ def worst_verdict(result: SealSolution) -> Verdict | None:
     ----------
     result : SealSolution
     """
-    found = [one for one in (result.verdict, worst_of(result.standard_tests)) if one is not None]
-    return max(found, key=RANK.__getitem__, default=None)
+    tested = worst_of(result.standard_tests) if result.standard_tests else None
+    verdicts = [verdict for verdict in (result.verdict, tested) if verdict is not None]
+    return max(verdicts, key=RANK.__getitem__, default=None)
 
 
 def verdict_words(verdict: Verdict) -> str:

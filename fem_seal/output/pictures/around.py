@@ -80,7 +80,7 @@ def line_load_picture(result: SealSolution) -> style.Picture | None:
     ----------
     result : SealSolution
     """
-    shown = _shown(result)
+    shown = _choose_loads(result)
     if not shown:
         return None
     figure, (loads, form) = _round_panels()
@@ -90,7 +90,9 @@ def line_load_picture(result: SealSolution) -> style.Picture | None:
     loads.plot(circle, mean, color=GREY, linewidth=1.0, linestyle=(0, (4, 2)), label="mean")
     for n, (load, around) in enumerate(shown):
         share = around.line_load / around.line_load.mean()
-        loads.plot(*_closed(around.angle, share), color=colour(n), label=over.names[result.loads.index(load)])
+        loads.plot(
+            *_close_turn(around.angle, share), color=colour(n), label=over.names[result.loads.index(load)]
+        )
     most = max(around.most_over_mean for _, around in shown)
     loads.set_ylim(0.0, 1.08 * most)
     _round_label(loads, "Line load over its mean")
@@ -109,7 +111,7 @@ def _form_error(axes: Axes, around: Circumference, circle: FloatArray) -> None:
     unit = unit_for("length", largest)
     shown, base = gap / unit.size, 2.2 * largest / unit.size or 1.0
     axes.plot(circle, np.full_like(circle, base), color=GREY, linewidth=1.0, linestyle=(0, (4, 2)))
-    axes.plot(*_closed(around.angle, base + shown), color=ORANGE)
+    axes.plot(*_close_turn(around.angle, base + shown), color=ORANGE)
     step = _even_step(largest / unit.size)
     axes.set_ylim(0.0, base + 1.25 * largest / unit.size)
     ticks = [-step, 0.0, step] if step else [0.0]
@@ -142,11 +144,11 @@ def draw_line_load(axes: Axes, result: SealSolution) -> bool:
     bool
         Whether there is any: not of a round seal.
     """
-    shown, over = _shown(result), load_axis(result.loads)
+    shown, over = _choose_loads(result), load_axis(result.loads)
     colour = style.load_colours(len(shown))
     for n, (load, around) in enumerate(shown):
         share = around.line_load / around.line_load.mean()
-        turn, closed = _closed(around.angle / _DEGREE, share, 360.0)
+        turn, closed = _close_turn(around.angle / _DEGREE, share, 360.0)
         axes.plot(turn, closed, color=colour(n), label=over.names[result.loads.index(load)])
     if shown:
         axes.set_ylim(0.0)
@@ -171,7 +173,7 @@ def leak_around_picture(result: SealSolution) -> style.Picture | None:
     figure, (axes,) = style.panels(1, height=3.3)
     draw_leak_around(axes, result)
     rates = [rate for load, _, own in shown for rate in (own, *_in_others(load))]
-    scratched = any(around.scratches is not None for _, around in _shown(result))
+    scratched = any(around.scratches is not None for _, around in _choose_loads(result))
     return style.captioned(
         figure,
         "leak_around",
@@ -207,7 +209,7 @@ def draw_leak_around(axes: Axes, result: SealSolution) -> bool:
         lines: list[tuple[FloatArray, dict[str, Any]]] = [(rate, {"label": name})]
         lines += [(other, dashed) for other in others]
         for values, how in lines:
-            turn, closed = _closed(angle / _DEGREE, values / unit.size, 360.0)
+            turn, closed = _close_turn(angle / _DEGREE, values / unit.size, 360.0)
             axes.plot(turn, style.positive(closed), color=colour(n), **how)
         rates = np.concatenate([rates, *others])
     if style.spans_decades(rates):
@@ -223,10 +225,10 @@ def draw_leak_around(axes: Axes, result: SealSolution) -> bool:
 
 
 def _leaking_around(result: SealSolution) -> list[tuple[CaseLoad, FloatArray, FloatArray]]:
-    """The loads of `_shown` that leak, with their angles [rad] and leak [m^3/s per degree]."""
+    """The loads of `_choose_loads` that leak, with their angles [rad] and leak [m^3/s per degree]."""
     return [
         (load, around.angle, around.leak_rate * _DEGREE)
-        for load, around in _shown(result)
+        for load, around in _choose_loads(result)
         if around.leak_rate is not None and np.isfinite(around.leak_rate).all() and around.leak_rate.any()
     ]
 
@@ -240,14 +242,14 @@ def _in_others(load: CaseLoad) -> list[FloatArray]:
     ]
 
 
-def _shown(result: SealSolution) -> list[tuple[CaseLoad, Circumference]]:
+def _choose_loads(result: SealSolution) -> list[tuple[CaseLoad, Circumference]]:
     """A few loads with their results around the axis, in order of the line load."""
     loads = [result.loads[n] for n in different(result.loads)]
     known = [(load, load.around) for load in loads if load.around is not None and load.around.form.felt]
     return [known[n] for n in style.few(len(known), _LINES)] if known else []
 
 
-def _closed(
+def _close_turn(
     angle: FloatArray, values: FloatArray, turn: float = 2 * math.pi
 ) -> tuple[FloatArray, FloatArray]:
     """Values over a whole turn, with the first repeated at the end."""

@@ -105,7 +105,7 @@ def all_profiles(axes: Axes, loads: Sequence[CaseLoad], order: Sequence[int], le
         _plot_profiles(
             axes, loads[order[n]], "pressure", length, pressure, name, color=colour(n), linewidth=1.2
         )
-    axes.set_xlim(*(one / length.size for one in _shown(loads)))
+    axes.set_xlim(*(one / length.size for one in _range_in_view(loads)))
     axes.set_ylim(0.0)
     axes.legend(title=over.name, loc="upper right", handlelength=1.2, borderpad=0.1)
     title = (
@@ -219,7 +219,7 @@ def draw_gap(axes: Axes, result: SealSolution) -> None:
     axes : Axes
     result : SealSolution
     """
-    chosen, (low, high) = _few_loads(result.loads), _shown(result.loads)
+    chosen, (low, high) = _few_loads(result.loads), _range_in_view(result.loads)
     # between lands the gap is that of a chamber
     inside = [
         one.gap[(one.x >= low) & (one.x <= high) if len(load.profiles) == 1 else one.pressure > 0]
@@ -259,7 +259,7 @@ def contact_picture(result: SealSolution, load: CaseLoad) -> style.Picture:
     above, below = figure.subplots(
         2, 1, gridspec_kw={"left": 0.075, "right": 0.985, "bottom": 0.13, "top": 0.92, "hspace": 0.0}
     )
-    whole, (low, high) = load.whole, _shown([load])
+    whole, (low, high) = load.whole, _range_in_view([load])
     low, high = max(low, float(whole.x[0])), min(high, float(whole.x[-1]))
     length, pressure = unit_for("length", max(-low, high)), unit_for("contact pressure", load.peak_pressure)
     # between lands the gap is that of a chamber
@@ -319,7 +319,7 @@ def contact_picture(result: SealSolution, load: CaseLoad) -> style.Picture:
     return style.captioned(figure, "contact", "all", "flow" if flows else "", **values)
 
 
-def _shown(loads: Sequence[CaseLoad]) -> tuple[float, float]:
+def _range_in_view(loads: Sequence[CaseLoad]) -> tuple[float, float]:
     """x between which the profiles are shown [m]: around first touch, or all lands."""
     if all(len(load.profiles) == 1 for load in loads):
         return -_reach(loads), _reach(loads)

@@ -59,8 +59,8 @@ def leak_picture(result: SealSolution) -> Picture | None:
     draw_leak(axes, result, beside=True)
     for factor in reduction:
         shares = [(SCENARIOS[loads[0].names[0]].short if two else "", rates, BLUE)]
-        shares += [(SCENARIOS[one].short, values, GREEN) for one, values in _further(loads)]
-        _reduction(factor, over.shown, elastic, shares, axes.get_xscale() == "log")
+        shares += [(SCENARIOS[one].short, values, GREEN) for one, values in _rates_of_scenarios(loads)]
+        _draw_reduction(factor, over.shown, elastic, shares, axes.get_xscale() == "log")
         label(factor, "Reduction by yielding asperities", over.label, "elastic over yielded")
     words = ("plastic_both" if two else "plastic", "plastic_elastic") if plastic else ()
     return captioned(figure, "leak", "all", over.order, *words, over=over.name)
@@ -131,7 +131,7 @@ def _curves(result: SealSolution, loads: Sequence[CaseLoad]) -> list[tuple[str, 
             ("median after the leak test", medians, BLUE, 2.2),
             (f"{yielded} (before it)", rates, GREY, 1.5),
         ]
-    curves += [(SCENARIOS[one].curve, values, GREEN, 1.5) for one, values in _further(loads)]
+    curves += [(SCENARIOS[one].curve, values, GREEN, 1.5) for one, values in _rates_of_scenarios(loads)]
     for name in loads[0].scenarios:
         words = SCENARIOS[name]
         values = leak_rates([load.scenarios[name] for load in loads])
@@ -140,7 +140,7 @@ def _curves(result: SealSolution, loads: Sequence[CaseLoad]) -> list[tuple[str, 
     return curves
 
 
-def _further(loads: Sequence[CaseLoad]) -> list[tuple[str, FloatArray]]:
+def _rates_of_scenarios(loads: Sequence[CaseLoad]) -> list[tuple[str, FloatArray]]:
     """The scenarios beside, with their leak rates [m^3/s]."""
     found = [(one, leak_rates([load.scenarios[one] for load in loads])) for one in loads[0].others]
     return [(one, values) for one, values in found if np.isfinite(values).any()]
@@ -212,7 +212,7 @@ def _mark_outside(axes: Axes, x: FloatArray, rates: FloatArray, outside: NDArray
     _mark_at_foot(axes, x[outside & ~drawn], None if drawn.any() else name, "white")
 
 
-def _reduction(
+def _draw_reduction(
     axes: Axes,
     x: FloatArray,
     elastic: FloatArray,

@@ -133,7 +133,7 @@ def svg(figure: Figure) -> bytes:
     for axes in figure.axes:
         if axes.axison and axes.name == "rectilinear" and axes.get_label() != "<colorbar>":
             _draw_ticks(axes)
-    return _in_the_dark(_drawn(figure).replace(b"'DejaVu Sans'", _FONTS.encode()))
+    return _recolour_for_dark(_render(figure).replace(b"'DejaVu Sans'", _FONTS.encode()))
 
 
 def captioned(
@@ -159,7 +159,7 @@ def captioned(
     return Picture(name, svg(figure), phrase(where, *alt, **values), phrase(where, *parts, **values))
 
 
-def _drawn(figure: Figure) -> bytes:
+def _render(figure: Figure) -> bytes:
     out = BytesIO()
     figure.savefig(out, format="svg", dpi=_DOTS, metadata={"Date": None, "Creator": None})
     return out.getvalue()
@@ -280,7 +280,7 @@ def draw_marks(
             figure.text(*place, name, transform=shifted, ha=ha, va=va, color=colour, fontproperties=font)
 
 
-def _in_the_dark(drawing: bytes) -> bytes:
+def _recolour_for_dark(drawing: bytes) -> bytes:
     """A drawing that turns dark on a dark screen; one with an image in it stays light.
 
     Light and dark are exchanged and hues stay, so that a colour scale still fits its picture.

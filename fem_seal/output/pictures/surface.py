@@ -128,8 +128,8 @@ def _area_curves(axes: Axes, surface: RoughContact, peak: float) -> None:
     if surface.hardness is not None:
         plastic = np.asarray(surface.plastic_area(peak, q))
         total = elastic + plastic
-        axes.plot(zeta, _shown(elastic), color=ORANGE, label="elastic, A_el")
-        axes.plot(zeta, _shown(plastic), color=PURPLE, label="yielded, A_pl")
+        axes.plot(zeta, _hide_small_areas(elastic), color=ORANGE, label="elastic, A_el")
+        axes.plot(zeta, _hide_small_areas(plastic), color=PURPLE, label="yielded, A_pl")
         axes.plot(
             zeta,
             np.asarray(surface.elastic.contact_area(peak, q)),
@@ -151,7 +151,7 @@ def _area_curves(axes: Axes, surface: RoughContact, peak: float) -> None:
     label(axes, "Area in contact", *names, log="xy", legend="lower left", above=0.55)
 
 
-def _shown(area: FloatArray) -> FloatArray:
+def _hide_small_areas(area: FloatArray) -> FloatArray:
     return np.where(area > 0.1 * _SMALLEST_AREA, area, np.nan)
 
 

@@ -131,7 +131,7 @@ def second_line(result: SealSolution) -> str:
     return next(filter(None, told), "")
 
 
-def _helps(result: SealSolution, load: CaseLoad) -> str:
+def _lever_in_words(result: SealSolution, load: CaseLoad) -> str:
     found = next((one for one in result.sensitivities if one.helps), None)
     if found is None:
         return ""
@@ -189,7 +189,7 @@ def _share(result: SealSolution, load: CaseLoad) -> str:
     )
 
 
-def _used(result: SealSolution, load: CaseLoad) -> str:
+def _use_in_words(result: SealSolution, load: CaseLoad) -> str:
     used = "" if result.judgement is None else verdict.used_in_words(result, result.judgement.shares)
     return phrase("brief.second", "used", used=used) if used else ""
 
@@ -205,14 +205,14 @@ _REQUESTED: Mapping[Callable[[SealSolution], object], Callable[[SealSolution], s
 _ADVICE: dict[str, Callable[[SealSolution, CaseLoad], str]] = {
     "profile": lambda result, load: verdict.would_pass(result, brief=True),
     "measure": lambda result, load: measurement_in_brief(result, result.loads.index(load)),
-    "helps": _helps,
+    "helps": _lever_in_words,
     "force": _force,
     "curve": _curve,
     "stop": _stop,
     "strength": _strength,
     "class": lambda result, load: verdict.next_class_in_words(result.case, load),
     "share": _share,
-    "used": _used,
+    "used": _use_in_words,
     "none": lambda result, load: phrase("brief.second", "contact" if load.leak is None else "none"),
     "ask": lambda result, load: "" if result.sensitivities else phrase("brief.second", "ask"),
 }
@@ -286,13 +286,13 @@ def _most_telling(case: Case, loads: Sequence[AnyLoad]) -> list[ReportColumn]:
     filled = (filled_column(name, loads, volume_of(case)) for name in names)
     told = (
         one
-        for one in (_claimed(_finite(one), case, loads) for one in filled)
+        for one in (_clear_unclaimed(_finite(one), case, loads) for one in filled)
         if one.some and (any(one.values) or one.column.kind == "flow")
     )
     columns = list(_leaks_in_one_unit(told))
     ends = [one.values for one in columns if one.column.name in _ENDS]
     columns = [
-        one for one in columns if one.column.name in _ENDS or not any(_alike(one, end) for end in ends)
+        one for one in columns if one.column.name in _ENDS or not any(_repeats_end(one, end) for end in ends)
     ]
     for name in SHOWN_COLUMNS["spared"]:
         if len(columns) > MOST_COLUMNS:
@@ -308,7 +308,7 @@ def _finite(column: ReportColumn) -> ReportColumn:
     return replace(column, values=values, digits=[min(one, _DIGITS) for one in column.digits])
 
 
-def _claimed(column: ReportColumn, case: Case, loads: Sequence[AnyLoad]) -> ReportColumn:
+def _clear_unclaimed(column: ReportColumn, case: Case, loads: Sequence[AnyLoad]) -> ReportColumn:
     """Outside the theory without leak rates of zero, which read as a tight seal, and intervals without samples."""
     name, values = column.column.name, list(column.values)
     for n, load in enumerate(loads):
@@ -321,7 +321,7 @@ def _claimed(column: ReportColumn, case: Case, loads: Sequence[AnyLoad]) -> Repo
     return replace(column, values=values)
 
 
-def _alike(column: ReportColumn, end: Sequence[float | None]) -> bool:
+def _repeats_end(column: ReportColumn, end: Sequence[float | None]) -> bool:
     """Whether a column repeats an end of the interval."""
     pairs = zip(column.values, end, strict=True)
     return all(

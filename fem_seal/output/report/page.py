@@ -76,40 +76,40 @@ def report(result: SealSolution) -> str:
     sizes = profile_sizes(result, derived)
     return template("report.html.j2").render(
         title=result.case.title or "fem-seal",
-        in_css=_in_css,
+        in_css=_escape_for_css,
         version=__version__,
         created=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
-        picture={picture.name: _unbroken(picture) for picture in pictures(result, derived, sizes)},
+        picture={picture.name: _keep_units_whole(picture) for picture in pictures(result, derived, sizes)},
         sources=sources(result),
         result=result,
-        **_of_case(result),
-        **_unbroken(_words(result, derived, sizes)),
+        **_texts_of_case(result),
+        **_keep_units_whole(_words(result, derived, sizes)),
         words=prose(),
     )
 
 
-def _unbroken(said: Any) -> Any:
+def _keep_units_whole(said: Any) -> Any:
     """Everything that is said with whole units: texts, and whatever they are in."""
     if type(said) is str:
         return unbroken(said)
     if isinstance(said, dict):
-        return {key: _unbroken(text) for key, text in said.items()}
+        return {key: _keep_units_whole(text) for key, text in said.items()}
     if isinstance(said, (list, tuple)):
-        found = [_unbroken(text) for text in said]
+        found = [_keep_units_whole(text) for text in said]
         # of named tuples the same
         return type(said)(*found) if hasattr(said, "_fields") else type(said)(found)
     if is_dataclass(said) and not isinstance(said, type):
         texts = {one.name: getattr(said, one.name) for one in fields(said) if one.init}
-        return replace(said, **{name: _unbroken(text) for name, text in texts.items()})
+        return replace(said, **{name: _keep_units_whole(text) for name, text in texts.items()})
     return said
 
 
-def _in_css(text: str) -> str:
+def _escape_for_css(text: str) -> str:
     r"""A text for the foot of printed pages, with all letters escaped that have a meaning in CSS or HTML.
 
     Examples
     --------
-    >>> _in_css('Ball & "cone"')
+    >>> _escape_for_css('Ball & "cone"')
     'Ball \\26  \\22 cone\\22 '
     """
     return "".join(one if one.isalnum() or one in " ,.-" else f"\\{ord(one):x} " for one in text)
@@ -127,10 +127,12 @@ def pictures(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes])
         From `fem_seal.answers.closed_forms.profile_sizes`.
     """
     with style():
-        return [sketch(result), *filter(None, _drawn(result, derived, sizes))]
+        return [sketch(result), *filter(None, _draw_pictures(result, derived, sizes))]
 
 
-def _drawn(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes]) -> Iterator[Picture | None]:
+def _draw_pictures(
+    result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes]
+) -> Iterator[Picture | None]:
     top = result.highest
     if not result.of_profile:
         yield contact_picture(result, brief.decisive(result))
@@ -140,10 +142,10 @@ def _drawn(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes]) -
     yield law_picture(result)
     yield leak_picture(result)
     yield memory_picture(result)
-    yield from _around(result)
+    yield from _pictures_around(result)
     yield separation_picture(result)
     yield surface_picture(result, top)
-    yield from _simulated(result)
+    yield from _pictures_of_simulation(result)
     if not result.of_profile:
         yield stress_picture(result, max(result.loads, key=lambda load: load.max_von_mises))
         yield temperature_picture(result, top)
@@ -153,7 +155,7 @@ def _drawn(result: SealSolution, derived: Derived, sizes: Mapping[str, Sizes]) -
             yield from shown.pictures(result)
 
 
-def _around(result: SealSolution) -> tuple[Picture | None, ...]:
+def _pictures_around(result: SealSolution) -> tuple[Picture | None, ...]:
     """Pictures of a seal that is not round; for a round one its section shows everything."""
     if not any(load.circumference is not None and load.circumference.form.felt for load in result.loads):
         return ()
@@ -173,7 +175,7 @@ def _around(result: SealSolution) -> tuple[Picture | None, ...]:
         )
 
 
-def _simulated(result: SealSolution) -> tuple[Picture, ...]:
+def _pictures_of_simulation(result: SealSolution) -> tuple[Picture, ...]:
     """Pictures of a direct simulation; none without one."""
     flow, surface = result.problem.flow, result.surface
     if flow is None or flow.simulated is None or surface is None:
@@ -183,7 +185,7 @@ def _simulated(result: SealSolution) -> tuple[Picture, ...]:
     return simulation_pictures(flow.simulated.table(surface), result.highest.peak_pressure)
 
 
-def _of_case(result: SealSolution) -> dict[str, Any]:
+def _texts_of_case(result: SealSolution) -> dict[str, Any]:
     """Texts of the groups of the case that the result does not contain in this form."""
     case, problem = result.case, result.problem
     drawn = {name: case_words.section(case, name) for name in case_words.BODIES}

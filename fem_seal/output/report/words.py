@@ -108,7 +108,7 @@ def _facts(result: SealSolution, load: CaseLoad) -> Iterator[tuple[Fact, Validit
     remarks = ["full width at half of the peak pressure", land]
     yield Fact("Width of the contact", width, ", ".join(filter(None, remarks))), contact
     if load.critical_separation is not None:
-        yield Fact("Narrowest point of the leak path", *_narrowest(load)), leaks
+        yield Fact("Narrowest point of the leak path", *_narrowest_point(load)), leaks
     if not load.of_profile:
         where = f"von Mises, in the {result.case.label_of(load.max_von_mises_at[0])}"
         where += ", at the mean line load" if uneven else ""
@@ -126,7 +126,8 @@ def _leak_facts(case: Case, load: CaseLoad) -> Iterator[Fact]:
     rate = usual_rate_of(load) if sampled else rate_of(load)
     remarks = [
         state_in_words(volume),
-        _least(load) or (per_day(rate, load.leak_digits, volume) if volume.state == volume.gas else ""),
+        _least_in_words(load)
+        or (per_day(rate, load.leak_digits, volume) if volume.state == volume.gas else ""),
         scenarios_in_words(load, volume),
         *([] if sampled else accuracy_in_words(load)),
     ]
@@ -142,7 +143,7 @@ def _leak_facts(case: Case, load: CaseLoad) -> Iterator[Fact]:
             yield Fact("In other units", others[0], " = ".join(others[1:]))
 
 
-def _narrowest(load: CaseLoad) -> tuple[str, str]:
+def _narrowest_point(load: CaseLoad) -> tuple[str, str]:
     """u_c in both readings of yielding asperities, and its name."""
     known = (one.critical_separation for one in (load, *load.others.values()))
     ends = Bounds.of(one for one in known if one is not None)
@@ -155,7 +156,7 @@ def _narrowest(load: CaseLoad) -> tuple[str, str]:
     return text, f"critical separation at the peak pressure{both}"
 
 
-def _least(load: CaseLoad) -> str:
+def _least_in_words(load: CaseLoad) -> str:
     """Lower bound of a leak rate with scratches, which is the upper of two bounds; empty without scratches."""
     if load.leak is None or load.around is None or load.around.scratches is None:
         return ""

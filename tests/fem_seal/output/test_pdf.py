@@ -13,7 +13,7 @@ from fem_seal.errors import DrawingError
 from fem_seal.output import pdf
 from fem_seal.output.pictures.leak import leak_picture
 from fem_seal.output.pictures.style import style
-from fem_seal.output.report.page import _in_css
+from fem_seal.output.report.page import _escape_for_css
 
 
 @pytest.mark.slow
@@ -71,5 +71,5 @@ def test_pictures_turn_dark_with_the_screen_and_not_on_paper():
 
 
 def test_no_title_leaves_the_style_of_the_page():
-    told = _in_css('"}</style><script>& \\')
+    told = _escape_for_css('"}</style><script>& \\')
     assert not set(told) & set("\"}<>&/{'") and "\\22 " in told

@@ -438,7 +438,7 @@ def test_pictures_are_written_as_matplotlib_writes_them(monkeypatch):
         _figure().savefig(out, format="svg", metadata={"Date": None, "Creator": None}, dpi=170)
         monkeypatch.setattr("fem_seal.output.pictures.style._put_legends_below", lambda figure: None)
         monkeypatch.setattr("fem_seal.output.pictures.style._draw_ticks", lambda axes: None)
-        monkeypatch.setattr("fem_seal.output.pictures.style._in_the_dark", lambda drawing: drawing)
+        monkeypatch.setattr("fem_seal.output.pictures.style._recolour_for_dark", lambda drawing: drawing)
         monkeypatch.setattr("fem_seal.output.pictures.style._FONTS", "'DejaVu Sans'")
         assert written_svg(_figure()) == out.getvalue()
 

@@ -19,7 +19,7 @@ from fem_seal.errors import OutputError
 from fem_seal.files import write_bytes, write_text
 from fem_seal.output.files import summary, write_summary
 from fem_seal.output.prose import phrase, prose
-from fem_seal.output.sources import used
+from fem_seal.output.sources import features_used
 from fem_seal.output.tables import (
     PROFILE_COLUMNS,
     leak_table,
@@ -349,4 +349,4 @@ def test_words_of_the_report_ask_for_nothing_that_no_result_can_have_used():
     asked = {"always"}
     for entry in words["sources"]:
         asked |= {*entry.get("when", ()), *entry.get("used_for", ()), *entry.get("equations", ())}
-    assert asked == {"always", *used(rough_result())}
+    assert asked == {"always", *features_used(rough_result())}
