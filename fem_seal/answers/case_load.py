@@ -629,8 +629,6 @@ class SolvedSeal:
         In the order of the case.
     unloaded : Unloaded or None
         Residual stress and imprint after the last load; None if all bodies are elastic.
-    earlier : ContactSolution or None
-        At the largest load before those of the case; None without one.
     not_calculated : tuple of MissingLoad
         The other loads of the case.
     said_of_missing : tuple of Finding
@@ -645,7 +643,6 @@ class SolvedSeal:
     model: ContactModel
     loads: tuple[CaseLoad, ...]
     unloaded: Unloaded | None = None
-    earlier: ContactSolution | None = None
     not_calculated: tuple[MissingLoad, ...] = ()
     said_of_missing: tuple[Finding, ...] = ()
     lower_half: SolvedSeal | None = None
@@ -751,7 +748,6 @@ def solved_seal(evaluation: Evaluation, case: Case, loads: Sequence[CaseLoad] | 
         evaluation.model,
         tuple(own),
         evaluation.solved.unloaded,
-        evaluation.solved.earlier,
         lower_half=None if lower is None else solved_seal(lower, case.halves[-1]),
     )
 

@@ -15,7 +15,7 @@ from fem_seal.seal.findings import NOT_JUDGED, Finding, Level, Validity, worst_f
 from fem_seal.seal.load_result import highest_load
 from fem_seal.seal.scenarios import with_own_contacts
 from fem_seal.units import format_quantity, quantity
-from fem_seal.validity.checks import contact_cautions, earlier_cautions, load_validity
+from fem_seal.validity.checks import contact_cautions, load_validity
 from fem_seal.validity.words import caution
 from leak.standards import nominal_size_of_bore
 
@@ -46,23 +46,17 @@ class Findings:
 def _compute(seal: SolvedSeal, request: Request) -> Findings:
     problem, compute = seal.problem, request.steps.compute
     checks = compute("checks of what the theory allows", partial(contact_cautions, problem, seal.loads), ())
-    find = partial(earlier_cautions, problem, seal.earlier, seal.loads[0].mesh_error)
-    before = compute("checks of the largest earlier load", find, ())
     validity = [
         compute(
             f"validity at {format_quantity('fluid pressure', load.fluid_pressure)}",
-            partial(load_validity, problem, load, before),
+            partial(load_validity, problem, load),
             NOT_JUDGED,
         )
         for load in seal.loads
     ]
-    others = compute(
-        "validity by the other theory", partial(_in_scenarios, seal, before), ({},) * len(seal.loads)
-    )
-    cautions = tuple(
-        worst_first((*seal.said_of_missing, *_of_nominal_size(nominal_size(seal.case)), *checks, *before))
-    )
-    return Findings(tuple(validity), cautions, others)
+    others = compute("validity by the other theory", partial(_in_scenarios, seal), ({},) * len(seal.loads))
+    found = (*seal.said_of_missing, *_of_nominal_size(nominal_size(seal.case)), *checks)
+    return Findings(tuple(validity), tuple(worst_first(found)), others)
 
 
 def findings_of_profiles(seal: SolvedSeal) -> Findings:
@@ -91,7 +85,7 @@ def _of_nominal_size(size: NominalSize) -> Iterator[Finding]:
         yield replace(found, level=Level.VALID)
 
 
-def _in_scenarios(seal: SolvedSeal, before: tuple[Finding, ...]) -> tuple[Mapping[str, Validity], ...]:
+def _in_scenarios(seal: SolvedSeal) -> tuple[Mapping[str, Validity], ...]:
     """Of the loads whose interval by another theory is told: the highest, and those that are judged."""
     highest, required = highest_load(seal.loads), seal.case.requirement
     told = [
@@ -101,7 +95,7 @@ def _in_scenarios(seal: SolvedSeal, before: tuple[Finding, ...]) -> tuple[Mappin
     beside = list(with_own_contacts(seal.problem))
     return tuple(
         {
-            scenario.name: load_validity(scenario.problem, other, before)
+            scenario.name: load_validity(scenario.problem, other)
             for scenario in beside
             if wanted and (other := load.scenarios.get(scenario.name)) is not None
         }

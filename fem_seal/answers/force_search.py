@@ -269,8 +269,7 @@ def search_forces(
             ends.append(trials.of_each(zero.place))
             # on a better mesh it is looked for where it was
             begin[pressure] = zero.place
-        each = zip(*ends, strict=True) if ends else [()] * len(own)
-        return [_contacts(*one) for one in zip(own, each, strict=True)]
+        return [_contacts(loads) for loads in zip(*ends, strict=True)] if ends else [[]] * len(own)
 
     fit_meshes(
         {
@@ -282,9 +281,7 @@ def search_forces(
     return found
 
 
-def _contacts(solver: LoadSolver, loads: Sequence[LoadResult]) -> list[ContactSolution]:
+def _contacts(loads: Sequence[LoadResult]) -> list[ContactSolution]:
     """Contacts that the mesh has to fit: of loads, of tightening their bolts, and of the largest load before."""
     contacts = [contact for load in loads for contact in load.contacts]
-    bolted = solver.problem.loads.unsolved_bolts is not None
-    before = [solver.earlier, *(contact.earlier for contact in contacts if bolted)]
-    return contacts + [contact for contact in before if contact is not None]
+    return contacts + [earlier for contact in contacts for earlier in contact.history]

@@ -483,7 +483,7 @@ class Samples:
 def _near(seal: SolvedSeal, loads: tuple[int, ...], *, whole_paths: bool) -> NearSolved:
     """Source of problems close to that of a seal, at some of its loads."""
     upper, *lower = (
-        NearSolved(face.problem, face.model, face.seal_mesh, face.loads, face.earlier, loads, whole_paths)
+        NearSolved(face.problem, face.model, face.seal_mesh, face.loads, loads, whole_paths)
         for face in seal.faces
     )
     return replace(upper, lower_half=lower[0]) if lower else upper

@@ -144,7 +144,7 @@ def interface_variants(solver: LoadSolver, loads: Sequence[CaseLoad]) -> tuple[C
             if solver.yields:
                 contact = solve_load(replace(solver, problem=changed), strongest)
             else:
-                (contact,) = solved_again([contact], solver.model, changed.law, solver.earlier)
+                (contact,) = solved_again([contact], solver.model, changed.law)
             around = changed.circumference(contact)
             bare = load_results(changed, [load.point], [contact], [around], alike=shown)
             (told,) = case_loads(changed, bare)

@@ -30,7 +30,7 @@ from fem_seal.seal.load_solver import Clock, Progress
 from fem_seal.seal.problem import SealProblem
 from fem_seal.seal.scenarios import with_own_contacts
 from fem_seal.units import briefly
-from fem_seal.validity.checks import earlier_cautions, load_validity
+from fem_seal.validity.checks import load_validity
 from fem_seal.validity.words import sentence
 
 
@@ -475,9 +475,7 @@ def _alone(seal: SolvedSeal, progress: Progress, fluid_pressure: float, applied_
         problem, sizing, (load,) = one.problem, one.seal_mesh.sizing, one.loads
         with clock.step("error", "estimating the discretisation error"):
             error = discretisation_error(load.contact, on_coarser_mesh(problem, sizing, 0), sizing)
-        load = load.with_values(mesh_error=error)
-        before = earlier_cautions(problem, one.earlier, error)
-        return load.with_values(validity=load_validity(problem, load, before))
+        return _checked(problem, load.with_values(mesh_error=error))
 
     load = GasketLoad.joined(*map(checked, alone.faces))
     if seal.case.sampled is None or load.validity.outside:

@@ -72,7 +72,7 @@ class ContactSolution:
     largest : ndarray, shape (m,), or None
         Largest pressure that each place has carried before [Pa]; None where nothing is known of it.
     earlier : ContactSolution or None
-        The contact that carried it last.
+        The contact that carried it last; where nothing is left of its pressure, the largest before.
     stop_force : float
         What goes past the contact through the stop of the model [N].
 
@@ -241,6 +241,15 @@ class ContactSolution:
         return replace(self, largest=largest, earlier=earlier)
 
     @property
+    def history(self) -> tuple[ContactSolution, ...]:
+        """Contacts before this one that are known, the last first."""
+        found, before = [], self.earlier
+        while before is not None:
+            found.append(before)
+            before = before.earlier
+        return tuple(found)
+
+    @property
     def unstopped(self) -> Self:
         """The same contact on bodies without a stop."""
         model = self.model.with_stop(math.inf)
@@ -250,6 +259,19 @@ class ContactSolution:
     def first_loading(self) -> Self:
         """The same contact if no place had ever carried more."""
         return self if self.largest is None else replace(self, largest=None, earlier=None)
+
+
+def largest_before(contacts: Sequence[ContactSolution]) -> tuple[ContactSolution, ...]:
+    """The contact under the largest load that some contacts know of before all of them; none if they know of none.
+
+    Parameters
+    ----------
+    contacts : sequence of ContactSolution
+        Of one path, or of elastic bodies.
+    """
+    own = {id(contact) for contact in contacts}
+    before = [earlier for contact in contacts for earlier in contact.history if id(earlier) not in own]
+    return tuple(sorted(before, key=lambda contact: -contact.contact_force)[:1])
 
 
 def move_together(solutions: Sequence[ContactSolution]) -> None:

@@ -37,7 +37,12 @@ from fem_seal.contact.penetration import (
     solve_penetration,
 )
 from fem_seal.contact.plastic_step import HeldByBolts, PathLoad, PlasticSettings
-from fem_seal.contact.solution import DEFAULT_SETTINGS, ContactSettings, ContactSolution
+from fem_seal.contact.solution import (
+    DEFAULT_SETTINGS,
+    ContactSettings,
+    ContactSolution,
+    largest_before,
+)
 from fem_seal.errors import (
     ConvergenceError,
     InputError,
@@ -457,8 +462,6 @@ class SolvedLoads:
         Why it is not known what is left after the last load, though a body yields.
     circumferences : sequence of Circumference
         Each contact around the axis; empty for a round seal.
-    earlier : ContactSolution or None
-        Under the largest load before them; None where none is known.
     points : mapping
         Fluid pressure [Pa] and force [N] of loads by their numbers, where bolts give the force.
     left : bool
@@ -470,7 +473,6 @@ class SolvedLoads:
     failures: Mapping[int, Exception] = field(default_factory=dict)
     not_unloaded: ConvergenceError | None = None
     circumferences: Sequence[Circumference] = ()
-    earlier: ContactSolution | None = None
     points: Mapping[int, tuple[float, float]] = field(default_factory=dict)
     left: bool = False
 
@@ -497,8 +499,8 @@ class SolvedLoads:
     @property
     def all_contacts(self) -> list[ContactSolution]:
         """Contacts that the mesh has to fit: of all loads, all around the axis, and of the largest before them."""
-        before = () if self.earlier is None else (self.earlier,)
-        return [*self.contacts, *(one for around in self.circumferences for one in around.extremes), *before]
+        around = [contact for circumference in self.circumferences for contact in circumference.extremes]
+        return [*self.contacts, *around, *largest_before(self.contacts)]
 
     @property
     def problems(self) -> dict[int, LoadProblem]:
@@ -553,11 +555,8 @@ def solve_loads(
         found.update(dict.fromkeys(alike, (contact, around)))
     contacts = [found[number][0] for number in sorted(found)]
     circumferences = [around for number in sorted(found) if (around := found[number][1]) is not None]
-    earlier = solver.earlier if contacts else None
     failures = dict(sorted(failures.items()))
-    return SolvedLoads(
-        contacts, failures=failures, circumferences=circumferences, earlier=earlier, points=held
-    )
+    return SolvedLoads(contacts, failures=failures, circumferences=circumferences, points=held)
 
 
 def _solved_path(
@@ -565,7 +564,7 @@ def _solved_path(
 ) -> SolvedLoads:
     """Loads up to the first that cannot be solved: what it would leave behind is not known to those after it."""
     points = solver.problem.loads.points
-    path, earlier = _path(solver, points, unload=unload, progress=progress, leave=leave)
+    path = _path(solver, points, unload=unload, progress=progress, leave=leave)
     failures: dict[int, Exception] = {
         number: solver.open_on_path(points[number], opened) for number, opened in path.opened.items()
     }
@@ -579,9 +578,7 @@ def _solved_path(
         solved = zip(closed, path.contacts, strict=False)
         held = {number: solver.point_of(points[number][0], contact) for number, contact in solved}
     failures = dict(sorted(failures.items()))
-    return SolvedLoads(
-        path.contacts, path.unloaded, failures, not_unloaded, earlier=earlier, points=held, left=path.left
-    )
+    return SolvedLoads(path.contacts, path.unloaded, failures, not_unloaded, points=held, left=path.left)
 
 
 def _beyond(
@@ -637,7 +634,7 @@ def _end_of_path(
     progress: Progress | None = None,
     first: FirstLoading | None = None,
 ) -> ElastoplasticContact:
-    path, _ = _path(solver, points, steps, unload=False, progress=progress, first=first)
+    path = _path(solver, points, steps, unload=False, progress=progress, first=first)
     last = len(points) - 1
     if last in path.opened:
         raise solver.open_on_path(points[last], path.opened[last])
@@ -655,11 +652,11 @@ def _path(
     progress: Progress | None = None,
     first: FirstLoading | None = None,
     leave: Leave | None = None,
-) -> tuple[LoadPath, ElastoplasticContact | None]:
+) -> LoadPath:
     """Fluid pressures [Pa] and applied forces [N] one after the other; the largest load before them is the first.
 
-    It is returned beside the path: of several times that bolts were tightened the largest. Where asperities yield each
-    contact remembers all those before it. `first` and `leave` as in `load_path`.
+    Contacts know it: of several times that bolts were tightened the largest. Where asperities yield each contact
+    remembers all those before it. `first` and `leave` as in `load_path`.
     """
     problem, settings = solver.problem, PlasticSettings()
     way = list(_way(problem.loads, points))
@@ -697,17 +694,22 @@ def _path(
         # each with the largest pressures before it
         path = replace(path, contacts=tuple(accumulate(path.contacts, lambda before, one: one.after(before))))
     if not before:
-        return path, None
+        return path
     if 0 in path.opened:
         raise solver.open_on_path(way[0][1], path.opened[0])
     if not path.contacts:
-        return replace(path, stopped=ConvergenceError(f"{_before(problem)}: {path.stopped}")), None
+        return replace(path, stopped=ConvergenceError(f"{_before(problem)}: {path.stopped}"))
     closed = [number for place, (number, _) in enumerate(way) if place not in path.opened]
     found = list(zip(closed, path.contacts, strict=False))
+    if not solver.asperities_remember:
+        largest = found[0][1]
+        for place, (number, contact) in enumerate(found):
+            if number is None and contact.contact_force > largest.contact_force:
+                largest = contact
+            found[place] = number, replace(contact, earlier=largest)
     contacts = tuple(contact for number, contact in found if number is not None)
-    earlier = max((contact for number, contact in found if number is None), key=lambda one: one.contact_force)
     opened = {number: one for place, one in path.opened.items() if (number := way[place][0]) is not None}
-    return replace(path, contacts=contacts, opened=opened), earlier
+    return replace(path, contacts=contacts, opened=opened)
 
 
 def _way(
@@ -777,7 +779,7 @@ def path_again(solver: LoadSolver) -> list[ContactSolution]:
         If a load opens the seal or does not converge.
     """
     points = solver.problem.loads.points
-    path, _ = _path(solver, points, unload=False)
+    path = _path(solver, points, unload=False)
     if len(path.contacts) < len(points):
         opened = [str(one.error) for one in path.opened.values()]
         raise ConvergenceError(opened[0] if opened else str(path.stopped))
@@ -801,7 +803,8 @@ def linearised_again(contacts: Sequence[ContactSolution], law: Law) -> list[Cont
     """
     found: dict[int, ContactSolution] = {}
     for contact in contacts:
-        for one in reversed([one for one in _history(contact) if id(one) not in found]):
+        remembered = () if contact.largest is None else contact.history
+        for one in reversed([one for one in (contact, *remembered) if id(one) not in found]):
             assert isinstance(one, ElastoplasticContact) and one.linear is not None
             again = solve(one.linear, law, contact_force=one.pressing_force, loads=one.loads, start=one)
             # a contact of the true bodies, in the states that they are in
@@ -819,47 +822,38 @@ def linearised_again(contacts: Sequence[ContactSolution], law: Law) -> list[Cont
     return [found[id(contact)] for contact in contacts]
 
 
-def _history(contact: ContactSolution | None) -> Iterator[ContactSolution]:
-    """A contact and all that it remembers, back in time."""
-    while contact is not None:
-        yield contact
-        contact = contact.earlier
-
-
 def solved_again(
     contacts: Sequence[ContactSolution],
     model: ContactModel,
     law: Law,
-    earlier: ContactSolution | None = None,
 ) -> list[ContactSolution]:
     """The same loads on other bodies or with another law; what the fluid does between the surfaces stays as it is.
 
     Parameters
     ----------
     contacts : sequence of ContactSolution
-        Of bodies that do not yield.
+        Of bodies that do not yield. Those that they remember are solved again, too.
     model : ContactModel
     law : InterfaceLaw or HardContact
-    earlier : ContactSolution, optional
-        The one that they remember; it is solved again, too.
 
     Raises
     ------
     ConvergenceError
     """
-    loads = [*contacts] if earlier is None else [earlier, *contacts]
+    before = {id(earlier): earlier for contact in contacts for earlier in contact.history}
     solved = solve_many(
         [
             ContactProblem(model, law, load.pressing_force, load.loads, DEFAULT_SETTINGS, start=load)
-            for load in loads
+            for load in (*before.values(), *contacts)
         ]
     )
     for outcome in solved:
         if isinstance(outcome, ConvergenceError):
             raise outcome
     again = [outcome for outcome in solved if not isinstance(outcome, ConvergenceError)]
-    before = None if earlier is None else again.pop(0)
-    return [contact.after(before) for contact in again]
+    earlier = dict(zip(before, again, strict=False))
+    new = zip(contacts, again[len(before) :], strict=True)
+    return [contact.after(earlier.get(id(old.earlier))) for old, contact in new]
 
 
 Progress = Callable[[str], None]

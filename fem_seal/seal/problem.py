@@ -432,7 +432,7 @@ class SealProblem:
 
         own, contact = law or self.law, contact.unstopped
         local = LocalContact(contact, own, None if near is None else near.local)
-        if contact.earlier is None:
+        if contact.earlier is None or contact.largest is None:
             return around_after(self.form, local, None, near)
         known = None if near is None or near.before is None else near.before.local
         return around_after(self.form, local, LocalContact(contact.earlier.unstopped, own, known), near)

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Self
 from fem_seal.bodies.supports import Supports
 from fem_seal.contact.model import ContactModel, condense, with_stress_bound
 from fem_seal.contact.newton import ContactProblem
-from fem_seal.contact.solution import DEFAULT_SETTINGS, ContactSettings, ContactSolution
+from fem_seal.contact.solution import DEFAULT_SETTINGS, ContactSettings, ContactSolution, largest_before
 from fem_seal.materials import Material
 from fem_seal.seal.conductivity_tables import family_law, family_table, same_family
 from fem_seal.seal.kept import Kept
@@ -211,8 +211,8 @@ class Shared(Source):
         return self.tables(flow, surface, log_peaks)
 
 
-# What is known of the earlier load, beside the numbers of the loads.
-_EARLIER = -1
+# What is known of the load before all others, beside the numbers of the loads.
+_BEFORE = -1
 
 
 @dataclass(frozen=True, eq=False)
@@ -232,8 +232,6 @@ class NearSolved(Source):
         Their mesh.
     loads : sequence of LoadResult
         Its loads.
-    earlier : ContactSolution or None
-        At the largest load before them.
     numbers : tuple of int
         Of the loads that are asked for, in their order.
     whole_paths : bool
@@ -247,7 +245,6 @@ class NearSolved(Source):
     solved_model: ContactModel
     seal_mesh: SealMesh
     loads: Sequence[LoadResult]
-    earlier: ContactSolution | None
     numbers: tuple[int, ...]
     whole_paths: bool = False
     lower_half: NearSolved | None = None
@@ -299,8 +296,7 @@ class NearSolved(Source):
         if problem.follows_path or not self._moves(problem):
             return {}
         contacts = {number: self.loads[number].contact for number in self.numbers}
-        if self.earlier is not None:
-            contacts[_EARLIER] = self.earlier
+        contacts.update({_BEFORE: before for before in largest_before(list(contacts.values()))})
         return {
             number: ContactProblem(
                 model, problem.law, known.pressing_force, known.loads, self.settings, start=known
@@ -333,7 +329,7 @@ class NearSolved(Source):
                 if isinstance(outcome, Exception):
                     raise outcome
             solved = {number: each for number, each in pressed.items() if not isinstance(each, Exception)}
-            return [solved[number].after(solved.get(_EARLIER)) for number in self.numbers]
+            return [solved[number].after(solved.get(_BEFORE)) for number in self.numbers]
         if self.whole_paths or self._stiffness(problem) != 1.0:
             contacts = path_again(LoadSolver(problem, model))
             return [contacts[number] for number in self.numbers]

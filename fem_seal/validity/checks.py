@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem_seal.contact.solution import ContactSolution, PlasticZone, YieldedZone, yielded_zone, yielding_of
+from fem_seal.contact.solution import PlasticZone, YieldedZone, yielded_zone, yielding_of
 from fem_seal.loads import LARGEST_EXCESS, LARGEST_TURNING, TURNED
 from fem_seal.materials import HARDNESS_OVER_YIELD_STRESS, creep_remarks
 from fem_seal.seal.bounds import EXACT, Bounds
 from fem_seal.seal.findings import ORDERS_OF_MAGNITUDE, Finding, Level, Validity
 from fem_seal.seal.leak_model import DIRECT_END
 from fem_seal.seal.load_names import load_name
-from fem_seal.seal.load_result import DiscretisationError, LoadResult
+from fem_seal.seal.load_result import LoadResult
 from fem_seal.seal.problem import SealProblem
 from fem_seal.units import (
     DIGITS,
@@ -118,7 +118,7 @@ def contact_cautions(problem: SealProblem, loads: Sequence[LoadResult]) -> tuple
     if problem.faces > 1:
         near.append(replace(caution("without_friction"), level=Level.VALID))
     own = (*_of_surface(problem), *load_cautions(problem, loads), *_coarse(loads[0]))
-    return (*(one for one in own if one.text), *near)
+    return (*(one for one in own if one.text), *near, *_earlier_cautions(problem, loads[0]))
 
 
 def load_cautions(
@@ -179,9 +179,7 @@ def _interface_cautions(
         yield from fluid_cautions(problem.flow, loads)
 
 
-def load_validity(
-    problem: SealProblem, load: LoadResult, before: Iterable[Finding] = (), sealing: float | None = None
-) -> Validity:
+def load_validity(problem: SealProblem, load: LoadResult, sealing: float | None = None) -> Validity:
     """Validity of one load, from its own checks and those of the largest earlier load.
 
     Parameters
@@ -189,14 +187,12 @@ def load_validity(
     problem : SealProblem
     load : LoadResult
         With its mesh error, where it is known.
-    before : iterable of Finding
-        See `earlier_cautions`.
     sealing : float, optional
         Pressure above which the surface is tight, if a table has it [Pa]: finding it takes longer than a design of a
         study.
     """
     own = load_cautions(problem, [load], sealing)
-    return Validity.of((*_of_surface(problem), *own, *_coarse(load), *before))
+    return Validity.of((*_of_surface(problem), *own, *_coarse(load), *_earlier_cautions(problem, load)))
 
 
 def validity_of(
@@ -215,7 +211,7 @@ def validity_of(
     usual_only : bool
         Whether the range of a finish is left out.
     """
-    problem, before, sealing = found.problem, found.solved.earlier, None
+    problem, sealing = found.problem, None
     if usual_only and problem.origin.of_finish:
         problem = replace(problem, origin=replace(problem.origin, usual_only=True))
     table = None if load.rough is None or load.rough.flow is None else load.rough.table
@@ -227,7 +223,7 @@ def validity_of(
         beyond = table.separation[table.pressure.searchsorted(load.peak_pressure) :]
         if len(beyond) and beyond[0] >= _WIDE_GAP:
             load = load.with_values(critical_separation=None)
-    return load_validity(problem, load, earlier_cautions(problem, before, load.mesh_error), sealing)
+    return load_validity(problem, load, sealing)
 
 
 def profile_validity(problem: SealProblem, load: LoadResult) -> Validity:
@@ -252,22 +248,11 @@ def profile_validity(problem: SealProblem, load: LoadResult) -> Validity:
     )
 
 
-def earlier_cautions(
-    problem: SealProblem, earlier: ContactSolution | None, error: DiscretisationError | None = None
-) -> tuple[Finding, ...]:
-    """Cautions about the largest earlier load of a problem.
-
-    Parameters
-    ----------
-    problem : SealProblem
-    earlier : ContactSolution or None
-        The contact under that load.
-    error : DiscretisationError, optional
-        Of its mesh.
-    """
-    if earlier is None or problem.loads.earlier is None:
+def _earlier_cautions(problem: SealProblem, now: LoadResult) -> tuple[Finding, ...]:
+    """Cautions about the largest load before all loads of a problem, as the contact of one of them knows it."""
+    if problem.loads.earlier is None or not now.contact.history:
         return ()
-    load = LoadResult(*problem.loads.earlier, earlier, mesh_error=error)
+    load = LoadResult(*problem.loads.earlier, now.contact.history[-1], mesh_error=now.mesh_error)
     bodies: tuple[Check, ...] = (_yielding, _may_yield, _beyond_curve, _turned, _cut_off)
     return tuple(
         replace(

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from fem_seal.answers.leakage_class import volume_of
 from fem_seal.answers.solution import SealSolution
+from fem_seal.contact.solution import largest_before
 from fem_seal.output.case_words import earlier_load
 from fem_seal.output.pictures.colours import BLUE, GREEN, GREY, INK, ORANGE
 from fem_seal.output.pictures.style import (
@@ -246,7 +247,8 @@ def memory_picture(result: SealSolution) -> Picture | None:
     if result.surface is None or result.surface.hardness is None:
         return None
     loads = [load for load in result.loads if load.leak is not None]
-    if not loads or not (result.earlier or any(load.remembers for load in loads)):
+    contacts = [contact for load in result.loads for contact in load.contacts]
+    if not loads or not (largest_before(contacts) or any(load.remembers for load in loads)):
         return None
     if result.unloaded is None:
         loads.sort(key=lambda load: load.point)

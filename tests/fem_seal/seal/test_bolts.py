@@ -202,7 +202,7 @@ def yielding(**tables):
 def test_the_path_ends_where_bolts_and_contact_hold_each_other(side):
     seal = yielding(load={"pressure_side": side})
     found = solved(seal)
-    tightened, stiffness = found.solved.earlier, bolts_of(seal).stiffness
+    tightened, stiffness = found.loads[0].contact.history[-1], bolts_of(seal).stiffness
     assert tightened.contact_force == pytest.approx(8e3)
     for load in found.loads:
         stretched = stiffness * (tightened.approach - load.contact.approach)
