@@ -99,16 +99,18 @@ AXES = {
     # loads that the seal has carried before
     "memory": Axis(
         (
-            # not that of the machine
+            # not the memory of the machine, of an iteration, of the live page or of standards that are cited by it, nor
+            # the largest file or map that is read
             r"(?i)(load|local|direct|with|and)_?memory$",
-            r"^_MEMORY$",
-            r'^"memory"$',
-            r"remember",
+            r"remember(s|ed)$",
             r"(?i)earlier",
-            r"first_load",
-            r"after_largest",
+            r"(?i)first_loading",
+            r"as_first_loaded",
+            r"on_new_(surfaces|faces)",
+            r"after_(largest|tightening)",
             r"log_largest",
-            r"_LARGEST$",
+            r"^largest_before$",
+            r"^history$",
             r"unload(ing)?$",
         ),
         r"memory|earlier",

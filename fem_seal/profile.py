@@ -15,6 +15,7 @@ from leak.numerics.roots import root_of_rising
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from leak.flow.conductivity import RemembersLoad
     from leak.flow.contact_profile import ContactProfile
 
 # Pressure that is as good as none [Pa].
@@ -44,7 +45,7 @@ class PressureProfile:
     ends : tuple of float or None, optional
         x at which the faces end [m], None where that is not known: the contact does not go on beyond.
     largest : ndarray, shape (m,), optional
-        Largest pressure before that the gap at each place remembers, see `remembered` [Pa]; None on first loading.
+        Largest pressure before that the gap at each place remembers, see `after` [Pa]; None on first loading.
     parts : tuple of PressureProfile, optional
         Lands that lie in series, from the axis outwards; empty where there is but one.
 
@@ -127,8 +128,8 @@ class PressureProfile:
         bends = law_bends(self.pressure, self.gap)
         return ContactProfile.through(*points, checked_ends(self.ends), bends)
 
-    def after_largest(self, conductivity: object) -> ContactProfile:
-        """The same after what its places have carried before.
+    def contact_for(self, conductivity: object) -> ContactProfile:
+        """`contact` as a conductivity is asked of it: after what its places have carried before.
 
         Parameters
         ----------
@@ -139,6 +140,38 @@ class PressureProfile:
 
         ends = checked_ends(self.ends)
         return after_largest(self.contact, self.x, self.radius, self.largest, ends, conductivity)
+
+    def after(self, largest: FloatArray) -> PressureProfile:
+        """The same after the largest pressure that each place has carried before [Pa], shape (m,).
+
+        A place whose pressure has fallen by more than that of the contact as a whole was not unloaded but parted by the
+        bodies, and its gap has opened with them. There p_max counts up to p times the ratio of both peaks.
+
+        Examples
+        --------
+        >>> import numpy as np, fem_seal
+        >>> x, p = np.array([0.0, 1e-4]), np.array([10.0, 1.0])
+        >>> profile = fem_seal.PressureProfile(x, 0.014 + x, p, 0 * x, 5e-5 + 0 * x)
+        >>> profile.after(np.array([20.0, 19.0])).largest.tolist()
+        [20.0, 2.0]
+        """
+        highest = self.pressure.max()
+        share = largest.max() / highest if highest > 0.0 else 0.0
+        return replace(self, largest=np.minimum(largest, self.pressure * share))
+
+    def equivalent(self, table: RemembersLoad) -> PressureProfile:
+        """Profile of new faces that lets as much through at every point; itself where nothing larger came before.
+
+        Parameters
+        ----------
+        table : ConductivityTable or GasConductivityTable
+        """
+        if self.largest is None:
+            return self
+        with np.errstate(divide="ignore"):
+            log_p, before = np.log(self.pressure), np.log(self.largest)
+        equal = np.exp(table.first_loading(log_p, np.maximum(before, log_p)))
+        return replace(self, pressure=equal, largest=None)
 
     def pressed_up_to(self, most: float) -> PressureProfile:
         """The same if no place carried or had carried more than a pressure [Pa]."""
@@ -200,27 +233,6 @@ class PressureProfile:
         curve = _through(self.x[part].tolist(), height[part].tolist())
         a, b = sorted((float(self.x[inside]), float(self.x[outside])))
         return _root(curve, a, b)
-
-
-def remembered(pressure: FloatArray, largest: FloatArray) -> FloatArray:
-    """How much of the largest pressure the gap at each place remembers [Pa].
-
-    A place whose pressure has fallen by more than that of the contact as a whole was not unloaded but parted by the
-    bodies, and its gap has opened with them. There p_max counts up to p times the ratio of both peaks.
-
-    Parameters
-    ----------
-    pressure, largest : ndarray, shape (m,)
-        Pressure now, and the largest one before, at the same places [Pa].
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> remembered(np.array([10.0, 1.0]), np.array([20.0, 19.0])).tolist()
-    [20.0, 2.0]
-    """
-    highest = pressure.max()
-    return np.minimum(largest, pressure * (largest.max() / highest if highest > 0.0 else 0.0))
 
 
 def _through(x: list[float], y: list[float]) -> Callable[[float], float]:

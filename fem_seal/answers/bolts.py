@@ -81,20 +81,13 @@ def _leak_rates(seal: SolvedSeal, request: Request, bolts: Bolts, factor: float)
     """Leak rate of each load with another preload, infinite where it opens the seal [m^3/s]; NaN where not found."""
     problem, loads = seal.problem, seal.problem.loads
     preloads = [factor * one for _, one in seal.case.load.points]
-    loads = replace(
-        loads,
-        points=tuple(zip(loads.fluid_pressure, preloads, strict=True)),
-        earlier=None if loads.earlier is None else (0.0, preloads[0]),
-        bolts=bolts,
-        solved=False,
-        tightened=tuple(factor * one for one in loads.tightened),
-    )
+    loads = loads.with_preloads(bolts, preloads)
     opened = [n for n, point in enumerate(loads.points) if not problem.expected_force(*point) > 0]
     if len(opened) == len(preloads):
         return [math.inf] * len(preloads)
     left = [number for number in range(len(preloads)) if number not in opened]
     solver = LoadSolver(replace(problem, loads=loads.without(opened)), seal.model)
-    solved = solve_loads(solver, request.clock.progress, unload=False)
+    solved = solve_loads(solver, request.clock.progress, contacts_only=True)
     numbers = [n for n in range(len(left)) if n not in solved.failures]
     points = [solved.points[number] for number in numbers]
     leaks = [load.leak for load in solved.results(problem, points)]

@@ -284,4 +284,4 @@ def search_forces(
 def _contacts(loads: Sequence[LoadResult]) -> list[ContactSolution]:
     """Contacts that the mesh has to fit: of loads, of tightening their bolts, and of the largest load before."""
     contacts = [contact for load in loads for contact in load.contacts]
-    return contacts + [earlier for contact in contacts for earlier in contact.history]
+    return contacts + [before for contact in contacts for before in contact.history]

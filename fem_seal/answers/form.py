@@ -17,7 +17,6 @@ from fem_seal.case.case import Case
 from fem_seal.errors import ConvergenceError, OpenSealError
 from fem_seal.form import FormError, Wave, WaveTolerance
 from fem_seal.seal.circumference import Circumference, LeakCurve, around_after
-from fem_seal.seal.leak_model import as_first_loaded
 from fem_seal.seal.load_solver import LoadSolver
 from leak import Scratch, deepest_scratch
 
@@ -296,9 +295,7 @@ def _goes_round(load: CaseLoad) -> float | None:
         return None
     step = max(len(circumference.angle) // _ANGLES, 1)
     table = rough.table
-    pressure = np.array(
-        [as_first_loaded(table, profile).pressure for profile in circumference.profiles(step)]
-    )
+    pressure = np.array([profile.equivalent(table).pressure for profile in circumference.profiles(step)])
     return rough.flow.goes_round(table, load.tightest, pressure, load.fluid_pressure)
 
 

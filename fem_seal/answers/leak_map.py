@@ -12,12 +12,13 @@ from fem_seal.answers.chain import solve
 from fem_seal.answers.solution import SealSolution
 from fem_seal.arrays import FloatArray
 from fem_seal.case.case import Case, CaseSource, case_of
+from fem_seal.case.checks import check_formed
 from fem_seal.case.tables import curves
 from fem_seal.case.words import problem
 from fem_seal.errors import InputError
 from fem_seal.seal.findings import Level, Validity
 from fem_seal.seal.load_solver import Progress
-from fem_seal.units import briefly, format_quantity
+from fem_seal.units import format_quantity
 from fem_seal.validity.words import caution
 
 # Pressures of a table where the case itself has fewer, and over which range below its highest.
@@ -192,29 +193,17 @@ def leak_map(
         points.append(points[0])
     loaded = _with_loads(case, points)
     if yields:
-        _check_formed(loaded)
+        check_formed(loaded)
     solution = solve(loaded, progress)
     found = _of_solution(case, solution, pressures, forces)
-    return _with_memory(found, solution) if yields else found
-
-
-def _check_formed(case: Case) -> None:
-    """InputError where bodies that yield were not formed by a load that is as large as all others."""
-    load = case.load
-    largest = max(case.expected_force(*point) for point in load.points)
-    if load.earlier is None:
-        raise InputError(problem("table_not_formed", largest=math.ceil(largest)))
-    formed = case.expected_force(*load.earlier)
-    if formed < largest * (1 - 1e-6):
-        forces = {"formed": briefly("force", formed), "largest": briefly("force", largest)}
-        raise InputError(problem("table_formed_less", key=load.earlier_key, **forces))
+    return _with_return(found, solution) if yields else found
 
 
 # Change of the leak rate at the largest load, after all others, up to which a formed body is taken to come back.
 _COMES_BACK = 0.01
 
 
-def _with_memory(found: LeakMap, solution: SealSolution) -> LeakMap:
+def _with_return(found: LeakMap, solution: SealSolution) -> LeakMap:
     """The same, doubtful if the leak at its first load is another one when that load comes back."""
     first, last = solution.loads[0], solution.loads[-1]
     if len(solution.loads) < 2 or first.point != last.point or first.leak is None or last.leak is None:

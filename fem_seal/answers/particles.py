@@ -16,7 +16,7 @@ from fem_seal.answers.case_load import CaseLoad, SolvedSeal
 from fem_seal.arrays import FloatArray
 from fem_seal.profile import PressureProfile
 from fem_seal.seal.bounds import Bounds
-from fem_seal.seal.leak_model import LeakModel, as_first_loaded
+from fem_seal.seal.leak_model import LeakModel
 
 if TYPE_CHECKING:
     from leak import GapDistribution, ParticleCounts, Paths
@@ -172,7 +172,7 @@ class _Scenario:
     def profile(self) -> PressureProfile:
         """At the pressures of first loading that leave the same gaps."""
         assert self.rough.table is not None  # the load leaks
-        return as_first_loaded(self.rough.table, self.load.tightest)
+        return self.load.tightest.equivalent(self.rough.table)
 
     @cached_property
     def gaps(self) -> GapDistribution:

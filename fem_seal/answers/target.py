@@ -285,8 +285,7 @@ def _forces(seal: SolvedSeal, scenario: str) -> TargetForces:
     problem, none = seal.problem, [None] * len(seal.loads)
     if problem.loads.bolts is not None:
         # each force is looked for with its own preload before it
-        loads = replace(problem.loads, earlier=None, tightened=(), solved=False)
-        problem = replace(problem, loads=loads)
+        problem = replace(problem, loads=problem.loads.loose)
     try:
         found = contacts_at_target(problem, scenario=scenario)
     except InputError as error:

@@ -431,8 +431,8 @@ def _checked(problem: SealProblem, load: CaseLoad) -> CaseLoad:
 
 def _begins(problem: SealProblem) -> str:
     """What every force meets that is tried, where loads leave something behind."""
-    if problem.loads.earlier is not None:
-        return sentence("verdict_force", "after_earlier")
+    if problem.loads.before:
+        return f"after {problem.loads.before}"
     return sentence("verdict_force", "on_new") if problem.follows_path else ""
 
 

@@ -635,6 +635,23 @@ def problems_of_all_loads(case: CaseTables) -> list[LoadProblem]:
     return list(found.values())
 
 
+def check_formed(case: CaseTables) -> None:
+    """InputError where bodies that yield were not formed by an earlier load that is as large as all others.
+
+    Parameters
+    ----------
+    case : CaseTables
+    """
+    load = case.load
+    largest = max(case.expected_force(*point) for point in load.points)
+    if load.earlier is None:
+        raise InputError(problem("table_not_formed", largest=math.ceil(largest)))
+    formed = case.expected_force(*load.earlier)
+    if formed < largest * (1 - 1e-6):
+        forces = {"formed": briefly("force", formed), "largest": briefly("force", largest)}
+        raise InputError(problem("table_formed_less", key=load.earlier_key, **forces))
+
+
 def problem_of_earlier_load(case: CaseTables) -> LoadProblem | None:
     """Why the largest load before all others cannot be calculated; None if it can or there is none.
 

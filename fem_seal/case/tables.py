@@ -121,6 +121,11 @@ class Load(Table):
         return None
 
     @property
+    def path(self) -> tuple[tuple[float, float], ...]:
+        """All of them after the largest load before them, where one is given."""
+        return self.points if self.earlier is None else (self.earlier, *self.points)
+
+    @property
     def earlier_key(self) -> str:
         """Key of that load."""
         return "load.largest_earlier_" + ("pressure" if self.largest_earlier_force is None else "force")
@@ -184,6 +189,11 @@ class Direct(Table):
     unit: Annotated[tuple[str, ...], LengthUnits(most=2, what='["mm", "um"]')] | None = None
     continuation: Literal["mirror", "window"] = "mirror"
     folder: str | None = None
+
+    @property
+    def path(self) -> tuple[float, ...] | None:
+        """Pressures of all branches one after the other [Pa]; None where the program chooses them."""
+        return None if self.pressure is None else (*self.pressure, *(self.unload or ()))
 
     @model_validator(mode="after")
     def _consistent(self) -> Direct:

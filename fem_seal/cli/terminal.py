@@ -406,9 +406,9 @@ def show_answers(result: SealSolution) -> None:
     result : SealSolution
     """
     from fem_seal.output.answers import SHOWN
-    from fem_seal.output.report.words import remembered
+    from fem_seal.output.report.words import load_notes
 
-    groups = (remembered(result), *(shown.lines(result) for shown in SHOWN if shown.asked(result)))
+    groups = (load_notes(result), *(shown.lines(result) for shown in SHOWN if shown.asked(result)))
     for line in chain.from_iterable(groups):
         tell(line)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 import numpy as np
@@ -40,6 +40,10 @@ class FluidPath(Protocol):
     def found(self, profile: PressureProfile, fluid_pressure: float) -> FloatArray:
         """The unknowns that belong to a profile of the solid contact pressure."""
 
+    def after(self, largest: FloatArray) -> FluidPath:
+        """The same after the largest pressure that each place has carried before [Pa], shape (m,)."""
+        return self
+
 
 class _BetweenSurfaces(FluidPath, Protocol):
     """A fluid on the wetted surfaces and in the gap, which it opens."""
@@ -55,8 +59,9 @@ class _BetweenSurfaces(FluidPath, Protocol):
         return BodyLoads.of_fluid(wetted, fluid_pressure * self.share(model.line, unknowns), at_rest)
 
 
-def _itself(profile: PressureProfile) -> PressureProfile:
-    return profile
+# Takes a profile, and the largest pressure that each place has carried before [Pa], to that of new faces which lets as
+# much through.
+Equivalent = Callable[[PressureProfile, FloatArray], PressureProfile]
 
 
 @dataclass(frozen=True)
@@ -70,11 +75,12 @@ class PenetratingFluid(_BetweenSurfaces):
     sealing_pressure : float
         Contact pressure from which on nothing flows [Pa].
     side : {"outer", "inner"}
-    as_first_loaded : callable
-        Takes a profile to that of first loading which lets as much through; itself where the contact remembers no
-        larger load.
     highest : float
         Largest share of the pressure difference; infinite where a test port holds a chamber, which may be above it.
+    equivalent : callable, optional
+        What larger pressures leave behind; nothing without it.
+    largest : ndarray, shape (m,), optional
+        Largest pressure that each place has carried before [Pa].
 
     Notes
     -----
@@ -92,8 +98,13 @@ class PenetratingFluid(_BetweenSurfaces):
     pressure_along: Callable[[PressureProfile, float], FloatArray]
     sealing_pressure: float
     side: PressureSide = "outer"
-    as_first_loaded: Callable[[PressureProfile], PressureProfile] = _itself
     highest: float = 1.0
+    equivalent: Equivalent | None = field(default=None, repr=False)
+    largest: FloatArray | None = field(default=None, repr=False)
+
+    def after(self, largest: FloatArray) -> FluidPath:
+        """See `FluidPath.after`."""
+        return replace(self, largest=largest)
 
     def bounds(self, line: ContactLine) -> tuple[float, float]:
         """Shares of the pressure difference."""
@@ -105,7 +116,7 @@ class PenetratingFluid(_BetweenSurfaces):
 
     def found(self, profile: PressureProfile, fluid_pressure: float) -> FloatArray:
         """Fluid pressure over the pressure difference."""
-        profile = self.as_first_loaded(profile)
+        profile = _flow_profile(self, profile)
         if profile.parts or profile.pressure.max() < self.sealing_pressure:
             return self.pressure_along(profile, fluid_pressure) / fluid_pressure
         inner, outer = _stretch_above(profile, self.sealing_pressure)
@@ -178,7 +189,7 @@ class FluidInChambers:
     area : float
         Of the circle of first touch [m^2].
     side : {"outer", "inner"}
-    as_first_loaded : callable
+    equivalent, largest
         See `PenetratingFluid`.
 
     Examples
@@ -191,7 +202,12 @@ class FluidInChambers:
     falls: Callable[[PressureProfile, float], Sequence[float]]
     area: float
     side: PressureSide = "outer"
-    as_first_loaded: Callable[[PressureProfile], PressureProfile] = _itself
+    equivalent: Equivalent | None = field(default=None, repr=False)
+    largest: FloatArray | None = field(default=None, repr=False)
+
+    def after(self, largest: FloatArray) -> FluidPath:
+        """See `FluidPath.after`."""
+        return replace(self, largest=largest)
 
     def bounds(self, line: ContactLine) -> tuple[float, float]:
         """None: test ports may have any pressure."""
@@ -205,9 +221,16 @@ class FluidInChambers:
 
     def found(self, profile: PressureProfile, fluid_pressure: float) -> FloatArray:
         """What each land holds back."""
-        falls = self.falls(self.as_first_loaded(profile), fluid_pressure)
+        falls = self.falls(_flow_profile(self, profile), fluid_pressure)
         radii = [float(np.interp(one.centroid, one.x, one.radius)) for one in profile.lands]
         return math.pi * np.square(radii) * np.array(falls) / (self.area * fluid_pressure)
+
+
+def _flow_profile(path: PenetratingFluid | FluidInChambers, profile: PressureProfile) -> PressureProfile:
+    """The profile for which the flow is asked."""
+    if path.equivalent is None or path.largest is None:
+        return profile
+    return path.equivalent(profile, path.largest)
 
 
 def _stretch_above(profile: PressureProfile, pressure: float) -> tuple[float, float]:

@@ -10,7 +10,7 @@ between the surfaces. This is Newton's method for a generalised equation (Joseph
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -69,9 +69,6 @@ class PathLoad:
         How the fluid gets between the surfaces; what the solid contact carries is found with it.
     fluid_pressure : float
         Pressure difference across the seal [Pa].
-    remembers : callable, optional
-        Takes the largest pressure that each place has carried [Pa], shape (m,), to the path of a fluid between surfaces
-        that remember it; without it they remember nothing.
     held : HeldByBolts, optional
         Bolts whose force stands in place of `force`, which is then the first guess.
     """
@@ -80,7 +77,6 @@ class PathLoad:
     further: BodyLoads = NO_LOADS
     path: FluidPath | None = field(default=None, repr=False, kw_only=True)
     fluid_pressure: float = field(default=0.0, kw_only=True)
-    remembers: Callable[[FloatArray], FluidPath] | None = field(default=None, repr=False, kw_only=True)
     held: HeldByBolts | None = field(default=None, repr=False, kw_only=True)
 
     def __str__(self) -> str:
@@ -134,10 +130,10 @@ class PathLoad:
         return min(max(left, together / largest if largest > 0 else 0.0), 1.0)
 
     def after(self, contacts: Sequence[ContactSolution]) -> PathLoad:
-        """The load after some contacts, where its fluid remembers them."""
-        if self.remembers is None or not contacts:
+        """The load after some contacts, whose pressures the fluid between the surfaces feels."""
+        if self.path is None or not contacts:
             return self
-        return replace(self, path=self.remembers(np.max([one.pressure for one in contacts], axis=0)))
+        return replace(self, path=self.path.after(np.max([contact.pressure for contact in contacts], axis=0)))
 
     def balanced(self, here: Equilibrium, law: Law, tightened: float) -> PathLoad:
         """The load with the force of its bolts, where the bodies answer as they do when linearised here.

@@ -15,7 +15,7 @@ from fem_seal.bodies.elasticity import without_free_strain
 from fem_seal.bodies.fields import BodyField, ElastoplasticField, body_field
 from fem_seal.contact.model import NO_LOADS, BodyLoads, ContactModel
 from fem_seal.materials import Material
-from fem_seal.profile import PressureProfile, joined, remembered, tightest
+from fem_seal.profile import PressureProfile, joined, tightest
 from fem_seal.units import quantity
 
 
@@ -208,11 +208,9 @@ class ContactSolution:
         line = self.model.line
 
         def on(land: slice, reach: tuple[float | None, float | None]) -> PressureProfile:
-            p = self.pressure[land]
-            before = None if self.largest is None else remembered(p, self.largest[land])
-            return PressureProfile(
-                line.x[land], line.radius[land], p, self.gap[land], line.arc_weight[land], reach, before
-            )
+            points = line.x[land], line.radius[land], self.pressure[land], self.gap[land]
+            profile = PressureProfile(*points, line.arc_weight[land], reach)
+            return profile if self.largest is None else profile.after(self.largest[land])
 
         return tuple(on(land, reach) for land, reach in line.lands)
 

@@ -114,6 +114,12 @@ def chosen_dimensions(case: Case, name: str) -> dict[str, float]:
     }
 
 
+def load_rows(load: Load) -> list[tuple[str, str]]:
+    """What the report says of a load before those of the case."""
+    earlier = earlier_load(load)
+    return [("largest earlier load", earlier)] if earlier else []
+
+
 def earlier_load(load: Load) -> str:
     """The largest earlier load in words: "a load of 2 kN", or empty where none is given."""
     if load.largest_earlier_force is not None:

@@ -14,7 +14,7 @@ from numpy.polynomial import Chebyshev
 
 from fem_seal.contact.around import Stiffening, line_load_around
 from fem_seal.errors import OpenSealError
-from fem_seal.profile import PressureProfile, remembered
+from fem_seal.profile import PressureProfile
 from fem_seal.units import share_text
 
 if TYPE_CHECKING:
@@ -94,11 +94,6 @@ class Circumference:
     before: Circumference | None = field(default=None, repr=False)
 
     @property
-    def first_loading(self) -> Circumference:
-        """The same if no place had carried more before."""
-        return self if self.before is None else replace(self, before=None)
-
-    @property
     def scratches(self) -> tuple[float, float] | None:
         """Least and largest leak rate that scratches and lay add [m^3/s]; None without any."""
         if not self.bounds:
@@ -152,7 +147,7 @@ class Circumference:
         found = [replace(mean, pressure=p, gap=gap) for p, gap in zip(pressures, gaps, strict=True)]
         if self.before is None:
             return found
-        return [_after(one, before) for one, before in zip(found, self.before.profiles(step), strict=True)]
+        return [now.after(then.pressure) for now, then in zip(found, self.before.profiles(step), strict=True)]
 
     def with_leak(self, curve: LeakCurve) -> Circumference:
         """The same with its leak.
@@ -191,7 +186,7 @@ class Circumference:
             else np.interp(angle, self.angle, self.line_load, period=2 * math.pi)
         )
         now = self.local.profile(float(f))
-        return now if self.before is None else _after(now, self.before.profile_at(angle))
+        return now if self.before is None else now.after(self.before.profile_at(angle).pressure)
 
 
 @dataclass(eq=False)
@@ -221,7 +216,7 @@ class LeakCurve:
         before : Circumference, optional
             Under the largest load before, at the same angles; always the same mean line load.
         """
-        first, most = self._first_loading(line_load)
+        first, most = self._of_new_faces(line_load)
         if before is None:
             return first, most
         share, most = self._left(line_load, before)
@@ -258,10 +253,10 @@ class LeakCurve:
                 local.profile(local.mean.line_load * math.exp(v))
                 for local, v in ((self.local, log_share), (before, log_before))
             )
-            self._later[log_share, log_before] = self.flow.leak(_after(now, then))
+            self._later[log_share, log_before] = self.flow.leak(now.after(then.pressure))
         return self._later[log_share, log_before]
 
-    def _first_loading(self, line_load: FloatArray) -> tuple[FloatArray, LeakResult]:
+    def _of_new_faces(self, line_load: FloatArray) -> tuple[FloatArray, LeakResult]:
         mean = self.local.mean.line_load
         with np.errstate(divide="ignore"):
             v = np.maximum(np.log(line_load / mean), _NOTHING)
@@ -318,11 +313,6 @@ class LeakCurve:
         profiles = self.local.profiles([self.local.mean.line_load * math.exp(v) for v in new])
         self._known.update(zip(new, map(self.flow.leak, profiles), strict=True))
         return [self._known[v] for v in log_shares]
-
-
-def _after(now: PressureProfile, before: PressureProfile) -> PressureProfile:
-    """A profile that remembers another one on the same line."""
-    return replace(now, largest=remembered(now.pressure, before.pressure))
 
 
 def _polynomials(

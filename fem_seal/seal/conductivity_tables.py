@@ -25,7 +25,7 @@ from fem_seal.arrays import FloatArray
 from fem_seal.contact.laws import InterfaceLaw, ScaledLaw
 from fem_seal.seal.leak_model import Conductivity, FlowModel, calculated_table
 from leak import GasConductivityTable, PowerSpectrum, RoughContact
-from leak.flow.conductivity import AlikeTables, LoadMemory
+from leak.flow.conductivity import AlikeTables
 from leak.numerics.curves import lagrange
 
 # The surface that stands for all of its shape.
@@ -89,7 +89,7 @@ def _between(surface: RoughContact, tables: tuple[Conductivity, ...]) -> Conduct
     acting = (
         None if member.equivalent_elastic_surface is None else partial(_acting, member, math.log(pressure))
     )
-    return table.with_liquid(table.liquid.scaled(height, pressure, LoadMemory(surface), acting))
+    return table.with_liquid(table.liquid.scaled(height, pressure, surface, acting))
 
 
 def family_tables(flow: FlowModel, surface: RoughContact) -> tuple[FamilyTable, ...]:

@@ -97,13 +97,17 @@ def seconds(case: CaseTables) -> float:
     0.008
     """
     heat = case.temperature is not None and bool(case.temperature.faces)
-    count = len(case.load.points) + (case.load.earlier is not None)
     simulated = case.direct if case.leak.conductivity == "direct" else None
     maps = 0.0 if simulated is None else _map_seconds(simulated)
-    return count * load_seconds(case) + (OWN if heat or yields(case) else 0.0) + _HEAT * heat + maps
+    return (
+        len(case.load.path) * load_seconds(case)
+        + (OWN if heat or yields(case) else 0.0)
+        + _HEAT * heat
+        + maps
+    )
 
 
 def _map_seconds(simulated: Direct) -> float:
-    pressures = len(simulated.pressure or range(8)) + len(simulated.unload or ())
+    pressures = len(simulated.path or range(8))
     flows = _FLOWS if simulated.asperities == "von-mises" else 1.0
     return _POINT * flows * simulated.points**2 * simulated.samples * pressures

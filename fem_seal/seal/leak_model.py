@@ -283,7 +283,7 @@ class FlowModel:
         from leak.flow.short_medium import in_profile
 
         radius = float(np.interp(profile.centroid, profile.x, profile.radius))
-        return in_profile(surface, table, profile.after_largest(table), radius)
+        return in_profile(surface, table, profile.contact_for(table), radius)
 
     def leak_of(
         self, table: Conductivity, surface: RoughContact, profile: PressureProfile, fluid_pressure: float
@@ -369,7 +369,7 @@ class FlowModel:
         from leak.flow.leak_rate import flow_through
 
         permeant = self.permeant(table, high, low)
-        contact = profile.after_largest(table)
+        contact = profile.contact_for(table)
         found = permeant.result(*flow_through(contact, x, pressure, permeant, side)).above_outlet
         return replace(found, fluid_pressure=low + found.fluid_pressure) if low and self.gas else found
 
@@ -397,7 +397,7 @@ class FlowModel:
 
         table = self.in_contact(table, surface, profile)
         permeant = self.permeant(table, fluid_pressure)
-        x, pressure, contact = profile.x, profile.pressure, profile.after_largest(table)
+        x, pressure, contact = profile.x, profile.pressure, profile.contact_for(table)
         modulus, side = surface.effective_modulus, self.pressure_side
         found = flow_along(contact, x, pressure, grooves, permeant, modulus, side)
         if self.faces == 1:
@@ -441,22 +441,6 @@ def calculated_table(
     if of_gas:
         return leak.gas_conductivity_table(surface, p_min, p_max, num)
     return surface.conductivity_table(p_min, p_max, num)
-
-
-def as_first_loaded(table: Conductivity, profile: PressureProfile) -> PressureProfile:
-    """Profile of first loading that lets as much through at every point; itself where nothing larger is remembered.
-
-    Parameters
-    ----------
-    table : ConductivityTable or GasConductivityTable
-    profile : PressureProfile
-    """
-    if profile.largest is None:
-        return profile
-    with np.errstate(divide="ignore"):
-        log_p, before = np.log(profile.pressure), np.log(profile.largest)
-    equal = np.exp(table.first_loading(log_p, np.maximum(before, log_p)))
-    return replace(profile, pressure=equal, largest=None)
 
 
 @dataclass(frozen=True)

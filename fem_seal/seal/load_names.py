@@ -51,11 +51,12 @@ def different(loads: Sequence[LoadResult]) -> list[int]:
 
 
 def _number(load: AnyLoad, loads: Sequence[AnyLoad]) -> str:
-    again = _remembers(load) and [other.point for other in loads].count(load.point) > 1
+    again = _yields(load) and [other.point for other in loads].count(load.point) > 1
     return f" (load {loads.index(load) + 1})" if again else ""
 
 
-def _remembers(load: AnyLoad) -> bool:
+def _yields(load: AnyLoad) -> bool:
+    """Whether bodies yield under the load, so that the order of the loads matters."""
     from fem_seal.contact.load_path import ElastoplasticContact
 
     return isinstance(getattr(load, "contact", None), ElastoplasticContact)
@@ -112,7 +113,7 @@ def load_axis(loads: Sequence[AnyLoad]) -> LoadAxis:
     """
     pressures = np.array([load.fluid_pressure for load in loads])
     forces = np.array([load.applied_force for load in loads])
-    path = any(_remembers(load) for load in loads), any(_number(load, loads) for load in loads)
+    path = any(_yields(load) for load in loads), any(_number(load, loads) for load in loads)
     if np.ptp(pressures) == 0 and np.ptp(forces) > 0:
         names = tuple(format_quantity("force", load.applied_force) + _number(load, loads) for load in loads)
         return LoadAxis("applied force", unit_for("force", float(np.abs(forces).max())), forces, names, *path)

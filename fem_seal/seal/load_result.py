@@ -220,7 +220,7 @@ def on_new_surfaces(load: LoadResult) -> LoadResult:
     """
     if load.of_profile or load.contact.first_loading is load.contact:
         return load
-    circumference = None if load.circumference is None else load.circumference.first_loading
+    circumference = load.circumference and replace(load.circumference, before=None)
     return replace(load, contact=load.contact.first_loading, circumference=circumference)
 
 

@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import cached_property
 from itertools import accumulate
 from typing import TYPE_CHECKING
 
@@ -58,12 +58,11 @@ from fem_seal.loads import blow_off_of_sealed_area, contact_force
 from fem_seal.profile import PressureProfile
 from fem_seal.seal.cost import about
 from fem_seal.seal.load_result import LoadResult, load_results
-from fem_seal.seal.problem import Loads, SealFlow, SealProblem, condensed
+from fem_seal.seal.problem import SealFlow, SealProblem, condensed
 from fem_seal.units import briefly, written
 from meshes import Sizing, build_contact
 
 if TYPE_CHECKING:
-    from fem_seal.arrays import FloatArray
     from fem_seal.contact.laws import Law
     from fem_seal.contact.model import ContactModel
     from fem_seal.seal.circumference import Circumference
@@ -223,13 +222,11 @@ class LoadSolver:
         held = None if bolts is None else HeldByBolts(bolts, applied_force, end_force)
         if self._on_sealed_area:
             return PathLoad(applied_force + end_force, at_rest, held=held)
-        remembers = self._path_after if self.asperities_remember else None
         return PathLoad(
             applied_force,
             at_rest,
             path=self._path,
             fluid_pressure=fluid_pressure,
-            remembers=remembers,
             held=held,
         )
 
@@ -303,8 +300,8 @@ class LoadSolver:
     ) -> tuple[ContactSolution, float]:
         """Contact at a fluid pressure [Pa] after a preload of all bolts [N], and their force [N]."""
         loads = self.problem.loads
-        point, tight = (fluid_pressure, preload), (0.0, preload)
-        own = replace(loads, points=(point,), refused={}, earlier=tight, tightened=())
+        point = fluid_pressure, preload
+        own = loads.after_tightening(*point)
         solver = replace(self, problem=replace(self.problem, loads=own))
         if not self.yields:
             bolts = loads.unsolved_bolts
@@ -354,12 +351,10 @@ class LoadSolver:
         """The seal with bodies that have gone through the loads up to a contact."""
         if not isinstance(contact, ElastoplasticContact):
             return self.seal
-        seal = replace(self.seal, model=contact.unloading)
-        if not self.asperities_remember:
-            return seal
-        pressure = contact.pressure
-        largest = pressure if contact.largest is None else np.maximum(pressure, contact.largest)
-        return replace(seal, path=self._path_after(largest))
+        largest = contact.pressure
+        if contact.largest is not None:
+            largest = np.maximum(largest, contact.largest)
+        return replace(self.seal, model=contact.unloading, path=self._path.after(largest))
 
     @property
     def yields(self) -> bool:
@@ -383,13 +378,7 @@ class LoadSolver:
         earlier = None if self.yields else self.earlier
         if earlier is None:
             return self._first_seal
-        return replace(self._first_seal, path=self._path_after(earlier.pressure))
-
-    def _path_after(self, largest: FloatArray) -> FluidPath:
-        """The fluid's way between surfaces of which each place has carried a pressure before [Pa], shape (m,)."""
-        if self.flow is None or not isinstance(self._path, PenetratingFluid | FluidInChambers):
-            return self._path
-        return replace(self._path, as_first_loaded=partial(self.flow.as_first_loaded, largest=largest))
+        return replace(self._first_seal, path=self._path.after(earlier.pressure))
 
     @cached_property
     def _first_seal(self) -> CoupledContact:
@@ -400,9 +389,10 @@ class LoadSolver:
     @cached_property
     def _path(self) -> FluidPath:
         side, flow = self.problem.loads.pressure_side, self.flow
+        equivalent = flow.equivalent if flow is not None and self.asperities_remember else None
         if self.problem.loads.closing == "sealed-area":
             area = math.pi * self.problem.initial_contact_radius**2
-            return FluidInChambers(self._falls, area, side)
+            return FluidInChambers(self._falls, area, side, equivalent)
         if flow is None:
             return FluidAtContact(side)
         return PenetratingFluid(
@@ -410,6 +400,7 @@ class LoadSolver:
             flow.surface.sealing_pressure,
             side,
             highest=math.inf if any(flow.flow.chambers) else 1.0,
+            equivalent=equivalent,
         )
 
     def _falls(self, profile: PressureProfile, fluid_pressure: float) -> list[float]:
@@ -512,7 +503,7 @@ def solve_loads(
     solver: LoadSolver,
     progress: Progress | None = None,
     pressed: Mapping[int, ContactSolution | Exception] | None = None,
-    unload: bool = True,
+    contacts_only: bool = False,
     leave: Leave | None = None,
 ) -> SolvedLoads:
     """Solve all loads of a problem on a model; those that cannot be solved do not keep the others from it.
@@ -524,14 +515,14 @@ def solve_loads(
         Told now and then how far the path of bodies that yield is.
     pressed : mapping, optional
         By number of the load what is known already of `LoadSolver.pressings`.
-    unload : bool
-        Whether to ask for what is left of bodies that yield after the last load.
+    contacts_only : bool
+        Whether nothing is asked of what is left of bodies that yield after the last load.
     leave : callable, optional
         Whether to leave the path of bodies that yield, see `fem_seal.contact.load_path.load_path`.
     """
     points = solver.problem.loads.points
     if solver.yields:
-        return _solved_path(solver, progress, unload=unload, leave=leave)
+        return _solved_path(solver, progress, unload=not contacts_only, leave=leave)
     failures: dict[int, Exception] = {}
     problem = solver.problem
     # the number of waves that hurts most is one for all loads, that of the highest fluid pressure; a load that comes
@@ -659,7 +650,7 @@ def _path(
     remembers all those before it. `first` and `leave` as in `load_path`.
     """
     problem, settings = solver.problem, PlasticSettings()
-    way = list(_way(problem.loads, points))
+    way = list(problem.loads.path(points))
     before = [place for place, (number, _) in enumerate(way) if number is None]
     loads = [
         solver.on_path(*point, bolts=None if number is None else problem.loads.unsolved_bolts)
@@ -670,7 +661,7 @@ def _path(
     tell = (
         None
         if progress is None
-        else _now_and_then(progress, way, _before(problem), len(points), unload=unload)
+        else _now_and_then(progress, way, problem.loads.before, len(points), unload=unload)
     )
     try:
         path = load_path(
@@ -698,7 +689,7 @@ def _path(
     if 0 in path.opened:
         raise solver.open_on_path(way[0][1], path.opened[0])
     if not path.contacts:
-        return replace(path, stopped=ConvergenceError(f"{_before(problem)}: {path.stopped}"))
+        return replace(path, stopped=ConvergenceError(f"{problem.loads.before}: {path.stopped}"))
     closed = [number for place, (number, _) in enumerate(way) if place not in path.opened]
     found = list(zip(closed, path.contacts, strict=False))
     if not solver.asperities_remember:
@@ -712,29 +703,8 @@ def _path(
     return replace(path, contacts=contacts, opened=opened)
 
 
-def _way(
-    loads: Loads, points: Sequence[tuple[float, float]]
-) -> Iterator[tuple[int | None, tuple[float, float]]]:
-    """Points with their numbers, after what comes before them: the largest load, or each preload of bolts."""
-    if loads.earlier is not None:
-        yield None, loads.earlier
-    known = tuple(points) == loads.points[: len(points)] and len(loads.tightened) >= len(points)
-    own = loads.tightened if known else ()
-    preload = None
-    for number, point in enumerate(points):
-        if own and own[number] != preload:
-            preload = own[number]
-            yield None, (0.0, preload)
-        yield number, point
-
-
 # So often it is said how far a path is [s].
 _TOLD_EVERY = 5.0
-
-
-def _before(problem: SealProblem) -> str:
-    """What comes before the loads of a problem, in words."""
-    return "the largest earlier load" if problem.loads.bolts is None else "tightening the bolts"
 
 
 def _now_and_then(

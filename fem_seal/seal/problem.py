@@ -7,7 +7,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, is_dataclass, replace
 from functools import cached_property, partial
 from pathlib import Path
@@ -23,9 +23,9 @@ from fem_seal.contact.sizing import Opening, contact_widths, element_sizes, for_
 from fem_seal.errors import InputError, LoadProblem, Problem
 from fem_seal.loads import LARGEST_TURNING, PressureSide, expected_force, line_load, plastic_half_width
 from fem_seal.materials import HardeningCurve, Material, effective_modulus
-from fem_seal.profile import PressureProfile, joined, remembered
+from fem_seal.profile import PressureProfile, joined
 from fem_seal.seal.heating import AtRest, warmed
-from fem_seal.seal.leak_model import MARGIN, Conductivity, FlowModel, ProfileLeak, as_first_loaded
+from fem_seal.seal.leak_model import MARGIN, Conductivity, FlowModel, ProfileLeak
 from fem_seal.units import written
 from meshes import ContactGeometry, SealMesh, Sizing, build_contact
 
@@ -165,6 +165,59 @@ class Loads:
         points = tuple(self.points[number] for number in kept)
         tightened = tuple(self.tightened[number] for number in kept) if self.tightened else ()
         return replace(self, points=points, refused=refused, tightened=tightened)
+
+    def path(self, points: Sequence[tuple[float, float]]) -> Iterator[tuple[int | None, tuple[float, float]]]:
+        """Points with their numbers, after what comes before them: the largest load, or each preload of bolts.
+
+        Parameters
+        ----------
+        points : sequence of tuple
+            The first of these loads, or others in their place.
+        """
+        if self.earlier is not None:
+            yield None, self.earlier
+        same = tuple(points) == self.points[: len(points)] and len(self.tightened) >= len(points)
+        preload = None
+        for number, point in enumerate(points):
+            if same and self.tightened[number] != preload:
+                preload = self.tightened[number]
+                yield None, (0.0, preload)
+            yield number, point
+
+    @property
+    def before(self) -> str:
+        """What comes before them, in words; empty for new faces."""
+        if self.bolts is not None:
+            return "tightening the bolts"
+        return "" if self.earlier is None else "the largest earlier load"
+
+    @property
+    def loose(self) -> Loads:
+        """The same with bolts that are yet to be tightened, for each load anew."""
+        return replace(self, earlier=None, tightened=(), solved=False)
+
+    def after_tightening(self, fluid_pressure: float, preload: float) -> Loads:
+        """One load in their place, at a fluid pressure [Pa] and with bolts that have a preload [N]."""
+        point = fluid_pressure, preload
+        return replace(self, points=(point,), refused={}, earlier=(0.0, preload), tightened=())
+
+    def with_preloads(self, bolts: Bolts, preloads: Sequence[float]) -> Loads:
+        """The same with bolts of other preloads.
+
+        Parameters
+        ----------
+        bolts : Bolts
+        preloads : sequence of float
+            Of each load [N].
+        """
+        return replace(
+            self,
+            points=tuple(zip(self.fluid_pressure, preloads, strict=True)),
+            earlier=None if self.earlier is None else (0.0, preloads[0]),
+            bolts=bolts,
+            tightened=tuple(preloads) if self.tightened else (),
+            solved=False,
+        )
 
     @property
     def unsolved_bolts(self) -> Bolts | None:
@@ -743,7 +796,7 @@ class SealFlow:
         """Flow through a contact at a pressure difference [Pa]."""
         return self.flow.leak_of(self._table(profile), self.surface, profile, fluid_pressure)
 
-    def as_first_loaded(self, profile: PressureProfile, largest: FloatArray) -> PressureProfile:
+    def equivalent(self, profile: PressureProfile, largest: FloatArray) -> PressureProfile:
         """Profile of first loading that lets as much through as a contact that was pressed harder before.
 
         Parameters
@@ -754,10 +807,10 @@ class SealFlow:
         """
         ends = np.cumsum([len(one.x) for one in profile.lands])
         after = [
-            replace(one, largest=remembered(one.pressure, largest[end - len(one.x) : end]))
-            for one, end in zip(profile.lands, ends, strict=True)
+            land.after(largest[end - len(land.x) : end])
+            for land, end in zip(profile.lands, ends, strict=True)
         ]
-        return joined([as_first_loaded(self._table(one), one) for one in after])
+        return joined([land.equivalent(self._table(land)) for land in after])
 
     def leak_of(self, contact: ContactSolution, fluid_pressure: float) -> LeakResult:
         """Flow through a contact with the form error of the seal, at a pressure difference [Pa]."""

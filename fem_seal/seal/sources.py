@@ -296,7 +296,8 @@ class NearSolved(Source):
         if problem.follows_path or not self._moves(problem):
             return {}
         contacts = {number: self.loads[number].contact for number in self.numbers}
-        contacts.update({_BEFORE: before for before in largest_before(list(contacts.values()))})
+        for before in largest_before(list(contacts.values())):
+            contacts[_BEFORE] = before
         return {
             number: ContactProblem(
                 model, problem.law, known.pressing_force, known.loads, self.settings, start=known

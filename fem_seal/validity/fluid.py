@@ -11,7 +11,7 @@ import numpy as np
 from fem_seal.profile import PressureProfile
 from fem_seal.seal.bounds import Bounds
 from fem_seal.seal.findings import ORDERS_OF_MAGNITUDE, Finding
-from fem_seal.seal.leak_model import FlowModel, as_first_loaded
+from fem_seal.seal.leak_model import FlowModel
 from fem_seal.seal.load_names import load_name
 from fem_seal.seal.load_result import LoadResult
 from fem_seal.units import rounded, share_text, written
@@ -340,7 +340,7 @@ def _inertia_of(flow: FlowModel, load: LoadResult) -> tuple[GasInertia, float] |
     if not leak.mass_flow or not math.isfinite(leak.mass_flow):
         return None
     assert flow.gas is not None  # of a gas
-    profile = as_first_loaded(table, load.whole if load.circumference is None else here)
+    profile = (load.whole if load.circumference is None else here).equivalent(table)
     with np.errstate(divide="ignore"):
         gap = np.asarray(table.at_log_pressure(np.log(np.maximum(profile.pressure, _NO_PRESSURE))))
     pressure = leak.fluid_pressure + flow.outlet_pressure

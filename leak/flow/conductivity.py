@@ -174,11 +174,24 @@ class ConductivityTable:
     def _log_sealing(self) -> float:
         return math.log(self.sealing_pressure)
 
+    def of_surface(
+        self, surface: YieldingContact, acting: Callable[[FloatArray], FloatArray] | None = None
+    ) -> ConductivityTable:
+        """The same table, with what larger pressures leave behind on a surface.
+
+        Parameters
+        ----------
+        surface : RoughContact
+        acting : callable, optional
+            From nominal pressures to those at which the table is asked, both as logarithms.
+        """
+        return replace(self, memory=LoadMemory(surface), acting=acting)
+
     def scaled(
         self,
         height: float,
         pressure: float,
-        memory: RemembersLoad | None = None,
+        surface: YieldingContact | None = None,
         acting: Callable[[FloatArray], FloatArray] | None = None,
     ) -> ConductivityTable:
         """The table of a surface with all heights times `height` that is asked for pressures times `pressure`.
@@ -187,7 +200,9 @@ class ConductivityTable:
         ----------
         height, pressure : float
             Ratios [-].
-        memory, acting : optional
+        surface : RoughContact, optional
+            That surface, which knows what larger pressures leave behind.
+        acting : callable, optional
             Of that surface.
         """
         table = ConductivityTable(
@@ -196,7 +211,7 @@ class ConductivityTable:
             self.sealing_pressure * pressure,
             self.p_max * pressure,
             self.method,
-            memory,
+            None if surface is None else LoadMemory(surface),
             acting,
         )
         curve = MonotoneCurve(self._curve.x + math.log(pressure), self._curve.y, self._curve.slope)

@@ -73,8 +73,8 @@ class Panels:
     """r [m]."""
     stretch: FloatArray
     """dx/ds, s running from 0 to 1 along the stretch [m]."""
-    first_loading: FloatArray
-    """ln p* of first loading that lets as much through, ln p where nothing larger is remembered."""
+    log_equivalent: FloatArray
+    """ln of the pressure at which new faces let as much through, see `ContactProfile.log_equivalent`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -219,7 +219,7 @@ class ContactProfile:
 
         return replace(self, remembers=remembers)
 
-    def first_loading(self, x: FloatArray, log_p: FloatArray) -> FloatArray:
+    def log_equivalent(self, x: FloatArray, log_p: FloatArray) -> FloatArray:
         """ln p* of first loading that lets as much through as p at x, p itself where nothing larger is remembered."""
         return log_p if self.remembers is None else self.remembers(x, log_p)
 
@@ -238,7 +238,7 @@ class ContactProfile:
         length = (self.x[1:] - self.x[:-1])[:, None]
         x = self.x[:-1, None] + length * t
         log_p = self.log_pressure(x)
-        cells = Panels(log_p, self.radius(x), np.broadcast_to(length, x.shape), self.first_loading(x, log_p))
+        cells = Panels(log_p, self.radius(x), np.broadcast_to(length, x.shape), self.log_equivalent(x, log_p))
         return self._tail_panel(0, -1.0), cells, self._tail_panel(-1, 1.0)
 
     @cached_property
@@ -251,7 +251,7 @@ class ContactProfile:
         asked, weights, begins, place = [], [], [], 0
         for one in parts:
             count = one.stretch.shape[1]
-            asked.append(one.first_loading.ravel())
+            asked.append(one.log_equivalent.ravel())
             weights.append((one.stretch * gauss(count)[1] / (4.0 * np.pi * one.radius)).ravel())
             begins.append(np.arange(place, place + one.stretch.size, count))
             place += one.stretch.size
@@ -280,7 +280,7 @@ class ContactProfile:
         s = last * 0.5 * (1.0 + gauss(_TAIL_NODES)[0])[None, :: int(outward)]
         d = scale * s / (1.0 - s)
         log_p, x = self.log_p[end] - tail.fall(d), self.x[end] + outward * d
-        return Panels(log_p, self.radius(x), last * scale / (1.0 - s) ** 2, self.first_loading(x, log_p))
+        return Panels(log_p, self.radius(x), last * scale / (1.0 - s) ** 2, self.log_equivalent(x, log_p))
 
 
 def _runs(there: BoolArray) -> list[IntArray]:

@@ -568,7 +568,7 @@ def flow_through(
         permeant = permeant.at_narrowest(float(gap.min()))
         ends = potential_ends(permeant, pressure_side)
         whole = _resistance_with_gains(profile, resistance, permeant, permeant.gain(asked, gap), ends)
-        at_peak = float(gap_of(permeant, permeant.sigma(profile.first_loading(x[peak], np.log(p[peak])))))
+        at_peak = float(gap_of(permeant, permeant.sigma(profile.log_equivalent(x[peak], np.log(p[peak])))))
     first, last = potential_ends(permeant, pressure_side)
     before, cells = int(profile.panels[0] is not None), profile.x.size - 1
     passed = np.cumsum(np.concatenate([[0.0], whole]))

@@ -14,7 +14,7 @@ from leak.arrays import FloatArray, IntArray
 from leak.errors import ConductivityError, SurfaceError, positive
 from leak.flow import conductivity as flow
 from leak.flow import medium
-from leak.flow.conductivity import AnyTable, ConductivityTable, GasConductivityTable, LoadMemory
+from leak.flow.conductivity import AnyTable, ConductivityTable, GasConductivityTable
 from leak.flow.rarefied import log_flow_factor
 from leak.numerics.curves import MonotoneCurve, divide_stretches, sample_curve, spline_slopes
 from leak.numerics.roots import bisect_roots, root_of_rising
@@ -984,8 +984,8 @@ def _conductivity_table(
         pressure = np.exp(within.spread(num))
         found = values(pressure)
     pressure, found = pressure[found[:, 0] > 0.0], found[found[:, 0] > 0.0]
-    memory = LoadMemory(surface)
-    liquid = ConductivityTable(pressure, found[:, 0], within.sealing_pressure, p_max, method, memory)
+    table = ConductivityTable(pressure, found[:, 0], within.sealing_pressure, p_max, method)
+    liquid = table.of_surface(surface)
     if not of_gas:
         return liquid
     log_R = found[:, 1:] if with_rarefaction else _log_rarefaction(surface, pressure, method)
@@ -1027,9 +1027,7 @@ def asked_by(surface: RoughContact, table: AnyTable) -> AnyTable:
         The other one.
     table : ConductivityTable or GasConductivityTable
     """
-    return table.with_liquid(
-        replace(table.liquid, memory=LoadMemory(surface), acting=surface.log_equivalent_pressure)
-    )
+    return table.with_liquid(table.liquid.of_surface(surface, surface.log_equivalent_pressure))
 
 
 def _elastic_ends(surface: RoughContact, within: _Range) -> tuple[float, float]:

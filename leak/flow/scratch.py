@@ -373,7 +373,7 @@ def flow_along(
     if permeant.conductivity is None:
         gap = max(float(groove.section.open_depth(p[peak], modulus)) for groove in grooves)
     else:
-        gap = float(gap_of(permeant, permeant.sigma(profile.first_loading(x[peak], np.log(p[peak])))))
+        gap = float(gap_of(permeant, permeant.sigma(profile.log_equivalent(x[peak], np.log(p[peak])))))
     permeant = permeant.at_narrowest(gap)
     networks = _Networks(contact, permeant, modulus, grooves, deeper)
 
@@ -478,7 +478,7 @@ class _Contact:
 
     log_pressure: FloatArray
     """ln(p/Pa), shape (n,)."""
-    first_loading: FloatArray
+    log_equivalent: FloatArray
     """ln p* of first loading at which the roughness lets as much through, shape (n,)."""
     radius: FloatArray
     length: FloatArray
@@ -501,7 +501,7 @@ class _Contact:
         before = 0 if inner is None else inner.log_pressure.size
         count, per_cell = cells.log_pressure.shape
         log_p = np.concatenate([part.log_pressure.ravel() for part in parts])
-        seen = np.concatenate([part.first_loading.ravel() for part in parts])
+        seen = np.concatenate([part.log_equivalent.ravel() for part in parts])
         contact = cls(
             log_p,
             seen,
@@ -556,7 +556,7 @@ class _Contact:
         return self._of(old, length, np.searchsorted(new, edges)[self.nodes]), masks
 
     def _of(self, old: IntArray, length: FloatArray, nodes: IntArray) -> _Contact:
-        log_p, first = self.log_pressure[old], self.first_loading[old]
+        log_p, first = self.log_pressure[old], self.log_equivalent[old]
         return _Contact(log_p, first, self.radius[old], length, self.gap[old], self.x, nodes)
 
 
@@ -581,7 +581,7 @@ class _Networks:
     def _rough(self) -> Callable[[FloatArray], FloatArray]:
         """Mobility of the roughness, flow over the slope of the potential, over the flow pressure (k, n)."""
         fluid, contact = self.permeant, self.contact
-        gain = fluid.gain(contact.first_loading, contact.gap)
+        gain = fluid.gain(contact.log_equivalent, contact.gap)
         sigma = contact.gap**3 / (12.0 * fluid.viscosity)
         rough = 2.0 * np.pi * contact.radius * sigma * fluid.per_potential
         return lambda flow_pressure: rough * gain(flow_pressure)

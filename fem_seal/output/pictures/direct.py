@@ -54,7 +54,7 @@ def curves_picture(table: DirectTable) -> Picture:
     p, q = (np.array([row.pressure for row in rows]) / pressure.size for rows in (load, back))
     theory = [row.theory for row in load if row.theory is not None]
 
-    unloading: dict[str, Any] = {"color": GREEN, "ms": 4.2, "label": "unloading" if back else None}
+    falling: dict[str, Any] = {"color": GREEN, "ms": 4.2, "label": "unloading" if back else None}
 
     for axes, name, size in ((areas, "contact_area", 1.0), (gaps, "mean_gap", length.size)):
         mean, scatter, expected, after = (
@@ -67,7 +67,7 @@ def curves_picture(table: DirectTable) -> Picture:
         if axes is areas and any(row.yielded_area > 0.0 for row in load):
             yielded = [row.yielded_area for row in load]
             axes.plot(p, yielded, "s", mfc="none", color=PURPLE, ms=3.8, label="yielded")
-        axes.plot(q, after, "v", **unloading)
+        axes.plot(q, after, "v", **falling)
     over = f"pressure  [{pressure.name}]"
     label(areas, "Contact area", over, "share of the nominal area", log="xy", legend="best")
     gaps.set_ylim(0.0)
@@ -85,7 +85,7 @@ def curves_picture(table: DirectTable) -> Picture:
         colour = PURPLE if reading is Reading.CONSERVED else ORANGE
         flow.plot(p, positive(shown), "-", color=colour, label=name)
     after = np.array([row.effective_gap for row in back]) / length.size
-    flow.plot(q, positive(after), "v", **unloading)
+    flow.plot(q, positive(after), "v", **falling)
     open_ = bool(np.any(flow.dataLim.intervaly > 0.0) and np.isfinite(flow.dataLim.intervaly).all())
     if not open_:
         # all is tight: a logarithmic axis needs positive numbers

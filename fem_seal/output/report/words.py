@@ -284,11 +284,11 @@ def headline(result: SealSolution) -> str:
     (only,) = opens if len(opens) == 1 else (None,)
     opening = f" It opens at {only}." if only else ""
     beside = told_in_headline(result)
-    more = " ".join(["", *([beside] if beside else []), *remembered(result)])
+    more = " ".join(["", *([beside] if beside else []), *load_notes(result)])
     return _leak_sentence(result) + opening + more + _validity_sentence(result)
 
 
-def remembered(result: SealSolution) -> list[str]:
+def load_notes(result: SealSolution) -> list[str]:
     """Sentence about the load history of the results; empty without one."""
     earlier = earlier_load(result.case.load)
     remembers = any(load.remembers for load in result.loads)

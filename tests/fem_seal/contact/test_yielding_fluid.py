@@ -32,6 +32,7 @@ from fem_seal.contact.penetration import (
     solve_penetration,
 )
 from fem_seal.contact.plastic_step import PathLoad, PlasticSettings
+from fem_seal.contact.solution import largest_before
 from fem_seal.loads import PressureSide
 from fem_seal.materials import HardeningCurve
 from fem_seal.seal.evaluate import evaluate

@@ -413,7 +413,7 @@ def loop() -> SealResult:
 def test_a_run_of_a_path_says_that_it_remembers() -> None:
     up, down = loop().loads
     assert down.remembers and not up.remembers
-    (said,) = words.remembered(loop())
+    (said,) = words.load_notes(loop())
     assert "in the order of the list" in said and said in words.headline(loop())
     with style():
         picture = memory_picture(loop())
@@ -505,13 +505,13 @@ def test_the_report_shows_the_loop_and_names_the_load() -> None:
 
 
 def test_words_say_whether_anything_is_remembered() -> None:
-    (said,) = words.remembered(result())
+    (said,) = words.load_notes(result())
     assert "the plastic deformation from that load remains" in said and all(
         load.remembers for load in result().loads
     )
     first = tuple(first_loading(load) for load in result().loads)
     assert not any(load.remembers for load in first)
-    (said,) = words.remembered(
+    (said,) = words.load_notes(
         replace(result(), loads=first)
     )  # as if the earlier load had been the smaller one
     assert "these results are for first loading" in said
