@@ -105,7 +105,6 @@ AXES = {
             r"remember(s|ed)$",
             r"(?i)earlier",
             r"(?i)first_loading",
-            r"as_first_loaded",
             r"on_new_(surfaces|faces)",
             r"after_(largest|tightening)",
             r"log_largest",

@@ -212,12 +212,12 @@ def _with_return(found: LeakMap, solution: SealSolution) -> LeakMap:
     if math.isclose(before, after, rel_tol=_COMES_BACK):
         return found
     change = f"{100 * (after / before - 1):+.2g} %" if before > 0 else "from nothing"
-    history = caution("load_history", change=change)
+    returned = caution("load_history", change=change)
     validity = tuple(
-        tuple(None if one is None else Validity.of([*one.cautions, history]) for one in row)
+        tuple(None if one is None else Validity.of([*one.cautions, returned]) for one in row)
         for row in found.validity
     )
-    return replace(found, validity=validity, reasons=(*found.reasons, history.text))
+    return replace(found, validity=validity, reasons=(*found.reasons, returned.text))
 
 
 def _with_loads(case: Case, points: Sequence[tuple[float, float]]) -> Case:

@@ -16,7 +16,7 @@ from scipy.optimize import minimize_scalar
 import fem_seal
 import leak
 from fem_seal import InputError
-from fem_seal.answers.leak_map import _with_memory
+from fem_seal.answers.leak_map import _with_return
 from fem_seal.cli import app as cli
 from fem_seal.cli.table import grid
 from fem_seal.output.leak_map import matlab_text, modelica_text, tables_of
@@ -210,10 +210,10 @@ def test_a_body_that_yields_again_makes_a_table_doubtful(water):
 
     first, again = leaking(1e-9), leaking(1.2e-9)
     loads = (first, SimpleNamespace(point=(5e5, 0.0), leak=None), again)
-    told = _with_memory(water, SimpleNamespace(loads=loads))
+    told = _with_return(water, SimpleNamespace(loads=loads))
     assert all(level in ("doubtful", "outside the theory") for row in told.level for level in row)
     assert "changes by +20 %" in told.reasons[-1]
-    assert _with_memory(water, SimpleNamespace(loads=(first, again, first))) is water
+    assert _with_return(water, SimpleNamespace(loads=(first, again, first))) is water
 
 
 # --- files ------------------------------------------------------------------------------------------------
