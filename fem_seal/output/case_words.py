@@ -114,7 +114,7 @@ def chosen_dimensions(case: Case, name: str) -> dict[str, float]:
     }
 
 
-def load_rows(load: Load) -> list[tuple[str, str]]:
+def former_load_rows(load: Load) -> list[tuple[str, str]]:
     """What the report says of a load before those of the case."""
     earlier = earlier_load(load)
     return [("largest earlier load", earlier)] if earlier else []

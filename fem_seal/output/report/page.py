@@ -204,7 +204,7 @@ def _texts_of_case(result: SealSolution) -> dict[str, Any]:
         "dimensions": {name: case_words.listed_dimensions(case, name) for name in case_words.BODIES},
         # for bodies that yield the order of the loads matters
         "points_in_order": points if curves(case) else sorted(points),
-        "load_rows": case_words.load_rows(case.load),
+        "former_load_rows": case_words.former_load_rows(case.load),
         "gas_state": volume_of(case).state,
         "temperature_rows": list(case_words.temperature_rows(case, problem, field)),
         "finish_rows": case_words.finish_rows(case),
