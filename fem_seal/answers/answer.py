@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from contextlib import nullcontext
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, Generic, TypeVar, overload
 
@@ -34,8 +34,8 @@ class Request:
         Solves another case, `fem_seal.answers.chain.solve`, as a run of its own would.
     samples : dict
         Leak rates of samples of the uncertain inputs, see `fem_seal.answers.samples`: no answer calculates them again.
-    lower_half : list of Request
-        The one about a lower flange of its own, once it was asked anything.
+    remarks : list of str
+        What is said besides the findings of the result.
     """
 
     solver: LoadSolver
@@ -46,21 +46,7 @@ class Request:
     answers: dict[str, Any] = field(default_factory=dict)
     solve: Callable[..., SolvedSeal] | None = None
     samples: dict[Any, Any] = field(default_factory=dict)
-    lower_half: list[Request] = field(default_factory=list)
-
-    def of_lower_half(self, seal: SolvedSeal) -> Request:
-        """The one about a lower flange of its own, with its own answers, made on first use.
-
-        Parameters
-        ----------
-        seal : SolvedSeal
-            With the lower flange on both faces.
-        """
-        if not self.lower_half:
-            solver = LoadSolver(seal.problem, seal.model)
-            own = replace(self, solver=solver, steps=OptionalSteps(), answers={}, samples={}, lower_half=[])
-            self.lower_half.append(own)
-        return self.lower_half[0]
+    remarks: list[str] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
@@ -87,9 +73,6 @@ class Answer(Generic[T]):
         Told while it is computed, and then it is timed; empty where `compute` sees to that with `Request.clock`.
     clock : str
         Name of its time; `name` unless given.
-    of_face : bool
-        Whether each of two different flange faces is asked by itself, before the whole seal: `GasketLoad`
-        joins what is known of its loads, and the answer that is kept is that of the upper one.
     needs : tuple of str
         Attributes of the solved seal, such as "case.form", none of which may be None or False where it applies.
     asked_by : str
@@ -106,7 +89,6 @@ class Answer(Generic[T]):
     of_load: Callable[[CaseLoad, int, T], CaseLoad] = lambda load, number, found: load
     doing: str = ""
     clock: str = ""
-    of_face: bool = False
     needs: tuple[str, ...] = ()
     asked_by: str = ""
     needs_unrequested: tuple[str, ...] = ()
@@ -148,35 +130,6 @@ class Answer(Generic[T]):
 
     def __get__(self, result: Any, owner: type[Any]) -> T | Answer[T]:
         return self if result is None else self.of(result.answers)
-
-
-Seal = TypeVar("Seal", bound=SolvedSeal)
-
-
-def answered(seal: Seal, request: Request, answers: Sequence[Answer[Any]]) -> Seal:
-    """A solved seal with what answers know of its loads; they themselves are kept by the inquiry.
-
-    Parameters
-    ----------
-    seal : SolvedSeal
-    request : Request
-    answers : sequence of Answer
-        In their order.
-    """
-    of_face = [one for one in answers if one.of_face]
-    if of_face and seal.lower_half is not None:
-        upper, lower = seal.faces
-        seal = seal.with_faces(
-            answered(upper, request, of_face), answered(lower, request.of_lower_half(lower), of_face)
-        )
-        answers = [one for one in answers if not one.of_face]
-    for answer in answers:
-        if not answer.is_asked_of(seal, request):
-            request.answers[answer.name] = answer.otherwise
-            continue
-        request.answers[answer.name] = found = answer.found(seal, request)
-        seal = seal.with_loads([answer.of_load(load, n, found) for n, load in enumerate(seal.loads)])
-    return seal
 
 
 def _has(seal: SolvedSeal, attribute: str) -> bool:

@@ -19,7 +19,7 @@ import numpy as np
 
 from fem_seal.answers import measurements
 from fem_seal.answers.accuracy import ACCURACY
-from fem_seal.answers.answer import Request, answered
+from fem_seal.answers.answer import Request
 from fem_seal.answers.case_load import CaseLoad, solved_seal
 from fem_seal.answers.conflict import Conflict, Data, conflict_of, data_p_value
 from fem_seal.answers.judgement import PassProbability
@@ -30,6 +30,7 @@ from fem_seal.answers.posterior import Posterior, columns_of
 from fem_seal.answers.response_surface import fit, variables
 from fem_seal.answers.samples import AnyInput, drawn_values, uncertain_inputs
 from fem_seal.answers.solution import SealSolution
+from fem_seal.answers.two_flanges import answered
 from fem_seal.answers.uncertainty import leak_interval
 from fem_seal.answers.verdict import VERDICT, Verdicts, seal_verdict, with_verdicts
 from fem_seal.arrays import FloatArray, IntArray

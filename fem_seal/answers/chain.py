@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from typing import Any, TypeVar
 
 from fem_seal.answers.accuracy import ACCURACY
-from fem_seal.answers.answer import Answer, Request, answered
+from fem_seal.answers.answer import Answer, Request
 from fem_seal.answers.bolts import BOLTS
 from fem_seal.answers.case_load import CaseLoad, SolvedSeal, loads_of, solved_seal
 from fem_seal.answers.compression import COMPRESSION
@@ -27,6 +27,7 @@ from fem_seal.answers.sensitivities import SENSITIVITIES
 from fem_seal.answers.solution import SealSolution
 from fem_seal.answers.standard_tests import SET_PRESSURE, STANDARD_TESTS
 from fem_seal.answers.target import TARGET
+from fem_seal.answers.two_flanges import answered
 from fem_seal.answers.uncertainty import UNCERTAINTY
 from fem_seal.answers.variants import INTERFACE_VARIANTS, OWN_CONTACTS
 from fem_seal.answers.verdict import VERDICT, VERDICT_FORCE
@@ -41,7 +42,7 @@ from fem_seal.seal.load_solver import Clock, LoadSolver, Progress
 from fem_seal.seal.problem import SealProblem
 from fem_seal.seal.scenarios import SCENARIOS
 from fem_seal.units import format_quantity
-from fem_seal.validity.words import not_calculated, sentence
+from fem_seal.validity.words import not_calculated
 from leak import LeakError
 
 # All that is asked of a solved seal, each after those whose answers it uses.
@@ -165,18 +166,10 @@ def solve_profiles(
 def _answered(seal: SolvedSeal, request: Request, answers: Sequence[Answer[Any]]) -> SealSolution:
     seal = answered(seal, request, answers)
     texts = [caution.text for caution in all_cautions(request.answers)]
-    warnings = (*texts, *_of_lower_half(request, texts), *request.steps.failures)
+    warnings = (*texts, *request.remarks, *request.steps.failures)
     return SealSolution(
         **vars(seal), answers=request.answers, warnings=warnings, timings=request.clock.timings
     )
-
-
-def _of_lower_half(request: Request, said: Collection[str]) -> Iterator[str]:
-    """What is said against the lower flange, where it is another one, and not against the upper."""
-    for one in request.lower_half:
-        for text in (*(caution.text for caution in FINDINGS.of(one.answers).cautions), *one.steps.failures):
-            if text not in said:
-                yield sentence("lower_flange", said=text)
 
 
 def _solved(case: Case, clock: Clock, steps: OptionalSteps, *, told: bool = False) -> SolvedSeal:

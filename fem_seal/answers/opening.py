@@ -72,7 +72,6 @@ OPENING = Answer[tuple[Opening, ...]](
     _compute,
     (),
     of_load=lambda load, number, found: load.with_values(**vars(found[number])) if found else load,
-    of_face=True,
 )
 
 

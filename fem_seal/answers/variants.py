@@ -117,7 +117,6 @@ OWN_CONTACTS = Answer[OtherContacts](
     lambda seal, request: any(with_own_contacts(seal.problem)),
     _of_load,
     "contacts and leak rates by the other theory",
-    of_face=True,
 )
 
 
@@ -160,5 +159,4 @@ INTERFACE_VARIANTS = Answer[tuple[Comparison, ...]](
     (),
     doing="comparing elastic and plastic interface law",
     clock="variants",
-    of_face=True,
 )

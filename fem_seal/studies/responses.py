@@ -17,7 +17,7 @@ from typing import Any, TypeVar
 import scipy.interpolate  # noqa: F401
 
 from fem_seal.answers.accuracy import ACCURACY
-from fem_seal.answers.answer import Answer, Request, answered
+from fem_seal.answers.answer import Answer, Request
 from fem_seal.answers.bolts import BOLTS
 from fem_seal.answers.case_load import CaseLoad, solved_seal
 from fem_seal.answers.chain import solve
@@ -26,6 +26,7 @@ from fem_seal.answers.judgement import PassProbability, Verdict
 from fem_seal.answers.opening import OPENING
 from fem_seal.answers.pass_probability import PASS_PROBABILITY, pass_probabilities
 from fem_seal.answers.target import TARGET
+from fem_seal.answers.two_flanges import answered
 from fem_seal.answers.uncertainty import UNCERTAINTY
 from fem_seal.answers.variants import OWN_CONTACTS
 from fem_seal.answers.verdict import VERDICT, VERDICT_FORCE, load_verdict
